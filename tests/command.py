@@ -13,12 +13,12 @@ from martensite.cli import app
 class Command:
     """A command by its words, such as `Command("fit", "h")`."""
 
-    def __init__(self, *words: str) -> None:
-        self.words = words
+    def __init__(self, *words: str, width: int = 150) -> None:
+        self.words, self.width = words, width
 
     def __call__(self, *arguments: str) -> Result:
         """Call it, whatever comes."""
-        return CliRunner().invoke(app, [*self.words, *arguments])
+        return CliRunner(env={"COLUMNS": str(self.width)}).invoke(app, [*self.words, *arguments])
 
     def fine(self, *arguments: str) -> str:
         """What it prints; it must succeed, and say nothing on standard error."""

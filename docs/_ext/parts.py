@@ -22,6 +22,7 @@ from martensite.design.sampling.base import DESIGNS
 from martensite.physics.materials.base import DOUBTFUL, Material, load_material, material_names
 from martensite.physics.materials.names import NAMES
 from martensite.scenario import catalogue
+from martensite.show.summaries.parts import write_default
 from martensite.simulate.measures.base import MEASURES
 from martensite.studies.base import AbstractStudy, Claim, load_study, study_names
 
@@ -141,7 +142,7 @@ def _section(home: str, names: Iterable[str]) -> str:
 
 
 def _parameter(entry: dict[str, Any]) -> tuple[str, ...]:
-    unit, default = entry["unit"] or "", plain(describe.default_of(entry))
+    unit, default = entry["unit"] or "", plain(write_default(entry))
     words = [code(word.strip()) for word in entry["allowed"].split("|")]
     allowed = plain(entry["allowed"]) if entry["unit"] else " ".join(words)
     shown = "" if unit == "1" else code(unit)

@@ -78,7 +78,7 @@ def test_a_bench_is_written() -> None:
     assert (done.exit_code, done.stderr) == (0, ""), done.output
     core = build_c_core(load("held.toml").whole, name="held")
     assert (read("held.h"), read("held.c")) == (core.header, core.source)
-    assert "wrote held.h, held.c, held_example.c" in done.stdout
+    assert "wrote held.h\nwrote held.c\nwrote held_example.c" in done.stdout
     assert f"model: {core.size:,} bytes" in done.stdout
     assert "operations at most" in done.stdout
     step = next(line.split() for line in done.stdout.splitlines() if "step" in line)

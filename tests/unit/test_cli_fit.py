@@ -17,7 +17,7 @@ import pytest
 from command import Command
 from fit_cases import HEATED, ISOBARIC, Rows, edited, heated, isobaric, read_rows, write_log
 
-from martensite.cli import fit_run
+from martensite.cli import fit_logs
 from martensite.fit.watch import Note, Tell
 from martensite.scenario.scenario import load
 
@@ -66,7 +66,7 @@ def test_report_holds_the_truth_and_how_far_to_trust_it() -> None:
 
 def test_text_names_parameters_scores_and_effort() -> None:
     text = FIT.fine(*SMALL)
-    for words in ("A_s", "95 % interval", "degC", "training", "held-out", "are determined"):
+    for words in ("A_s", "95 % interval", "°C", "held out", "are determined"):
         assert words in text
     assert "Residuals are white in 1 of 1" in text
     assert re.search(r"converged; \d+ runs, \d+ with derivatives", text)
@@ -239,7 +239,7 @@ def interrupting(after: int, monkeypatch: pytest.MonkeyPatch) -> list[Note]:
     def bar(describe: Callable[[Note], str]) -> Iterator[Tell | None]:
         yield tell
 
-    monkeypatch.setattr(fit_run, "search_bar", bar)
+    monkeypatch.setattr(fit_logs, "search_bar", bar)
     return notes
 
 

@@ -14,14 +14,14 @@ from command import Command
 from first_order import LINE, STRUCTURE, log, pulses, ramps
 
 from martensite.base.errors import InputError
-from martensite.cli import identify_run
-from martensite.cli.identify_columns import chosen
-from martensite.cli.identify_show import warnings
+from martensite.cli.identify import ANCHOR, IdentifyOptions
+from martensite.cli.identify_columns import choose_columns
 from martensite.identify.blocks.base import BLOCKS
 from martensite.identify.chains.estimate import INTERRUPTED, Options
 from martensite.identify.chains.stages import identify_stages
 from martensite.scenario.model_files import read_model
 from martensite.scenario.sampled_files import read_sampled, write_sampled
+from martensite.show.summaries.identified import collect_warnings
 
 IDENTIFY = Command("identify")
 SIGNALS = ("--input", "duty", "--unit", "duty=%", "--starts", "3")
@@ -56,14 +56,20 @@ def test_columns_of_which_there_is_no_choice_need_not_be_named() -> None:
     assert rows[0].split(",")[3].startswith("position")
     two = [",".join(row.split(",")[:3]) for row in rows]
     Path("two.csv").write_text("\n".join([*two, ""]), encoding="utf-8")
-    assert chosen("two.csv", [], None, []) == (["duty"], "temperature")
-    assert chosen("two.csv", [], "temperature", []) == (["duty"], "temperature")
-    assert chosen("pulses.csv", [], None, ["temperature", "position"]) == (["duty"], "position")
-    assert chosen("pulses.csv", ["duty"], None, ["temperature"]) == (["duty"], "temperature")
+    assert choose_columns("two.csv", [], None, []) == (["duty"], "temperature")
+    assert choose_columns("two.csv", [], "temperature", []) == (["duty"], "temperature")
+    assert choose_columns("pulses.csv", [], None, ["temperature", "position"]) == (
+        ["duty"],
+        "position",
+    )
+    assert choose_columns("pulses.csv", ["duty"], None, ["temperature"]) == (
+        ["duty"],
+        "temperature",
+    )
     with pytest.raises(InputError, match="--input, a column of the logs: `duty`, `temperature`"):
-        chosen("pulses.csv", [], None, [])
+        choose_columns("pulses.csv", [], None, [])
     with pytest.raises(InputError, match="--output"):
-        chosen("pulses.csv", ["duty"], None, [])
+        choose_columns("pulses.csv", ["duty"], None, [])
 
 
 def test_without_another_record_nothing_is_proved() -> None:
@@ -119,7 +125,7 @@ def test_a_search_and_what_it_uses_up() -> None:
 def test_few_searches_that_agree_are_warned_of() -> None:
     one = log("pulses", pulses(1))
     few = identify_stages(one, [STRUCTURE, LINE], one, options=Options(starts=2, refined=2))
-    assert any("only 2 of 2 refined searches" in s for s in warnings(few, [one]))
+    assert any("only 2 of 2 refined searches" in s for s in collect_warnings(few, [one]))
 
 
 def test_an_interrupted_search_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -172,11 +178,10 @@ def test_bad_input(arguments: tuple[str, ...], words: str) -> None:
 
 def test_the_anchor_is_on_where_a_record_begins_at_rest() -> None:
     def given(initial: str, anchor: float | None) -> float:
-        one = identify_run.Given([], [], None, [], None, [], [], None, [], 1, 0, None, initial,
-                                 anchor, 0.0)  # fmt: skip
-        return one.options(0.1).anchor
+        one = IdentifyOptions(initial=initial, anchor=anchor)
+        return one.choose_search(0.1).anchor
 
-    assert given("rest", None) == identify_run.ANCHOR
+    assert given("rest", None) == ANCHOR
     assert given("zero", None) == 0.0
     assert given("estimate", 0.5) == 0.5
 

@@ -32,7 +32,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_it_shows_what_the_store_holds(here: Path) -> None:
     shown = SWEEP.fine("wire.toml", *AXES, *QUICK)
     stroke = Store(here / "wire.zarr").group["stroke"][:]
-    (row,) = (line.split() for line in shown.splitlines() if line.startswith(" stroke"))
+    (row,) = (line.split() for line in shown.splitlines() if line.startswith("stroke"))
     assert float(row[1]) == pytest.approx(1e3 * stroke.min(), rel=1e-5)
     assert float(row[5]) == pytest.approx(1e3 * stroke.max(), rel=1e-5)
     assert "12 of 12 runs, 12 of them now, in steps of at most 0.1 s on `floats`" in shown

@@ -36,7 +36,8 @@ from martensite.show.figures.fit_knowledge import (
 from martensite.show.figures.fit_likelihood import plot_likelihood
 from martensite.show.figures.fit_residuals import plot_fit_residuals
 from martensite.show.figures.style import SIMULATED
-from martensite.show.reports.fit_report import report_files, write_report
+from martensite.show.pages import list_page_files, write_report
+from martensite.show.summaries.fit import summarise_fit
 
 VOID = {"meta", "img", "br", "hr", "link"}
 
@@ -184,7 +185,7 @@ def test_the_table_of_parameters_shows_value_and_intervals(plain: Sample) -> Non
 
 def test_bounds_and_what_is_not_determined_are_in_the_table(poor: Sample) -> None:
     rows = {cells["parameter"]: cells for _, cells in page(poor).table("95 % interval")}
-    assert "(at a bound)" in rows["A_s"]["bounds"] and "(at" not in rows["C_A"]["bounds"]
+    assert rows["A_s"]["remark"] == "at a bound" and "at" not in rows["C_A"]["remark"]
     assert rows["heat_capacity"]["95 % interval"] == "not determined"
 
 
@@ -329,7 +330,7 @@ def test_names_cannot_break_the_page(plain: Sample) -> None:
 def test_markdown_has_its_figures_beside_it(plain: Sample, tmp_path: Path) -> None:
     path, given = tmp_path / "my report.md", profiles(plain.fit)
     written = write_report(plain.fit, path, scenario=plain.scenario, profiles=given)
-    assert written == report_files(plain.fit, path, given)
+    assert written == list_page_files(summarise_fit(plain.fit, None, given), path)
     assert sorted(p for p in tmp_path.rglob("*") if p.is_file()) == sorted(written)
     text = path.read_text(encoding="utf-8")
     places = re.findall(r"!\[[^]]*\]\(([^)]+)\)", text)

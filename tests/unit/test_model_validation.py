@@ -19,7 +19,7 @@ from martensite.show.figures.model import plot_model, plot_model_loop
 from martensite.show.figures.model_axes import thinned
 from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static_blocks
 from martensite.show.figures.model_tests import plot_model_tests
-from martensite.show.reports.model_report import write_model_report
+from martensite.show.pages import write_model_report
 from martensite.signals.sampling.sampled import Sampled
 
 pytestmark = pytest.mark.usefixtures("c_compiler")

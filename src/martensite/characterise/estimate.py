@@ -42,6 +42,18 @@ class MeasuredValue:
         """The same number in another unit: offset + factor · value, with its error."""
         return MeasuredValue(offset + factor * self.value, abs(factor) * self.error, self.freedom)
 
+    def write(self) -> str:
+        """The value with half its interval."""
+        low, high = self.interval()
+        half = 0.5 * (high - low)
+        if half == 0.0:
+            return f"{self.value:.6g}"
+        return (
+            f"{self.value:.6g} ± {half:.2g}"
+            if math.isfinite(half)
+            else f"{self.value:.6g} ± unknown"
+        )
+
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
         """All numbers by name, for JSON."""
         return {

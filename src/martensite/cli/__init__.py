@@ -6,38 +6,21 @@ started and failed, or with 2 on bad input. An error is one sentence on standard
 
 from __future__ import annotations
 
-from martensite.cli import (
-    check,
-    cite,
-    conform,
-    data,
-    demo,
-    design,
-    export,
-    export_c,
-    export_fmu,
-    export_mujoco,
-    fit,
-    fit_logs,
-    identify,
-    law,
-    listings,
-    pareto,
-    run,
-    sensitivity,
-    serve,
-    size,
-    study,
-    sweep,
-    tune,
-)
+from importlib import import_module
+
 from martensite.cli.app import app
 
-__all__ = [
-    "app", "check", "cite", "conform", "data", "demo", "design", "export", "export_c", "export_fmu",
-    "export_mujoco", "fit", "fit_logs", "identify", "law", "listings", "main", "pareto", "run",
-    "sensitivity", "serve", "size", "study", "sweep", "tune",
-]  # fmt: skip
+__all__ = ["app", "main"]
+
+COMMANDS = (
+    "check cite conform data demo design export export_c export_fmu export_mujoco fit fit_film "
+    "fit_logs fit_motor fit_tangents fit_vibration identify law listings pareto run sensitivity "
+    "serve size study sweep tune"
+)
+"""Modules whose commands register themselves."""
+
+for _name in COMMANDS.split():
+    import_module(f"martensite.cli.{_name}")
 
 
 def main() -> None:

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import math
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from martensite.base.errors import InputError
+from martensite.base.formats import write_quantity
+from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.cli.app import app
-from martensite.cli.options import Imports, Json, ScenarioFile, Settings, import_modules
+from martensite.cli.options import (
+    Imports,
+    Json,
+    ScenarioFile,
+    Settings,
+    import_modules,
+    load_scenario,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -22,8 +31,8 @@ if TYPE_CHECKING:
 LEVELS = ("lowest", "highest")
 FEW = 2
 """Drives that are named one by one."""
-HAIR = 1e-9
-"""Part of a step that is rounding."""
+ROUNDING = 1e-9
+"""Part of a step."""
 
 
 @app.command()
@@ -35,32 +44,28 @@ def check(
     One that leaves the envelope (melting, 3 GPa, a strain of 20 %, or a bound of your own) is
     refused.
     """
-    import_modules(modules)
-    from martensite.cli import show
-    from martensite.scenario.overrides import read_settings
-    from martensite.scenario.scenario import load
+    from martensite.show.terminal import print_summary
 
-    loaded = load(scenario, read_settings(settings or []))
-    report = _report(loaded) | _ends(loaded)
+    loaded = load_scenario(scenario, settings, modules)
+    report = _collect(loaded) | _find_ends(loaded)
     if report["leaves"]:
         raise InputError(report["leaves"])
-    if json:
-        show.as_json(report)
-        return
-    show.text(report["title"], "bold")
-    for caution in report["cautions"]:
-        show.text(f"Caution: {caution}", "yellow")
+    print_summary(Summary(loaded.title, list(_describe(report)), report), json)
+
+
+def _describe(report: dict[str, Any]) -> Iterator[Block]:
+    yield from (Sentence(f"Caution: {caution}", "caution") for caution in report["cautions"])
     if report["doubtful"]:
         names = ", ".join(report["doubtful"])
-        show.text(f"Assumed or recalled numbers of {report['material']}: {names}", "yellow")
+        told = f"Assumed or recalled numbers of {report['material']}: {names}"
+        yield Sentence(told, "caution")
     for end in report["end_states"]:
-        show.text(f"Held at {end['words']}")
-        for warning in end["warnings"]:
-            show.text(f"  {warning}", "yellow")
-    show.text(_sound(report))
+        yield Sentence(f"Held at {end['words']}")
+        yield from (Sentence(f"  {warning}", "caution") for warning in end["warnings"])
+    yield Sentence(_tell_steps(report))
 
 
-def _ends(scenario: Scenario) -> dict[str, Any]:
+def _find_ends(scenario: Scenario) -> dict[str, Any]:
     """Where drives that are held lead, and the sentence of a run that leaves the envelope."""
     from martensite.simulate.end_states import find_end_states, leaves_envelope
 
@@ -70,49 +75,47 @@ def _ends(scenario: Scenario) -> dict[str, Any]:
     found = find_end_states(*case)
     leaves = leaves_envelope(*case) if any(end.leaves for end in found) else ""
     rows = [
-        _row(end, f"all drives at their {which}") for end, which in zip(found, LEVELS, strict=False)
+        _collect_end(end, f"all drives at their {which}")
+        for end, which in zip(found, LEVELS, strict=False)
     ]
     return {"end_states": rows, "leaves": leaves}
 
 
-def _row(end: EndState, all_drives: str) -> dict[str, Any]:
+def _collect_end(end: EndState, all_drives: str) -> dict[str, Any]:
     """An end state, ready for JSON; numbers in SI."""
-    from martensite.cli import show
-
     result = end.result
     system = result.system
     units = {drive.name: drive.unit for drive in system.drives()}
-    levels = [f"{name} {show.quantity(v, units[name])}" for name, v in end.levels.items()]
+    levels = [f"{name} {write_quantity(v, units[name])}" for name, v in end.levels.items()]
     held = levels[0].split(" ", 1)[1] if len(levels) == 1 else ", ".join(levels)
     words = [
         f"{result.outputs[name].long_name} "
-        f"{show.quantity(result.columns[name][-1], result.unit(name))}"
+        f"{write_quantity(result.columns[name][-1], result.unit(name))}"
         for name in system.judged()
     ]
     if len(levels) > FEW:
-        held, words = all_drives, list(_highest(result))
+        held, words = all_drives, list(_find_highest(result))
     return {
         "levels": end.levels,
         "leaves": end.leaves,
         "values": {name: result.columns[name][-1] for name in system.judged()},
         "warnings": result.warnings,
         "words": f"{held}: leaves the envelope; the run does not stay there so long"
-        if end.leaves else f"{held}: {', '.join(words)}",
-    }  # fmt: skip
+        if end.leaves
+        else f"{held}: {', '.join(words)}",
+    }
 
 
-def _highest(result: Result) -> Iterator[str]:
+def _find_highest(result: Result) -> Iterator[str]:
     """The highest temperature and stress of many wires in the end."""
-    from martensite.cli import show
-
     for name in ("hottest", "stress"):
         columns = [result.system.label(port, name) for port in result.system.actuators()]
         most = max(result.columns[column][-1] for column in columns)
         words = {"hottest": "highest temperature", "stress": "highest stress"}[name]
-        yield f"{words} {show.quantity(most, result.unit(columns[0]))}"
+        yield f"{words} {write_quantity(most, result.unit(columns[0]))}"
 
 
-def _sound(report: dict[str, Any]) -> str:
+def _tell_steps(report: dict[str, Any]) -> str:
     begin = f"The scenario is sound: {report['duration']:.6g} s"
     if report["period"] is not None:
         return f"{begin} in {report['steps']} periods of {report['period']:.3g} s."
@@ -122,9 +125,7 @@ def _sound(report: dict[str, Any]) -> str:
     )
 
 
-def _report(scenario: Scenario) -> dict[str, Any]:
-    import math
-
+def _collect(scenario: Scenario) -> dict[str, Any]:
     from martensite.physics.materials.base import DOUBTFUL
     from martensite.simulate.api import first_step
 
@@ -141,7 +142,7 @@ def _report(scenario: Scenario) -> dict[str, Any]:
         "doubtful": doubtful,
         "duration": scenario.duration,
         "first_step": step,
-        "steps": max(math.ceil(scenario.duration / step - HAIR), samples - 1),
+        "steps": max(math.ceil(scenario.duration / step - ROUNDING), samples - 1),
         "period": period,
         "tolerance": scenario.tolerance,
     }
@@ -157,47 +158,37 @@ def params(
     modules: Imports = None,
 ) -> None:
     """List the parameters of a part, or all values of a scenario."""
-    import_modules(modules)
-    from martensite.cli import describe, show
+    from martensite.cli import describe
+    from martensite.show.summaries.parts import describe_part
+    from martensite.show.terminal import print_summary
 
     if name.endswith(".toml"):
-        _print_values(Path(name), settings, json)
-    else:
-        found = describe.anywhere(name)
-        if json:
-            show.as_json(found)
-        else:
-            for part in found:
-                describe.print_part(part)
-
-
-def _print_values(path: Path, settings: list[str] | None, json: bool) -> None:
-    from martensite.cli import show
-    from martensite.scenario.overrides import read_settings
-    from martensite.scenario.scenario import load
-
-    rows = _values(load(path, read_settings(settings or [])))
-    if json:
-        show.as_json(rows)
+        rows = _list_values(load_scenario(name, settings, modules))
+        cells = [
+            (r["path"], write_quantity(r["value"], r["unit"]), r["from"], r["meaning"])
+            for r in rows
+        ]
+        table = DataTable(("path", "value", "from", "meaning"), cells)
+        print_summary(Summary("", [table], rows), json)
         return
-    show.table(
-        ("path", "value", "from", "meaning"),
-        [(r["path"], show.quantity(r["value"], r["unit"]), r["from"], r["meaning"]) for r in rows],
-    )
+    import_modules(modules)
+    found = describe.anywhere(name)
+    blocks = [block for part in found for block in describe_part(part)]
+    print_summary(Summary("", blocks, found), json)
 
 
-def _values(scenario: Scenario) -> list[dict[str, Any]]:
+def _list_values(scenario: Scenario) -> list[dict[str, Any]]:
     """Every number of a scenario under the path by which `--set` reaches it."""
     places, known = scenario.places, scenario.origins
     found = [
-        _value(scenario, path, leaf, places.unit(leaf))
+        _collect_value(scenario, path, leaf, places.unit(leaf))
         for leaf in scenario.leaves()
         if (path := places.path(leaf.path)) in known or not places.is_copy(leaf.path)
     ]
-    return [*found, *_levels(scenario)]
+    return [*found, *_list_levels(scenario)]
 
 
-def _levels(scenario: Scenario) -> Iterator[dict[str, Any]]:
+def _list_levels(scenario: Scenario) -> Iterator[dict[str, Any]]:
     """The numbers of the waveforms; their levels are in the unit of what they drive."""
     from martensite.scenario.assemble import waveform_path
     from martensite.signals.base import DRIVE
@@ -208,10 +199,10 @@ def _levels(scenario: Scenario) -> Iterator[dict[str, Any]]:
         begin = waveform_path(scenario.system, name, scenario.places.drive)
         for leaf in waveform.leaves(begin):
             unit = units[name] if leaf.declared.unit == DRIVE else leaf.declared.unit
-            yield _value(scenario, leaf.path, leaf, unit)
+            yield _collect_value(scenario, leaf.path, leaf, unit)
 
 
-def _value(scenario: Scenario, path: str, leaf: Leaf, unit: str) -> dict[str, Any]:
+def _collect_value(scenario: Scenario, path: str, leaf: Leaf, unit: str) -> dict[str, Any]:
     return {
         "path": path,
         "value": leaf.value,

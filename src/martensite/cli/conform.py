@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from martensite.base.summary import Block, Heading, Sentence, Summary
 from martensite.cli.app import app
 from martensite.cli.options import Imports, Json, import_modules
 
@@ -28,21 +30,17 @@ def conform(
     choice of an option. Ends with 1 if a check fails.
     """
     import_modules(modules)
-    from martensite.cli import show
+    from martensite.show.terminal import print_summary
     from martensite.testing import check_target
 
     found = check_target(target)
-    if json:
-        show.as_json([_row(one) for one in found])
-    else:
-        for one in found:
-            _print(one)
+    blocks = [block for one in found for block in _describe(one)]
+    print_summary(Summary("", blocks, [_collect(one) for one in found]), json)
     if not all(one.holds for one in found):
         raise typer.Exit(1)
 
 
-def _row(found: Conformance) -> dict[str, Any]:
-    """A part, ready for JSON."""
+def _collect(found: Conformance) -> dict[str, Any]:
     return {
         "name": found.name,
         "kind": found.kind,
@@ -51,14 +49,12 @@ def _row(found: Conformance) -> dict[str, Any]:
     }
 
 
-def _print(found: Conformance) -> None:
+def _describe(found: Conformance) -> Iterator[Block]:
     """Every promise in a line, and below it what is wrong."""
-    from martensite.cli import show
-
-    show.text(str(found), "bold")
+    yield Heading(str(found))
     faults = {one.check: one for one in found.faults}
     for check, promise in {one.check: one.promise for one in found.findings}.items():
         fault = faults.get(check)
-        show.text(f"  {'kept  ' if fault is None else 'broken'}  {promise}")
+        yield Sentence(f"  {'kept  ' if fault is None else 'broken'}  {promise}")
         if fault is not None:
-            show.text(f"          {fault.part}: {fault.fault}", "red")
+            yield Sentence(f"          {fault.part}: {fault.fault}", "bad")

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.cli.app import app
 from martensite.cli.options import Json
 
@@ -24,18 +25,18 @@ def overview(ctx: typer.Context, json: Json = False) -> None:
 @data.command("list")
 def list_all(json: Json = False) -> None:
     """List the data sets, their licences, and which are on this machine."""
-    from martensite.cli import show
     from martensite.scenario.datasets import dataset_names, describe_dataset
+    from martensite.show.terminal import print_summary
 
     found = [describe_dataset(name) for name in dataset_names()]
-    if json:
-        show.as_json([asdict(dataset) | {"here": _here(dataset.name)} for dataset in found])
-        return
-    rows = [(d.name, d.title, d.licence, str(len(d.files)), _here(d.name)) for d in found]
-    show.table(("data set", "what it is", "licence", "files", "on this machine"), rows)
+    here = {one.name: _count_here(one.name) for one in found}
+    rows = [(d.name, d.title, d.licence, str(len(d.files)), here[d.name]) for d in found]
+    table = DataTable(("data set", "what it is", "licence", "files", "on this machine"), rows)
+    data = [asdict(one) | {"here": here[one.name]} for one in found]
+    print_summary(Summary("", [table], data), json)
 
 
-def _here(name: str) -> str:
+def _count_here(name: str) -> str:
     from martensite.base.errors import DataError
     from martensite.scenario.datasets import describe_dataset, locate_file
 
@@ -55,19 +56,18 @@ def show_one(
     name: Annotated[str, typer.Argument(metavar="NAME", help="A data set.")], json: Json = False
 ) -> None:
     """Show a data set: what it holds, what it is not, where it comes from, its files."""
-    from martensite.cli import show
     from martensite.scenario.datasets import describe_dataset
+    from martensite.show.terminal import print_summary
 
     dataset = describe_dataset(name)
-    if json:
-        show.as_json(asdict(dataset))
-        return
-    show.text(f"{dataset.name}: {dataset.title}", "bold")
-    show.text(dataset.summary)
-    show.text(f"Caution: {dataset.caution}", "yellow")
-    show.text(f"Licence: {dataset.licence}, {dataset.notice}. Source: {dataset.page}")
     rows = [(f"data:{name}/{f.name}", ", ".join(f.layout.columns)) for f in dataset.files.values()]
-    show.table(("file", "columns"), rows)
+    blocks = [
+        Sentence(f"Caution: {dataset.caution}", "caution"),
+        Sentence(f"Licence: {dataset.licence}, {dataset.notice}. Source: {dataset.page}"),
+        DataTable(("file", "columns"), rows),
+    ]
+    title = f"{dataset.name}: {dataset.title}"
+    print_summary(Summary(title, blocks, asdict(dataset), dataset.summary), json)
 
 
 @data.command()
@@ -77,11 +77,8 @@ def fetch(
     json: Json = False,
 ) -> None:
     """Download a data set from its authors, and check every file against its SHA-256."""
-    from martensite.cli import show
     from martensite.scenario import datasets
+    from martensite.show.terminal import print_summary
 
-    folder = datasets.fetch_dataset(name, force)
-    if json:
-        show.as_json({"name": name, "folder": str(folder)})
-    else:
-        show.text(f"{name} is in {folder}")
+    folder = str(datasets.fetch_dataset(name, force))
+    print_summary(Summary(f"{name} is in {folder}", [], {"name": name, "folder": folder}), json)

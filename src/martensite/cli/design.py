@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Option
 
+from martensite.base.errors import InputError, ParameterError
 from martensite.cli.app import app
 from martensite.cli.options import (
     Figure,
@@ -15,56 +18,134 @@ from martensite.cli.options import (
     Json,
     ScenarioFile,
     Settings,
-    import_modules,
+    Text,
+    Texts,
+    load_scenario,
+    read_quantity,
+    spread_options,
 )
+from martensite.cli.outputs import Outputs
+from martensite.cli.waiting import share_bar
+
+if TYPE_CHECKING:
+    from martensite.design.optimise.designed import Designed
+    from martensite.scenario.scenario import Scenario
 
 
-@app.command()
-def design(
-    scenario: ScenarioFile,
-    settings: Settings = None,
+@dataclass(frozen=True)
+class DesignOptions:
+    """What may change, what is wanted, and how it is searched."""
+
     free: Annotated[
-        list[str] | None,
-        typer.Option(
+        Texts,
+        Option(
             metavar="PATH=LOW..HIGH",
             help='What may change, e.g. --free "element.diameter=0.05..0.5 mm" or '
             '--free "drive.peak=1..5 W"; repeatable.',
         ),
-    ] = None,
+    ] = None
     minimise: Annotated[
-        str | None, typer.Option(help='What shall be least, e.g. "max(stress)" [default: energy].')
-    ] = None,
-    maximise: Annotated[str | None, typer.Option(help='What shall be most, e.g. "stroke".')] = None,
+        Text, Option(help='What shall be least, e.g. "max(stress)" [default: energy].')
+    ] = None
+    maximise: Annotated[Text, Option(help='What shall be most, e.g. "stroke".')] = None
     subject: Annotated[
-        list[str] | None,
-        typer.Option(
+        Texts,
+        Option(
             metavar="MEASURE<=LIMIT",
             help='What must hold, e.g. --subject "max(stress) <= 200 MPa"; repeatable.',
         ),
-    ] = None,
+    ] = None
     life: Annotated[
-        str | None,
-        typer.Option(
+        Text,
+        Option(
             help='Keep the limits that the elements declare, with this much to spare, e.g. "10 %".'
         ),
-    ] = None,
+    ] = None
     case: Annotated[
-        list[str] | None,
-        typer.Option(
+        Texts,
+        Option(
             metavar="PATH=VALUE",
             help='Another case in which it must hold, e.g. --case "environment.temperature='
             '35 degC"; repeatable.',
         ),
-    ] = None,
+    ] = None
     grid: Annotated[
         int | None,
-        typer.Option(help="Compare with all designs of a grid of so many points along a number."),
-    ] = None,
-    sample: Annotated[int, typer.Option(help="Designs of the first sample, a power of 2.")] = 64,
-    descents: Annotated[int, typer.Option(help="Designs from which it is descended.")] = 3,
-    seed: Annotated[int, typer.Option(help="Of the sample.")] = 0,
+        Option(help="Compare with all designs of a grid of so many points along a number."),
+    ] = None
+    sample: Annotated[int, Option(help="Designs of the first sample, a power of 2.")] = 64
+    descents: Annotated[int, Option(help="Designs from which it is descended.")] = 3
+    seed: Annotated[int, Option(help="Of the sample.")] = 0
+
+    def check(self) -> None:
+        """Raise `ParameterError` for a number out of range."""
+        if self.sample < 1 or self.sample & (self.sample - 1):
+            raise ParameterError(
+                f"Option `--sample` must be a power of 2, such as 64, but is {self.sample}."
+            )
+        if self.descents < 1:
+            raise ParameterError(f"Option `--descents` must be at least 1, but is {self.descents}.")
+        if self.grid is not None and self.grid < 2:
+            raise ParameterError(f"Option `--grid` must be at least 2, but is {self.grid}.")
+
+    def search(self, scenario: Scenario, *, saved: bool) -> Designed:
+        """The best design.
+
+        Args:
+            scenario: where the search begins.
+            saved: whether the scenario will be written with the numbers found.
+
+        Raises:
+            InputError: the scenario is no open loop, or an option does not fit it.
+            SolveError: no design can be run.
+        """
+        from martensite.cli.design_saved import name_targets, require_written
+        from martensite.design.optimise.optimise import optimise_design
+        from martensite.design.optimise.search import Search
+
+        if scenario.bench is not None:
+            raise InputError(
+                "A scenario with sensors or controllers cannot be designed: take it without them, "
+                "and tune its controller after that."
+            )
+        free = self.free or []
+        if saved:
+            require_written(scenario, free)
+        with share_bar("designing") as tell:
+            found = optimise_design(
+                scenario.system,
+                scenario.waveform,
+                scenario.duration,
+                free,
+                minimise=self.minimise,
+                maximise=self.maximise,
+                subject=self.subject or (),
+                life=read_quantity("life", self.life, "1"),
+                cases=self.case or (),
+                samples=scenario.samples,
+                step=scenario.step,
+                search=Search(sample=self.sample, descents=self.descents, seed=self.seed),
+                written=name_targets(scenario),
+                watch=tell,
+            )
+            if self.grid is None:
+                return found
+            from martensite.design.optimise.judged import Scales
+            from martensite.design.optimise.scan import scan
+
+            watch = None if tell is None else partial(tell, "grid")
+            compared = scan(found.designs, Scales(found.question), self.grid, watch)
+            return replace(found, scan=compared)
+
+
+@app.command()
+@spread_options
+def design(
+    scenario: ScenarioFile,
+    options: DesignOptions,
+    settings: Settings = None,
     save: Annotated[
-        Path | None, typer.Option(help="Scenario with the numbers found to write: .toml.")
+        Path | None, Option(help="Scenario with the numbers found to write: .toml.")
     ] = None,
     figure: Figure = None,
     modules: Imports = None,
@@ -76,19 +157,17 @@ def design(
     Goal and limits are measures of its run, such as stroke, rise-time, energy, max(stress) or
     at(position, time=2 s). The search follows derivatives through the simulation.
     """
-    import_modules(modules)
-    from martensite.cli.design_run import Given, run_design
-    from martensite.cli.design_show import shown
-    from martensite.cli.outputs import Outputs
-    from martensite.scenario.overrides import read_settings
-    from martensite.scenario.scenario import load
-
     outputs = Outputs(save, figure).check(force, data=(".toml",))
-    given = Given(
-        tuple(free or ()), minimise, maximise, tuple(subject or ()), life, tuple(case or ()), grid,
-        sample, descents, seed,
-    )  # fmt: skip
-    given.check()
-    loaded = load(scenario, read_settings(settings or []))
-    found = run_design(loaded, given, saved=save is not None)
-    shown(found, loaded, outputs, json)
+    options.check()
+    loaded = load_scenario(scenario, settings, modules)
+    found = options.search(loaded, saved=save is not None)
+    from martensite.cli.design_saved import write_design
+    from martensite.show.figures.design import plot_design
+    from martensite.show.summaries.design import summarise_design
+
+    outputs.answer(
+        summarise_design(found, loaded.title),
+        json,
+        lambda: write_design(found, loaded),
+        lambda: plot_design(found, loaded.title),
+    )

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from martensite.search.free_numbers import Target
 
 
-def written(scenario: Scenario) -> dict[str, str]:
+def name_targets(scenario: Scenario) -> dict[str, str]:
     """Path in the system of every number that may be free -> its path in the scenario."""
     from martensite.design.optimise.targets import name_level
     from martensite.scenario.assemble import waveform_path
@@ -38,21 +38,21 @@ def require_written(scenario: Scenario, free: Sequence[str]) -> None:
     for text in free:
         name = text.partition("=")[0].strip()
         before, _, last = name.rpartition(".")
-        if last == PEAK and isinstance(_waveform(scenario, f"{before}.").get("file"), str):
+        if last == PEAK and isinstance(_find_waveform(scenario, f"{before}.").get("file"), str):
             raise InputError(
                 f"`{name}` is the peak of a waveform in a file of its own, so no scenario can be "
                 "written with another; leave out --save."
             )
 
 
-def saved(found: Designed, scenario: Scenario) -> str:
+def write_design(found: Designed, scenario: Scenario) -> str:
     """The scenario with the numbers found, as TOML."""
     from martensite.scenario.overrides import as_toml, change_document
 
     numbers: dict[str, Any] = {}
     for one, value in zip(found.question.free, found.numbers, strict=True):
         for target in one.targets:
-            numbers |= _settings(target, value, scenario, whole=one.whole)
+            numbers |= _write_settings(target, value, scenario, whole=one.whole)
     document = change_document(tomllib.loads(scenario.text), numbers)
     sense = "most" if found.question.most else "least"
     goal = f"# designed for the {sense} {found.question.goal.words}"
@@ -61,26 +61,28 @@ def saved(found: Designed, scenario: Scenario) -> str:
     return "\n".join([goal, *limits, *missed, "", as_toml(document)])
 
 
-def _settings(target: Target, value: float, scenario: Scenario, *, whole: bool) -> dict[str, Any]:
+def _write_settings(
+    target: Target, value: float, scenario: Scenario, *, whole: bool
+) -> dict[str, Any]:
     """What a number is in the scenario: by path, as text with a unit."""
     from martensite.scenario.exact_text import exact_text
     from martensite.simulate.steered import PEAK
 
     if target.level is not None and target.level.name == PEAK:
-        return _scaled(target, value / target.value, scenario)
+        return _scale_levels(target, value / target.value, scenario)
     if target.unit == "1":
         return {target.name: int(value) if whole else value}
     return {target.name: exact_text(value, target.unit)}
 
 
-def _scaled(target: Target, factor: float, scenario: Scenario) -> dict[str, Any]:
+def _scale_levels(target: Target, factor: float, scenario: Scenario) -> dict[str, Any]:
     """All levels of a waveform, scaled."""
     from martensite.base import units
     from martensite.scenario.exact_text import exact_text
     from martensite.simulate.driven import by_name
 
     before = target.name.removesuffix("peak")
-    held = _waveform(scenario, before).get("values")
+    held = _find_waveform(scenario, before).get("values")
     if isinstance(held, list):
         values = [
             units.parse_quantity(v, target.unit) if isinstance(v, str) else float(v) for v in held
@@ -95,7 +97,7 @@ def _scaled(target: Target, factor: float, scenario: Scenario) -> dict[str, Any]
     }  # fmt: skip
 
 
-def _waveform(scenario: Scenario, before: str) -> dict[str, Any]:
+def _find_waveform(scenario: Scenario, before: str) -> dict[str, Any]:
     """The table of a waveform in the scenario; empty if there is none."""
     node: Any = tomllib.loads(scenario.text)
     for key in f"{before}waveform".split("."):

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
-import typer
+from typer import Option
 
+from martensite.base.errors import ParameterError, suggest_name
+from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.cli.export import export
-from martensite.cli.options import Force, Imports, Json, ScenarioFile, Settings, import_modules
+from martensite.cli.options import Force, Imports, Json, ScenarioFile, Settings, Text, load_scenario
+from martensite.cli.outputs import Outputs
 
 if TYPE_CHECKING:
     from martensite.export.c_core import CCore
@@ -23,20 +26,16 @@ STEPS = 400
 def c(
     scenario: ScenarioFile,
     settings: Settings = None,
-    out: Annotated[Path, typer.Option(metavar="FOLDER", help="Where to write.")] = Path(),
-    name: Annotated[
-        str | None, typer.Option(help="Name of the files and in them [default: SCENARIO].")
-    ] = None,
+    out: Annotated[Path, Option(metavar="FOLDER", help="Where to write.")] = Path(),
+    name: Annotated[Text, Option(help="Name of the files and in them [default: SCENARIO].")] = None,
     part: Annotated[
         str,
-        typer.Option(
+        Option(
             help="whole; plant: without the loops around it; loop: observers, controllers and "
             "supervisor without the plant, for a controller board."
         ),
     ] = "whole",
-    precision: Annotated[
-        str, typer.Option(help="float64 (double), or float32 (float).")
-    ] = "float64",
+    precision: Annotated[str, Option(help="float64 (double), or float32 (float).")] = "float64",
     modules: Imports = None,
     force: Force = False,
     json: Json = False,
@@ -46,31 +45,27 @@ def c(
     No allocation, no library but libm; in double the results are those of `run`, bit for bit.
     Operations are counted at worst: what is not chosen in a step is not computed.
     """
-    import_modules(modules)
-    from martensite.base.errors import ParameterError, suggest_name
+    from martensite.base.files import replace_file
     from martensite.export.c_names import checked_identifier, make_identifier
-    from martensite.scenario.overrides import read_settings
-    from martensite.scenario.scenario import load
+    from martensite.show.terminal import print_summary
 
     if part not in PARTS:
         raise ParameterError(f"There is no part `{part}`. {suggest_name(part, PARTS)}")
     name = checked_identifier(name or make_identifier(scenario.stem))
-    files = _free(out, name, force)
-    loaded = load(scenario, read_settings(settings or []))
-    core, example = _made(loaded, name, part, precision)
+    files = _check_files(out, name, force)
+    core, example = _make_core(load_scenario(scenario, settings, modules), name, part, precision)
     out.mkdir(exist_ok=True)
     core.write(out)
-    _write(files[-1], example)
-    _answer(core, part, files, json)
+    with replace_file(files[-1]) as written:
+        written.write_text(example, encoding="utf-8", newline="\n")
+    print_summary(_summarise_core(core, part), json, files)
 
 
-def _free(folder: Path, name: str, force: bool) -> list[Path]:
+def _check_files(folder: Path, name: str, force: bool) -> list[Path]:
     """The files that will be written; `DataError` if one is there already.
 
     The folder is made if it is missing, but not what it is in.
     """
-    from martensite.cli.outputs import Outputs
-
     files = [folder / f"{name}{end}" for end in (".h", ".c", "_example.c")]
     missing = not folder.exists()
     for path in [folder.parent / files[1].name] if missing else files:
@@ -78,16 +73,8 @@ def _free(folder: Path, name: str, force: bool) -> list[Path]:
     return files
 
 
-def _write(path: Path, text: str) -> None:
-    from martensite.base.files import replace_file
-
-    with replace_file(path) as part:
-        part.write_text(text, encoding="utf-8", newline="\n")
-
-
-def _made(loaded: Scenario, name: str, part: str, precision: str) -> tuple[CCore, str]:
+def _make_core(loaded: Scenario, name: str, part: str, precision: str) -> tuple[CCore, str]:
     """The core of a part of a scenario, and the text of its example."""
-    from martensite.base.errors import ParameterError
     from martensite.export.c_core import build_c_core
     from martensite.export.c_example import example_text
     from martensite.export.c_loop import build_c_loop
@@ -111,38 +98,37 @@ def _made(loaded: Scenario, name: str, part: str, precision: str) -> tuple[CCore
     return core, example_text(core, *played)
 
 
-def _answer(core: CCore, part: str, files: list[Path], json: bool) -> None:
-    from martensite.cli import show
-
-    counts = {
-        "parameters": len(core.parameters), "constants": core.constants, "states": core.states,
-        "inputs": len(core.inputs), "outputs": len(core.outputs),
-    }  # fmt: skip
-    if json:
-        report: dict[str, Any] = {
-            "name": core.name, "part": part, "described": core.described,
-            "precision": core.precision, "model_bytes": core.size, **counts,
-            "sample_time": core.sample_time, "operations": core.operations,
-            "files": [str(path) for path in files],
-        }  # fmt: skip
-        show.as_json(report)
-        return
-    numbers = ", ".join(f"{kind} {count}" for kind, count in counts.items())
-    show.text(f"{core.described}, {core.precision}")
-    show.text(f"model: {core.size:,} bytes ({numbers})")
-    _show_operations(core)
-    show.text(f"wrote {', '.join(map(str, files))}")
-
-
-def _show_operations(core: CCore) -> None:
-    """How many operations every call takes at most."""
-    from martensite.cli import show
+def _summarise_core(core: CCore, part: str) -> Summary:
+    """What was written, and how many operations every call takes at most."""
     from martensite.export.c_operations import ORDER
 
+    counts = {
+        "parameters": len(core.parameters),
+        "constants": core.constants,
+        "states": core.states,
+        "inputs": len(core.inputs),
+        "outputs": len(core.outputs),
+    }
+    data = {
+        "name": core.name,
+        "part": part,
+        "described": core.described,
+        "precision": core.precision,
+        "model_bytes": core.size,
+        **counts,
+        "sample_time": core.sample_time,
+        "operations": core.operations,
+    }
+    numbers = ", ".join(f"{kind} {count}" for kind, count in counts.items())
     kinds = [kind for kind in ORDER if any(kind in one for one in core.operations.values())]
     rows = [
         [call, str(sum(found.values())), *(str(found.get(kind, 0)) for kind in kinds)]
         for call, found in core.operations.items()
     ]
-    columns = ["operations at most", "sum", *kinds]
-    show.table(columns, rows, right=",".join(columns[1:]))
+    head = ["operations at most", "sum", *kinds]
+    blocks = [
+        Sentence(f"{core.described}, {core.precision}"),
+        Sentence(f"model: {core.size:,} bytes ({numbers})"),
+        DataTable(head, rows, right=range(1, len(head))),
+    ]
+    return Summary("", blocks, data)

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+from typer import Option
 from typer.core import TyperCommand
 
+from martensite.base.errors import InputError
+from martensite.base.formats import write_quantity
+from martensite.base.summary import Sentence, Summary
 from martensite.cli.export import export
 from martensite.cli.options import (
     Force,
@@ -15,9 +19,10 @@ from martensite.cli.options import (
     Json,
     ScenarioFile,
     Settings,
-    import_modules,
-    quantity,
+    load_scenario,
+    read_quantity,
 )
+from martensite.cli.outputs import Outputs
 
 if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
@@ -45,25 +50,21 @@ def mujoco(
     settings: Settings = None,
     out: Annotated[
         Path | None,
-        typer.Option(
-            help="MJCF file to write [default: ./SCENARIO.xml, or ./SCENARIO_snippet.xml]."
-        ),
+        Option(help="MJCF file to write [default: ./SCENARIO.xml, or ./SCENARIO_snippet.xml]."),
     ] = None,
     snippet: Annotated[
         bool,
-        typer.Option(
-            "--snippet", help="Write sites, tendons and motors alone, for a model of your own."
-        ),
+        Option("--snippet", help="Write sites, tendons and motors alone, for a model of your own."),
     ] = False,
     driver: Annotated[
         Path | None,
-        typer.Option(
+        Option(
             metavar="[FILE.py]",
             help="Write a Python program too, which plays the drive of the scenario on the model "
             "[default: SCENARIO_driver.py beside it].",
         ),
     ] = None,
-    timestep: Annotated[str, typer.Option(help="Time step of the model.")] = "2 ms",
+    timestep: Annotated[str, Option(help="Time step of the model.")] = "2 ms",
     modules: Imports = None,
     force: Force = False,
     json: Json = False,
@@ -74,31 +75,30 @@ def mujoco(
     put there by the driver, by `martensite.bridge_of`, or by a `MujocoBridge` with the forces
     printed.
     """
-    import_modules(modules)
-    from martensite.cli.outputs import Outputs
+    from martensite.base.files import replace_file
     from martensite.export.mjcf import to_mjcf
     from martensite.export.mjcf_snippet import to_mjcf_snippet
-    from martensite.scenario.overrides import read_settings
-    from martensite.scenario.scenario import load
+    from martensite.show.terminal import print_summary
 
-    loaded = load(scenario, read_settings(settings or []))
+    loaded = load_scenario(scenario, settings, modules)
     out = out or Path(f"{scenario.stem}{'_snippet' if snippet else ''}.xml")
     Outputs(out, None).check(force, data=(".xml",))
-    dt = quantity("timestep", timestep, "s")
+    dt = read_quantity("timestep", timestep, "s")
     texts = {
         out: to_mjcf_snippet(loaded.system) if snippet else to_mjcf(loaded.system, timestep=dt)
     }
     if driver:
         driver = out.with_name(f"{scenario.stem}_driver.py") if driver == HERE else driver
         Outputs(driver, None).check(force, data=(".py",))
-        texts[driver] = _driver(loaded, driver, None if snippet else out, modules or [])
-    _write(texts)
-    _answer(_report(loaded, texts), json)
+        texts[driver] = _write_driver(loaded, driver, None if snippet else out, modules or [])
+    for path, text in texts.items():
+        with replace_file(path) as part:
+            part.write_text(text, encoding="utf-8")
+    print_summary(_summarise_model(loaded), json, texts)
 
 
-def _driver(loaded: Scenario, driver: Path, model: Path | None, modules: list[str]) -> str:
+def _write_driver(loaded: Scenario, driver: Path, model: Path | None, modules: list[str]) -> str:
     """The text of the driver; `InputError` if the scenario has nothing to play."""
-    from martensite.base.errors import InputError
     from martensite.export.mujoco_driver import driver_text
 
     if loaded.outside or (loaded.bench and loaded.bench.controllers.members()):
@@ -107,39 +107,26 @@ def _driver(loaded: Scenario, driver: Path, model: Path | None, modules: list[st
             "and call your controller before every `step` of a `MujocoBridge`."
         )
     return driver_text(
-        loaded.system, loaded.text, driver, source=loaded.path or Path(), model=model,
+        loaded.system,
+        loaded.text,
+        driver,
+        source=loaded.path or Path(),
+        model=model,
         modules=tuple(modules),
-    )  # fmt: skip
+    )
 
 
-def _write(texts: dict[Path, str]) -> None:
-    from martensite.base.files import replace_file
-
-    for path, text in texts.items():
-        with replace_file(path) as part:
-            part.write_text(text, encoding="utf-8")
-
-
-def _report(loaded: Scenario, files: dict[Path, str]) -> dict[str, Any]:
+def _summarise_model(loaded: Scenario) -> Summary:
     from martensite.export.mjcf import start_forces
 
-    mechanism = loaded.system.mechanism
-    return {
-        "mechanism": mechanism.registered_name,
-        "tendons": start_forces(loaded.system),
-        "left_out": list(mechanism.signals()),
-        "files": [str(path) for path in files],
-    }
-
-
-def _answer(report: dict[str, Any], json: bool) -> None:
-    from martensite.cli import show
-
-    if json:
-        show.as_json(report)
-        return
-    for tendon, force in report["tendons"].items():
-        show.text(f"tendon `{tendon}`: {show.quantity(force, 'N')} at assembly")
-    for name in report["left_out"]:
-        show.text(f"signal `{name}` of the mechanism is left out: it is for the model to say")
-    show.text(f"wrote {', '.join(report['files'])}")
+    mechanism, tendons = loaded.system.mechanism, start_forces(loaded.system)
+    left_out = list(mechanism.signals())
+    data = {"mechanism": mechanism.registered_name, "tendons": tendons, "left_out": left_out}
+    lines = [
+        *(f"tendon `{one}`: {write_quantity(f, 'N')} at assembly" for one, f in tendons.items()),
+        *(
+            f"signal `{one}` of the mechanism is left out: it is for the model to say"
+            for one in left_out
+        ),
+    ]
+    return Summary("", [Sentence(line) for line in lines], data)

@@ -1,16 +1,19 @@
-"""`fit h`: reading the table, what is printed, and the heat-loss model written."""
+"""`fit h`: the film coefficient of a wire from steady states, and the heat-loss model written."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from textwrap import wrap
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
-from martensite.base.errors import DataError, InputError
-from martensite.cli.options import quantity
+from typer import Argument, Option
+
+from martensite.base.errors import DataError, InputError, UnknownNameError
+from martensite.cli.fit import fit
+from martensite.cli.options import Figure, Force, Json, Text, read_quantity, spread_options
+from martensite.cli.outputs import Outputs
 
 if TYPE_CHECKING:
     from martensite.characterise.film_coefficient import FilmFit
@@ -19,35 +22,27 @@ if TYPE_CHECKING:
     from martensite.physics.thermal.base import AbstractCooling
     from martensite.signals.records import Record
 
+ALL = "all"
 ZERO = 273.15
 """0 °C [K]."""
 FILM = "W/m^2/K"
-UNITS = (FILM, "W/m^2/K^2", "W/m^2/K^3")
+UNITS = {"diameter": "m", "length": "m", "ambient": "K", "resistance": "ohm"}
 
 
 @dataclass(frozen=True)
-class Wire:
-    """What the command line says of the wire, in SI; None for what it does not say."""
+class HeatedWire:
+    """What the command line says of the wire; None for what it does not say."""
 
-    diameter: float | None
-    length: float | None
-    ambient: float | None
-    resistance: float | None
+    diameter: Annotated[Text, Option(help='Diameter of the wire, e.g. "0.381 mm".')] = None
+    length: Annotated[Text, Option(help='Length of the wire, e.g. "273 mm".')] = None
+    ambient: Annotated[Text, Option(help='Ambient temperature, e.g. "38.5 degC".')] = None
+    resistance: Annotated[
+        Text, Option(help='Resistance that the voltage heats, e.g. "2.7 ohm".')
+    ] = None
 
-    @classmethod
-    def read(
-        cls, diameter: str | None, length: str | None, ambient: str | None, resistance: str | None
-    ) -> Wire:
-        """Read the options.
-
-        Raises:
-            UnitError: one of them is no quantity, or of another dimension.
-        """
-        given = (
-            ("diameter", diameter, "m"), ("length", length, "m"),
-            ("ambient", ambient, "K"), ("resistance", resistance, "ohm"),
-        )  # fmt: skip
-        return cls(*(None if t is None else quantity(name, t, unit) for name, t, unit in given))
+    def read(self, name: str) -> float | None:
+        """A number in SI."""
+        return read_quantity(name, getattr(self, name), UNITS[name])
 
     def refuse(self, names: Sequence[str], why: str) -> None:
         """Raise `InputError` if an option is given that has no effect."""
@@ -56,14 +51,74 @@ class Wire:
                 raise InputError(f"Option `--{name}` has no effect, since {why}.")
 
     def need(self, name: str, why: str) -> float:
-        """An option in SI; raise `InputError` if it is missing."""
-        found = getattr(self, name)
+        """A number in SI; raise `InputError` if it is missing."""
+        found = self.read(name)
         if found is None:
             raise InputError(f"Option `--{name}` is needed, since {why}.")
         return found
 
 
-def read_points(table: Path, wire: Wire) -> tuple[FilmPoints, str]:
+@fit.command("h")
+@spread_options
+def film(
+    table: Annotated[
+        Path, Argument(metavar="TABLE", help="Steady states, one per row (see below).")
+    ],
+    wire: HeatedWire,
+    form: Annotated[str, Option(help="all, constant, linear, quadratic, or h1=0.")] = ALL,
+    out: Annotated[
+        Path | None, Option(help="Heat-loss model to write: .toml; takes one --form.")
+    ] = None,
+    figure: Figure = None,
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Fit a film coefficient h(T) to steady states, and judge the fit.
+
+    TABLE holds steady states of a heated wire. It needs a column `temperature` and one of:
+    `h [W/m^2/K]`; `power`; `voltage` with `current`; `voltage` with `resistance`, or with
+    --resistance. All but `h` take --diameter, --length and --ambient.
+    """
+    _check_form(form, out)
+    outputs = Outputs(out, figure).check(force, data=(".toml",))
+    points, origin = read_points(table, wire)
+    from martensite.characterise.film_report import judge_film
+    from martensite.show.figures.film_fit import plot_film
+    from martensite.show.summaries.film import summarise_film
+
+    report = judge_film(points)
+    forms = _choose_forms(report, form)
+    title = f"Film coefficient from {table.name}"
+    outputs.answer(
+        summarise_film(report, forms, origin),
+        json,
+        lambda: write_cooling(report, form, table.name),
+        lambda: plot_film(report, forms, title),
+    )
+
+
+def _check_form(form: str, out: Path | None) -> None:
+    from martensite.characterise.film_coefficient import FORMS
+
+    if form not in (ALL, *FORMS):
+        raise UnknownNameError("form of h(T)", form, (ALL, *FORMS))
+    if out is not None and form == ALL:
+        listed = ", ".join(f"`{name}`" for name in FORMS)
+        raise InputError(f"Option `--out` writes one form of h(T): give --form as one of {listed}.")
+
+
+def _choose_forms(report: FilmReport, form: str) -> list[str]:
+    if form == ALL:
+        return list(report.fits)
+    if form not in report.fits:
+        raise InputError(
+            f"{len(report.points)} points do not determine the form `{form}`; "
+            "measure at more temperatures, or fit another form."
+        )
+    return [form]
+
+
+def read_points(table: Path, wire: HeatedWire) -> tuple[FilmPoints, str]:
     """The points of a table, and where their film coefficients come from.
 
     Raises:
@@ -74,28 +129,29 @@ def read_points(table: Path, wire: Wire) -> tuple[FilmPoints, str]:
     from martensite.scenario.tables import read_table
 
     record = read_table(table, interval=1.0)
-    at = tuple(_celsius(kelvin) for kelvin in record["temperature"])
+    at = tuple(_to_celsius(kelvin) for kelvin in record["temperature"])
     if "h" in record.columns:
         if record.units["h"] != FILM:
             raise DataError(f"{table}: column `h` must be in W/(m² K); write `h [{FILM}]`.")
         wire.refuse(("diameter", "length", "resistance"), "the table has a column `h`")
-        given = None if wire.ambient is None else _celsius(wire.ambient)
+        ambient = wire.read("ambient")
+        given = None if ambient is None else _to_celsius(ambient)
         return FilmPoints(at, tuple(record["h"]), given), "column `h`"
-    powers, origin = _powers(record, wire)
+    powers, origin = _read_powers(record, wire)
     sizes = {
         name: wire.need(name, "h = P/[π d l (T - T_a)] is to be found")
         for name in ("diameter", "length", "ambient")
     }
-    ambient = _celsius(sizes.pop("ambient"))
+    ambient = _to_celsius(sizes.pop("ambient"))
     return points_from_power(at, powers, **sizes, ambient_degC=ambient), origin
 
 
-def _celsius(kelvin: float) -> float:
+def _to_celsius(kelvin: float) -> float:
     """A temperature [°C] without the rounding error of its way through kelvin."""
     return round(kelvin - ZERO, 9)
 
 
-def _powers(record: Record, wire: Wire) -> tuple[list[float], str]:
+def _read_powers(record: Record, wire: HeatedWire) -> tuple[list[float], str]:
     """Heating powers [W], and what they were computed from."""
     from martensite.characterise.film_points import powers_from_voltage
 
@@ -120,72 +176,18 @@ def _powers(record: Record, wire: Wire) -> tuple[list[float], str]:
     return powers_from_voltage(record["voltage"], ohms), f"column `voltage` and {ohms:g} ohm"
 
 
-# ---------------------------------------------------------------- printing
-
-
-def print_report(
-    report: FilmReport, forms: Sequence[str], origin: str, written: Sequence[Path]
-) -> None:
-    """Print fits, the sensitivity to the ambient temperature, and the verdicts."""
-    from martensite.cli import show
-
-    share = f"{100.0 * report.level:g} %"
-    show.text(f"h(T) from {len(report.points)} points, {origin}", "bold")
-    show.table(
-        ("form", *(f"h{k} [{unit}]" for k, unit in enumerate(UNITS)), "R²", "adjusted", "AICc"),
-        [_row(form, report.fits[form], report.level) for form in forms],
-        right="R²,adjusted,AICc",
-    )
-    show.text(f"T in degC; ± half the {share} interval.")
-    if report.ambient is not None:
-        rows = [
-            (
-                f"{shift.points.ambient:g}", f"{shift.points.ambient - report.points.ambient:+g}",
-                ", ".join(f"{h:.1f}" for h in shift.points.h),
-                _with_interval(shift.line, 1, report.level), f"{shift.line.r_squared:.4f}",
-            )
-            for shift in report.ambient.shifts
-        ]  # fmt: skip
-        columns = ("ambient [degC]", "shift [K]", f"h [{FILM}]", f"slope [{UNITS[1]}]", "R²")
-        show.table(columns, rows, right="ambient [degC],shift [K],R²")
-    else:
-        show.text("The ambient temperature behind h is not given: what h owes to it is not tested.")
-    for verdict in report.verdicts:
-        show.text(verdict.sentence, "green" if verdict.supported else "yellow")
-    for path in written:
-        show.text(f"wrote {path}")
-
-
-def _row(form: str, fit: FilmFit, level: float) -> tuple[str, ...]:
-    cells = (_with_interval(fit, k, level) if k in fit.terms else "0" for k in range(3))
-    scores = (_score(fit.r_squared, 5), _score(fit.adjusted, 3), _score(fit.aicc, 2))
-    return (form, *cells, *scores)
-
-
-def _score(number: float, digits: int) -> str:
-    """A score; empty where there are too few points for it."""
-    return f"{number:.{digits}f}" if math.isfinite(number) else ""
-
-
-def _with_interval(fit: FilmFit, term: int, level: float) -> str:
-    value = fit.coefficients[term]
-    half = 0.5 * (fit.interval(term, level)[1] - fit.interval(term, level)[0])
-    return f"{value:.5g} ± {half:.2g}" if math.isfinite(half) else f"{value:.5g}"
-
-
-# ---------------------------------------------------------------- the model written
-
-
-def snippet(report: FilmReport, form: str, table: str) -> str:
+def write_cooling(report: FilmReport, form: str, table: str) -> str:
     """The surroundings of a scenario with one fitted form, as TOML with its provenance.
 
     Raises:
         ParameterError: a coefficient is outside what the heat-loss model allows.
     """
+    from martensite.show.summaries.film import UNITS, write_coefficient
+
     fit = report.fits[form]
-    _model(fit)
+    _make_cooling(fit)
     numbers = [(f"h{k}", fit.coefficients[k], UNITS[k]) for k in fit.terms]
-    listed = ", ".join(f"h{k} = {_with_interval(fit, k, report.level)}" for k in fit.terms)
+    listed = ", ".join(f"h{k} = {write_coefficient(fit, k, report.level)}" for k in fit.terms)
     origin = (
         f"Film coefficient fitted to {len(report.points)} points of {table}, form {form}, T in "
         f"degC: {listed} ({100 * report.level:g} %); R² {fit.r_squared:.5f}."
@@ -201,7 +203,7 @@ def snippet(report: FilmReport, form: str, table: str) -> str:
     return "\n".join([*lines, f'cooling = {{ kind = "{kind}", {entries} }}', ""])
 
 
-def _model(fit: FilmFit) -> AbstractCooling:
+def _make_cooling(fit: FilmFit) -> AbstractCooling:
     """The heat-loss model with the fitted numbers; refuses what it does not allow."""
     from martensite.physics.thermal.constant import ConstantCooling
     from martensite.physics.thermal.polynomial import PolynomialCooling

@@ -2,99 +2,230 @@
 
 from __future__ import annotations
 
+import math
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer import Argument, Option
 
+from martensite.base.errors import InputError, UnknownNameError
 from martensite.cli.fit import LOGS, fit
-from martensite.cli.options import Force, Imports, Json, Settings, import_modules
+from martensite.cli.options import (
+    Force,
+    Imports,
+    Json,
+    Settings,
+    Text,
+    Texts,
+    import_modules,
+    read_quantity,
+    spread_options,
+)
+from martensite.cli.outputs import check_absent, check_ending, check_folder
+from martensite.cli.waiting import search_bar, spinner
 
-Text = str | None
-Texts = list[str] | None
+if TYPE_CHECKING:
+    from martensite.base.summary import Summary
+    from martensite.fit.posterior import Posterior
+    from martensite.fit.task import Arranged, LogFit, Task
+    from martensite.fit.watch import Note
+    from martensite.search.profile import Profile
+
+REPORTS, MATERIAL = (".md", ".html"), (".toml",)
+
+
+@dataclass(frozen=True)
+class FitOptions:
+    """What is fitted, and how."""
+
+    scenario: Annotated[
+        list[Path] | None, Option(help="Scenario file; one for all logs, or repeated for each.")
+    ] = None
+    free: Annotated[
+        Texts,
+        Option(
+            metavar="NAME[=LOW..HIGH UNIT][@START]",
+            help='Free parameters, comma-separated or repeated, e.g. A_s,A_f,"C_A=5..12 MPa/K".',
+        ),
+    ] = None
+    each: Annotated[
+        Texts, Option(help="What every log has for itself: parameters, offset[.OUTPUT], delay.")
+    ] = None
+    hold_out: Annotated[
+        Text,
+        Option(
+            help='Kept back from the fit: auto, none, names of logs, or "25 %" [default: auto].'
+        ),
+    ] = None
+    column: Annotated[
+        Texts,
+        Option(
+            metavar="OUTPUT[=COLUMN[*FACTOR]]",
+            help="What is compared [default: all that log and scenario share]; repeatable.",
+        ),
+    ] = None
+    noise: Annotated[
+        Texts, Option(metavar="OUTPUT=AMOUNT", help='Noise of a measurement, e.g. "strain=0.02 %".')
+    ] = None
+    method: Annotated[Text, Option(help="trf, coordinate, or evolution [default: trf].")] = None
+    loss: Annotated[Text, Option(help="linear, soft-l1, huber, or cauchy [default: linear].")] = (
+        None
+    )
+    starts: Annotated[
+        int | None, Option(help="Further starts spread over the bounds [default: 0].")
+    ] = None
+    step: Annotated[
+        Text, Option(help='Longest step, e.g. "0.5 s" [default: to the tolerance].')
+    ] = None
+    columns: Annotated[Text, Option(help="Headings of logs that have none, comma-separated.")] = (
+        None
+    )
+    interval: Annotated[
+        Text, Option(help='Time between rows of logs without times, e.g. "0.1 s".')
+    ] = None
+
+    def read_task(self, logs: Sequence[str], settings: list[str] | None) -> Task:
+        """The task; options go over what a fit file says.
+
+        Raises:
+            InputError: something is missing, or contradicts a fit file.
+        """
+        from martensite.fit.documents import is_fit_file, read_fit_file
+        from martensite.fit.free_parameters import split_list
+        from martensite.scenario.overrides import read_settings
+
+        if any(map(is_fit_file, logs)):
+            self._refuse_beside_fit_file(logs)
+            task = read_fit_file(logs[0])
+        else:
+            task = self._make_task(logs)
+        return task.changed(
+            each=split_list(self.each or []),
+            hold_out=self.hold_out,
+            columns=self.column or (),
+            noise=_read_pairs(self.noise or []),
+            step=read_quantity("step", self.step, "s"),
+            settings=read_settings(settings or []),
+            search={"method": self.method, "loss": self.loss, "starts": self.starts},
+        )
+
+    def _make_task(self, logs: Sequence[str]) -> Task:
+        from martensite.fit.api import task_of
+
+        if not self.scenario:
+            raise InputError("A fit needs --scenario, the file of one; none given.")
+        if not self.free:
+            raise InputError(
+                "A fit needs --free, what is to be found, such as `--free A_s,A_f`; none given."
+            )
+        task = task_of(self.scenario, logs, self.free)
+        interval = read_quantity("interval", self.interval, "s")
+        headings = None if self.columns is None else tuple(self.columns.split(","))
+        read = (replace(one, columns=headings, interval=interval) for one in task.logs)
+        return replace(task, logs=tuple(read))
+
+    def _refuse_beside_fit_file(self, logs: Sequence[str]) -> None:
+        if len(logs) > 1:
+            raise InputError("A fit file stands alone; its records are listed in it.")
+        idle = {
+            "--scenario": self.scenario,
+            "--free": self.free,
+            "--columns": self.columns,
+            "--interval": self.interval,
+        }
+        name = next((name for name, given in idle.items() if given), None)
+        if name is not None:
+            raise InputError(f"Option `{name}` has no effect: the fit file says that.")
+
+
+@dataclass(frozen=True)
+class FitExtras:
+    """What is asked for beside the fit itself, and the files."""
+
+    profile: Annotated[
+        Texts, Option(metavar="NAME", help="Profile likelihood of a parameter; repeatable.")
+    ] = None
+    posterior: Annotated[
+        int | None, Option(metavar="DRAWS", help="Posterior samples to draw; needs NumPyro.")
+    ] = None
+    resume: Annotated[
+        Path | None,
+        Option(metavar="STATE", help="File that keeps the search, and takes it up again."),
+    ] = None
+    report: Annotated[
+        Path | None, Option(help="Report to write: .md (figures beside it) or .html.")
+    ] = None
+    out: Annotated[
+        Path | None, Option(metavar="MATERIAL", help="Material file to write: .toml.")
+    ] = None
+
+    def check(self, arranged: Arranged) -> None:
+        """Refuse before the search what would fail after it."""
+        names = arranged.problem.names
+        unknown = next((name for name in self.profile or () if name not in names), None)
+        if unknown is not None:
+            raise UnknownNameError("free parameter", unknown, names)
+        if self.posterior is not None and self.posterior < 1:
+            raise InputError(f"Option `--posterior` must be at least 1, but is {self.posterior}.")
+        if self.posterior is not None and find_spec("numpyro") is None:
+            raise InputError(
+                "Option `--posterior` needs NumPyro; install it with "
+                "`pip install martensite[posterior]`."
+            )
+
+    def check_files(self, force: bool) -> None:
+        """Raise `DataError` if a file has a wrong ending, no folder, or is there already."""
+        check_ending(self.report, REPORTS)
+        check_ending(self.out, MATERIAL)
+        for path in (self.report, self.out, self.resume):
+            if path is not None:
+                check_folder(path)
+        for path in (self.report, self.out, self._find_figures()):
+            if path is not None:
+                check_absent(path, force)
+
+    def _find_figures(self) -> Path | None:
+        """Folder of the figures of a report that does not hold them."""
+        from martensite.show.pages import HTML, find_figure_folder
+
+        if self.report is None or self.report.suffix.lower() in HTML:
+            return None
+        return find_figure_folder(self.report)
+
+    def write(self, fit: LogFit, summary: Summary) -> list[Path]:
+        """Write what is wanted; the files that were written."""
+        written: list[Path] = []
+        if self.out is not None:
+            from martensite.fit.material_files import write_material
+
+            write_material(fit, self.out, scenario=fit.scenario)
+            written.append(self.out)
+        if self.report is not None:
+            from martensite.show.pages import write_page
+
+            written += write_page(summary, self.report)
+        return written
 
 
 @fit.command(LOGS)
+@spread_options
 def fit_logs(
     logs: Annotated[
         list[str],
-        typer.Argument(
+        Argument(
             metavar="LOG...",
             help="Measured tables with headings such as `strain [%]`, or data:SET/FILE for files "
             "of a published data set; or one fit file (.toml).",
         ),
     ],
-    scenario: Annotated[
-        list[Path] | None,
-        typer.Option(help="Scenario file; one for all logs, or repeated for each."),
-    ] = None,
-    free: Annotated[
-        Texts,
-        typer.Option(
-            metavar="NAME[=LOW..HIGH UNIT][@START]",
-            help='Free parameters, comma-separated or repeated, e.g. A_s,A_f,"C_A=5..12 MPa/K".',
-        ),
-    ] = None,
-    each: Annotated[
-        Texts,
-        typer.Option(help="What every log has for itself: parameters, offset[.OUTPUT], delay."),
-    ] = None,
-    hold_out: Annotated[
-        Text,
-        typer.Option(
-            help='Kept back from the fit: auto, none, names of logs, or "25 %" [default: auto].'
-        ),
-    ] = None,
-    column: Annotated[
-        Texts,
-        typer.Option(
-            metavar="OUTPUT[=COLUMN[*FACTOR]]",
-            help="What is compared [default: all that log and scenario share]; repeatable.",
-        ),
-    ] = None,
-    noise: Annotated[
-        Texts,
-        typer.Option(
-            metavar="OUTPUT=AMOUNT",
-            help='Noise of a measurement, e.g. "strain=0.02 %".',
-        ),
-    ] = None,
+    options: FitOptions,
+    extras: FitExtras,
     settings: Settings = None,
-    method: Annotated[
-        Text, typer.Option(help="trf, coordinate, or evolution [default: trf].")
-    ] = None,
-    loss: Annotated[
-        Text, typer.Option(help="linear, soft-l1, huber, or cauchy [default: linear].")
-    ] = None,
-    starts: Annotated[
-        int | None, typer.Option(help="Further starts spread over the bounds [default: 0].")
-    ] = None,
-    step: Annotated[
-        Text, typer.Option(help='Longest step, e.g. "0.5 s" [default: to the tolerance].')
-    ] = None,
-    columns: Annotated[
-        Text, typer.Option(help="Headings of logs that have none, comma-separated.")
-    ] = None,
-    interval: Annotated[
-        Text, typer.Option(help='Time between rows of logs without times, e.g. "0.1 s".')
-    ] = None,
-    profile: Annotated[
-        Texts, typer.Option(metavar="NAME", help="Profile likelihood of a parameter; repeatable.")
-    ] = None,
-    posterior: Annotated[
-        int | None,
-        typer.Option(metavar="DRAWS", help="Posterior samples to draw; needs NumPyro."),
-    ] = None,
-    resume: Annotated[
-        Path | None,
-        typer.Option(metavar="STATE", help="File that keeps the search, and takes it up again."),
-    ] = None,
-    report: Annotated[
-        Path | None, typer.Option(help="Report to write: .md (figures beside it) or .html.")
-    ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="MATERIAL", help="Material file to write: .toml.")
-    ] = None,
     modules: Imports = None,
     force: Force = False,
     json: Json = False,
@@ -106,12 +237,73 @@ def fit_logs(
     exit code is 1 then.
     """
     import_modules(modules)
-    from martensite.cli.fit_run import Files, Further, Given, run_fit
-
-    given = Given(
-        logs, scenario or [], free or [], each or [], hold_out, column or [], noise or [],
-        settings or [], method, loss, starts, step, columns, interval,
-    )  # fmt: skip
-    files = Files(report, out, resume).check(force)
-    if not run_fit(given.task(), files, Further(profile or [], posterior), json):
+    extras.check_files(force)
+    task = options.read_task(logs, settings)
+    if not run_fit(task, extras, json):
         raise typer.Exit(1)
+
+
+def run_fit(task: Task, extras: FitExtras, json: bool) -> bool:
+    """Do what a task says and show what there is of it; False if it was interrupted."""
+    names = extras.profile or []
+    with spinner("reading logs, choosing steps"):
+        arranged = task.arranged()
+        extras.check(arranged)
+    with search_bar(lambda note: _describe_note(note, task.noise)) as tell:
+        fit = arranged.solved(tell, extras.resume)
+    profiles, posterior = _walk_profiles(fit, names), None
+    if extras.posterior is not None and len(profiles) == len(names):
+        posterior = _draw_posterior(fit, extras.posterior)
+    from martensite.show.summaries.fit import summarise_fit
+    from martensite.show.terminal import print_summary
+
+    title = "" if fit.scenario is None else fit.scenario.title
+    summary = summarise_fit(fit, fit.scenario, profiles, title, posterior)
+    with spinner("writing"):
+        written = extras.write(fit, summary)
+    print_summary(summary, json, written)
+    whole = len(profiles) == len(names) and (posterior is None) == (extras.posterior is None)
+    if not whole:
+        typer.echo("interrupted: profiles or samples are missing", err=True)
+    return whole and fit.reason != "interrupted"
+
+
+def _draw_posterior(fit: LogFit, draws: int) -> Posterior | None:
+    """Samples; None if they were interrupted."""
+    from martensite.fit.posterior import posterior
+
+    try:
+        return posterior(fit, draws=draws, progress=sys.stderr.isatty())
+    except KeyboardInterrupt:
+        return None
+
+
+def _walk_profiles(fit: LogFit, names: Sequence[str]) -> list[Profile]:
+    """Profiles; fewer if they were interrupted."""
+    from martensite.fit.profiled import profile_likelihood
+
+    walked: list[Profile] = []
+    try:
+        for name in names:
+            with spinner(f"profile of {name}"):
+                walked.append(profile_likelihood(fit, name))
+    except KeyboardInterrupt:
+        return walked
+    return walked
+
+
+def _describe_note(note: Note, noise: Mapping[str, Any]) -> str:
+    """What a search tells, for its bar."""
+    root = math.sqrt(note.cost)
+    size = f"{root:.3g} of noise" if noise else f"{100.0 * root:.3g} % of range"
+    return f"{note.stage}: best RMS {size}, {note.simulations} runs"
+
+
+def _read_pairs(texts: Sequence[str]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise InputError(f'`{text}` is no noise; write `OUTPUT=AMOUNT`, e.g. "strain=0.02 %".')
+        found[name.strip()] = value.strip()
+    return found

@@ -1,31 +1,64 @@
-"""`fit motor`: reading the tests of a DC motor, and what is printed."""
+"""`fit motor`: constants of a DC motor from its tests."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Argument, Option
 
 from martensite.base.errors import DataError, InputError
-from martensite.cli.fit_vibration import estimate_row
-from martensite.cli.options import quantity
+from martensite.cli.fit import fit
+from martensite.cli.options import Json, Text, read_positive
+from martensite.cli.outputs import Outputs
 
 if TYPE_CHECKING:
-    from martensite.characterise.motor_constants import MotorConstants
     from martensite.characterise.motor_tests import SteadyRunning, Winding
     from martensite.characterise.time_constant import Rise
     from martensite.signals.records import Record
 
-SYMBOLS = {
-    "resistance": "R",
-    "inductance": "L",
-    "constant": "K_T = K_B",
-    "friction": "b",
-    "dry_friction": "F_c",
-    "inertia": "J",
-}
 SPEED = "rad/s"
 SPEEDS = (SPEED, "rpm")
 """Units of a speed; those of a frequency would leave open what turns once."""
+
+
+@fit.command("motor")
+def motor(
+    steady: Annotated[
+        Path, Argument(metavar="STEADY", help="Steady states: `voltage`, `current`, `speed`.")
+    ],
+    locked: Annotated[
+        Path | None, Option(help="Rotor held still: `voltage` and `current`.")
+    ] = None,
+    resistance: Annotated[Text, Option(help='Resistance instead, e.g. "41 ohm".')] = None,
+    current_rise: Annotated[
+        Path | None, Option(help="Step of the voltage, rotor held: `time` and `current`.")
+    ] = None,
+    inductance: Annotated[Text, Option(help='Inductance instead, e.g. "3 mH".')] = None,
+    run_up: Annotated[
+        Path | None, Option(help="Step of the voltage, rotor free: `time` and `speed`.")
+    ] = None,
+    json: Json = False,
+) -> None:
+    """Constants of a DC motor from its tests.
+
+    The resistance and the steady states give K_T = K_B and friction, viscous and dry; a run-up
+    gives the inertia. Records of a step begin after it. Speeds are in rad/s or rpm.
+    """
+    winding = read_winding(locked, resistance)
+    coil = read_positive("inductance", inductance, "H")
+    states = read_steady(steady)
+    from martensite.characterise.motor_constants import estimate_motor_constants
+    from martensite.show.summaries.motor import summarise_motor
+
+    found = estimate_motor_constants(
+        states,
+        winding,
+        current_rise=read_rise(current_rise, "current"),
+        inductance=coil,
+        run_up=read_rise(run_up, "speed"),
+    )
+    Outputs(None, None).answer(summarise_motor(found, len(states.speeds)), json)
 
 
 def read_winding(locked: Path | None, resistance: str | None) -> Winding:
@@ -42,19 +75,9 @@ def read_winding(locked: Path | None, resistance: str | None) -> Winding:
     if (locked is None) == (resistance is None):
         raise InputError("Give the resistance in one way: --locked TABLE or --resistance.")
     if locked is None:
-        return Winding(MeasuredValue(_positive("resistance", str(resistance), "ohm")))
+        return Winding(MeasuredValue(read_positive("resistance", str(resistance), "ohm")))
     record = read_table(locked, interval=1.0)
     return winding_resistance(record["voltage"], record["current"])
-
-
-def read_inductance(inductance: str | None) -> float | None:
-    """Inductance [H] as given; None if it is not.
-
-    Raises:
-        InputError: it is not above 0.
-        UnitError: it is no quantity, or of another dimension.
-    """
-    return None if inductance is None else _positive("inductance", inductance, "H")
 
 
 def read_steady(path: Path) -> SteadyRunning:
@@ -67,7 +90,7 @@ def read_steady(path: Path) -> SteadyRunning:
     from martensite.scenario.tables import read_table
 
     record = read_table(path, interval=1.0)
-    return steady_running(record["voltage"], record["current"], _speeds(record))
+    return steady_running(record["voltage"], record["current"], _read_speeds(record))
 
 
 def read_rise(path: Path | None, column: str) -> Rise | None:
@@ -84,11 +107,11 @@ def read_rise(path: Path | None, column: str) -> Rise | None:
     record = read_table(path)
     if record.interval is not None:
         raise DataError(f"`{path.name}` has no column `time`; a rise needs one, `time [s]`.")
-    values = _speeds(record) if column == "speed" else record[column]
+    values = _read_speeds(record) if column == "speed" else record[column]
     return fit_rise(record.times, values)
 
 
-def _speeds(record: Record) -> list[float]:
+def _read_speeds(record: Record) -> list[float]:
     """Column `speed` [rad/s]."""
     from martensite.base import units
 
@@ -99,30 +122,3 @@ def _speeds(record: Record) -> list[float]:
             f"`{unit}`; write for example `speed [rpm]`."
         )
     return [units.to_si(number, unit, SPEED) for number in numbers]
-
-
-def _positive(name: str, text: str, unit: str) -> float:
-    found = quantity(name, text, unit)
-    if not found > 0.0:
-        raise InputError(f"Option `--{name}` must be above 0 {unit}, but is {found:g} {unit}.")
-    return found
-
-
-def print_motor(found: MotorConstants, states: int) -> None:
-    """Print the constants, and what is doubtful."""
-    from martensite.base.confidence import LEVEL
-    from martensite.characterise.motor_constants import UNITS
-    from martensite.cli import show
-
-    show.text(f"DC motor from {states} steady states", "bold")
-    rows = [
-        estimate_row(f"{symbol}, {name.replace('_', ' ')}", getattr(found, name), UNITS[name])
-        for name, symbol in SYMBOLS.items()
-        if getattr(found, name) is not None
-    ]
-    show.table(("constant", "value", "unit"), rows, right="value")
-    show.text(f"± half the {100 * LEVEL:g} % interval; a number that was given has none.")
-    if found.run_up_time is not None:
-        show.text(f"R J/(K_T K_B) = {found.run_up_time:.4g} s")
-    for remark in found.remarks:
-        show.text(remark, "yellow")

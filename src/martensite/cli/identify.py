@@ -2,92 +2,208 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+from typer import Argument, Option
 
+from martensite.base.errors import InputError, suggest_name
 from martensite.cli.app import app
-from martensite.cli.options import Figure, Force, Imports, Json, import_modules
+from martensite.cli.identify_columns import choose_columns
+from martensite.cli.options import (
+    Figure,
+    Force,
+    Imports,
+    Json,
+    Text,
+    Texts,
+    import_modules,
+    read_positive,
+    read_quantity,
+    spread_options,
+)
+from martensite.cli.outputs import Outputs, open_parts
+from martensite.cli.waiting import share_bar, spinner
 
-Text = str | None
-Texts = list[str] | None
+if TYPE_CHECKING:
+    from martensite.identify.chains.estimate import Options
+    from martensite.identify.chains.stages import Identified, ModelStage
+    from martensite.signals.sampling.sampled import Sampled
+
+ANCHOR = 0.1
+"""Weight of rest where a record begins there, in shares of all rows."""
 
 
-@app.command()
-def identify(
-    logs: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="LOG...",
-            help="Logs to fit, all at once: text with headings such as `position [mm]`, .parquet, "
-            ".mat or .nc; or data:SET/FILE.",
-        ),
-    ],
+@dataclass(frozen=True)
+class IdentifyOptions:
+    """What is identified, and how."""
+
     inputs: Annotated[
-        Texts, typer.Option("--input", metavar="COLUMN", help="Column that goes in; repeatable.")
-    ] = None,
+        Texts, Option("--input", metavar="COLUMN", help="Column that goes in; repeatable.")
+    ] = None
     output: Annotated[
         Text,
-        typer.Option(
-            metavar="COLUMN", help="Column that comes out at the end; several with commas."
-        ),
-    ] = None,
+        Option(metavar="COLUMN", help="Column that comes out at the end; several with commas."),
+    ] = None
     stage: Annotated[
         Texts,
-        typer.Option(
+        Option(
             metavar="BLOCKS[->COLUMN]",
             help='Blocks in series, e.g. --stage "poly2 | oe(3,3,1) | pwl10"; braces, as in '
             "--search, make a choice of it. Repeated, each stage goes on from the measured column "
             "that the one before names.",
         ),
-    ] = None,
+    ] = None
     search: Annotated[
         Text,
-        typer.Option(
+        Option(
             metavar="PATTERN",
             help='Structures to choose from, e.g. --search "poly{1..3} | oe({2,3},3,1) | pwl10".',
         ),
-    ] = None,
+    ] = None
     validate: Annotated[
         Texts,
-        typer.Option(
-            metavar="LOG", help="Log of another cadence that a search chooses by; repeatable."
-        ),
-    ] = None,
-    other: Annotated[
-        Texts, typer.Option(metavar="LOG", help="Log that is only scored; repeatable.")
-    ] = None,
+        Option(metavar="LOG", help="Log of another cadence that a search chooses by; repeatable."),
+    ] = None
+    other: Annotated[Texts, Option(metavar="LOG", help="Log that is only scored; repeatable.")] = (
+        None
+    )
     interval: Annotated[
-        Text, typer.Option(help='Sample time to fit at, e.g. "20 ms" [default: that of the log].')
-    ] = None,
+        Text, Option(help='Sample time to fit at, e.g. "20 ms" [default: that of the log].')
+    ] = None
     unit: Annotated[
         Texts,
-        typer.Option(
+        Option(
             metavar="COLUMN=UNIT", help='Unit of a column in the model, e.g. "duty=%"; repeatable.'
         ),
-    ] = None,
-    starts: Annotated[int, typer.Option(min=1, help="Searches from different starts.")] = 12,
-    seed: Annotated[int, typer.Option(min=0, help="Of the random starts.")] = 0,
+    ] = None
+    starts: Annotated[int, Option(min=1, help="Searches from different starts.")] = 12
+    seed: Annotated[int, Option(min=0, help="Of the random starts.")] = 0
     skip: Annotated[
-        Text, typer.Option(help='Time at the start of every log that does not count, e.g. "2 s".')
-    ] = None,
-    initial: Annotated[
-        str, typer.Option(help="State at the first row: rest, zero, or estimate.")
-    ] = "rest",
+        Text, Option(help='Time at the start of every log that does not count, e.g. "2 s".')
+    ] = None
+    initial: Annotated[str, Option(help="State at the first row: rest, zero, or estimate.")] = (
+        "rest"
+    )
     anchor: Annotated[
         float | None,
-        typer.Option(
+        Option(
             min=0.0,
             help="Weight of the rest before the input first changes, as a share of all rows "
             "[default: 0.1 where --initial is rest, else 0].",
         ),
-    ] = None,
+    ] = None
     ridge: Annotated[
-        float, typer.Option(min=0.0, help="Pull of free numbers to their start, e.g. 1e-6.")
-    ] = 0.0,
+        float, Option(min=0.0, help="Pull of free numbers to their start, e.g. 1e-6.")
+    ] = 0.0
+
+    def plan_stages(self) -> list[ModelStage]:
+        """The stages.
+
+        Raises:
+            InputError: something is missing, or contradicts something else.
+        """
+        from martensite.identify.chains.stages import ModelStage
+
+        if bool(self.stage) == (self.search is not None):
+            raise InputError(
+                "Identification needs --stage, blocks such as `poly2 | oe(3,3,1) | pwl10`, or "
+                "--search, a pattern of them; give one of the two."
+            )
+        texts = [self.search] if self.search is not None else list(self.stage or ())
+        output = self.output or ""
+        read = [
+            ModelStage.read(text, output if k == len(texts) else None)
+            for k, text in enumerate(texts, start=1)
+        ]
+        if read[-1].outputs != ModelStage("", output).outputs:
+            raise InputError(
+                f"The last stage gives `{read[-1].output}`, but --output is `{output}`."
+            )
+        return read
+
+    def complete_columns(self, log: str) -> IdentifyOptions:
+        """With the columns that the first log leaves no choice of.
+
+        Raises:
+            InputError: it leaves a choice.
+        """
+        given = [
+            name.strip() for text in self.inputs or () for name in text.split(",") if name.strip()
+        ]
+        arrows = [text.partition("->")[2].strip() for text in self.stage or ()]
+        named = [name.strip() for arrow in arrows for name in arrow.split(",") if name.strip()]
+        last = arrows[-1] if arrows else ""
+        inputs, output = choose_columns(log, given, self.output or last or None, named)
+        return replace(self, inputs=inputs, output=output)
+
+    def read_records(
+        self, fitted: Sequence[str], outputs: Sequence[str]
+    ) -> tuple[list[Sampled], ...]:
+        """Records to fit, to validate with, and others, all of one sample time."""
+        interval = read_positive("interval", self.interval, "s")
+        groups: list[list[Sampled]] = []
+        for logs in (fitted, self.validate or (), self.other or ()):
+            group: list[Sampled] = []
+            for log in logs:
+                record = self._read_record(log, outputs, interval)
+                interval = record.interval
+                group.append(record)
+            groups.append(group)
+        return tuple(groups)
+
+    def _read_record(self, log: str, outputs: Sequence[str], interval: float | None) -> Sampled:
+        from martensite.scenario.sampled_files import read_sampled
+
+        return read_sampled(log, self.inputs or [], outputs, interval, self._read_units())
+
+    def _read_units(self) -> dict[str, str]:
+        found: dict[str, str] = {}
+        for text in self.unit or ():
+            name, equals, spelling = text.partition("=")
+            if not equals or not spelling.strip():
+                raise InputError(f'`{text}` is no unit; write `COLUMN=UNIT`, e.g. "duty=%".')
+            found[name.strip()] = spelling.strip()
+        return found
+
+    def choose_search(self, interval: float) -> Options:
+        """How stages are estimated at a sample time."""
+        from martensite.identify.chains.estimate import Options
+        from martensite.identify.chains.residuals import STARTS
+
+        if self.initial not in STARTS:
+            raise InputError(
+                f"Option `--initial` is `{self.initial}`. {suggest_name(self.initial, STARTS)}"
+            )
+        rest = ANCHOR if self.initial == "rest" else 0.0
+        seconds = read_quantity("skip", self.skip, "s") or 0.0
+        return Options(
+            starts=self.starts,
+            seed=self.seed,
+            skip=max(round(seconds / interval), 0),
+            start=self.initial,
+            anchor=rest if self.anchor is None else self.anchor,
+            ridge=self.ridge,
+        )
+
+
+@app.command()
+@spread_options
+def identify(
+    logs: Annotated[
+        list[str],
+        Argument(
+            metavar="LOG...",
+            help="Logs to fit, all at once: text with headings such as `position [mm]`, .parquet, "
+            ".mat or .nc; or data:SET/FILE.",
+        ),
+    ],
+    options: IdentifyOptions,
     save: Annotated[
-        Path | None, typer.Option(metavar="MODEL", help="Model file to write: .json.")
+        Path | None, Option(metavar="MODEL", help="Model file to write: .json.")
     ] = None,
     figure: Figure = None,
     modules: Imports = None,
@@ -103,13 +219,63 @@ def identify(
     of another cadence. Ctrl-C ends a search and keeps the best so far; the exit code is 1 then.
     """
     import_modules(modules)
-    from martensite.cli.identify_run import Given, run_identify
-    from martensite.cli.outputs import Outputs
-
     outputs = Outputs(save, figure).check(force, data=(".json",))
-    given = Given(
-        logs, inputs or [], output, stage or [], search, validate or [], other or [], interval,
-        unit or [], starts, seed, skip, initial, anchor, ridge,
-    )  # fmt: skip
-    if not run_identify(given, outputs, json):
+    options = options.complete_columns(logs[0])
+    stages = options.plan_stages()
+    with spinner("reading logs"):
+        names = list(dict.fromkeys(name for stage in stages for name in stage.outputs))
+        fitted, validation, other = options.read_records(logs, names)
+        search = options.choose_search(fitted[0].interval)
+    from martensite.identify.chains.estimate import INTERRUPTED
+    from martensite.identify.chains.stages import identify_stages
+    from martensite.show.summaries.identified import summarise_identified
+    from martensite.show.terminal import print_summary
+
+    ended: list[str] = []
+    with share_bar("identifying") as bar:
+
+        def tell(text: str, share: float) -> None:
+            if INTERRUPTED in text:
+                ended.append(text)
+            if bar is not None:
+                bar(text, share)
+
+        found = identify_stages(fitted, stages, validation, other, search, tell)
+    records = [*fitted, *validation, *other]
+    written = _write_files(found, outputs, records)
+    print_summary(summarise_identified(found, records), json, written)
+    if ended or not all(one is None or one.complete for one in found.searches):
+        typer.echo("interrupted: this is the best so far", err=True)
         raise typer.Exit(1)
+
+
+def _write_files(found: Identified, outputs: Outputs, records: Sequence[Sampled]) -> list[Path]:
+    """Write model and figure; the files that were written."""
+    written = outputs.paths()
+    with open_parts(outputs) as files:
+        if files.data is not None:
+            _save_model(found, files.data)
+        if files.figure is not None:
+            from martensite.show.figures.files import write_figure
+            from martensite.show.figures.identified import plot_identified
+
+            write_figure(plot_identified(found, records), files.figure)
+    if outputs.data is not None and len(found.estimates) > 1:
+        for k, one in enumerate(found.estimates, start=1):
+            from martensite.scenario.model_files import model_provenance, write_model
+
+            beside = outputs.data.with_name(f"{outputs.data.stem}.stage{k}.json")
+            write_model(one.chain, beside, model_provenance(one))
+            written.append(beside)
+    return written
+
+
+def _save_model(found: Identified, path: Path) -> None:
+    from dataclasses import asdict
+
+    from martensite.scenario.model_files import model_provenance, write_model
+
+    stages = [model_provenance(one) for one in found.estimates]
+    origin = stages[0] if len(stages) == 1 else {"stages": stages}
+    scores = [asdict(score) for score in found.scores]
+    write_model(found.model, path, origin | {"scores_of_free_runs": scores})

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from martensite.base.errors import InputError
 
 
-def columns_of(log: str) -> list[str]:
+def list_columns(log: str) -> list[str]:
     """Names of the columns of a text log, without its time; none for logs of other kinds."""
     from martensite.scenario.sampled_files import TEXT
     from martensite.scenario.tables import read_table
@@ -17,7 +17,7 @@ def columns_of(log: str) -> list[str]:
     return [name for name in read_table(log, gaps=True, interval=None).columns if name != "time"]
 
 
-def chosen(
+def choose_columns(
     log: str, inputs: Sequence[str], output: str | None, named: Sequence[str]
 ) -> tuple[list[str], str]:
     """Inputs and last output: those given, else what alone is left in the log.
@@ -33,22 +33,22 @@ def chosen(
     """
     if inputs and output is not None:
         return list(inputs), output
-    found = columns_of(log)
+    found = list_columns(log)
     free = [name for name in found if name not in (*inputs, *named, output)]
     if not inputs:
         last = output is not None or bool(named)
         if len(free) != (1 if last else 2):
-            raise InputError(_lacking("--input", found))
+            raise InputError(_explain_lack("--input", found))
         inputs, free = free[:1], free[1:]
     if output is None and named:
         output = named[-1]
     if output is None:
         if len(free) != 1:
-            raise InputError(_lacking("--output", found))
+            raise InputError(_explain_lack("--output", found))
         output = free[0]
     return list(inputs), output
 
 
-def _lacking(option: str, found: Sequence[str]) -> str:
+def _explain_lack(option: str, found: Sequence[str]) -> str:
     listed = f": {', '.join(f'`{name}`' for name in found)}" if found else ""
     return f"Identification needs {option}, a column of the logs{listed}; none given."

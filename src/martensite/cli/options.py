@@ -2,47 +2,86 @@
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable
+from dataclasses import MISSING, fields, is_dataclass
+from functools import wraps
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints, overload
 
-import typer
+from typer import Argument, Option
 
-from martensite.base.errors import UnitError
+from martensite.base.errors import InputError, UnitError
 
-Json = Annotated[bool, typer.Option("--json", help="Print JSON instead of text.")]
-ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO", help="A scenario file (TOML).")]
+if TYPE_CHECKING:
+    from martensite.scenario.scenario import Scenario
+
+Text = str | None
+Texts = list[str] | None
+Json = Annotated[bool, Option("--json", help="Print JSON instead of text.")]
+ScenarioFile = Annotated[Path, Argument(metavar="SCENARIO", help="A scenario file (TOML).")]
+StoreFolder = Annotated[Path, Argument(metavar="STORE", help="A sweep (Zarr).")]
 Settings = Annotated[
-    list[str] | None,
-    typer.Option(
+    Texts,
+    Option(
         "--set",
         metavar="PATH=VALUE",
         help='Change a value of the scenario, e.g. --set element.diameter="0.25 mm"; repeatable.',
     ),
 ]
 Imports = Annotated[
-    list[str] | None,
-    typer.Option(
+    Texts,
+    Option(
         "--import",
         metavar="MODULE",
         help="Import a module, or a .py file, that registers parts of your own; repeatable.",
     ),
 ]
-Force = Annotated[bool, typer.Option("--force", help="Replace existing files.")]
-Figure = Annotated[Path | None, typer.Option(help="Figure to write: .png, .svg or .pdf.")]
+Force = Annotated[bool, Option("--force", help="Replace existing files.")]
+Figure = Annotated[Path | None, Option(help="Figure to write: .png, .svg or .pdf.")]
 
 
-def quantity(name: str, text: str, unit: str) -> float:
-    """The number, in the SI `unit`, that the option `name` holds as text with a unit.
+@overload
+def read_quantity(name: str, text: str, unit: str) -> float: ...
+@overload
+def read_quantity(name: str, text: str | None, unit: str) -> float | None: ...
+def read_quantity(name: str, text: str | None, unit: str) -> float | None:
+    """The number, in the SI `unit`, that the option `name` holds as text; None if not given.
 
     Raises:
         UnitError: it is no quantity, or one of another dimension.
     """
     from martensite.base import units
 
+    if text is None:
+        return None
     try:
         return units.parse_quantity(text, unit)
     except UnitError as error:
         raise UnitError(f"Option `--{name.replace('_', '-')}`: {error}") from None
+
+
+@overload
+def read_positive(name: str, text: str, unit: str) -> float: ...
+@overload
+def read_positive(name: str, text: str | None, unit: str) -> float | None: ...
+def read_positive(name: str, text: str | None, unit: str) -> float | None:
+    """The same for a number that must be above 0.
+
+    Raises:
+        InputError: it is not.
+        UnitError: it is no quantity, or one of another dimension.
+    """
+    found = read_quantity(name, text, unit)
+    if found is not None and not found > 0.0:
+        raise InputError(f"Option `--{name}` must be above 0 {unit}, but is {found:g} {unit}.")
+    return found
+
+
+def refuse_idle(option: str, idle: bool, reason: str) -> None:
+    """Raise `InputError` for an option without effect: it is a mistake of the caller."""
+    if idle:
+        raise InputError(f"Option `{option}` has no effect, since {reason}.")
 
 
 def import_modules(names: list[str] | None) -> None:
@@ -50,3 +89,53 @@ def import_modules(names: list[str] | None) -> None:
     from martensite.base import registry
 
     registry.import_modules(names or [])
+
+
+def load_scenario(
+    path: str | Path, settings: list[str] | None, modules: list[str] | None = None
+) -> Scenario:
+    """The scenario of a file with what `--set` changes and `--import` adds."""
+    import_modules(modules)
+    from martensite.scenario.overrides import read_settings
+    from martensite.scenario.scenario import load
+
+    return load(path, read_settings(settings or []))
+
+
+def spread_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Let a command whose arguments have dataclasses as types take their fields as options.
+
+    The options of a command are declared once, as the fields of the value that it works with.
+    """
+    own = inspect.signature(command, eval_str=True).parameters.values()
+    groups: dict[str, Any] = {
+        one.name: one.annotation for one in own if is_dataclass(one.annotation)
+    }
+    parameters: list[inspect.Parameter] = []
+    for one in own:
+        named = _list_fields(groups[one.name]) if one.name in groups else [one]
+        parameters += [each.replace(kind=inspect.Parameter.KEYWORD_ONLY) for each in named]
+
+    @wraps(command)
+    def call_command(**given: Any) -> None:
+        for name, group in groups.items():
+            given[name] = group(**{one.name: given.pop(one.name) for one in fields(group)})
+        command(**given)
+
+    call_command.__annotations__ = {one.name: one.annotation for one in parameters}
+    setattr(call_command, "__signature__", inspect.Signature(parameters))  # noqa: B010
+    return call_command
+
+
+def _list_fields(group: Any) -> list[inspect.Parameter]:
+    """The fields of a dataclass as parameters of a function."""
+    hints = get_type_hints(group, include_extras=True)
+    return [
+        inspect.Parameter(
+            one.name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=inspect.Parameter.empty if one.default is MISSING else one.default,
+            annotation=hints[one.name],
+        )
+        for one in fields(group)
+    ]

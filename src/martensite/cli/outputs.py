@@ -1,15 +1,21 @@
-"""Files that a run writes: checked before it starts, complete or absent afterwards."""
+"""Files that a command writes: checked before it starts, complete or absent afterwards."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from martensite.base.errors import DataError
 from martensite.show.figures.files import FORMATS
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from martensite.base.summary import Summary
 
 DATA = (".nc",)
 FIGURE = tuple(f".{name}" for name in FORMATS)
@@ -17,7 +23,7 @@ FIGURE = tuple(f".{name}" for name in FORMATS)
 
 @dataclass(frozen=True)
 class Outputs:
-    """Where a run goes; None for what is not wanted."""
+    """Where results go; None for what is not wanted."""
 
     data: Path | None
     figure: Path | None
@@ -36,29 +42,64 @@ class Outputs:
             data: endings allowed for the data file.
             option: the one that allows it.
         """
-        _ending(self.data, data)
-        _ending(self.figure, FIGURE)
-        _ending(self.profile, FIGURE)
+        check_ending(self.data, data)
+        check_ending(self.figure, FIGURE)
+        check_ending(self.profile, FIGURE)
         for path in self.paths():
-            if not path.parent.is_dir():
-                raise DataError(f"There is no folder `{path.parent}` to write `{path.name}` into.")
-            if not os.access(path.parent, os.W_OK):
-                raise DataError(f"The folder `{path.parent}` cannot be written to.")
-            if path.exists() and not force:
-                raise DataError(
-                    f"`{path}` is there already; use {option} to replace it, "
-                    "or write to another file."
-                )
+            check_folder(path)
+            check_absent(path, force, option)
         return self
 
+    def answer(
+        self,
+        summary: Summary,
+        json: bool,
+        text: Callable[[], str] | None = None,
+        draw: Callable[[], Figure] | None = None,
+    ) -> None:
+        """Write the text that is wanted and the figure, then print what there is to say."""
+        from martensite.show.terminal import print_summary
 
-def _ending(path: Path | None, endings: tuple[str, ...]) -> None:
+        self.write(text, draw)
+        print_summary(summary, json, self.paths())
+
+    def write(
+        self, text: Callable[[], str] | None = None, draw: Callable[[], Figure] | None = None
+    ) -> None:
+        """Write the text that is wanted, and the figure."""
+        from martensite.show.figures.files import write_figure
+
+        with open_parts(self) as files:
+            if files.data is not None and text is not None:
+                files.data.write_text(text(), encoding="utf-8", newline="\n")
+            if files.figure is not None and draw is not None:
+                write_figure(draw(), files.figure)
+
+
+def check_ending(path: Path | None, endings: tuple[str, ...]) -> None:
+    """Raise `DataError` if a file has another ending."""
     if path is not None and path.suffix.lower() not in endings:
         raise DataError(f"`{path}` must end in {' or '.join(endings)}.")
 
 
+def check_folder(path: Path) -> None:
+    """Raise `DataError` if there is no folder for a file, or none to write to."""
+    if not path.parent.is_dir():
+        raise DataError(f"There is no folder `{path.parent}` to write `{path.name}` into.")
+    if not os.access(path.parent, os.W_OK):
+        raise DataError(f"The folder `{path.parent}` cannot be written to.")
+
+
+def check_absent(path: Path, force: bool, option: str = "--force") -> None:
+    """Raise `DataError` if a file is there and must not be replaced."""
+    if path.exists() and not force:
+        raise DataError(
+            f"`{path}` is there already; use {option} to replace it, or write to another file."
+        )
+
+
 @contextmanager
-def parts(outputs: Outputs) -> Iterator[Outputs]:
+def open_parts(outputs: Outputs) -> Iterator[Outputs]:
     """Names to write to; the files take their places together once all are complete."""
     mark = os.getpid()
     beside = {p: p.with_name(f".{p.stem}.{mark}{p.suffix}") for p in outputs.paths()}

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from typer import Option
 
 from martensite.base.errors import InputError
 from martensite.cli.app import app
@@ -15,68 +18,131 @@ from martensite.cli.options import (
     Json,
     ScenarioFile,
     Settings,
+    Text,
     import_modules,
-    quantity,
+    read_quantity,
+    refuse_idle,
+    spread_options,
 )
+from martensite.cli.outputs import Outputs, open_parts
+from martensite.cli.waiting import run_bar, spinner
 
 if TYPE_CHECKING:
+    from martensite.base.summary import Summary
+    from martensite.design.tuning.averaging import Averaging
+    from martensite.scenario.compare import Agreement
+    from martensite.scenario.scenario import Scenario
     from martensite.signals.records import Record
+    from martensite.simulate.result import Result
+
+ROUNDING = 1e-12
+"""Share of the duration of a run by which its last sample may be late."""
 
 
-@app.command()
-def run(
-    scenario: ScenarioFile,
-    settings: Settings = None,
-    out: Annotated[
-        Path | None, typer.Option(help="netCDF file to write [default: ./SCENARIO.nc].")
-    ] = None,
-    figure: Annotated[
-        Path | None,
-        typer.Option(help="Figure to write: .png, .svg or .pdf [default: ./SCENARIO.png]."),
-    ] = None,
-    no_figure: Annotated[bool, typer.Option("--no-figure", help="Draw nothing.")] = False,
+@dataclass(frozen=True)
+class RunOptions:
+    """How a scenario is run, and what its run is compared with."""
+
     compare: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FILE", help="A record to compare with [default: the scenario's own]."
-        ),
-    ] = None,
+        Text, Option(metavar="FILE", help="A record to compare with [default: the scenario's own].")
+    ] = None
     log: Annotated[
-        str | None,
-        typer.Option(
+        Text,
+        Option(
             metavar="FILE", help="The log that the scenario follows; it is compared with as well."
         ),
-    ] = None,
+    ] = None
     columns: Annotated[
-        str | None,
-        typer.Option(help="What the columns of such a record or log are, comma-separated."),
-    ] = None,
-    no_compare: Annotated[bool, typer.Option("--no-compare", help="Compare with nothing.")] = False,
-    tolerance: Annotated[
-        float | None, typer.Option(help="Replaces the tolerance of the scenario.")
-    ] = None,
+        Text, Option(help="What the columns of such a record or log are, comma-separated.")
+    ] = None
+    no_compare: Annotated[bool, Option("--no-compare", help="Compare with nothing.")] = False
+    tolerance: Annotated[float | None, Option(help="Replaces the tolerance of the scenario.")] = (
+        None
+    )
     runtime: Annotated[
-        str | None,
-        typer.Option(
+        Text,
+        Option(
             help="auto, floats, c or jax [default: auto, what is done first; on a bench c, if "
             "there is a compiler]."
         ),
-    ] = None,
+    ] = None
     budget: Annotated[
-        str | None,
-        typer.Option(metavar="TIME", help='Give up after so much CPU time, e.g. "30 s".'),
-    ] = None,
-    profile: Annotated[
-        Path | None,
-        typer.Option(help="Figure of temperature and fraction along an axial-wire or a ribbon."),
-    ] = None,
+        Text, Option(metavar="TIME", help='Give up after so much CPU time, e.g. "30 s".')
+    ] = None
     carrier: Annotated[
-        str | None,
-        typer.Option(
+        Text,
+        Option(
             metavar="FREQUENCY",
             help='Make every pulse of a switched drive at this frequency ("100 Hz") as well, '
             "and say what the averaged run leaves out.",
         ),
+    ] = None
+
+    def load(self, path: Path, settings: list[str] | None) -> tuple[Scenario, Record | None]:
+        """The scenario, and the log that it follows.
+
+        Raises:
+            InputError: an option has no effect.
+        """
+        from martensite.scenario.overrides import read_settings
+        from martensite.scenario.scenario import load
+        from martensite.scenario.tables import read_table
+
+        names = None if self.compare else self._names()
+        log = None if self.log is None else read_table(self.log, names, gaps=True)
+        loaded = load(path, read_settings(settings or []), log=log)
+        idle = log is not None and not loaded.follows
+        refuse_idle("--log", idle, "no waveform of the scenario is of kind `log`; use --compare")
+        closed, periods = loaded.bench is not None, "a bench runs in its periods"
+        refuse_idle("--tolerance", closed and self.tolerance is not None, periods)
+        outer = closed and bool(loaded.outside) and self.runtime is not None
+        refuse_idle("--runtime", outer, "a controller that is no kernel runs on floats")
+        refuse_idle("--budget", closed and self.budget is not None, periods)
+        return loaded, log
+
+    def _names(self) -> list[str] | None:
+        return [name.strip() for name in self.columns.split(",")] if self.columns else None
+
+    def read_record(self, scenario: Scenario, log: Record | None) -> Record | None:
+        """The record to compare with."""
+        from martensite.scenario.tables import read_table
+
+        if self.no_compare:
+            return None
+        if self.compare is not None:
+            return read_table(self.compare, self._names())
+        if log is not None:
+            return _cut_log(log, scenario)
+        return scenario.measured.read() if scenario.measured else None
+
+    def run(self, scenario: Scenario, *, quiet: bool) -> Result:
+        """The run, which shows how far it is unless it shall be quiet."""
+        if scenario.bench is not None and not scenario.outside:
+            with spinner(f"simulating {scenario.title}"):
+                return scenario.run(runtime=self.runtime)
+        most = read_quantity("budget", self.budget, "s")
+        with run_bar(scenario.title, quiet) as tell:
+            return scenario.run(
+                tolerance=self.tolerance, runtime=self.runtime, budget=most, tell=tell
+            )
+
+
+@app.command()
+@spread_options
+def run(
+    scenario: ScenarioFile,
+    options: RunOptions,
+    settings: Settings = None,
+    out: Annotated[
+        Path | None, Option(help="netCDF file to write [default: ./SCENARIO.nc].")
+    ] = None,
+    figure: Annotated[
+        Path | None, Option(help="Figure to write: .png, .svg or .pdf [default: ./SCENARIO.png].")
+    ] = None,
+    no_figure: Annotated[bool, Option("--no-figure", help="Draw nothing.")] = False,
+    profile: Annotated[
+        Path | None,
+        Option(help="Figure of temperature and fraction along an axial-wire or a ribbon."),
     ] = None,
     modules: Imports = None,
     force: Force = False,
@@ -87,46 +153,91 @@ def run(
     A run that leaves the envelope (melting, 3 GPa, a strain of 20 %, or a bound of your own)
     stops there, keeps what was computed until then, and exits with 1.
     """
-    lone = columns is not None and compare is None and log is None
-    _refuse_idle("--columns", lone, "there is neither --compare nor --log")
-    _refuse_idle("--figure", figure is not None and no_figure, "--no-figure is given")
-    _refuse_idle("--compare", compare is not None and no_compare, "--no-compare is given")
+    lone = options.columns is not None and options.compare is None and options.log is None
+    refuse_idle("--columns", lone, "there is neither --compare nor --log")
+    refuse_idle("--figure", figure is not None and no_figure, "--no-figure is given")
+    idle = options.compare is not None and options.no_compare
+    refuse_idle("--compare", idle, "--no-compare is given")
     import_modules(modules)
-    from martensite.cli.execute import Wanted, execute
-    from martensite.cli.outputs import Outputs
-    from martensite.scenario.overrides import read_settings
-    from martensite.scenario.scenario import load
-
-    names = [name.strip() for name in columns.split(",")] if columns else None
-    record = None if log is None else _read_log(log, None if compare else names)
-    loaded = load(scenario, read_settings(settings or []), log=record)
-    idle = log is not None and not loaded.follows
-    _refuse_idle("--log", idle, "no waveform of the scenario is of kind `log`; use --compare")
-    closed = loaded.bench is not None
-    _refuse_idle("--tolerance", closed and tolerance is not None, "a bench runs in its periods")
-    outer = closed and bool(loaded.outside) and runtime is not None
-    _refuse_idle("--runtime", outer, "a controller that is no kernel runs on floats")
+    loaded, log = options.load(scenario, settings)
     drawn = None if no_figure else figure or Path(f"{scenario.stem}.png")
     outputs = Outputs(out or Path(f"{scenario.stem}.nc"), drawn, profile).check(force)
-    pulses = None if carrier is None else quantity("carrier", carrier, "Hz")
-    _refuse_idle("--budget", closed and budget is not None, "a bench runs in its periods")
-    most = None if budget is None else quantity("budget", budget, "s")
-    wanted = Wanted(
-        outputs, tolerance, runtime, compare, names, no_compare, record, pulses, json, most
-    )
-    done = execute(loaded, wanted)
-    done.show(json)
-    if done.result.status.failed:
+    result, summary = run_scenario(loaded, options, outputs, log, quiet=json)
+    from martensite.show.terminal import print_summary
+
+    print_summary(summary, json, outputs.paths())
+    if result.status.failed:
         raise typer.Exit(1)
 
 
-def _read_log(log: str, columns: list[str] | None) -> Record:
-    from martensite.scenario.tables import read_table
+def run_scenario(
+    scenario: Scenario,
+    options: RunOptions,
+    outputs: Outputs,
+    log: Record | None = None,
+    *,
+    quiet: bool = False,
+) -> tuple[Result, Summary]:
+    """Run a scenario and write what is wanted; nothing is written if anything fails."""
+    record = options.read_record(scenario, log)
+    pulses = read_quantity("carrier", options.carrier, "Hz")
+    result = options.run(scenario, quiet=quiet)
+    averaging = None if pulses is None else _make_pulses(scenario, pulses)
+    agreements = _compare(result, record, options.compare is None and log is not None)
+    with spinner("writing"), open_parts(outputs) as files:
+        _write_files(files, scenario, result, record)
+    from martensite.show.summaries.run import summarise_run
 
-    return read_table(log, columns, gaps=True)
+    return result, summarise_run(scenario, result, agreements, averaging)
 
 
-def _refuse_idle(option: str, idle: bool, reason: str) -> None:
-    """An option without effect is a mistake of the caller."""
-    if idle:
-        raise InputError(f"Option `{option}` has no effect, since {reason}.")
+def _make_pulses(scenario: Scenario, carrier: float) -> Averaging:
+    """The pulses of a drive, beside their average."""
+    from martensite.actuators.assembly import System
+    from martensite.design.tuning.averaging import compare_averaging
+    from martensite.signals.base import AbstractWaveform
+
+    system, waveform = scenario.system, scenario.waveform
+    alone = scenario.bench is None
+    if alone and isinstance(system, System) and isinstance(waveform, AbstractWaveform):
+        with spinner(f"simulating the pulses of {scenario.title}"):
+            return compare_averaging(system, waveform, scenario.duration, carrier)
+    raise InputError(
+        "Option `--carrier` is for a system of one element and one drive, without a bench."
+    )
+
+
+def _cut_log(log: Record, scenario: Scenario) -> Record:
+    """The rows of a log from its beginning to the end of the run."""
+    from martensite.scenario.recorded import from_zero
+
+    found = from_zero(log, scenario.lead)
+    rows = bisect_right(found.times, scenario.duration * (1.0 + ROUNDING))
+    return replace(found, columns={name: c[:rows] for name, c in found.columns.items()})
+
+
+def _compare(result: Result, record: Record | None, followed: bool) -> list[Agreement]:
+    from martensite.scenario.compare import compare_with_record, list_common
+
+    if record is None or (followed and not list_common(result, record)):
+        return []
+    return compare_with_record(result, record)
+
+
+def _write_files(files: Outputs, scenario: Scenario, result: Result, record: Record | None) -> None:
+    if files.data is not None:
+        from martensite.scenario.citations import list_citations
+        from martensite.scenario.netcdf import save_result
+
+        cited = list_citations(scenario, scenario.material)
+        save_result(result, files.data, scenario.text, cited, scenario.material)
+    if files.figure is not None:
+        from martensite.show.figures.overview import save_figure
+
+        records = [record] if record else None
+        save_figure(result, files.figure, records, scenario.title, scenario.outside)
+    if files.profile is not None:
+        from martensite.show.figures.files import write_figure
+        from martensite.show.figures.profile import plot_profile
+
+        write_figure(plot_profile(result, scenario.title), files.profile)

@@ -38,20 +38,20 @@ def bench_app(
     """
     from martensite.app.server import serve
 
-    text = None if scenario is None else _text(scenario)
+    text = None if scenario is None else _read_text(scenario)
     if folder is not None and not folder.is_dir():
         raise DataError(f"There is no folder `{folder}`; create it first.")
-    serve(port, folder, _opened(text, no_browser, json))
+    serve(port, folder, _make_opener(text, no_browser, json))
 
 
-def _text(scenario: Path) -> str:
+def _read_text(scenario: Path) -> str:
     """The text of a scenario that can be built."""
     from martensite.scenario.scenario import load
 
     return load(scenario).text
 
 
-def _opened(text: str | None, no_browser: bool, json: bool) -> Callable[[Served], None]:
+def _make_opener(text: str | None, no_browser: bool, json: bool) -> Callable[[Served], None]:
     """What says where the bench is, and opens it."""
 
     def ready(at: Served) -> None:
@@ -59,9 +59,9 @@ def _opened(text: str | None, no_browser: bool, json: bool) -> Callable[[Served]
 
         address = at.address if text is None else begun_with(at.address, text)
         if json:
-            from martensite.cli import show
+            from martensite.show.terminal import print_json
 
-            show.as_json({"address": address, "port": at.port, "token": at.token})
+            print_json({"address": address, "port": at.port, "token": at.token})
         else:
             typer.echo(f"martensite app: {address}")
             typer.echo("Ctrl-C ends it.")

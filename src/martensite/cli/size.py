@@ -5,82 +5,83 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+from typer import Option
 
 from martensite.base.errors import InputError, ParameterError
 from martensite.cli.app import app
-from martensite.cli.options import Json, quantity
+from martensite.cli.options import Json, Text, read_quantity
+from martensite.cli.outputs import Outputs
 from martensite.cli.waiting import progress_bar
 
 if TYPE_CHECKING:
     from martensite.design.sizing.candidates import Sizing
     from martensite.design.sizing.request import WireRequest
 
-Text = str | None
-
 
 @app.command()
 def size(
-    force: Annotated[Text, typer.Option(help='Pull at the end of the stroke, e.g. "8 N".')] = None,
-    stroke: Annotated[Text, typer.Option(help='Way of the load, e.g. "5 mm".')] = None,
-    rate: Annotated[Text, typer.Option(help='Cycles, e.g. "0.5 Hz".')] = None,
-    supply: Annotated[Text, typer.Option(help='Voltage of the supply, e.g. "12 V".')] = None,
+    force: Annotated[Text, Option(help='Pull at the end of the stroke, e.g. "8 N".')] = None,
+    stroke: Annotated[Text, Option(help='Way of the load, e.g. "5 mm".')] = None,
+    rate: Annotated[Text, Option(help='Cycles, e.g. "0.5 Hz".')] = None,
+    supply: Annotated[Text, Option(help='Voltage of the supply, e.g. "12 V".')] = None,
     ambient: Annotated[
-        Text, typer.Option(help="Temperature of the still air [default: 22 degC].")
+        Text, Option(help="Temperature of the still air [default: 22 degC].")
     ] = None,
-    strain: Annotated[Text, typer.Option(help="Largest strain used [default: 4 %].")] = None,
-    stress: Annotated[Text, typer.Option(help="Largest stress [default: 172 MPa].")] = None,
+    strain: Annotated[Text, Option(help="Largest strain used [default: 4 %].")] = None,
+    stress: Annotated[Text, Option(help="Largest stress [default: 172 MPa].")] = None,
     bias: Annotated[
-        Text, typer.Option(help="What stretches the wire: spring, or weight [default: spring].")
+        Text, Option(help="What stretches the wire: spring, or weight [default: spring].")
     ] = None,
     current_limit: Annotated[
-        Text, typer.Option(help='Largest current of the supply, e.g. "3 A".')
+        Text, Option(help='Largest current of the supply, e.g. "3 A".')
     ] = None,
-    alloy: Annotated[str, typer.Option(help="70, 90, or any.")] = "any",
-    strands: Annotated[
-        int | None, typer.Option(help="Most wires side by side [default: 12].")
-    ] = None,
-    every: Annotated[bool, typer.Option("--all", help="Show the wires that do not do, too.")] = (
-        False
-    ),
+    alloy: Annotated[str, Option(help="70, 90, or any.")] = "any",
+    strands: Annotated[int | None, Option(help="Most wires side by side [default: 12].")] = None,
+    every: Annotated[bool, Option("--all", help="Show the wires that do not do, too.")] = (False),
     catalogue: Annotated[
-        bool, typer.Option("--catalogue", help="Only compare the model with the maker's table.")
+        bool, Option("--catalogue", help="Only compare the model with the maker's table.")
     ] = False,
     pick: Annotated[
-        int | None, typer.Option(help="Number of the wire to describe and write [default: best].")
+        int | None, Option(help="Number of the wire to describe and write [default: best].")
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="Scenario file to write: .toml.")] = None,
-    overwrite: Annotated[
-        bool, typer.Option("--overwrite", help="Replace an existing file.")
-    ] = False,
+    out: Annotated[Path | None, Option(help="Scenario file to write: .toml.")] = None,
+    overwrite: Annotated[bool, Option("--overwrite", help="Replace an existing file.")] = False,
     json: Json = False,
 ) -> None:
     """Find the wire and its current for a force and a stroke."""
     given = {
-        "force": force, "stroke": stroke, "rate": rate, "supply": supply, "ambient": ambient,
-        "strain": strain, "stress": stress, "current_limit": current_limit,
-    }  # fmt: skip
+        "force": force,
+        "stroke": stroke,
+        "rate": rate,
+        "supply": supply,
+        "ambient": ambient,
+        "strain": strain,
+        "stress": stress,
+        "current_limit": current_limit,
+    }
     chosen = {"bias": bias, "strands": strands}
     if catalogue:
         unused = {**given, **chosen, "out": out, "pick": pick, "all": every or None}
         _refuse_idle({n: v for n, v in unused.items() if n not in ("stress", "ambient")})
-        _catalogue(stress, ambient, alloy, json)
+        _check_catalogue(stress, ambient, alloy, json)
         return
-    from martensite.cli.outputs import Outputs
-
-    Outputs(out, None).check(overwrite, data=(".toml",), option="--overwrite")
-    request = _request(given, {"alloy": alloy, **chosen})
+    outputs = Outputs(out, None).check(overwrite, data=(".toml",), option="--overwrite")
+    request = _read_request(given, {"alloy": alloy, **chosen})
     with progress_bar("simulating wires") as progress:
         from martensite.design.sizing.candidates import size_wire
 
         sizing = size_wire(request, progress=progress)
-    _answer(sizing, pick, every, out, json)
+    from martensite.show.summaries.sizing import summarise_sizing
+
+    best = _choose_candidate(sizing, pick)
+    text = lambda: _write_scenario(sizing, best)  # noqa: E731
+    outputs.answer(summarise_sizing(sizing, best, every=every), json, text)
 
 
 # ---------------------------------------------------------------- reading the options
 
 
-def _request(given: dict[str, Text], chosen: dict[str, Any]) -> WireRequest:
+def _read_request(given: dict[str, Text], chosen: dict[str, Any]) -> WireRequest:
     from martensite.design.sizing.request import WireRequest
 
     missing = [n for n in ("force", "stroke", "rate", "supply") if given[n] is None]
@@ -91,7 +92,7 @@ def _request(given: dict[str, Text], chosen: dict[str, Any]) -> WireRequest:
             '`martensite size --force "8 N" --stroke "5 mm" --rate "0.5 Hz" --supply "12 V"`.'
         )
     units = {name: declared.unit for name, declared in WireRequest.declarations.items()}
-    numbers = {n: quantity(n, t, units[n]) for n, t in given.items() if t is not None}
+    numbers = {n: read_quantity(n, t, units[n]) for n, t in given.items() if t is not None}
     return WireRequest(**numbers, **{n: v for n, v in chosen.items() if v is not None})
 
 
@@ -102,29 +103,7 @@ def _refuse_idle(options: dict[str, Any]) -> None:
         raise InputError(f"Option `--{named.replace('_', '-')}` has no effect with --catalogue.")
 
 
-# ---------------------------------------------------------------- answering
-
-
-def _answer(sizing: Sizing, pick: int | None, every: bool, out: Path | None, json: bool) -> None:
-    from martensite.cli import show, sized
-
-    chosen = _chosen(sizing, pick)
-    if out is not None:
-        _write(sizing, chosen, out)
-    files = [] if out is None else [str(out)]
-    if json:
-        from martensite.show.reports.sizing import report
-
-        show.as_json(report(sizing, chosen, files))
-        return
-    sized.show_candidates(sizing, every, chosen)
-    if chosen is not None:
-        sized.show_one(sizing, chosen)
-    for file in files:
-        show.text(f"wrote {file}")
-
-
-def _chosen(sizing: Sizing, pick: int | None) -> int | None:
+def _choose_candidate(sizing: Sizing, pick: int | None) -> int | None:
     """Position of the candidate to describe; None if none is feasible and none was picked."""
     if pick is None:
         return 0 if sizing.best else None
@@ -135,8 +114,8 @@ def _chosen(sizing: Sizing, pick: int | None) -> int | None:
     return pick - 1
 
 
-def _write(sizing: Sizing, chosen: int | None, out: Path) -> None:
-    from martensite.base.files import replace_file
+def _write_scenario(sizing: Sizing, chosen: int | None) -> str:
+    """A scenario with the wire."""
     from martensite.design.sizing.scenario import scenario_text
     from martensite.physics.materials.wires import load_wires
 
@@ -146,25 +125,19 @@ def _write(sizing: Sizing, chosen: int | None, out: Path) -> None:
             f"No wire does, so no scenario was written; the nearest is {nearest.size.name}, "
             f"{nearest.alloy} °C: {nearest.reasons[0]}; choose one with --pick."
         )
-    text = scenario_text(sizing.request, sizing.candidates[chosen], load_wires())
-    with replace_file(out) as part:
-        part.write_text(text, encoding="utf-8")
+    return scenario_text(sizing.request, sizing.candidates[chosen], load_wires())
 
 
-def _catalogue(stress: Text, ambient: Text, alloy: str, json: bool) -> None:
-    from martensite.cli import show, sized
+def _check_catalogue(stress: Text, ambient: Text, alloy: str, json: bool) -> None:
     from martensite.design.sizing.catalogue_check import AMBIENT, STRESS, check_catalogue
     from martensite.design.sizing.request import ALLOYS, WireRequest
+    from martensite.show.summaries.catalogue import summarise_check
+    from martensite.show.terminal import print_summary
 
     WireRequest.declarations["alloy"].convert("size", "alloy", alloy)
     alloys = ALLOYS if alloy == "any" else (alloy,)
-    load = STRESS if stress is None else quantity("stress", stress, "Pa")
-    room = AMBIENT if ambient is None else quantity("ambient", ambient, "K")
+    load = STRESS if stress is None else read_quantity("stress", stress, "Pa")
+    room = AMBIENT if ambient is None else read_quantity("ambient", ambient, "K")
     with progress_bar("simulating wires") as progress:
         rows = check_catalogue(alloys=alloys, stress=load, ambient=room, progress=progress)
-    if json:
-        from martensite.show.reports.catalogue_check import check_report
-
-        show.as_json(check_report(rows, load, room))
-    else:
-        sized.show_check(rows, load, room)
+    print_summary(summarise_check(rows, load, room), json)

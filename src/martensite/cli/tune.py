@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from typer import Option
 
+from martensite.base.errors import InputError, UnknownNameError
 from martensite.cli.app import app
 from martensite.cli.options import (
     Figure,
@@ -15,65 +17,94 @@ from martensite.cli.options import (
     Json,
     ScenarioFile,
     Settings,
-    import_modules,
+    Text,
+    Texts,
+    load_scenario,
+    spread_options,
 )
+from martensite.cli.outputs import Outputs
 
 METHODS = ("rules", "relay", "gradient")
 
 
-@app.command()
-def tune(
-    scenario: ScenarioFile,
-    settings: Settings = None,
+@dataclass(frozen=True)
+class TuneOptions:
+    """How a controller is tuned."""
+
     method: Annotated[
-        str, typer.Option(help="rules (step test), relay, or gradient (through the loop itself).")
-    ] = "gradient",
+        str, Option(help="rules (step test), relay, or gradient (through the loop itself).")
+    ] = "gradient"
     rule: Annotated[
-        str | None,
-        typer.Option(
+        Text,
+        Option(
             help="Of --method rules [default: simc], such as amigo or cohen-coon; "
             "of relay [default: tyreus-luyben]."
         ),
-    ] = None,
-    form: Annotated[
-        str | None, typer.Option(help="pi or pid, for rules and relay [default: pid].")
-    ] = None,
+    ] = None
+    form: Annotated[Text, Option(help="pi or pid, for rules and relay [default: pid].")] = None
     level: Annotated[
-        str | None,
-        typer.Option(
+        Text,
+        Option(
             help='Level of step and relay test, e.g. "4 mm" [default: the middle of what the '
             "reference asks for]."
         ),
-    ] = None,
+    ] = None
     free: Annotated[
-        str | None,
-        typer.Option(
-            help="What is searched by gradient, comma-separated [default: Kp,Ki,Kd of a pid]."
-        ),
-    ] = None,
-    goal: Annotated[
-        str | None, typer.Option(help="itae, iae, or ise, for gradient [default: itae].")
-    ] = None,
+        Text,
+        Option(help="What is searched by gradient, comma-separated [default: Kp,Ki,Kd of a pid]."),
+    ] = None
+    goal: Annotated[Text, Option(help="itae, iae, or ise, for gradient [default: itae].")] = None
     spread: Annotated[
-        list[str] | None,
-        typer.Option(
+        Texts,
+        Option(
             metavar="PATH=SPREAD",
             help='How far plants are from the scenario, e.g. --spread element.diameter="3 %" or '
             '--spread environment.temperature="3 K"; repeatable.',
         ),
-    ] = None,
-    plants: Annotated[
-        int | None, typer.Option(help="Plants drawn within the spreads [default: 64].")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Of the plants and of scattered starts.")] = 0,
-    loop: Annotated[
-        str | None, typer.Option(help="Drive whose controller is tuned, if there are several.")
-    ] = None,
+    ] = None
+    plants: Annotated[int | None, Option(help="Plants drawn within the spreads [default: 64].")] = (
+        None
+    )
+    seed: Annotated[int, Option(help="Of the plants and of scattered starts.")] = 0
+    loop: Annotated[Text, Option(help="Drive whose controller is tuned, if there are several.")] = (
+        None
+    )
     duration: Annotated[
-        str | None, typer.Option(help='Length of a run, e.g. "10 s" [default: the scenario\'s].')
-    ] = None,
+        Text, Option(help='Length of a run, e.g. "10 s" [default: the scenario\'s].')
+    ] = None
+
+    def check(self) -> None:
+        """Raise `InputError` for an unknown method, or an option without effect."""
+        if self.method not in METHODS:
+            raise UnknownNameError("method of tuning", self.method, METHODS)
+        search = {"free": self.free, "goal": self.goal}
+        rules = {"rule": self.rule, "form": self.form}
+        idle = rules if self.method == "gradient" else search
+        name = next((name for name, value in idle.items() if value is not None), None)
+        if name is not None:
+            raise InputError(f"Option `--{name}` has no effect with --method {self.method}.")
+        known = self._list_rules()
+        if self.rule is not None and self.rule not in known:
+            raise UnknownNameError(f"rule for --method {self.method}", self.rule, known)
+        if self.plants is not None and not self.spread:
+            raise InputError("Option `--plants` has no effect without --spread.")
+
+    def _list_rules(self) -> list[str]:
+        """Rules of the method."""
+        from martensite.design.rules.formulas import RULES
+        from martensite.design.rules.relay import RELAY_RULES
+
+        return list(RULES if self.method == "rules" else RELAY_RULES)
+
+
+@app.command()
+@spread_options
+def tune(
+    scenario: ScenarioFile,
+    options: TuneOptions,
+    settings: Settings = None,
     save: Annotated[
-        Path | None, typer.Option(help="Scenario with the new numbers to write: .toml.")
+        Path | None, Option(help="Scenario with the new numbers to write: .toml.")
     ] = None,
     figure: Figure = None,
     modules: Imports = None,
@@ -85,17 +116,17 @@ def tune(
     The scenario needs sections [controller] and [reference]. With --spread, the gradient is that
     of the mean over many plants, and the result is judged on as many others.
     """
-    import_modules(modules)
-    from martensite.cli.outputs import Outputs
-    from martensite.cli.tune_run import Given, run_tuning
-    from martensite.cli.tune_show import shown
-    from martensite.scenario.overrides import read_settings
-    from martensite.scenario.scenario import load
-
     outputs = Outputs(save, figure).check(force, data=(".toml",))
-    given = Given(
-        method, rule, form, level, free, goal, tuple(spread or ()), plants, seed, loop, duration
+    options.check()
+    loaded = load_scenario(scenario, settings, modules)
+    from martensite.cli.tune_run import run_tuning
+    from martensite.show.figures.tuning import plot_tuning
+    from martensite.show.summaries.tuning import summarise_tuning, write_tuned
+
+    found = run_tuning(loaded, options)
+    outputs.answer(
+        summarise_tuning(found),
+        json,
+        lambda: write_tuned(found),
+        lambda: plot_tuning(found.found, found.drive, loaded.title),
     )
-    given.check()
-    loaded = load(scenario, read_settings(settings or []))
-    shown(run_tuning(loaded, given), outputs, json)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import InputError, ParameterError, suggest_name
-from martensite.cli.options import quantity
+from martensite.cli.options import read_quantity
 
 if TYPE_CHECKING:
     from martensite.control.loop.bench import Bench
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 PLANTS = 64
 
 
-def drawn_plants(
+def draw_both_plants(
     texts: Sequence[str], count: int | None, seed: int, scenario: Scenario, bench: Bench
 ) -> tuple[Plants | None, Plants | None]:
     """Plants to tune on, and others to judge on; none without a spread.
@@ -31,14 +31,14 @@ def drawn_plants(
         return None, None
     from martensite.design.tuning.perturbed import draw_plants
 
-    spreads = dict(_spread(text, scenario, bench) for text in texts)
+    spreads = dict(_read_spread(text, scenario, bench) for text in texts)
     first, second = (
         draw_plants(bench, spreads, PLANTS if count is None else count, seed + k) for k in (0, 1)
     )
     return first, second
 
 
-def _spread(text: str, scenario: Scenario, bench: Bench) -> tuple[str, float]:
+def _read_spread(text: str, scenario: Scenario, bench: Bench) -> tuple[str, float]:
     """Path in the plant and spread of an option."""
     name, equals, size = (part.strip() for part in text.partition("="))
     if not equals:
@@ -58,10 +58,10 @@ def _spread(text: str, scenario: Scenario, bench: Bench) -> tuple[str, float]:
     unit = next(x.declared.unit for x in bench.plant.leaves() if x.path == paths[0])
     if unit == "K" and "deg" in size:
         raise InputError(f"A spread of a temperature is a difference: write `{name}=3 K`.")
-    return paths[0], quantity("spread", size, "K" if unit == "K" else "1")
+    return paths[0], read_quantity("spread", size, "K" if unit == "K" else "1")
 
 
-def judged(runs: LoopRuns, found: TunedBench, others: Plants | None) -> Ratio | None:
+def judge_others(runs: LoopRuns, found: TunedBench, others: Plants | None) -> Ratio | None:
     """ITAE after over before on plants that were not tuned on."""
     if others is None:
         return None

@@ -1,23 +1,22 @@
-"""The run of a tuning for the command line: read the options, test or search, judge."""
+"""The run of a tuning: test or search, and judge on other plants."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from martensite.base.errors import InputError, ParameterError, UnknownNameError
-from martensite.cli.options import quantity
-from martensite.cli.tune import METHODS
-from martensite.cli.tune_plants import drawn_plants, judged
+from martensite.base.errors import InputError
+from martensite.cli.options import read_positive, read_quantity
+from martensite.cli.tune_plants import draw_both_plants, judge_others
 from martensite.cli.waiting import share_bar, spinner
+from martensite.show.summaries.tuning import Tuning
 
 if TYPE_CHECKING:
+    from martensite.cli.tune import TuneOptions
     from martensite.control.loop.bench import Bench
     from martensite.design.rules.rule_starts import LoopTests
     from martensite.design.tuning.bench_tuning import TunedBench
     from martensite.design.tuning.loop_runs import LoopRuns
-    from martensite.design.tuning.over_plants import Ratio
     from martensite.design.tuning.perturbed import Plants
     from martensite.scenario.scenario import Scenario
 
@@ -26,64 +25,7 @@ TRIED = 3
 PID = ("Kp", "Ki", "Kd")
 
 
-@dataclass(frozen=True)
-class Given:
-    """What the command line says about a tuning."""
-
-    method: str
-    rule: str | None
-    form: str | None
-    level: str | None
-    free: str | None
-    goal: str | None
-    spread: Sequence[str]
-    plants: int | None
-    seed: int
-    loop: str | None
-    duration: str | None
-
-    def check(self) -> None:
-        """Raise `InputError` for an unknown method, or an option without effect."""
-        if self.method not in METHODS:
-            raise UnknownNameError("method of tuning", self.method, METHODS)
-        search = {"free": self.free, "goal": self.goal}
-        rules = {"rule": self.rule, "form": self.form}
-        idle = rules if self.method == "gradient" else search
-        name = next((name for name, value in idle.items() if value is not None), None)
-        if name is not None:
-            raise InputError(f"Option `--{name}` has no effect with --method {self.method}.")
-        known = self._rules()
-        if self.rule is not None and self.rule not in known:
-            raise UnknownNameError(f"rule for --method {self.method}", self.rule, known)
-        if self.plants is not None and not self.spread:
-            raise InputError("Option `--plants` has no effect without --spread.")
-
-    def _rules(self) -> list[str]:
-        """Rules of the method."""
-        from martensite.design.rules.formulas import RULES
-        from martensite.design.rules.relay import RELAY_RULES
-
-        return list(RULES if self.method == "rules" else RELAY_RULES)
-
-
-@dataclass(frozen=True, eq=False)
-class Tuning:
-    """A finished tuning."""
-
-    scenario: Scenario
-    given: Given
-    found: TunedBench
-    drive: str
-    tests: LoopTests | None
-    origin: str
-    """Where the numbers come from, in words."""
-    others: int
-    """Plants it was judged on that it was not tuned on."""
-    ratio: Ratio | None
-    """ITAE after over before on them."""
-
-
-def run_tuning(scenario: Scenario, given: Given) -> Tuning:
+def run_tuning(scenario: Scenario, options: TuneOptions) -> Tuning:
     """Do what the command line says.
 
     Raises:
@@ -92,23 +34,31 @@ def run_tuning(scenario: Scenario, given: Given) -> Tuning:
     """
     from martensite.design.tuning.loop_runs import loop_of
 
-    bench = _bench(scenario)
-    drive = loop_of(bench, given.loop)
-    length = _duration(given, scenario)
+    bench = _find_bench(scenario)
+    drive = loop_of(bench, options.loop)
+    length = _read_duration(options, scenario)
     with spinner("reading"):
-        runs = _runs(bench, length, drive, scenario)
-    seen, others = drawn_plants(given.spread, given.plants, given.seed, scenario, bench)
-    if given.method == "gradient":
-        found, tests, origin = _searched(runs, given, length, scenario, seen)
+        runs = _make_runs(bench, length, drive, scenario)
+    seen, others = draw_both_plants(
+        options.spread or [], options.plants, options.seed, scenario, bench
+    )
+    if options.method == "gradient":
+        found, tests, origin = _search_gains(runs, options, length, scenario, seen)
     else:
-        found, tests, origin = _ruled(runs, given, scenario)
+        found, tests, origin = _apply_rule(runs, options, scenario)
     return Tuning(
-        scenario, given, found, drive, tests, origin, others.count if others else 0,
-        judged(runs, found, others),
-    )  # fmt: skip
+        scenario,
+        options.method,
+        found,
+        drive,
+        tests,
+        origin,
+        others.count if others else 0,
+        judge_others(runs, found, others),
+    )
 
 
-def _bench(scenario: Scenario) -> Bench:
+def _find_bench(scenario: Scenario) -> Bench:
     if scenario.bench is None or not scenario.bench.controllers.members():
         outside = ", ".join(one.registered_name for one in scenario.outside.values())
         what = f"`{outside}` runs outside of the bench and" if outside else "The scenario"
@@ -119,16 +69,13 @@ def _bench(scenario: Scenario) -> Bench:
     return scenario.bench
 
 
-def _duration(given: Given, scenario: Scenario) -> float:
-    if given.duration is None:
+def _read_duration(options: TuneOptions, scenario: Scenario) -> float:
+    if options.duration is None:
         return scenario.duration
-    length = quantity("duration", given.duration, "s")
-    if not length > 0.0:
-        raise ParameterError(f"Option `--duration` must be above 0 s, but is {given.duration}.")
-    return length
+    return read_positive("duration", options.duration, "s")
 
 
-def _runs(bench: Bench, duration: float, drive: str, scenario: Scenario) -> LoopRuns:
+def _make_runs(bench: Bench, duration: float, drive: str, scenario: Scenario) -> LoopRuns:
     from martensite.design.tuning.loop_runs import LoopRuns
     from martensite.simulate.driven import by_name
 
@@ -139,53 +86,58 @@ def _runs(bench: Bench, duration: float, drive: str, scenario: Scenario) -> Loop
 # ---------------------------------------------------------------- methods
 
 
-def _level(given: Given, runs: LoopRuns) -> float:
+def _choose_level(options: TuneOptions, runs: LoopRuns) -> float:
     """Where step and relay are laid."""
     from martensite.control.loop.names import list_readings
 
     measured = runs.bench.controllers.members()[runs.drive].measured
-    if given.level is not None:
-        return quantity("level", given.level, list_readings(runs.bench)[measured].unit)
+    if options.level is not None:
+        return read_quantity("level", options.level, list_readings(runs.bench)[measured].unit)
     nominal = runs.run(runs.table({}, 1))
     low = min(float(nominal.reference.min()), float(nominal.output[0, 0]))
     high = max(float(nominal.reference.max()), float(nominal.output[0, 0]))
     return 0.5 * (low + high)
 
 
-def _tests(given: Given, runs: LoopRuns, scenario: Scenario) -> LoopTests:
+def _run_tests(options: TuneOptions, runs: LoopRuns, scenario: Scenario) -> LoopTests:
     from martensite.design.rules.rule_starts import loop_tests
     from martensite.simulate.driven import by_name
 
     waves = by_name(scenario.system, scenario.waveform)
     with spinner("step and relay test"):
         return loop_tests(
-            runs.bench, _level(given, runs), drive=runs.drive, seed=scenario.seed,
+            runs.bench,
+            _choose_level(options, runs),
+            drive=runs.drive,
+            seed=scenario.seed,
             waveforms=waves,
-        )  # fmt: skip
+        )
 
 
-def _ruled(runs: LoopRuns, given: Given, scenario: Scenario) -> tuple[TunedBench, LoopTests, str]:
+def _apply_rule(
+    runs: LoopRuns, options: TuneOptions, scenario: Scenario
+) -> tuple[TunedBench, LoopTests, str]:
     """Gains by one rule, and the loop before and after."""
     from martensite.design.rules.formulas import gains_by_rule
     from martensite.design.rules.relay import gains_by_relay
     from martensite.design.rules.rule_starts import pid_values
     from martensite.design.tuning.bench_tuning import compared
 
-    tests, form = _tests(given, runs, scenario), given.form or "pid"
-    if given.method == "rules":
-        rule = given.rule or "simc"
+    tests, form = _run_tests(options, runs, scenario), options.form or "pid"
+    if options.method == "rules":
+        rule = options.rule or "simc"
         gains = gains_by_rule(tests.step.model(), rule, form, period=runs.bench.period)
     elif tests.cycle is None:
         raise InputError("The relay makes no limit cycle here; choose another --level.")
     else:
-        rule = given.rule or "tyreus-luyben"
+        rule = options.rule or "tyreus-luyben"
         gains = gains_by_relay(tests.cycle, rule, form)
     values = pid_values(runs.bench, gains, runs.drive)
     return compared(runs, values), tests, f"{form} by rule {rule}"
 
 
-def _searched(
-    runs: LoopRuns, given: Given, length: float, scenario: Scenario, plants: Plants | None
+def _search_gains(
+    runs: LoopRuns, options: TuneOptions, length: float, scenario: Scenario, plants: Plants | None
 ) -> tuple[TunedBench, LoopTests | None, str]:
     """Gains of least cost."""
     from martensite.control.controllers.pid import Pid
@@ -194,32 +146,40 @@ def _searched(
     from martensite.design.tuning.goals import Goal
     from martensite.simulate.driven import by_name
 
-    goal = Goal(error=given.goal or "itae")
+    goal = Goal(error=options.goal or "itae")
     controller = runs.bench.controllers.members()[runs.drive]
-    free = _free(given, runs, isinstance(controller, Pid))
-    tests, starts = _starts(given, runs, scenario, isinstance(controller, Pid))
+    free = _name_free(options, runs, isinstance(controller, Pid))
+    tests, starts = _find_starts(options, runs, scenario, isinstance(controller, Pid))
     with share_bar("tuning") as tell:
         found = tune_bench(
-            runs.bench, length, free, goal=goal, plants=plants, starts=starts, drive=runs.drive,
-            search=Search(seed=given.seed), noise_seed=scenario.seed, watch=tell,
+            runs.bench,
+            length,
+            free,
+            goal=goal,
+            plants=plants,
+            starts=starts,
+            drive=runs.drive,
+            search=Search(seed=options.seed),
+            noise_seed=scenario.seed,
+            watch=tell,
             waveforms=by_name(scenario.system, scenario.waveform),
-        )  # fmt: skip
+        )
     count = plants.count if plants else 1
     where = f"on {count} plants" if plants else "on the plant of the scenario"
     return found, tests, f"least cost ({goal.error}) {where}"
 
 
-def _free(given: Given, runs: LoopRuns, pid: bool) -> list[str]:
+def _name_free(options: TuneOptions, runs: LoopRuns, pid: bool) -> list[str]:
     """Names of what is searched, with the loop that they are in."""
-    if given.free is None and not pid:
+    if options.free is None and not pid:
         raise InputError("Option `--free` is needed for a controller that is no `pid`.")
-    names = PID if given.free is None else [name.strip() for name in given.free.split(",")]
+    names = PID if options.free is None else [name.strip() for name in options.free.split(",")]
     own = {leaf.path for leaf in runs.bench.controllers.members()[runs.drive].leaves()}
     return [f"{runs.drive}.{x}" if x.partition("=")[0].strip() in own else x for x in names]
 
 
-def _starts(
-    given: Given, runs: LoopRuns, scenario: Scenario, pid: bool
+def _find_starts(
+    options: TuneOptions, runs: LoopRuns, scenario: Scenario, pid: bool
 ) -> tuple[LoopTests | None, list[Mapping[str, float]]]:
     """The best gains by rules on the nominal plant; none where the tests cannot be made."""
     if not pid:
@@ -227,9 +187,9 @@ def _starts(
     from martensite.design.rules.rule_starts import best_rules
 
     try:
-        tests = _tests(given, runs, scenario)
+        tests = _run_tests(options, runs, scenario)
     except InputError:
-        if given.level is not None:
+        if options.level is not None:
             raise
         return None, []
     return tests, best_rules(runs, tests, TRIED)

@@ -10,4 +10,4 @@ from martensite.fit.profiled import profile_likelihood as profile_likelihood
 from martensite.fit.solve import solve_problem as solve_problem
 from martensite.fit.uncertainty import estimate_uncertainty as estimate_uncertainty
 from martensite.search.free_numbers import SearchRange as SearchRange
-from martensite.show.reports.fit_report import write_report as write_report
+from martensite.show.pages import write_report as write_report

@@ -25,7 +25,7 @@ from martensite.identify.operators.play import PlaySum as PlaySum
 from martensite.scenario.model_files import model_provenance as model_provenance
 from martensite.scenario.model_files import read_model as read_model
 from martensite.scenario.model_files import write_model as write_model
-from martensite.show.reports.model_report import write_model_report as write_model_report
+from martensite.show.pages import write_model_report as write_model_report
 
 BlockChain = _BlockChain
 estimate_model = _estimate_model

@@ -6,18 +6,18 @@ import math
 import os
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
-from html import escape
 from importlib import import_module
 from textwrap import shorten
 from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import PROFILES
 from martensite.actuators.mechanisms.base import Output
-from martensite.base import units
 from martensite.base.errors import SolveError, UnknownNameError
+from martensite.base.formats import write_quantity
 from martensite.base.status import Status
+from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.simulate.alarms import Alarm
 from martensite.simulate.balance import HeatBalance, WorkBalance
 from martensite.simulate.provenance import NOT_TRIED, tell_conformance
@@ -178,9 +178,39 @@ class Result:
         table.attrs["units"] = {name: self.unit(name) for name in self.outputs}
         return table
 
-    def summary(self) -> str:
-        """How the run went, ranges of what is judged, balances, remarks and warnings."""
-        return str(self)
+    def summary(self) -> Summary:
+        """How the run went, ranges of all columns, balances, remarks and warnings."""
+        rows = [(self.outputs[name].long_name, *self._write_ends(name)) for name in self.outputs]
+        told = [Sentence(one) for one in (*self.balances(), *self.remarks())]
+        warned = [Sentence(one, "caution") for one in self.warnings]
+        table = DataTable(("quantity", "lowest", "highest"), rows, right=(1, 2))
+        return Summary("", [table, *told, *warned], self._collect_numbers(), self._lead())
+
+    def _collect_numbers(self) -> dict[str, Any]:
+        """Everything but the columns, by name in SI."""
+        ends = {name: self._ends(name) for name in self.outputs}
+        return {
+            "duration": self.times[-1],
+            "steps": self.steps,
+            "step": self.step,
+            "accuracy": self.accuracy,
+            "runtime": self.runtime or None,
+            "rejected_steps": self.rejected,
+            "ripple": self.ripple,
+            "heat": None if self.heat is None else self.heat.as_dict(),
+            "work": None if self.work is None else self.work.as_dict(),
+            "unbalanced": list(self.unbalanced),
+            "conformance": self.conformance,
+            "status": self.status.name,
+            "status_time": self.status_time,
+            "stroke": self.stroke,
+            "columns": {
+                name: {"lowest": low, "highest": high, "unit": self.unit(name)}
+                for name, (low, high) in ends.items()
+            },
+            "warnings": list(self.warnings),
+            "alarms": [asdict(alarm) for alarm in self.alarms],
+        }
 
     @property
     def energy(self) -> dict[str, HeatBalance | WorkBalance]:
@@ -196,23 +226,12 @@ class Result:
         return "\n".join([*lines[:LINES], *more, shorten(f"columns: time, {columns}", 100)])
 
     def _repr_html_(self) -> str:
-        """For a notebook: the summary's first line, ranges of all columns, and warnings."""
-        rows = "".join(
-            f"<tr>{''.join(map(_format_cell, self._range(n)))}</tr>" for n in self.outputs
-        )
-        head = "".join(f"<th>{word}</th>" for word in ("column", "lowest", "highest", "unit"))
-        rest = "".join(f"<p>{escape(one)}</p>" for one in (*self.balances(), *self.remarks()))
-        warned = "".join(f"<p><b>{escape(one)}</b></p>" for one in self.warnings)
-        first = escape(str(self).partition("\n")[0])
-        return f"<p>{first}</p><table><tr>{head}</tr>{rows}</table>{rest}{warned}"
+        """For a notebook."""
+        return import_module("martensite.show.html").render_fragment(self.summary())
 
-    def _range(self, name: str) -> tuple[str, str, str, str]:
-        """Name, lowest and highest value, and the unit in which they are readable."""
-        unit = self.unit(name)
-        shown = units.choose_readable_unit(unit)
-        low, high = (units.from_si(end, shown, unit) for end in self._ends(name))
-        words = self.outputs[name].long_name
-        return words, f"{low:.6g}", f"{high:.6g}", "" if shown == "1" else shown
+    def _write_ends(self, name: str) -> list[str]:
+        """Lowest and highest value of a column in a readable unit."""
+        return [write_quantity(end, self.unit(name)) for end in self._ends(name)]
 
     def _ends(self, name: str) -> tuple[float, float]:
         """Lowest and highest value of a column, over all variants."""
@@ -256,17 +275,21 @@ class Result:
 
     def __str__(self) -> str:
         """A summary of a few lines."""
+        judged = self.columns if self.variants is not None else self.system.judged()
+        lines = [self._lead(), *map(self._line, judged)]
+        own = [] if self.variants is not None else self.balances()
+        return "\n".join([*lines, *own, *self.remarks(), *self.warnings])
+
+    def _lead(self) -> str:
+        """How far it went, in which steps, how accurate, in a line."""
         if self.variants is not None:
-            lines = [self._describe_variants(self.variants), *map(self._line, self.columns)]
-            return "\n".join([*lines, *self.remarks(), *self.warnings])
+            return self._describe_variants(self.variants)
         accuracy = "not estimated" if self.accuracy is None else f"{self.accuracy:.1e} of range"
         where = {"C": " in C", "": ""}.get(self.runtime, f" on {self.runtime}")
-        lines = [
+        return (
             f"{self.times[-1]:.6g} s in {self.steps} steps of at most {self.step:.3g} s{where}, "
-            f"accuracy {accuracy}",
-            *(line for name in self.system.judged() for line in [self._line(name)]),
-        ]
-        return "\n".join([*lines, *self.balances(), *self.remarks(), *self.warnings])
+            f"accuracy {accuracy}"
+        )
 
     @property
     def conformance(self) -> dict[str, str]:
@@ -304,17 +327,14 @@ class Result:
 
     def _line(self, name: str) -> str:
         """From where to where a column goes, in a readable unit."""
-        words, low, high, unit = self._range(name)
-        return f"{words} {float(low):.4g} to {float(high):.4g}{unit and ' '}{unit}"
+        low, high = (write_quantity(end, self.unit(name), 4) for end in self._ends(name))
+        number, _, unit = low.partition(" ")
+        same = unit and high.endswith(f" {unit}")
+        return f"{self.outputs[name].long_name} {number if same else low} to {high}"
 
 
 LINES = 6
 """Of the summary in `repr`."""
-
-
-def _format_cell(text: str) -> str:
-    """A cell of a table in HTML."""
-    return f"<td>{escape(text)}</td>"
 
 
 def profiles_of(first: int, rows: Sequence[Sequence[float]]) -> dict[str, list[list[float]]]:

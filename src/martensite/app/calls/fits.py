@@ -118,7 +118,7 @@ def _write_file(fit: LogFit, what: str, path: Path) -> None:
     if what == "material":
         write_material(fit, path, scenario=fit.scenario)
         return
-    from martensite.show.reports.fit_report import write_report
+    from martensite.show.pages import write_report
 
     write_report(fit, path, scenario=fit.scenario)
 

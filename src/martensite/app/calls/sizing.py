@@ -18,8 +18,8 @@ from martensite.design.sizing.request import ALLOYS, WireRequest
 from martensite.design.sizing.scenario import scenario_text
 from martensite.physics.materials.wires import WireCatalogue, load_wires
 from martensite.scenario.catalogue import describe_class
-from martensite.show.reports import catalogue_check as catalogue_words
-from martensite.show.reports import sizing as words
+from martensite.show.summaries import catalogue as catalogue_words
+from martensite.show.summaries import sizing as words
 
 EXAMPLE = {"force": "8 N", "stroke": "5 mm", "rate": "0.05 Hz", "supply": "12 V"}
 """A request that some wires meet."""
@@ -178,10 +178,10 @@ def _describe_candidate(
     text, refused = _write_scenario(request, found, catalogue)
     return {
         **found.to_dict(),
-        "cells": words.row(number, found),
-        "headline": words.headline(found),
-        "sentences": list(words.sentences(request, found)),
-        "doubts": words.doubts(found),
+        "cells": words.list_cells(number, found),
+        "headline": words.write_headline(found),
+        "sentences": list(words.list_sentences(request, found)),
+        "doubts": words.list_doubts(found),
         "margins": [_describe_margin(limit) for limit in limits],
         "tightest": _describe_margin(tightest(limits)),
         "scenario": text,
@@ -241,9 +241,9 @@ def compare_catalogue(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     )
     return {
         "asked": given,
-        "conditions": catalogue_words.conditions(stress, ambient),
+        "conditions": catalogue_words.write_conditions(stress, ambient),
         "columns": [" ".join(name.split("\n")).strip() for name in catalogue_words.COLUMNS],
-        "rows": [catalogue_words.cells(row) for row in rows],
-        "spread": catalogue_words.spread_sentences(rows),
+        "rows": [catalogue_words.list_cells(row) for row in rows],
+        "spread": catalogue_words.list_spreads(rows),
         "doubt": catalogue_words.DOUBT,
     }

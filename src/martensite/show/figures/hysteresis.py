@@ -25,11 +25,7 @@ from martensite.show.figures.measured import Record, pairs
 from martensite.show.figures.style import COOLING, HEATING, INK, QUIET
 from martensite.simulate.result import Result
 
-LOOPS = (
-    ("temperature", "martensite_fraction"),
-    ("temperature", "strain"),
-    ("strain", "stress"),
-)
+LOOPS = (("temperature", "martensite_fraction"), ("temperature", "strain"), ("strain", "stress"))
 """What is drawn over what: (horizontal, vertical)."""
 SENSES = (
     (1, "heating", HEATING, 2.0), (-1, "cooling", COOLING, 1.1), (0, "isothermal", INK, 1.3),

@@ -1,4 +1,4 @@
-"""The check of the catalogue in rows: the model beside the maker's table."""
+"""The check of the catalogue: the model beside the maker's table."""
 
 from __future__ import annotations
 
@@ -6,16 +6,39 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
+from martensite.base.formats import write_percent
+from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.design.sizing.catalogue_check import CheckRow, Spread, spread
 from martensite.physics.materials.base import DOUBTFUL, MaterialNumber
-from martensite.show.reports.sizing import bare, percent, seconds
+from martensite.show.summaries.sizing import strip_unit, write_seconds
 
-COLUMNS = ("wire\nmm", "alloy\n°C", "1 s pulse\nmA", "table\nmA", "ratio", "cools\ns", "table\ns",
-           "ratio ", "lost\nin 1 s", "I²R t\n/stored")  # fmt: skip
+COLUMNS = (
+    "wire\nmm",
+    "alloy\n°C",
+    "1 s pulse\nmA",
+    "table\nmA",
+    "ratio",
+    "cools\ns",
+    "table\ns",
+    "ratio ",
+    "lost\nin 1 s",
+    "I²R t\n/stored",
+)
 DOUBT = "No number is fitted to a size. ! recalled: the original was not seen"
 
 
-def conditions(stress: float, ambient: float) -> str:
+def summarise_check(rows: Sequence[CheckRow], stress: float, ambient: float) -> Summary:
+    """The model beside the maker's table, under a stress [Pa] in still air [K]."""
+    blocks = [
+        Sentence(write_conditions(stress, ambient)),
+        DataTable(COLUMNS, [list_cells(row) for row in rows], right=range(2, len(COLUMNS))),
+        *map(Sentence, list_spreads(rows)),
+        Sentence(DOUBT, "caution"),
+    ]
+    return Summary("", blocks, collect_check(rows, stress, ambient))
+
+
+def write_conditions(stress: float, ambient: float) -> str:
     """Under which conditions [Pa, K] the model is set beside the table."""
     return (
         f"The model beside the maker's table: a weight of {stress / 1e6:.4g} MPa, still air of "
@@ -23,7 +46,7 @@ def conditions(stress: float, ambient: float) -> str:
     )
 
 
-def check_report(rows: Sequence[CheckRow], stress: float, ambient: float) -> dict[str, Any]:
+def collect_check(rows: Sequence[CheckRow], stress: float, ambient: float) -> dict[str, Any]:
     """Everything in SI."""
     extra = ("current_ratio", "cooling_ratio")
     return {
@@ -46,7 +69,7 @@ def _spreads(rows: Sequence[CheckRow], alloy: str) -> dict[str, Spread | None]:
     }
 
 
-def spread_sentences(rows: Sequence[CheckRow]) -> list[str]:
+def list_spreads(rows: Sequence[CheckRow]) -> list[str]:
     """How far the ratios are apart, for each alloy and number."""
     return [
         f"{alloy} °C, {name}: model/catalogue {found.least:.2f} to {found.most:.2f}, "
@@ -57,15 +80,21 @@ def spread_sentences(rows: Sequence[CheckRow]) -> list[str]:
     ]
 
 
-def cells(row: CheckRow) -> tuple[str, ...]:
+def list_cells(row: CheckRow) -> tuple[str, ...]:
     """Its cells below `COLUMNS`."""
     ratio = row.cooling_ratio
     return (
-        bare(row.size), row.alloy, f"{1e3 * row.current:.0f}", _marked(row.current_cell, 1e3),
-        f"{row.current_ratio:.2f}", seconds(row.cooling), _marked(row.cooling_cell, 1.0),
-        "" if ratio is None else f"{ratio:.2f}", percent(row.loss_share),
+        strip_unit(row.size),
+        row.alloy,
+        f"{1e3 * row.current:.0f}",
+        _marked(row.current_cell, 1e3),
+        f"{row.current_ratio:.2f}",
+        write_seconds(row.cooling),
+        _marked(row.cooling_cell, 1.0),
+        "" if ratio is None else f"{ratio:.2f}",
+        write_percent(row.loss_share),
         f"{row.stored_share:.2f}",
-    )  # fmt: skip
+    )
 
 
 def _marked(cell: MaterialNumber, scale: float) -> str:

@@ -6,41 +6,37 @@ import math
 
 from martensite.base import units
 from martensite.base.confidence import Interval
+from martensite.base.formats import typeset_unit
+from martensite.base.summary import DataTable
 from martensite.fit.fit import Fit
 from martensite.fit.fit_provenance import digest
 from martensite.fit.fit_rows import HELD_OUT, Compared, compared
 from martensite.fit.fit_verdicts import amount
+from martensite.fit.free_parameters import is_nuisance
 from martensite.scenario.exact_text import format_quantity
 from martensite.search.free_numbers import FreeNumber
 from martensite.search.scores import Score
-from martensite.search.words import number
-from martensite.show.reports.blocks import Grid, Row
+from martensite.search.words import difference, number
 
 DIGITS = 4
 """Digits of a number without an error."""
-PRINTED = {"degC": "°C", "ohm": "Ω", "1": ""}
 TAG = "held out"
 
 
-def printed(unit: str) -> str:
-    """A unit as it is printed."""
-    return PRINTED.get(unit, unit).replace("^2", "²").replace("^3", "³").replace("*", " ")
-
-
-def records(fit: Fit) -> Grid:
+def tabulate_records(fit: Fit) -> DataTable:
     """Which records, from which data, and how many of their rows."""
     rows = compared(fit)
-    return Grid(
+    return DataTable(
         ("record", "data", "compared", "rows", "fitted", "kept back", "missing"),
-        [_record(one) for one in rows],
+        [_record_row(one) for one in rows],
         right=(3, 4, 5, 6),
-        wrapped=(0, 1),
         note="The hash is the SHA-256 of the file, or of the columns where there is no file. Rows "
         "are those that were compared: long records are thinned evenly.",
+        tags={k: TAG for k, one in enumerate(rows) if one.held.any() and not one.used.any()},
     )
 
 
-def _record(one: Compared) -> Row:
+def _record_row(one: Compared) -> tuple[str, ...]:
     record = one.experiment.record
     found = digest(record)
     name = f"`{found['file']}` " if "file" in found else "columns "
@@ -49,44 +45,66 @@ def _record(one: Compared) -> Row:
         data += f" ({record.dropped} rows left out on reading)"
     what = f"`{one.output}`" + (f" with `{one.column}`" if one.column != one.output else "")
     counts = (len(one.times), int(one.used.sum()), int(one.held.sum()), one.missing)
-    tag = TAG if one.held.any() and not one.used.any() else ""
-    return Row((one.record, data, what, *map(str, counts)), tag)
+    return one.record, data, what, *map(str, counts)
 
 
-def parameters(fit: Fit) -> Grid:
+def tabulate_parameters(fit: Fit) -> DataTable:
     """What was found, how sure it is, and from where it was searched."""
-    return Grid(
-        ("parameter", "value", "unit", "95 % interval", "if samples were independent", "start",
-         "bounds", "meaning"),
-        [_parameter(fit, free) for free in fit.problem.free],
+    return DataTable(
+        (
+            "parameter",
+            "value",
+            "unit",
+            "95 % interval",
+            "if samples were independent",
+            "start",
+            "bounds",
+            "remark",
+            "meaning",
+        ),
+        [_parameter_row(fit, free) for free in fit.problem.free],
         right=(1,),
-        wrapped=(7,),
+        detail=(4, 8),
         note="The first interval is widened for the autocorrelation of the residuals, the second "
         "is not. Both hold for this model and are linear about the optimum.",
-    )  # fmt: skip
+        tones={"not determined": "caution", "weak": "caution", "at a bound": "caution"},
+    )
 
 
-def _parameter(fit: Fit, free: FreeNumber) -> Row:
+def _parameter_row(fit: Fit, free: FreeNumber) -> tuple[str, ...]:
     found, value = fit.uncertainty, fit[free.name]
-    spelling = units.choose_familiar_unit(value, free.unit)
+    spelling = choose_parameter_unit(free, value)
     plain, wide = found.interval(free.name), found.widened(free.name)
     decimals = _decimals(plain, free.unit, spelling)
     start, *bounds = (
         _in(end, free.unit, spelling, None) for end in (free.start, free.low, free.high)
     )
-    bound = " (at a bound)" if free.name in fit.at_bound() else ""
-    return Row(
-        (
-            f"`{free.name}`",
-            _in(value, free.unit, spelling, decimals),
-            printed(spelling),
-            _interval(wide, free.unit, spelling, decimals),
-            _interval(plain, free.unit, spelling, decimals),
-            start,
-            " to ".join(bounds) + bound,
-            free.doc,
-        )
+    return (
+        f"`{free.name}`",
+        _in(value, free.unit, spelling, decimals),
+        typeset_unit(spelling),
+        _interval(wide, free.unit, spelling, decimals),
+        _interval(plain, free.unit, spelling, decimals),
+        start,
+        " to ".join(bounds),
+        _mark(fit, free.name),
+        free.doc,
     )
+
+
+def choose_parameter_unit(free: FreeNumber, value: float) -> str:
+    """The unit in which a parameter is read: an offset is a difference."""
+    if is_nuisance(free.path):
+        return difference(free.unit)[1]
+    return units.choose_familiar_unit(value, free.unit)
+
+
+def _mark(fit: Fit, name: str) -> str:
+    if not all(map(math.isfinite, fit.uncertainty.widened(name))):
+        return "not determined"
+    if name in fit.at_bound():
+        return "at a bound"
+    return "weak" if any(name in one.names for one in fit.identifiability.weak) else ""
 
 
 def _decimals(interval: Interval, unit: str, spelling: str) -> int | None:
@@ -111,38 +129,39 @@ def _interval(ends: Interval, unit: str, spelling: str, decimals: int | None) ->
     return " to ".join(_in(end, unit, spelling, decimals) for end in ends)
 
 
-def own_numbers(fit: Fit) -> Grid | None:
+def tabulate_own_numbers(fit: Fit) -> DataTable | None:
     """What records that were kept back have for themselves; None if that is nothing."""
     known = {free.path: free for free in fit.problem.free}
-    rows = list[Row]()
+    rows = list[tuple[str, ...]]()
     for kept in fit.kept:
         for name, value in kept.numbers.items():
             free = known.get(name.rpartition("@")[0])
             text = f"{value:.6g}" if free is None else format_quantity(value, free.unit)
-            rows.append(Row((f"`{name}`", text, free.doc if free else ""), TAG))
+            rows.append((f"`{name}`", text, free.doc if free else ""))
     note = "Fitted to the record that is kept back, with everything else as found."
-    return Grid(("parameter", "value", "meaning"), rows, right=(1,), note=note) if rows else None
+    tags = dict.fromkeys(range(len(rows)), TAG)
+    head = ("parameter", "value", "meaning")
+    return DataTable(head, rows, right=(1,), note=note, tags=tags) if rows else None
 
 
-def errors(fit: Fit) -> Grid:
+def tabulate_errors(fit: Fit) -> DataTable:
     """How well every record is met, those that the fit did not see marked."""
-    return Grid(
+    return DataTable(
         ("record", "output", "rms error", "fit", "largest error", "at", "bias", "rows"),
-        [_errors(score) for score in fit.scores],
+        [_error_row(score) for score in fit.scores],
         right=(2, 3, 4, 5, 6, 7),
         note="A fit of 100 % is perfect; one of 0 % is no better than the mean of the record. "
         "Bias is modelled less measured.",
+        tags={k: TAG for k, score in enumerate(fit.scores) if score.part == HELD_OUT},
     )
 
 
-def _errors(score: Score) -> Row:
+def _error_row(score: Score) -> tuple[str, ...]:
     fit = "–" if math.isnan(score.fit_percent) else f"{score.fit_percent:.1f} %"
-    sizes = (amount(score.output, v, score.unit) for v in (score.rms, score.maximum))
-    rms, largest = sizes
+    rms, largest = (amount(score.output, v, score.unit) for v in (score.rms, score.maximum))
     bias = amount(score.output, _small(score.bias, score.rms), score.unit)
     at = f"{number(score.maximum_at)} s"
-    cells = (score.record, f"`{score.output}`", rms, fit, largest, at, bias, str(score.samples))
-    return Row(cells, TAG if score.part == HELD_OUT else "")
+    return score.record, f"`{score.output}`", rms, fit, largest, at, bias, str(score.samples)
 
 
 def _small(value: float, beside: float) -> float:
@@ -150,14 +169,15 @@ def _small(value: float, beside: float) -> float:
     return 0.0 if abs(value) < 1e-6 * beside else value
 
 
-def in_full(fit: Fit) -> Grid:
+def tabulate_all_digits(fit: Fit) -> DataTable:
     """All free parameters in SI with all digits."""
-    return Grid(
+    return DataTable(
         ("parameter", "value", "standard error", "SI unit"),
         [
-            Row((f"`{free.name}`", f"{fit[free.name]!r}", f"{error:.6g}", f"`{free.unit}`"))
+            (f"`{free.name}`", f"{fit[free.name]!r}", f"{error:.6g}", f"`{free.unit}`")
             for free, error in zip(fit.problem.free, fit.uncertainty.errors, strict=True)
         ],
         right=(1, 2),
         note="Standard errors are those for independent samples.",
+        folded="All digits, in SI",
     )

@@ -1,31 +1,80 @@
-"""A sizing in words and rows: what the command line prints and the web bench shows."""
+"""Wires for a request: a table of them, and one of them in words."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
+from martensite.base.formats import write_percent
+from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.design.sizing.candidates import Candidate, Sizing
 from martensite.design.sizing.cycle import Cycle
 from martensite.design.sizing.request import WireRequest
 from martensite.physics.materials.base import DOUBTFUL, MaterialNumber, load_material
 
-COLUMNS = ("", "wire\nmm", "alloy\n°C", "strands", "length\nmm", "stress\nMPa", "pulse\nA",
-           "\nV", "cycle\nJ", "heats\ns", "cools\ns", "verdict")  # fmt: skip
+NEAREST = 5
+"""Wires that do not do and are shown if none does."""
+COLUMNS = (
+    "",
+    "wire\nmm",
+    "alloy\n°C",
+    "strands",
+    "length\nmm",
+    "stress\nMPa",
+    "pulse\nA",
+    "\nV",
+    "cycle\nJ",
+    "heats\ns",
+    "cools\ns",
+    "verdict",
+)
 
 
-def report(sizing: Sizing, chosen: int | None, files: list[str]) -> dict[str, Any]:
-    """Everything in SI."""
+def summarise_sizing(sizing: Sizing, chosen: int | None, *, every: bool = False) -> Summary:
+    """Everything about wires for a request.
+
+    Args:
+        sizing: the wires.
+        chosen: place of the one that is described; None for none.
+        every: whether those that do not do are shown as well.
+    """
     request = sizing.request
-    return {
+    one = [] if chosen is None else _describe_one(request, sizing.candidates[chosen])
+    data = {
         "request": {name: getattr(request, name) for name in request.declarations},
         "chosen": None if chosen is None else chosen + 1,
         "candidates": [candidate.to_dict() for candidate in sizing.candidates],
-        "files": files,
     }
+    return Summary("", [*_describe_candidates(sizing, chosen, every), *one], data)
 
 
-def row(number: int, found: Candidate) -> tuple[str, ...]:
+def _describe_candidates(sizing: Sizing, chosen: int | None, every: bool) -> Iterator[Block]:
+    """The wires that do, or all, or the nearest."""
+    numbered = list(enumerate(sizing.candidates))
+    good = [(i, found) for i, found in numbered if found.feasible]
+    shown = numbered if every else good or numbered[:NEAREST]
+    if chosen is not None and chosen not in [i for i, _ in shown]:
+        shown.append(numbered[chosen])
+    rows = [list_cells(i + 1, found) for i, found in shown]
+    yield DataTable(COLUMNS, rows, right=(0, *range(4, len(COLUMNS) - 1)))
+    for i, found in shown:
+        if not found.feasible:
+            yield Sentence(f"{i + 1} does not: {found.reasons[0]}.")
+    if not good:
+        yield Sentence("No wire meets the request; the nearest come first.", "caution")
+    left = len(numbered) - len(shown)
+    if left:
+        yield Sentence(f"{left} more do not do; --all shows them with the reason.")
+
+
+def _describe_one(request: WireRequest, found: Candidate) -> Iterator[Block]:
+    yield Heading(write_headline(found))
+    yield from map(Sentence, list_sentences(request, found))
+    yield from (Sentence(f"Not met: {reason}.", "bad") for reason in found.reasons)
+    yield from (Sentence(f"Warning: {warning}.", "caution") for warning in found.warnings)
+    yield from (Sentence(line, "caution") for line in list_doubts(found))
+
+
+def list_cells(number: int, found: Candidate) -> tuple[str, ...]:
     """Its cells below `COLUMNS`; the number is the place in the list."""
     static, drive, cycle = found.statics, found.drive, found.cycle
     stress = f"{static.hot_stress / 1e6:.0f}"
@@ -36,53 +85,48 @@ def row(number: int, found: Candidate) -> tuple[str, ...]:
         electric = (f"{drive.current:.3g}", f"{drive.voltage:.3g}", f"{drive.energy:.3g}")
     times = ("", "")
     if cycle is not None:
-        times = (f"{cycle.heating:.2g}", seconds(cycle.cooling))
+        times = (f"{cycle.heating:.2g}", write_seconds(cycle.cooling))
     wiring = "" if found.wiring is None or static.count == 1 else f" {found.wiring.kind}"
     verdict = "does" if found.feasible else "no"
-    wire, strands = bare(found.size.name), f"{static.count}{wiring}"
+    wire, strands = strip_unit(found.size.name), f"{static.count}{wiring}"
     length = f"{1e3 * static.strand.length:.1f}"
     return (str(number), wire, found.alloy, strands, length, stress, *electric, *times, verdict)
 
 
-def bare(size: str) -> str:
+def strip_unit(size: str) -> str:
     """Name of a size without the unit that the heading has."""
     return size.removesuffix(" mm")
 
 
-def seconds(time: float | None) -> str:
+def write_seconds(time: float | None) -> str:
     """A time [s], or that it never comes."""
     return "never" if time is None else f"{time:.3g}"
 
 
-def percent(share: float, digits: int = 0) -> str:
-    """A share in percent."""
-    return f"{100.0 * share:.{digits}f} %"
-
-
-def headline(found: Candidate) -> str:
+def write_headline(found: Candidate) -> str:
     """The wire in one sentence."""
     static = found.statics
     each = "" if static.count == 1 else " each"
     many = "" if static.count == 1 else f"{static.count} strands of "
     return (
         f"{many}Flexinol {found.size.name}, {found.alloy} °C, "
-        f"{1e3 * static.strand.length:.1f} mm{each}: {percent(static.strain, 2)} strain over "
-        f"the stroke (at most {percent(static.reachable, 2)}), "
+        f"{1e3 * static.strand.length:.1f} mm{each}: {write_percent(static.strain, 2)} strain over "
+        f"the stroke (at most {write_percent(static.reachable, 2)}), "
         f"{static.strand.resistance:.3g} ohm{each}."
     )
 
 
-def sentences(request: WireRequest, found: Candidate) -> Iterator[str]:
+def list_sentences(request: WireRequest, found: Candidate) -> Iterator[str]:
     """Return, margins, pulse, temperatures, life, and what the maker's table says."""
-    yield _return(request, found)
-    yield _margins(request, found)
+    yield _tell_return(request, found)
+    yield _tell_margins(request, found)
     if found.cycle is not None:
-        yield from _electric(request, found, found.cycle)
+        yield from _tell_pulse(request, found, found.cycle)
     yield f"Life: {found.life}."
-    yield _catalogue_says(found)
+    yield _tell_catalogue(found)
 
 
-def _return(request: WireRequest, found: Candidate) -> str:
+def _tell_return(request: WireRequest, found: Candidate) -> str:
     static = found.statics
     if static.stiffness > 0.0:
         return (
@@ -94,18 +138,18 @@ def _return(request: WireRequest, found: Candidate) -> str:
     return f"Return by a weight of {static.preload:.4g} N{extra}."
 
 
-def _margins(request: WireRequest, found: Candidate) -> str:
+def _tell_margins(request: WireRequest, found: Candidate) -> str:
     static = found.statics
     finish = static.strand.shifted("M_f", static.cold_stress) - request.ambient
     return (
         f"Margins: stress {static.hot_stress / 1e6:.4g} MPa of {request.stress / 1e6:.4g} MPa "
-        f"({percent(1.0 - static.hot_stress / request.stress)} left), strain "
-        f"{percent(static.strain, 2)} of {percent(request.strain, 2)}, "
+        f"({write_percent(1.0 - static.hot_stress / request.stress)} left), strain "
+        f"{write_percent(static.strain, 2)} of {write_percent(request.strain, 2)}, "
         f"M_f {finish:.1f} K above the ambient."
     )
 
 
-def _electric(request: WireRequest, found: Candidate, cycle: Cycle) -> list[str]:
+def _tell_pulse(request: WireRequest, found: Candidate, cycle: Cycle) -> list[str]:
     drive, static = found.drive, found.statics
     if drive is None:
         return []
@@ -113,12 +157,12 @@ def _electric(request: WireRequest, found: Candidate, cycle: Cycle) -> list[str]
     running = ""
     if cycle.running is not None:
         running = f" in the first cycle, {cycle.running - 273.15:.0f} °C when it is repeated"
-    cooling = seconds(cycle.cooling) + ("" if cycle.cooling is None else " s")
+    cooling = write_seconds(cycle.cooling) + ("" if cycle.cooling is None else " s")
     duty = (drive.voltage / request.supply) ** 2
     lines = [
         f"Pulse: {drive.current:.3g} A{each} at {drive.voltage:.3g} V, {drive.power:.3g} W for "
         f"{cycle.heating:.3g} s, {drive.energy:.3g} J per cycle; switched straight from "
-        f"{request.supply:.4g} V it is a PWM of {percent(duty)} duty with peaks of "
+        f"{request.supply:.4g} V it is a PWM of {write_percent(duty)} duty with peaks of "
         f"{drive.current * request.supply / drive.voltage:.3g} A.",
         f"Up to {cycle.hottest - 273.15:.0f} °C{running}; cooling {cooling}; in the "
         f"long run {found.overheating_current:.3g} A per strand bring the wire to its limit of "
@@ -130,19 +174,19 @@ def _electric(request: WireRequest, found: Candidate, cycle: Cycle) -> list[str]
     return lines
 
 
-def _catalogue_says(found: Candidate) -> str:
+def _tell_catalogue(found: Candidate) -> str:
     cooling = found.size.cooling_70 if found.alloy == "70" else found.size.cooling_90
     return (
-        f"The maker's table for this size: {_cell(found.size.current)} for contraction in 1 s, "
-        f"{_cell(cooling)} of cooling, under its own conditions."
+        f"The maker's table for this size: {_write_cell(found.size.current)} for contraction in "
+        f"1 s, {_write_cell(cooling)} of cooling, under its own conditions."
     )
 
 
-def _cell(cell: MaterialNumber) -> str:
+def _write_cell(cell: MaterialNumber) -> str:
     return f"{cell.text} ({cell.kind})"
 
 
-def doubts(found: Candidate) -> list[str]:
+def list_doubts(found: Candidate) -> list[str]:
     """Which numbers behind it are assumed or recalled."""
     name = f"flexinol-{found.alloy}"
     numbers = load_material(name).values.items()

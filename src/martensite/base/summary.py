@@ -1,0 +1,171 @@
+"""What a result says of itself, once: sentences, tables and pictures, and its numbers for programs.
+
+A terminal, Markdown, HTML, JSON and the web bench render the same `Summary`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+from martensite.base.table_layout import format_table
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Tone = Literal["", "title", "good", "caution", "bad"]
+PAGE_WIDTH = 80
+"""Columns of plain text."""
+
+
+@dataclass(frozen=True)
+class Heading:
+    """The title of what follows."""
+
+    title: str
+    detail: bool = False
+    """Whether what follows is for pages alone, too long for a terminal."""
+
+
+@dataclass(frozen=True)
+class Sentence:
+    """A line or a paragraph; names stand in backquotes."""
+
+    text: str
+    tone: Tone = ""
+
+
+@dataclass(frozen=True)
+class BulletList:
+    """Sentences, one below the other."""
+
+    items: Sequence[str]
+    detail: bool = False
+    """Whether it is for pages alone."""
+
+
+@dataclass(frozen=True)
+class Notice:
+    """Sentences that must not be overlooked."""
+
+    title: str
+    items: Sequence[str]
+    warning: bool
+    """False if the news is good."""
+
+
+@dataclass(frozen=True)
+class DataTable:
+    """Rows of words and numbers below headings."""
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    right: Sequence[int] = ()
+    """Columns of numbers, aligned to the right."""
+    note: str = ""
+    """How to read it."""
+    detail: Sequence[int] = ()
+    """Columns for pages alone."""
+    tags: Mapping[int, str] = field(default_factory=dict[int, str])
+    """By place of a row: the mark of one that is of another kind."""
+    tones: Mapping[str, Tone] = field(default_factory=dict[str, Tone])
+    """By text of a cell."""
+    folded: str = ""
+    """Title of a table that only some will want to see, on a page; empty for all others."""
+
+    def drop_details(self) -> DataTable:
+        """The table with the columns that fit a terminal."""
+        kept = [k for k in range(len(self.head)) if k not in self.detail]
+        return DataTable(
+            [self.head[k] for k in kept],
+            [
+                [row[k].replace("`", "") + self._tag(i) * (k == 0) for k in kept]
+                for i, row in enumerate(self.rows)
+            ],
+            [place for place, k in enumerate(kept) if k in self.right],
+            tones=self.tones,
+        )
+
+    def _tag(self, row: int) -> str:
+        return f" ({self.tags[row]})" if self.tags.get(row) else ""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure."""
+
+    name: str
+    """Of its file, without an ending."""
+    draw: Callable[[], Figure]
+    caption: str
+
+
+Block = Heading | Sentence | BulletList | Notice | DataTable | Picture
+
+
+@dataclass(frozen=True)
+class Summary:
+    """A result in words and tables, and in numbers."""
+
+    title: str
+    """Empty where the blocks speak for themselves."""
+    blocks: Sequence[Block]
+    data: Any = None
+    """All numbers by name in SI, ready for JSON."""
+    lead: str = ""
+    """What it is about, in one line."""
+
+    def __str__(self) -> str:
+        """Plain text that fits a page."""
+        return "\n".join(self.format_lines())
+
+    def _repr_html_(self) -> str:
+        """For a notebook."""
+        from importlib import import_module
+
+        return import_module("martensite.show.html").render_fragment(self)
+
+    def format_lines(
+        self, width: int = PAGE_WIDTH, paint: Callable[[str, Tone], str] = lambda text, _: text
+    ) -> Iterator[str]:
+        """Lines of plain text; pictures and details are left out.
+
+        Args:
+            width: columns that tables keep to; sentences are never broken.
+            paint: how a text is coloured by its tone.
+        """
+        if self.title:
+            yield paint(self.title, "title")
+        if self.lead:
+            yield self.lead
+        detail = False
+        for block in self.blocks:
+            detail = block.detail if isinstance(block, Heading) else detail
+            if not detail:
+                yield from _format_block(block, width, paint)
+
+
+def _format_block(block: Block, width: int, paint: Callable[[str, Tone], str]) -> Iterator[str]:
+    match block:
+        case Heading(title):
+            yield paint(title, "title")
+        case Sentence(text, tone):
+            yield paint(text, tone)
+        case BulletList(items) if not block.detail:
+            yield from items
+        case Notice(title, items, warning):
+            yield from (paint(f"{title}: {one}", "caution" if warning else "") for one in items)
+        case DataTable() if not block.folded:
+            table = block.drop_details()
+            yield ""
+            yield from format_table(
+                table.head,
+                table.rows,
+                table.right,
+                width,
+                lambda cell, text: paint(text, table.tones.get(cell, "")),
+            )
+            yield ""
+        case _:
+            pass

@@ -1,0 +1,131 @@
+"""Tables of plain text that keep to a width without ever breaking a word or a number.
+
+What is too wide is wrapped between words, then set as several tables below each other, each
+beginning with the first column.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from textwrap import wrap
+
+GAP = 2
+"""Spaces between columns."""
+
+
+@dataclass(frozen=True)
+class _Column:
+    head: str
+    cells: Sequence[str]
+    right: bool
+
+    @property
+    def width(self) -> int:
+        """Of its longest line."""
+        return max(len(line) for text in (self.head, *self.cells) for line in text.split("\n"))
+
+    @property
+    def narrowest(self) -> int:
+        """Width below which a word or a number would be broken."""
+        numbers = self.cells if self.right else [w for cell in self.cells for w in cell.split()]
+        return max(map(len, ["", *self.head.split(), *numbers]))
+
+    def align(self, text: str, width: int) -> str:
+        """A line of a cell, padded."""
+        return text.rjust(width) if self.right else text.ljust(width)
+
+
+def _wrap_cell(text: str, width: int) -> list[str]:
+    """The lines of a cell or a heading."""
+    lines = (
+        wrap(line, max(width, 1), break_long_words=False, break_on_hyphens=False)
+        for line in text.split("\n")
+    )
+    return [part for found in lines for part in found or [""]]
+
+
+Paint = Callable[[str, str], str]
+"""Colours a padded text (the second) by the cell that it is of (the first)."""
+
+
+def format_table(
+    head: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    right: Sequence[int],
+    width: int,
+    paint: Paint = lambda _, text: text,
+) -> Iterator[str]:
+    """Lines of a table.
+
+    Args:
+        head: a heading per column.
+        rows: cells of each row.
+        right: columns of numbers, aligned to the right, whose cells are never wrapped.
+        width: columns of text that it may take.
+        paint: gives a padded text, of a cell, its colour.
+    """
+    columns = [_Column(name, [row[k] for row in rows], k in right) for k, name in enumerate(head)]
+    for k, group in enumerate(_group_columns(columns, width)):
+        if k:
+            yield ""
+        yield from _format_group(group, len(rows), width, paint)
+
+
+def _group_columns(columns: list[_Column], width: int) -> Iterator[list[_Column]]:
+    """Columns that stand side by side; all groups begin with the first."""
+    first, *others = columns
+    group = [first]
+    for column in others:
+        taken = sum(one.narrowest + GAP for one in group)
+        if len(group) > 1 and taken + column.narrowest > width:
+            yield group
+            group = [first]
+        group.append(column)
+    yield group
+
+
+def _fit_widths(group: Sequence[_Column], width: int) -> list[int]:
+    """Widths of columns: as wide as their texts, the widest narrowed until all fit."""
+    found, least = [one.width for one in group], [one.narrowest for one in group]
+    excess = sum(found) + GAP * (len(group) - 1) - width
+    for _ in range(excess):
+        loose = [k for k in range(len(found)) if found[k] > least[k]]
+        if not loose:
+            break
+        widest = max(loose, key=lambda k: found[k])
+        found[widest] -= 1
+    return found
+
+
+def _format_group(group: Sequence[_Column], count: int, width: int, paint: Paint) -> Iterator[str]:
+    widths = _fit_widths(group, width)
+    heads = [_wrap_cell(one.head.strip(), w) for one, w in zip(group, widths, strict=True)]
+    most = max(map(len, heads))
+    for line in range(most):
+        # headings end on the same line, right above their column
+        texts = [h[line - most + len(h)] if line >= most - len(h) else "" for h in heads]
+        yield _join(group, widths, texts)
+    yield "─" * (sum(widths) + GAP * (len(widths) - 1))
+    for k in range(count):
+        cells = [one.cells[k] for one in group]
+        parts = [_wrap_cell(cell, w) for cell, w in zip(cells, widths, strict=True)]
+        for line in range(max(map(len, parts))):
+            texts = [part[line] if line < len(part) else "" for part in parts]
+            yield _join(
+                group, widths, texts, [lambda text, cell=cell: paint(cell, text) for cell in cells]
+            )
+
+
+def _join(
+    group: Sequence[_Column],
+    widths: Sequence[int],
+    texts: Sequence[str],
+    paints: Sequence[Callable[[str], str]] | None = None,
+) -> str:
+    padded = [one.align(t, w) for one, t, w in zip(group, texts, widths, strict=True)]
+    if not group[-1].right:
+        padded[-1] = padded[-1].rstrip()
+    if paints is not None:
+        padded = [paint(text) for paint, text in zip(paints, padded, strict=True)]
+    return (" " * GAP).join(padded).rstrip()

@@ -1,0 +1,140 @@
+"""Summaries as files: a page of HTML, or Markdown with its figures beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from martensite.base.errors import DataError
+from martensite.base.files import replace_file
+from martensite.base.summary import Picture, Summary
+from martensite.fit.fit_provenance import program
+from martensite.show.figures.files import write_figure
+from martensite.show.html import render_page
+from martensite.show.markdown import render_markdown
+
+if TYPE_CHECKING:
+    from martensite.fit.fit import Fit
+    from martensite.identify.chains.uncertainty import ChainUncertainty
+    from martensite.identify.chains.validation import Validation
+    from martensite.scenario.scenario import Scenario
+    from martensite.search.profile import Profile
+
+HTML, MARKDOWN = (".html", ".htm"), (".md", ".markdown")
+
+
+def write_report(
+    fit: Fit,
+    path: str | Path,
+    *,
+    scenario: Scenario | None = None,
+    title: str = "",
+    profiles: Sequence[Profile] = (),
+) -> list[Path]:
+    """Write what a fit found, and how far to trust it; existing files are replaced.
+
+    Args:
+        fit: a finished fit.
+        path: the file to write: .html holds its figures, .md has them in the folder
+            `NAME_figures` beside it. The folder of the path must exist.
+        scenario: what the fit began with, if the fit does not know; its title, file and material
+            are told.
+        title: headline; made from the names of the records if left out.
+        profiles: profile likelihoods of some parameters.
+
+    Returns:
+        The files written, the report first.
+
+    Raises:
+        InputError: the path ends in neither .html nor .md, or a file cannot be written.
+    """
+    from martensite.show.summaries.fit import summarise_fit
+
+    return write_page(summarise_fit(fit, scenario, profiles, title), path)
+
+
+def write_model_report(
+    validations: Sequence[Validation],
+    path: str | Path,
+    uncertainty: ChainUncertainty | None = None,
+    title: str = "",
+) -> list[Path]:
+    """Write how well a model does on records; existing files are replaced.
+
+    Args:
+        validations: the same model on one or several records.
+        path: the file to write: .html holds its figures, .md has them in the folder
+            `NAME_figures` beside it. The folder of the path must exist.
+        uncertainty: of the model; adds its numbers, and bands to the figures.
+        title: headline; made from the name of the model if left out.
+
+    Returns:
+        The files written, the report first.
+
+    Raises:
+        DataError: there are no validations, or a file cannot be written.
+    """
+    from martensite.show.summaries.model import summarise_model
+
+    return write_page(summarise_model(validations, uncertainty, title), path)
+
+
+def write_page(summary: Summary, path: str | Path) -> list[Path]:
+    """Write a summary with its figures; all files written, the page first.
+
+    Raises:
+        DataError: the path ends in neither .html nor .md, or a file cannot be written.
+    """
+    path, by = check_page_path(path), f"Written by {program()}."
+    if path.suffix.lower() in HTML:
+        _write_text(path, render_page(summary, by))
+    else:
+        _write_figures(summary, path)
+        _write_text(path, render_markdown(summary, by, find_figure_folder(path).name))
+    return list_page_files(summary, path)
+
+
+def list_page_files(summary: Summary, path: Path) -> list[Path]:
+    """All files that `write_page` writes or replaces, the page first."""
+    if path.suffix.lower() in HTML:
+        return [path]
+    folder = find_figure_folder(path)
+    names = [block.name for block in summary.blocks if isinstance(block, Picture)]
+    return [path, *(folder / f"{name}.png" for name in names)]
+
+
+def check_page_path(path: str | Path) -> Path:
+    """The path of a page.
+
+    Raises:
+        DataError: it ends in neither .html nor .md, or its folder does not exist.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in (*HTML, *MARKDOWN):
+        raise DataError(f"A report ends in .html or .md, but this is `{path}`.")
+    if not path.parent.is_dir():
+        raise DataError(f"The folder of `{path}` does not exist; create it first.")
+    return path
+
+
+def find_figure_folder(path: Path) -> Path:
+    """Where the figures of a page in Markdown lie."""
+    return path.with_name(f"{path.stem}_figures")
+
+
+def _write_figures(summary: Summary, path: Path) -> None:
+    """Write all pictures of a summary into its folder, which is made if it does not exist."""
+    folder = find_figure_folder(path)
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise DataError(f"Cannot make the folder `{folder}`: {error.strerror}.") from None
+    for block in summary.blocks:
+        if isinstance(block, Picture):
+            write_figure(block.draw(), folder / f"{block.name}.png")
+
+
+def _write_text(path: Path, text: str) -> None:
+    with replace_file(path) as part:
+        part.write_text(text, encoding="utf-8")

@@ -1,0 +1,1 @@
+"""What there is to say of each kind of result: one file per kind, one `Summary` for all pages."""

@@ -1,0 +1,328 @@
+"""A fit: warnings first, then the numbers, then what they rest on."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from martensite.base import units
+from martensite.base.formats import typeset_unit
+from martensite.base.summary import (
+    Block,
+    BulletList,
+    DataTable,
+    Heading,
+    Notice,
+    Picture,
+    Sentence,
+    Summary,
+)
+from martensite.fit.fit import Fit
+from martensite.fit.fit_provenance import cautions_of, scenario_of
+from martensite.fit.fit_rows import compared
+from martensite.fit.fit_verdicts import amount, predictions, warnings
+from martensite.fit.posterior import Posterior
+from martensite.fit.task import LogFit
+from martensite.scenario.law_match import KIND, law_words
+from martensite.search.free_numbers import FreeNumber
+from martensite.search.profile import Profile
+from martensite.search.words import joined, listed, number
+from martensite.show.figures.fit import MOST as PANELS
+from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops
+from martensite.show.figures.fit_knowledge import (
+    plot_correlation,
+    plot_search,
+    plot_singular_values,
+)
+from martensite.show.figures.fit_likelihood import plot_likelihood
+from martensite.show.figures.fit_residuals import MOST as RESIDUALS
+from martensite.show.figures.fit_residuals import plot_fit_residuals
+from martensite.show.summaries import fit_tables
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from martensite.scenario.scenario import Scenario
+
+MANY = 4
+"""Records up to which a title names them one by one."""
+
+
+def summarise_fit(
+    fit: Fit,
+    scenario: Scenario | None = None,
+    profiles: Sequence[Profile] = (),
+    title: str = "",
+    posterior: Posterior | None = None,
+) -> Summary:
+    """Everything about a fit.
+
+    Args:
+        fit: a finished fit.
+        scenario: what it began with, if the fit does not know.
+        profiles: profile likelihoods of some parameters.
+        title: headline; made from the names of the records if left out.
+        posterior: samples of the parameters.
+    """
+    blocks = [
+        _describe_verdict(fit),
+        *_describe_parameters(fit),
+        *_describe_agreement(fit),
+        *_describe_problem(fit, scenario or scenario_of(fit)),
+        *_describe_knowledge(fit, profiles, posterior),
+        *_describe_residuals(fit),
+        *_describe_search(fit),
+    ]
+    data = _collect_numbers(fit) | {
+        "profiles": [profile.to_dict() for profile in profiles],
+        "posterior": None if posterior is None else _collect_posterior(posterior),
+    }
+    return Summary(title or _make_title(fit), blocks, data, _make_lead(fit))
+
+
+def _make_title(fit: Fit) -> str:
+    """A headline from the law and the records."""
+    names = [one.name for one in fit.problem.experiments]
+    which = joined(names) if len(names) <= MANY else f"{len(names)} records"
+    return f"Fit of {_law(fit)[KIND]} to {which}"
+
+
+def _make_lead(fit: Fit) -> str:
+    """What was fitted to how much, in one line."""
+    rows = compared(fit)
+    fitted = sum(int(row.used.sum()) for row in rows)
+    kept = sum(int(row.held.sum()) for row in rows)
+    return (
+        f"{len(fit.problem.free)} parameters fitted to {fitted} measured values; {kept} more kept "
+        f"back. Ended: {fit.reason}."
+    )
+
+
+def _list_pictures(fit: Fit, profiles: Sequence[Profile]) -> dict[str, tuple[DrawFit, str]]:
+    """Name of each figure that there is -> how to draw it, and its caption."""
+    rows = len(compared(fit))
+    found: dict[str, tuple[DrawFit, str]] = {
+        "measured": (
+            plot_fit,
+            "Measured and modelled, over time. What was kept back is tinted."
+            + _count_panels(rows, PANELS),
+        )
+    }
+    if has_loops(fit):
+        found["loops"] = (plot_fit_loops, f"The same as loops.{_count_panels(rows, PANELS)}")
+    found["directions"] = (
+        plot_singular_values,
+        "Left: singular values of the Jacobian per search range, in units of the noise. Right: "
+        "what moves in the least certain direction.",
+    )
+    if len(fit.problem.free) > 1:
+        found["correlations"] = (
+            plot_correlation,
+            "Correlations of the parameters; hatched where the data do not determine one.",
+        )
+    if profiles:
+        found["likelihoods"] = (
+            lambda fit: plot_likelihood(profiles, fit),
+            "How the cost rises if one parameter is held elsewhere and all others follow; shaded: "
+            "the interval.",
+        )
+    found["residuals"] = (
+        plot_fit_residuals,
+        "Left: modelled less measured. Right: autocorrelation of what was fitted; white residuals "
+        f"stay within the grey band.{_count_panels(rows, RESIDUALS)}",
+    )
+    if len(fit.history) > 1:
+        found["search"] = (plot_search, "The least cost over the runs of the search.")
+    return found
+
+
+def _count_panels(count: int, most: int) -> str:
+    """That a figure leaves some records out, if it does."""
+    return f" {most} of {count} are drawn." if count > most else ""
+
+
+DrawFit = Callable[[Fit], "Figure"]
+
+
+def _show_picture(fit: Fit, name: str, profiles: Sequence[Profile] = ()) -> Iterator[Block]:
+    """A figure, if there is one of that name."""
+    known = _list_pictures(fit, profiles)
+    if name in known:
+        draw, caption = known[name]
+        yield Picture(name, lambda: draw(fit), caption)
+
+
+def _describe_verdict(fit: Fit) -> Block:
+    """What must be known before a number is used."""
+    found = collect_warnings(fit)
+    title = "Read this first" if found else "Nothing speaks against these numbers"
+    return Notice(title, _typeset([*predictions(fit), *found]), warning=bool(found))
+
+
+def collect_warnings(fit: Fit) -> list[str]:
+    """What a reader must know before the numbers are used."""
+    weak = list(dict.fromkeys(name for one in fit.identifiability.weak for name in one.names))
+    found = list(dict.fromkeys([*cautions_of(fit), *warnings(fit)]))
+    if weak:
+        found.append(
+            f"The fitted values of {listed(weak)} rest on a direction that the data do not "
+            "determine; use them together only, near what was measured."
+        )
+    return found
+
+
+def _describe_parameters(fit: Fit) -> Iterator[Block]:
+    yield Heading("Parameters")
+    yield fit_tables.tabulate_parameters(fit)
+    own = fit_tables.tabulate_own_numbers(fit)
+    if own is not None:
+        yield own
+    yield fit_tables.tabulate_all_digits(fit)
+
+
+def _describe_agreement(fit: Fit) -> Iterator[Block]:
+    yield Heading("Measured and modelled")
+    yield fit_tables.tabulate_errors(fit)
+    yield from _show_picture(fit, "measured")
+    yield from _show_picture(fit, "loops")
+    if isinstance(fit, LogFit) and fit.notes:
+        yield BulletList([f"Note: {one}" for one in fit.notes])
+
+
+def _describe_problem(fit: Fit, scenario: Scenario | None) -> Iterator[Block]:
+    yield Heading("What was fitted", detail=True)
+    yield BulletList(list(_facts(fit, scenario)))
+    yield fit_tables.tabulate_records(fit)
+
+
+def _facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
+    """Scenario, material, law, and what residuals are measured by."""
+    if scenario is not None:
+        file = f" (`{scenario.path.name}`)" if scenario.path else ""
+        yield f"Scenario: {scenario.title}{file}."
+        if scenario.material is not None:
+            yield f"Numbers that are not fitted: material `{scenario.material.name}`, or scenario."
+    yield f"System: {fit.system().described()}."
+    law = _law(fit)
+    options = joined([f"`{name} = {word}`" for name, word in law.items() if name != KIND])
+    yield f"Law: `{law[KIND]}`{f' with {options}' if options else ''}."
+    for output in dict.fromkeys(one.output for one in compared(fit)):
+        known = output in fit.problem.noise
+        unit = fit.system().outputs()[output].unit
+        size = amount(output, fit.problem.scale(output), unit, 4)
+        what = "its known noise" if known else "the range over which it was measured"
+        yield f"Residuals of `{output}` are divided by {what}, {size}."
+    yield f"Loss: {fit.loss}."
+
+
+def _describe_knowledge(
+    fit: Fit, profiles: Sequence[Profile], posterior: Posterior | None
+) -> Iterator[Block]:
+    yield Heading("What the data cannot tell")
+    found = [*fit.identifiability.sentences, *fit.uncertainty.sentences]
+    yield BulletList(_typeset(list(dict.fromkeys(found))))
+    yield from _show_picture(fit, "directions")
+    yield from _show_picture(fit, "correlations")
+    if profiles:
+        yield BulletList(_typeset([one.sentence for one in profiles]))
+        yield from _show_picture(fit, "likelihoods", profiles)
+    if posterior is not None:
+        rows = [(free.name, _write_draws(free, posterior)) for free in fit.problem.free]
+        yield DataTable(("parameter", "95 % of the draws"), rows, right=(1,))
+        yield Sentence(posterior.sentence, "" if posterior.settled else "caution")
+
+
+def _write_draws(free: FreeNumber, posterior: Posterior) -> str:
+    low, high = posterior.interval(free.name)
+    spelling = fit_tables.choose_parameter_unit(free, high)
+    low, high = (units.from_si(end, spelling, free.unit) for end in (low, high))
+    return f"{low:.5g} to {high:.5g} {typeset_unit(spelling)}".rstrip()
+
+
+def _describe_residuals(fit: Fit) -> Iterator[Block]:
+    yield Heading("Residuals")
+    if fit.whiteness:
+        white = sum(one.white for one in fit.whiteness)
+        yield Sentence(f"Residuals are white in {white} of {len(fit.whiteness)} comparisons.")
+        yield BulletList([one.sentence for one in fit.whiteness], detail=True)
+    else:
+        yield Sentence("Too few rows for a test of whiteness.")
+    yield from _show_picture(fit, "residuals")
+
+
+def _describe_search(fit: Fit) -> Iterator[Block]:
+    yield Heading("Search")
+    yield Sentence(
+        f"Method `{fit.method}`, ended: {fit.reason}; {fit.simulations} runs, {fit.jacobians} with "
+        f"derivatives in all directions, {number(fit.seconds, 3)} s. Cost (mean squared residual) "
+        f"{number(fit.cost, 4)}."
+    )
+    yield from _show_picture(fit, "search")
+
+
+def _typeset(sentences: Sequence[str]) -> list[str]:
+    """Sentences with degrees as they are printed."""
+    return [re.sub(r"(?<= )degC\b", "°C", one) for one in sentences]
+
+
+def _law(fit: Fit) -> dict[str, Any]:
+    actuators = fit.system().actuators()
+    return law_words(next(iter(actuators.values())).element.law)
+
+
+# ---------------------------------------------------------------- numbers
+
+
+def _collect_numbers(fit: Fit) -> dict[str, Any]:
+    kept = [one.experiment for one in fit.kept]
+    return {
+        "parameters": {free.name: _collect_parameter(fit, free) for free in fit.problem.free},
+        "cost": fit.cost,
+        "reason": fit.reason,
+        "method": fit.method,
+        "loss": fit.loss,
+        "simulations": fit.simulations,
+        "jacobians": fit.jacobians,
+        "seconds": fit.seconds,
+        "scores": [score.to_dict() for score in fit.scores],
+        "held_out": {
+            one.name: [[_end(end) for end in pair] for pair in one.held]
+            for one in (*fit.problem.experiments, *kept)
+            if one.held
+        },
+        "uncertainty": fit.uncertainty.to_dict(),
+        "identifiability": fit.identifiability.to_dict(),
+        "whiteness": [one.to_dict() for one in fit.whiteness],
+        "notes": list(fit.notes) if isinstance(fit, LogFit) else [],
+        "warnings": collect_warnings(fit),
+    }
+
+
+def _end(end: float) -> float | None:
+    return end if math.isfinite(end) else None
+
+
+def _collect_parameter(fit: Fit, free: FreeNumber) -> dict[str, Any]:
+    low, high = fit.uncertainty.widened(free.name)
+    return {
+        "value": fit[free.name],
+        "unit": free.unit,
+        "low": _end(low),
+        "high": _end(high),
+        "start": free.start,
+        "bounds": [free.low, free.high],
+        "meaning": free.doc,
+        "at_bound": free.name in fit.at_bound(),
+    }
+
+
+def _collect_posterior(found: Posterior) -> dict[str, Any]:
+    return {
+        "intervals": {name: list(found.interval(name)) for name in found.samples},
+        "r_hat": found.r_hat,
+        "effective": found.effective,
+        "divergences": found.divergences,
+        "sentence": found.sentence,
+    }

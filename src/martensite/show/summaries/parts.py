@@ -1,0 +1,48 @@
+"""Registered parts: parameters of one with the works it rests on, and names of many."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from martensite.base.formats import write_quantity
+from martensite.base.summary import Block, DataTable, Heading, Sentence
+from martensite.base.units import OF_READINGS
+from martensite.scenario.citations import read_bibliography, read_title
+from martensite.signals.base import DRIVE
+
+
+def describe_part(part: Mapping[str, Any]) -> Iterator[Block]:
+    """A described part with its table of parameters and the works it rests on."""
+    yield Heading(f"{part['kind']} {part['name']}: {part['summary']}")
+    yield Sentence(f"\n{part['description']}")
+    rows = [_parameter_row(entry) for entry in part["parameters"]]
+    yield DataTable(("parameter", "unit", "meaning", "allowed", "default"), rows)
+    for key in part["cites"]:
+        title = read_title(key) if key in read_bibliography() else "not in the bibliography"
+        yield Sentence(f"Source: {title} [{key}]")
+
+
+def _parameter_row(entry: Mapping[str, Any]) -> tuple[str, ...]:
+    unit = entry["unit"] or ""
+    return entry["name"], unit, entry["meaning"], entry["allowed"], write_default(entry)
+
+
+def write_default(entry: Mapping[str, Any]) -> str:
+    """The default of a described parameter, in a readable unit if it is known."""
+    default = entry["default"]
+    if not isinstance(default, float):
+        return "required" if entry["required"] else str(default)
+    if entry["unit"] in OF_READINGS and default and math.isfinite(default):
+        return f"{default:g} in SI"
+    placed = entry["unit"] in (DRIVE, *OF_READINGS)
+    return write_quantity(default, "1" if placed else entry["unit"])
+
+
+def tabulate_parts(kind: str, rows: Sequence[Mapping[str, str]]) -> DataTable:
+    """Names of parts with one line each; of blocks how they are written in a chain as well."""
+    if any("written" in row for row in rows):
+        cells = [(row["name"], row["written"], row["summary"]) for row in rows]
+        return DataTable((kind, "in a chain", "what it is"), cells)
+    return DataTable((kind, "what it is"), [(row["name"], row["summary"]) for row in rows])
