@@ -200,7 +200,7 @@ def library(compiled: CompiledLaw, lanes: int) -> Any:
         for name in ("init", "stress_step")
     ]
     loop = _RIDE.format(
-        lanes=lanes, constants=max(1, len(compiled.program.hoisted)), size=size,
+        lanes=lanes, constants=max(1, len(compiled.program.hoisted_nodes)), size=size,
         inputs=max(size + 3, 4), results=size + 1,
     )  # fmt: skip
     write = c_source if lanes % BLOCK else lanes_source

@@ -97,7 +97,7 @@ def peaks(turns: int = 1_000_000, megabytes: int = 256) -> Peaks:
 def work(compiled: Compiled) -> Work:
     """Operations of a step, those in loops as often as they are made, about."""
     graph, found = compiled.program.graph, Counter[str]()
-    constant = {node.index for node in compiled.program.hoisted}
+    constant = {node.index for node in compiled.program.hoisted_nodes}
 
     def count(wanted: list[int], times: int, inside: int) -> None:
         seen, stack = set[int](), list(wanted)

@@ -45,8 +45,10 @@ def first_stage(samples: int = SAMPLES, text: str = TEXT) -> tuple[Chain, Sample
     u = np.repeat(rng.choice([0.0, 1.0], 41) * rng.uniform(18.0, 38.0, 41), held)[:samples]
     record = Sampled("made up", INTERVAL, u, np.zeros(samples), ("duty",), ("temperature",))
     chain = build_untrained(parse_chain(text), record)
-    drawn = [np.concatenate([b.drawn(rng, record.duration, INTERVAL) for b in chain.blocks])
-             for _ in range(2)]  # fmt: skip
+    drawn = [
+        np.concatenate([b.sample_parameters(rng, record.duration, INTERVAL) for b in chain.blocks])
+        for _ in range(2)
+    ]
     y = chain.with_theta(drawn[0]).simulate(record)
     noise = 0.01 * float(np.std(y)) * rng.normal(size=y.shape)
     return chain.with_theta(drawn[1]), record.with_outputs(y + noise)
@@ -156,15 +158,20 @@ def candidates(chain: Chain, record: Sampled) -> list[Candidate]:
 
     by = {"compiled": compiled, "NumPy, SciPy": plain}
     found = [Candidate("one pass", one_pass, error), Candidate("one pass, in chunks", in_chunks)]
-    found += [Candidate(f"simulation alone, {name}", lambda run=run: run(chain.theta))
-              for name, run in by.items()]  # fmt: skip
+    found += [
+        Candidate(f"simulation alone, {name}", lambda run=run: run(chain.theta))
+        for name, run in by.items()
+    ]
     for name, run in by.items():
         for central in (False, True):
             kind = "central" if central else "2-point"
-            found.append(Candidate(
-                f"{kind} differences, {name}",
-                lambda run=run, central=central: differences(run, chain.theta, central), error,
-            ))  # fmt: skip
+            found.append(
+                Candidate(
+                    f"{kind} differences, {name}",
+                    lambda run=run, central=central: differences(run, chain.theta, central),
+                    error,
+                )
+            )
     return [*found, Candidate("jacfwd of a JAX scan", in_jax(chain, u[:, 0]), error)]
 
 
@@ -210,7 +217,9 @@ def chain_memory(options: Options) -> list[Table]:
     used = run_process([sys.executable, "-c", code])
     found = used.answer if isinstance(used.answer, dict) else json.loads(str(used.answer))
     row = {
-        "numbers": found["numbers"], "before [MB]": found["before"], "peak [MB]": found["after"],
+        "numbers": found["numbers"],
+        "before [MB]": found["before"],
+        "peak [MB]": found["after"],
         "all derivatives [MB]": 8e-6 * 500_000 * found["numbers"],
-    }  # fmt: skip
+    }
     return [Table(f"Normal equations of {LONG}, 500000 samples", [row])]

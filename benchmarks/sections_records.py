@@ -58,7 +58,7 @@ def fed_back(record: Sampled) -> Chain:
     linear = estimate_chain("oe(3,2,0) | poly1", record, Search(skip=SKIP)).chain
     poles, line = linear.split()
     before: Any = linear.blocks[0]
-    first = Feedback(order=2, degree=3).adapted(record.inputs, record.interval)
+    first = Feedback(order=2, degree=3).adapt_to(record.inputs, record.interval)
     begun = np.concatenate([first.like(before, poles, record.interval), line])
     chain = replace(linear, blocks=(first, linear.blocks[1]), theta=begun)
     return chain.with_theta(refine_chain(chain, [record], Search(skip=SKIP)).theta)

@@ -200,7 +200,7 @@ def multibody_answers(mechanism: AbstractMultibody, xp: Any, x: Any, y: Any, z: 
     found = (
         mechanism.contraction(xp, motion.position), mechanism.demand(xp, motion, signals),
         mechanism.transmission(xp, motion), supply, mechanism.start_forces(xp), home,
-        mechanism.mounted(xp, [1e-3 * (x + k) for k in ports]),
+        mechanism.assembled_elongations(xp, [1e-3 * (x + k) for k in ports]),
         mechanism.release(xp, motion, supply, signals),
         mechanism.scheme(xp, course, 0.01 + 0.001 * y)(motion.velocity),
         tuple(own.energy(xp, motion) or ()),
@@ -278,7 +278,7 @@ def fault_effects(fault: Any, xp: Any, time: Any, u: Any, reading: Any, held: An
     active, name = fault.active(xp, time), "temperature"
     plant = fault.plant(xp, builders.problem_a(source=PwmVoltage(supply=6.0)), active)
     loss = plant.element.heat_loss(xp, 350.0, plant.environment)
-    grown = fault.grown(xp, time)
+    grown = fault.fault_at(xp, time)
     fresh = fault.fresh(xp, name, reading > held, active)
     return (
         plant.source.current(xp, u, 2.0), loss, fault.signal(xp, "drive", u, active),
@@ -509,7 +509,7 @@ def on_c(
 ) -> np.ndarray:
     program = traced(thing, kernel)
     lanes = inputs.shape[1]
-    entry = _ENTRY.format(constants=max(1, len(program.hoisted)), lanes=lanes)
+    entry = _ENTRY.format(constants=max(1, len(program.hoisted_nodes)), lanes=lanes)
     library = load_library(write(program, program.functions.values()) + entry)
     parameters = np.array([[v] * lanes for v in values(thing)] or [[0.0] * lanes])
     outputs = np.empty((len(program.functions["kernel"].outputs), lanes))

@@ -98,7 +98,7 @@ def library(program: Program, control: str) -> Any:
 def _built(program: Program, control: str) -> Any:
     function = program.functions[control]
     march = _MARCH.format(
-        constants=max(1, len(program.hoisted)), inputs=len(function.inputs),
+        constants=max(1, len(program.hoisted_nodes)), inputs=len(function.inputs),
         outputs=len(function.outputs), size=len(function.inputs) - 3, control=control,
     )  # fmt: skip
     return load_library(c_source(program, [function]) + march)

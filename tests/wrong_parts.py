@@ -215,12 +215,12 @@ class Strange(AbstractFluid):
     def span(self) -> tuple[float, float]:
         return 300.0, 400.0
 
-    def known(self, xp: Any, temperature: Any) -> FluidProperties:
+    def film_properties(self, xp: Any, temperature: Any) -> FluidProperties:
         jump = xp.where(temperature > 350.0, 1.0, 0.0)
         return FluidProperties(0.02, -1e-5, 0.7 + jump, 1e-3)
 
     def properties(self, xp: Any, temperature: Any) -> FluidProperties:
-        return self.known(xp, temperature)._replace(expansion=1.0 / temperature)
+        return self.film_properties(xp, temperature)._replace(expansion=1.0 / temperature)
 
 
 # ---------------------------------------------------------------- sensors
@@ -446,7 +446,7 @@ class Drifting(TransferFunction):
         y, after = super().step(xp, theta, state, x, dt)
         return y, tuple(one + 0.01 for one in after)
 
-    def adapted(self, x: Any, dt: float) -> Any:
+    def adapt_to(self, x: Any, dt: float) -> Any:
         return self.with_parts(nb=2.0)
 
 

@@ -71,7 +71,7 @@ def test_feedback_from_the_linear_model(silverbox, linear):
     before, line = linear.blocks
     poles, own = linear.split()
     assert isinstance(before, TransferFunction)
-    first = Feedback(order=2, degree=3).adapted(record.inputs, record.interval)
+    first = Feedback(order=2, degree=3).adapt_to(record.inputs, record.interval)
     begun = first.like(before, poles, record.interval)
     chain = replace(linear, blocks=(first, line), theta=np.concatenate([begun, own]))
     assert errors(chain, silverbox) == pytest.approx(errors(linear, silverbox), rel=1e-6)

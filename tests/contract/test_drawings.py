@@ -176,13 +176,13 @@ def test_it_is_drawn_as_it_is(place: int, check: Callable[[Pictures], None]) -> 
 class Silent(AntagonisticPulley):
     """Says nothing of how it looks; not registered."""
 
-    drawn = AbstractMultibody.drawn
+    drawn = AbstractMultibody.draw_shapes
 
 
 class SilentWeight(DeadWeight):
     """Likewise, with one coordinate and no path."""
 
-    drawn = AbstractMechanism.drawn
+    drawn = AbstractMechanism.draw_shapes
 
 
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
@@ -219,7 +219,7 @@ def test_a_wire_is_as_long_as_it_is_meant(rest: float) -> None:
 def test_the_unbalance_is_drawn_where_it_is(angle: float) -> None:
     """At x + r sin φ, by the equations of the motor; the arm turns about the rotor's axis."""
     (motor,) = [one for one in ALL if isinstance(one, BeamMotor) and not one.ports()][:1]
-    shapes = motor.drawn(DrawingState({"displacement": 0.01, "rotor_angle": angle}, {}))
+    shapes = motor.draw_shapes(DrawingState({"displacement": 0.01, "rotor_angle": angle}, {}))
     (rotor,) = [shape for shape in shapes if shape.kind == "rotor"]
     first, last, mass = map(np.array, rotor.points)
     axis = (last - first) / np.linalg.norm(last - first)
@@ -237,8 +237,8 @@ def spoiled(
     """A dead weight whose shapes are changed as they are drawn."""
 
     class Spoiled(DeadWeight):
-        def drawn(self, reading: DrawingState) -> list[DrawingShape]:
-            return [change(shape, reading.outputs) for shape in super().drawn(reading)]
+        def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
+            return [change(shape, reading.outputs) for shape in super().draw_shapes(reading)]
 
     return Spoiled(mass=1.0)
 

@@ -34,7 +34,7 @@ def run_lanes(
     whole: AbstractSystem, waves: Mapping[str, AbstractWaveform], duration: float,
     values: Mapping[str, Any], signals: Mapping[str, Any] | None = None, runtime: str = "c",
 ) -> Ran:  # fmt: skip
-    judged = tuple(whole.judged())
+    judged = tuple(whole.convergence_scales())
     course = VariantSetup(whole, waves, duration, SAMPLES, None, judged, runtime)
     found = course.run({p: np.asarray(v) for p, v in values.items()}, signals)
     assert found.status.tolist() == [Status.OK] * len(found.status)
@@ -47,7 +47,7 @@ def check_run(
 ) -> None:  # fmt: skip
     """A row is about as far from an exact run as it says, at most."""
     exact = ms.run(whole, waves, duration, samples=SAMPLES, tolerance=FINE, runtime="c")
-    for name, least in whole.judged().items():
+    for name, least in whole.convergence_scales().items():
         apart = np.abs(found.columns[name][row] - exact[name]).max()
         assert apart <= (SURELY * found.accuracy[row] + FINE) * max(exact.range(name), least)
 

@@ -381,9 +381,9 @@ def test_path_and_lever_of_the_wire(slack: float) -> None:
         force, torque, volts = motor.supply(floats, [x, 1.0, 0.0], [7.0], [0.0] * 3)
         assert force == pytest.approx(-7.0 * ends[1] / length, rel=1e-12)
         assert torque == volts == 0.0
-    (home,) = motor.mounted(floats, [0.04 * LENGTH])  # as long as the cold wire is
+    (home,) = motor.assembled_elongations(floats, [0.04 * LENGTH])  # as long as the cold wire is
     assert home == pytest.approx(-slack * LENGTH)
-    (home,) = motor.mounted(floats, [-0.05])
+    (home,) = motor.assembled_elongations(floats, [-0.05])
     assert home == -0.05  # never stretched
 
 

@@ -88,7 +88,9 @@ def test_diodes_share_a_bridge_between_two_wires():
         assert found == pytest.approx(currents, rel=1e-14)
     assert (up.reach(2.5), down.reach(2.5)) == ((0.0, 1.0), (-1.0, 0.0))
     assert (
-        BRIDGE.with_parts(conducts="positive", supply=0.5, diode_voltage=0.7).closed(floats, 2.5)
+        BRIDGE.with_parts(conducts="positive", supply=0.5, diode_voltage=0.7).closed_current(
+            floats, 2.5
+        )
         == 0.0
     )
 

@@ -25,7 +25,7 @@ RELEASE = (
 @pytest.mark.parametrize("row", RELEASE, ids=lambda row: f"{row[0]:g}")
 def test_water_is_the_release(row):
     temperature, micro, k, heat, density, slope = row
-    found = ms.thermal.Water().known(floats, temperature)
+    found = ms.thermal.Water().film_properties(floats, temperature)
     assert found.conductivity == pytest.approx(k, rel=2e-9)
     assert found.viscosity == pytest.approx(1e-6 * micro / density, rel=3e-9)
     assert found.prandtl == pytest.approx(1e-6 * micro * 1e3 * heat / k, rel=5e-9)
@@ -88,8 +88,8 @@ def test_the_table_of_oil_agrees_with_itself():
 def test_properties_are_held_beyond_the_span(name):
     fluid: AbstractFluid = FLUIDS[name]()
     low, high = fluid.span()
-    assert fluid.properties(floats, 0.0) == fluid.known(floats, low)
-    assert fluid.properties(floats, 5e3) == fluid.known(floats, high)
+    assert fluid.properties(floats, 0.0) == fluid.film_properties(floats, low)
+    assert fluid.properties(floats, 5e3) == fluid.film_properties(floats, high)
     for temperature in np.linspace(low, high, 40).tolist():
         assert min(fluid.properties(floats, temperature)) > 0.0
 

@@ -294,7 +294,7 @@ class Lifted(Hand):
     def home(self, xp: Namespace) -> Column:
         return [0.9, 0.5, -0.6, 1.2, 0.7, -0.8]
 
-    def mounted(self, xp: Namespace, elongations: Column) -> Column:
+    def assembled_elongations(self, xp: Namespace, elongations: Column) -> Column:
         return [-1.0] * 12
 
 

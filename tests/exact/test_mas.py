@@ -108,7 +108,7 @@ def test_a_threshold_off_by_1_mpa_is_noticed():
 def test_cold_austenite_is_gone_without_stress():
     """σ_A would be -99 MPa at 295 K; limited to zero, no plateau is negative."""
     law = table_1()
-    assert law.threshold(295.0) == pytest.approx(-99e6)
+    assert law.linear_transition_stress(295.0) == pytest.approx(-99e6)
     up, down = plateaus(stretched(295.0, TWINNED, law=law))
     assert up == pytest.approx(50.7, abs=0.05)
     assert down == pytest.approx(-50.7, abs=0.1)  # symmetric: back to the other variant
@@ -116,8 +116,8 @@ def test_cold_austenite_is_gone_without_stress():
 
 def test_without_the_limit_the_plateau_is_elsewhere():
     class Unlimited(MullerAchenbachSeelecke):
-        def threshold(self, temperature):
-            return 99e6 + super().threshold(temperature)
+        def linear_transition_stress(self, temperature):
+            return 99e6 + super().linear_transition_stress(temperature)
 
     up, _ = plateaus(stretched(295.0 + 24.75, TWINNED, law=table_1(Unlimited)))
     assert up > 80.0

@@ -31,7 +31,7 @@ def per_energy(T, volume=TABLE_1["layer_volume"]):
 
 def corners(law, T):
     """ε_A and ε_M."""
-    rise = max(law.threshold(T), 0.0)
+    rise = max(law.linear_transition_stress(T), 0.0)
     return rise / law.E_A, law.eps_T + (rise - law.Delta_sigma) / law.E_M
 
 
@@ -65,7 +65,7 @@ def brute_force(law, T, stress):
 def test_barriers_are_the_heights_of_the_saddle(T):
     """Inside the thresholds and beyond each of them; out of A while it has a well for M+."""
     law = table_1()
-    compared, least = 0, -max(law.threshold(T), 0.0)
+    compared, least = 0, -max(law.linear_transition_stress(T), 0.0)
     for stress in np.linspace(-120e6, 300e6, 43).tolist():
         up, down, _ = brute_force(law, T, stress)
         rates = law.jump_rates(floats, stress, T)
@@ -98,7 +98,7 @@ def test_detailed_balance_of_the_barrier_form():
     """In small layers, whose rates do not underflow anywhere between the thresholds."""
     law = table_1(layer_volume=1e-24)
     for T in (334.0, 345.0, 360.0):
-        high = law.threshold(T)
+        high = law.linear_transition_stress(T)
         for stress in np.linspace(high - law.Delta_sigma, high, 24)[1:-1].tolist():
             assert abs(detailed_balance(law, T, stress)) < 1e-10
 
@@ -115,10 +115,10 @@ def test_overstressed_layers_jump_linearly_in_the_form_well(size):
     """√π |u|/τ and √(π E_M/E_A) z/τ, u and z in thermal widths."""
     law, T = table_1(rates="well"), 345.0
     widths = [np.sqrt(2 * E / per_energy(T)) for E in (law.E_A, law.E_M)]
-    high = float(law.threshold(T) + size * widths[0])
+    high = float(law.linear_transition_stress(T) + size * widths[0])
     up = law.jump_rates(floats, high, T).to_plus * law.layer_time
     assert up == pytest.approx(np.sqrt(np.pi) * size, rel=1e-6)
-    low = float(law.threshold(T) - law.Delta_sigma - size * widths[1])
+    low = float(law.linear_transition_stress(T) - law.Delta_sigma - size * widths[1])
     down = law.jump_rates(floats, low, T).from_plus * law.layer_time
     assert down == pytest.approx(np.sqrt(np.pi * law.E_M / law.E_A) * size, rel=1e-6)
 

@@ -108,7 +108,7 @@ class TestSideBySide:
             shares = [max((e - f) / c, 0.0) for f, c in zip(free, soft, strict=True)]
             assert sum(shares) == pytest.approx(force, abs=1e-9)
             own = [Spring(*pair) for pair in zip(free, soft, strict=True)]
-            carried = [ParallelCells().carried(floats, one, whole, force) for one in own]
+            carried = [ParallelCells().force_share(floats, one, whole, force) for one in own]
             assert carried == pytest.approx(shares, abs=1e-12)
 
     def test_a_cell_and_the_rest_are_the_whole(self):
@@ -117,7 +117,7 @@ class TestSideBySide:
         offsets, slopes = ParallelCells().rests(floats, free, soft, force)
         for i in range(3):
             rest = Rest(offsets[i], slopes[i])
-            joined = ParallelCells().joined(rest, Spring(free[i], soft[i]))
+            joined = ParallelCells().combine_springs(rest, Spring(free[i], soft[i]))
             assert tuple(joined) == pytest.approx(tuple(whole), rel=1e-12)
 
 

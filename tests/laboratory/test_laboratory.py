@@ -137,7 +137,7 @@ def test_strong_pulses_are_within_what_is_claimed() -> None:
         pulse = PulseWidthModulation(high=volts, frequency=1.0 / 5.0, duty=width / 5.0)
         found = simulate(case.system, pulse, 5.0, samples=31, runtime="c")
         meant = simulate(case.system, pulse, 5.0, samples=31, step=width / 400, runtime="c")
-        for name, least in case.system.judged().items():
+        for name, least in case.system.convergence_scales().items():
             if found.accuracy is not None and not found.status.failed:
                 apart = np.abs(np.subtract(found[name], meant[name])).max()
                 assert apart <= 3.0 * found.accuracy * max(meant.range(name), least)
@@ -256,7 +256,7 @@ def test_runtimes_agree_on_narrow_strips(law: type[AbstractLaw]) -> None:
         )
         assert meant.range("martensite_fraction") > 0.9
         for found in others:
-            for name in system.judged():
+            for name in system.convergence_scales():
                 apart = np.abs(np.subtract(found[name], meant[name])).max()
                 assert apart <= 1e-12 * meant.range(name)
         single = simulate_batch(

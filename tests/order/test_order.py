@@ -17,7 +17,7 @@ from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.api import simulate
 from martensite.studies.readings import runtime
 
-JUDGED = tuple(problem_a().judged())
+JUDGED = tuple(problem_a().convergence_scales())
 RULES = ("resume", "restart")
 STEPS = (50e-3, 20e-3, 10e-3, 5e-3)
 FINE = 0.25e-3

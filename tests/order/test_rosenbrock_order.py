@@ -67,9 +67,9 @@ class Course:
         state = self.start
         for k in range(steps):
             state = self.step(state, span * k / steps, span * (k + 1) / steps)[0]
-        return self.seen(state)
+        return self.read_outputs(state)
 
-    def seen(self, state: Row) -> np.ndarray:
+    def read_outputs(self, state: Row) -> np.ndarray:
         return np.array(self.functions["judge"](*state, 0.0)[:3])
 
 
@@ -97,7 +97,9 @@ def test_one_step_and_what_is_inside(case: str) -> None:
     for length in (0.02, 0.01):
         exact = [course.end(64, length), course.end(64, 0.5 * length), course.end(64, length)]
         found = course.step(course.start, 0.0, length)
-        rows.append([abs(course.seen(a)[1] - b[1]) for a, b in zip(found, exact, strict=True)])
+        rows.append(
+            [abs(course.read_outputs(a)[1] - b[1]) for a, b in zip(found, exact, strict=True)]
+        )
     orders = np.log2(np.divide(*rows))
     assert orders[0] > 4.3
     assert orders[1] > 3.5

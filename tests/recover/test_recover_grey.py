@@ -70,7 +70,7 @@ def test_what_can_be_told_is_found(found: ChainEstimate) -> None:
     """All but the scale of temperature, which only priors tell."""
 
     def told(theta: np.ndarray) -> dict[str, float]:
-        shown = {name: value for name, value, _ in TRUTH.shown(theta)}
+        shown = {name: value for name, value, _ in TRUTH.describe_numbers(theta)}
         seen = shown["sensor_gain"]
         rise = {k: shown[f"{k}_centre1"] - shown["ambient"] for k in ("rising", "falling")}
         return {
@@ -92,7 +92,7 @@ def test_operators_are_found_again(c_compiler: str, kind: str) -> None:
     u = np.interp(np.arange(800) / 20.0, np.arange(40), turns)
     record = Sampled("turns", DT, u, np.zeros(800), ("T",), ("y",))
     block = Duhem(logistics=1) if kind == "duhem" else BoucWen()
-    block = block.adapted(record.inputs, DT)
+    block = block.adapt_to(record.inputs, DT)
     truth = block.start() + 0.3 * rng.normal(size=len(block.start()))
     y = 5.0 * Chain((block,), truth, DT).simulate(record) + 1.0
     spread = 0.01 * float(np.std(y))

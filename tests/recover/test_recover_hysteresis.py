@@ -100,7 +100,7 @@ def test_preisach_after_a_linear_system(c_compiler: str, seed: int) -> None:
     text = "oe(1,1,1) | preisach(4,6)"
     chain = build_untrained(parse_chain(text), blank(1))
     preisach = chain.blocks[1]
-    own = preisach.drawn(np.random.default_rng(seed), 150.0, DT)
+    own = preisach.sample_parameters(np.random.default_rng(seed), 150.0, DT)
     truth = chain.with_theta(np.concatenate([[np.log(2.0)], own]))
     made, fit = found_again(truth, text, Options())
     assert fit > 99.0
@@ -121,7 +121,9 @@ def test_backlash(c_compiler: str) -> None:
     truth = truth_of(text, [[np.log(0.8)], [np.log(0.2)], [3.0, 7.0]])
     made, fit = found_again(truth, text, Options(starts=6, refined=2))
     assert fit > 99.0
-    radii = [chain.blocks[1].shown(chain.split()[1])[0][1] for chain in (made.chain, truth)]
+    radii = [
+        chain.blocks[1].describe_numbers(chain.split()[1])[0][1] for chain in (made.chain, truth)
+    ]
     assert radii[0] == pytest.approx(radii[1], rel=0.03)
 
 
@@ -129,7 +131,7 @@ def test_backlash(c_compiler: str) -> None:
 def test_generalised_plays_before_a_linear_system(c_compiler: str) -> None:
     text = "gpi(3,6) | oe(1,1,1)"
     chain = build_untrained(parse_chain(text), blank(1))
-    own = chain.blocks[0].drawn(np.random.default_rng(5), 150.0, DT)
+    own = chain.blocks[0].sample_parameters(np.random.default_rng(5), 150.0, DT)
     truth = chain.with_theta(np.concatenate([own, [np.log(2.0)]]))
     made, fit = found_again(truth, text, Options(starts=8, refined=3))
     assert fit > 99.0

@@ -186,7 +186,7 @@ def test_it_rests_without_power_and_balances_heat_with_it() -> None:
 
 def test_the_paper_s_current_and_stroke() -> None:
     bench = ReferenceBench()
-    assert bench.driver.closed(floats, 4.3 * bench.length) == pytest.approx(4.0)
+    assert bench.driver.closed_current(floats, 4.3 * bench.length) == pytest.approx(4.0)
     assert bench.stroke == pytest.approx(0.04 * bench.length, rel=0.04)
     assert bench.load * 9.81 / bench.section == pytest.approx(48e6, rel=0.01)
 

@@ -17,7 +17,7 @@ BLOCKS = (
 )
 TAPS = ((1, 0), (2, 0))
 INPUT = RNG.uniform(0.0, 1.0, (3 * TILE + 7, 1))
-THETA = np.concatenate([block.drawn(RNG, 10.0, INTERVAL) for block in BLOCKS])
+THETA = np.concatenate([block.sample_parameters(RNG, 10.0, INTERVAL) for block in BLOCKS])
 
 
 def engine(compiled: bool) -> ChainEngine:

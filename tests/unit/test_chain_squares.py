@@ -55,7 +55,7 @@ AR = np.array([1.0, -0.8, 0.2])
 @pytest.mark.parametrize("whitening", [np.ones(1), AR], ids=["white", "coloured"])
 def test_gradients(chain: Chain, noisy: Sampled, start: str, whitening: np.ndarray) -> None:
     cost = squares(chain, Aim(noisy, 30, start=start, whitening=whitening), ridge=1e-3)
-    theta = cost.extended(chain.theta)
+    theta = cost.extend_parameters(chain.theta)
     check(cost, theta + 0.02 * RNG.normal(size=len(theta)))
 
 
@@ -77,7 +77,7 @@ def test_records_add_up_and_estimate_states_of_their_own(chain: Chain, noisy: Sa
     halves = noisy.rows(0, 250), noisy.rows(250)
     both = squares(chain, *(Aim(h, weights=np.ones(1), start="estimate") for h in halves))
     assert both.size == len(chain.theta) + 2 * chain.engine.plan.states
-    found = minimise_cost(both, both.extended(chain.theta))
+    found = minimise_cost(both, both.extend_parameters(chain.theta))
     truth = noisy.outputs[250:]
     assert np.sqrt(found.value / both.count) < 0.025
     run = chain.with_theta(found.theta[: len(chain.theta)])

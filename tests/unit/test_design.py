@@ -107,7 +107,10 @@ def test_a_steered_run_is_the_run_itself() -> None:
     steered = given.with_levels([given.level("drive", "high"), given.level("drive", "low")])
     plain, other = (
         simulate(system, waves, one.duration, step=STEP, samples=SAMPLES, runtime="c")
-        for system, waves in ((one.system, one.waveform), (steered.whole, steered.played()))
+        for system, waves in (
+            (one.system, one.waveform),
+            (steered.whole, steered.system_waveforms()),
+        )
     )
     np.testing.assert_allclose(other["position"], plain["position"], atol=1e-12)
     assert max(plain["position"]) > 1e-3

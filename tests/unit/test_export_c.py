@@ -385,7 +385,7 @@ def test_operations_are_those_counted_by_hand() -> None:
 
     program.add("f", ["x", "y"], kernel)
     outputs = program.functions["f"].outputs
-    assert count_operations(program.graph, outputs, program.hoisted) == {
+    assert count_operations(program.graph, outputs, program.hoisted_nodes) == {
         "add": 1 + 3 + 5 + 2,
         "mul": 1 + 5,
         "div": 3,
@@ -393,7 +393,7 @@ def test_operations_are_those_counted_by_hand() -> None:
         "compare": 1 + 3,
         "select": 1 + 3,
     }
-    assert count_operations(program.graph, program.hoisted) == {
+    assert count_operations(program.graph, program.hoisted_nodes) == {
         "mul": 1,
         "exp": 1,
         "compare": 1,

@@ -60,7 +60,7 @@ def test_it_spans_polynomials_of_two_past_outputs(case):
     ids=["second", "first", "third"],
 )
 def test_rest_is_a_fixed_point_and_derivatives_are_those_of_differences(block):
-    theta = block.drawn(np.random.default_rng(2), 10.0, DT)
+    theta = block.sample_parameters(np.random.default_rng(2), 10.0, DT)
     engine = ChainEngine([block], DT, compiled=False)
     for level in (-0.8, 0.0, 0.7):
         start = engine.rest(theta, np.array([level])).state
@@ -80,7 +80,7 @@ def test_rest_is_a_fixed_point_and_derivatives_are_those_of_differences(block):
 def test_it_begins_as_a_transfer_function(order, feedthrough, delay):
     block = Feedback(order=order, feedthrough=feedthrough)
     linear = TransferFunction(nb=order + 1 - delay, nf=order, nk=delay)
-    theta = linear.drawn(np.random.default_rng(3), 10.0, DT)
+    theta = linear.sample_parameters(np.random.default_rng(3), 10.0, DT)
     own = block.like(linear, theta, DT)
     y, expected = (
         ChainEngine([one], DT, compiled=False).simulate(numbers, U)

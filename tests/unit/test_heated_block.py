@@ -161,7 +161,7 @@ def test_start_suits_the_record(c_compiler: str) -> None:
     y = run(BLOCK.start(), PULSES, 0.1)
     y[5, 1] = np.nan
     chain = build_untrained([HeatedDuhem(latent=20.0)], record(y))
-    shown = {name: value for name, value, _ in chain.blocks[0].shown(chain.theta)}
+    shown = {name: value for name, value, _ in chain.blocks[0].describe_numbers(chain.theta)}
     assert shown["gain"] == pytest.approx(50.0 / PULSES.mean())
     assert shown["rising_centre1"] == pytest.approx(65.0 + 23.0)
     found = align_chain(chain, [record(y)])

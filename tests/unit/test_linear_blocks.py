@@ -40,7 +40,7 @@ BLOCKS = [
 
 
 def _numbers(block: TransferFunction | StateSpace, seed: int = 0) -> np.ndarray:
-    return block.drawn(np.random.default_rng(seed), 20.0, DT)
+    return block.sample_parameters(np.random.default_rng(seed), 20.0, DT)
 
 
 def _record(u: np.ndarray, y: np.ndarray, dt: float = DT) -> Sampled:
@@ -198,7 +198,7 @@ def test_impulse_response_of_a_record_with_gaps() -> None:
 def test_several_inputs_and_outputs_are_reproduced_with_gaps_and_records() -> None:
     rng = np.random.default_rng(5)
     truth = StateSpace(order=3, ins=2, outs=2, nk=1, offset="yes")
-    theta = truth.drawn(rng, 20.0, DT)
+    theta = truth.sample_parameters(rng, 20.0, DT)
     theta[:3] = [np.log(1.5), np.log(2.0), np.log(0.5)]
     engine, records = ChainEngine([truth], DT), list[Sampled]()
     for _ in range(2):
@@ -221,7 +221,7 @@ def test_several_inputs_and_outputs_are_reproduced_with_gaps_and_records() -> No
 def test_drawn_zeros_lead_and_lag() -> None:
     rng = np.random.default_rng(8)
     block = TransferFunction(nb=2, nf=1, nk=0)
-    drawn = np.array([block.drawn(rng, 100.0, DT) for _ in range(400)])
+    drawn = np.array([block.sample_parameters(rng, 100.0, DT) for _ in range(400)])
     weight = drawn[:, 1]
     shares = [np.mean(weight > 4.0), np.mean(np.abs(weight) < 1.0), np.mean(weight < 0.0)]
     assert min(shares) > 0.1

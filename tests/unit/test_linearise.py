@@ -61,7 +61,7 @@ def test_gain_and_frequency_response_are_the_slope_of_the_static_curve_and_a_dri
 
 
 def test_poles_are_those_of_the_linear_block(chain):
-    shown = {name: value for name, value, _ in chain.blocks[1].shown(chain.split()[1])}
+    shown = {name: value for name, value, _ in chain.blocks[1].describe_numbers(chain.split()[1])}
     constants = linearise_chain(chain, 0.0).time_constants()
     assert np.min(np.abs(constants - shown["tau"])) < 1e-9
 

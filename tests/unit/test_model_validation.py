@@ -188,7 +188,7 @@ def test_directions_that_the_records_leave_open_are_named_and_not_drawn():
     assert "not determined separately" in flat.sentence
     assert np.isinf(found.errors[0]) and np.isfinite(found.errors[1])
     assert found.blocks == (1,), "white residuals count one by one"
-    assert np.isinf([row.error for row in found.shown() if row.name == "c1"]).all()
+    assert np.isinf([row.error for row in found.describe_numbers() if row.name == "c1"]).all()
     moves = np.array([one.theta - chain.theta for one in found.draws(500, seed=1)])
     assert np.linalg.matrix_rank(moves, tol=1e-9) == 3
     assert np.allclose(np.cov(moves.T), found.covariance, atol=0.2 * found.covariance.max())
@@ -215,7 +215,7 @@ def test_directions_of_many_numbers_are_parted():
 def test_errors_are_told_in_the_units_of_what_is_shown(truth):
     chain, squares = fitted(truth, np.random.default_rng(9))
     found = estimate_chain_uncertainty(chain, squares)
-    omega = next(row for row in found.shown() if row.name == "omega1")
+    omega = next(row for row in found.describe_numbers() if row.name == "omega1")
     assert omega.unit == "rad/s"
     assert omega.error == pytest.approx(omega.value * found.errors[0], rel=1e-6)
     assert any("coloured" in s for s in found.sentences)

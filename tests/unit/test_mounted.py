@@ -59,7 +59,7 @@ def followed(
     rows = np.atleast_2d(np.asarray(truth, float).T).T.tolist()
     late = np.zeros(len(rows)) if late is None else late
     known = [dict(zip(mounted.sees(), row, strict=True)) for row in rows]
-    held = mounted.rest(floats, known[0], 0.0, mounted.kept(period))
+    held = mounted.rest(floats, known[0], 0.0, mounted.count_delayed(period))
     found = [held]
     for k in range(1, len(rows)):
         active = [(fault, fault.active(floats, k * period)) for fault in faults]
@@ -114,7 +114,7 @@ def test_without_a_delay_it_says_the_truth_at_once() -> None:
 ])  # fmt: skip
 def test_a_delay_shifts_the_record_by_whole_periods(delay: float, periods: int) -> None:
     mounted = ideal(delay=delay)
-    assert mounted.kept(PERIOD) == periods + 1
+    assert mounted.count_delayed(PERIOD) == periods + 1
     truth = np.random.default_rng(2).standard_normal(COUNT)
     found = followed(mounted, truth)
     shifted = np.concatenate([np.full(periods, truth[0]), truth[:-periods]])
@@ -160,7 +160,7 @@ def test_what_arrives_never_goes_back_in_time_and_keeps_its_bounds() -> None:
 @pytest.mark.parametrize(("number", "periods"), [(4.0, 9), (99.0, 9), (-99.0, 1), (-2.5, 3)])
 def test_the_register_holds_the_latest_of_all(number: float, periods: int) -> None:
     mounted = ideal(delay=0.05, jitter=0.01)
-    assert mounted.kept(PERIOD) == 10
+    assert mounted.count_delayed(PERIOD) == 10
     ages = [one.age for one in followed(mounted, RAMP, np.full(COUNT, number))[20:]]
     np.testing.assert_allclose(ages, periods * PERIOD, rtol=1e-12)
 
@@ -329,8 +329,8 @@ def test_on_a_bench_c_and_floats_agree(run: Result, c_compiler: str) -> None:
 class Hasty(MountedSensor):
     """Keeps one reading too few."""
 
-    def kept(self, period: float) -> int:
-        return super().kept(period) - 1
+    def count_delayed(self, period: float) -> int:
+        return super().count_delayed(period) - 1
 
 
 class Forgetful(MountedSensor):

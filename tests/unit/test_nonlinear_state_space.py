@@ -77,9 +77,9 @@ def test_rest_is_a_fixed_point() -> None:
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_it_begins_as_a_linear_system_within_its_range(order: int) -> None:
-    block = NonlinearStateSpace(order=order, outs=2).adapted(U, DT)
+    block = NonlinearStateSpace(order=order, outs=2).adapt_to(U, DT)
     twin = block.twin()
-    theta = twin.drawn(np.random.default_rng(order), 10.0, DT)
+    theta = twin.sample_parameters(np.random.default_rng(order), 10.0, DT)
     own, numbers = block.as_linear(twin, theta, U, DT)
     expected = ChainEngine([twin], DT, compiled=False).simulate(theta, U)
     assert run(own, numbers) == pytest.approx(expected, abs=1e-12)

@@ -54,7 +54,7 @@ class TestMoved:
     def test_the_same_point_changes_nothing(self, law: Any) -> None:
         for memory in histories(law):
             at = law.fractions(memory), memory.stress, memory.temperature
-            again = law.moved(floats, memory, *at)
+            again = law.relocate(floats, memory, *at)
             assert flatten_numbers(again) == pytest.approx(
                 flatten_numbers(memory), rel=1e-12, abs=1e-12
             )
@@ -63,7 +63,7 @@ class TestMoved:
         shares, kelvins = (0.0, 0.3, 1.0), (-3.0, 0.0, 4.0)
         for memory, x, more in itertools.product(histories(law), shares, kelvins):
             there = Fractions(x, x)
-            put = law.moved(floats, memory, there, 75e6, memory.temperature + more)
+            put = law.relocate(floats, memory, there, 75e6, memory.temperature + more)
             assert law.fractions(put) == pytest.approx(there, abs=1e-12)
             assert (put.stress, put.temperature) == (75e6, memory.temperature + more)
             after, found = law.kinetics(floats, put, 80e6, put.temperature + 1.0, 0.1)
@@ -80,7 +80,7 @@ def test_a_transformation_in_progress_goes_on_from_where_it_was_put() -> None:
     law = law_a()
     memory = law.init(floats, Fractions(1.0, 1.0), 60e6, 340.0)
     memory, _ = law.kinetics(floats, memory, 60e6, 351.0, 0.1)
-    put = law.moved(floats, memory, Fractions(0.5, 0.5), 60e6, 352.0)
+    put = law.relocate(floats, memory, Fractions(0.5, 0.5), 60e6, 352.0)
     strip = law.strips()[1]
     left = [law.left(floats, strip.distance(60e6, t)) for t in (352.0, 352.5)]
     assert heated(law, put, 0.5) == pytest.approx(0.5 * left[1] / left[0], rel=1e-9)
@@ -91,7 +91,7 @@ def test_one_that_waited_waits_as_far() -> None:
     memory = law.init(floats, Fractions(1.0, 1.0), 60e6, 340.0)
     for kelvin in (351.0, 349.5):
         memory, _ = law.kinetics(floats, memory, 60e6, kelvin, 0.1)
-    put = law.moved(floats, memory, Fractions(0.5, 0.5), 60e6, 350.0)
+    put = law.relocate(floats, memory, Fractions(0.5, 0.5), 60e6, 350.0)
     assert heated(law, put, 1.2) == 0.5
     assert heated(law, put, 2.5) < 0.5
 
@@ -99,7 +99,7 @@ def test_one_that_waited_waits_as_far() -> None:
 class Forgetful(LiangRogers):
     """Forgets its branch when it is put elsewhere."""
 
-    def moved(self, xp: Any, memory: Any, *there: Any) -> Any:
+    def relocate(self, xp: Any, memory: Any, *there: Any) -> Any:
         return self.init(xp, *there)
 
 
@@ -179,7 +179,7 @@ def ended(at: list[float]) -> np.ndarray:
     state = hidden.place_hidden(floats, PLANT, amid(PLANT), at, GOING.signals)
     for _ in range(GOING.turns):
         state, _ = PLANT.step(floats, state, *GOING.signals, dt=GOING.step)
-    return np.array(ExtendedKalman(model=PLANT).told(floats, state, (), GOING.signals))
+    return np.array(ExtendedKalman(model=PLANT).read_model(floats, state, (), GOING.signals))
 
 
 def quiet(cls: Any) -> Any:

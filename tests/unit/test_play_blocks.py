@@ -43,7 +43,7 @@ def named(blocks: Sequence[AbstractBlock]) -> pytest.MarkDecorator:
 
 
 def drawn(block: AbstractBlock, seed: int = 1) -> list[float]:
-    return block.drawn(np.random.default_rng(seed), 10.0, 0.1).tolist()
+    return block.sample_parameters(np.random.default_rng(seed), 10.0, 0.1).tolist()
 
 
 def run(block: AbstractBlock, inputs: Any, seed: int = 1) -> np.ndarray:
@@ -274,7 +274,7 @@ class TestNumbers:
         plays = block.operator(block.start())
         assert plays.thresholds == pytest.approx([5.0, 10.0, 15.0, 20.0])
         assert plays.weights == pytest.approx([0.5, 0.125, 0.125, 0.125, 0.125])
-        shown = {name: value for name, value, _ in block.shown(block.start())}
+        shown = {name: value for name, value, _ in block.describe_numbers(block.start())}
         assert shown["threshold 2"] == pytest.approx(10.0)
         assert shown["weight of the input"] == pytest.approx(0.5)
 
@@ -292,7 +292,7 @@ class TestNumbers:
 
     def test_a_play_has_its_radius(self):
         block = Play(low=0.0, high=10.0)
-        assert block.shown(np.log([0.3])) == [("radius", pytest.approx(1.5), "1")]
+        assert block.describe_numbers(np.log([0.3])) == [("radius", pytest.approx(1.5), "1")]
 
     def test_words_stand_behind_numbers(self):
         assert parse_block("pi(3,free,even)") == PrandtlIshlinskii(

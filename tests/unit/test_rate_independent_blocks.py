@@ -44,7 +44,7 @@ def refined(block: AbstractBlock, theta: np.ndarray) -> float:
 
 def thetas(block: AbstractBlock) -> list[np.ndarray]:
     rng = np.random.default_rng(2)
-    return [block.start(), *(block.drawn(rng, 10.0, 0.1) for _ in range(3))]
+    return [block.start(), *(block.sample_parameters(rng, 10.0, 0.1) for _ in range(3))]
 
 
 @pytest.mark.parametrize("block", BLOCKS, ids=IDS)
@@ -182,12 +182,16 @@ def test_texts_and_what_is_shown() -> None:
     assert parse_block("boucwen").text() == "boucwen"
     with pytest.raises(MartensiteError, match="whole"):
         parse_block("duhem(1.5)")
-    rows = {name: value for name, value, _ in SIMPLE.shown(SIMPLE.start())}
+    rows = {name: value for name, value, _ in SIMPLE.describe_numbers(SIMPLE.start())}
     assert rows["rising_centre"] == pytest.approx(80.0)
     assert rows["rising_width"] == pytest.approx(7.5)
-    shares = [value for name, value, _ in DUHEM.shown(DUHEM.start()) if name.endswith("share")]
+    shares = [
+        value for name, value, _ in DUHEM.describe_numbers(DUHEM.start()) if name.endswith("share")
+    ]
     assert shares == pytest.approx([expit(1.0)] * 2)
-    assert [v for _, v, _ in BOUC_WEN.shown(BOUC_WEN.start())] == pytest.approx([0.5, 1 / 3, 1.0])
+    assert [v for _, v, _ in BOUC_WEN.describe_numbers(BOUC_WEN.start())] == pytest.approx(
+        [0.5, 1 / 3, 1.0]
+    )
 
 
 def test_fractions_take_a_gain(c_compiler: str) -> None:

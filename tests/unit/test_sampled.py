@@ -242,8 +242,8 @@ def test_trends() -> None:
     flat, found = remove_trend(given, "line")
     assert flat.outputs == pytest.approx(np.zeros((100, 1)), abs=1e-12)
     assert (found.outputs[0], found.output_slopes[0]) == pytest.approx((2.0, 3.0))
-    assert found.restored(flat).outputs == pytest.approx(given.outputs)
-    assert found.restored(flat).inputs == pytest.approx(given.inputs)
+    assert found.restore_to(flat).outputs == pytest.approx(given.outputs)
+    assert found.restore_to(flat).inputs == pytest.approx(given.inputs)
     centred, _ = remove_trend(given)
     assert centred.outputs.mean() == pytest.approx(0.0, abs=1e-12)
     with pytest.raises(DataError, match="Did you mean `mean`"):

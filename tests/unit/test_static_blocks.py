@@ -49,7 +49,7 @@ def parsed(text: str) -> Any:
 
 def shown(block, theta):
     """What people read, by name."""
-    return {name: value for name, value, _ in block.shown(np.array(theta))}
+    return {name: value for name, value, _ in block.describe_numbers(np.array(theta))}
 
 
 class TestPiecewiseLinear:
@@ -180,7 +180,7 @@ class TestNetworks:
     def test_88_wavelets(self):
         block = WaveletNetwork(units=88.0, **RANGE)
         assert len(block.numbers()) == 2 + 3 * 88
-        theta = block.drawn(np.random.default_rng(0), 10.0, 0.1)
+        theta = block.sample_parameters(np.random.default_rng(0), 10.0, 0.1)
         engine = ChainEngine([block], 0.1, compiled=False)
         y, slopes = engine.jacobian(theta, X[:, None])
         a, b, c = theta[2:90], np.exp(theta[90:178]), theta[178:]
@@ -198,7 +198,7 @@ class TestNetworks:
 
     def test_a_departure_is_scaled_in_height_and_not_in_place(self):
         block = SigmoidNetwork(units=3.0)
-        scaled = block.scaled(np.ones(11), -2.0)
+        scaled = block.scale_departure(np.ones(11), -2.0)
         assert scaled.tolist() == [-2.0] * 5 + [1.0] * 6
 
 
@@ -242,10 +242,10 @@ class TestSideBySide:
     def test_every_channel_is_that_of_its_block(self):
         block = SideBySide(blocks=self.BLOCKS)
         u = RNG.normal(size=(20, 3))
-        block = block.adapted(u, 0.1)
+        block = block.adapt_to(u, 0.1)
         polynomial: Any = block.blocks[0]
         assert polynomial.low == u[:, 0].min()
-        theta = block.drawn(np.random.default_rng(1), 2.0, 0.1)
+        theta = block.sample_parameters(np.random.default_rng(1), 2.0, 0.1)
         found = ChainEngine([block], 0.1, compiled=False).simulate(theta, u)
         parts = block.split(theta, lambda child: len(child.numbers()))
         for i, (child, own) in enumerate(parts):
@@ -256,7 +256,10 @@ class TestSideBySide:
         block = SideBySide(blocks=self.BLOCKS)
         assert block.numbers()[:3] == ("1.offset", "1.c1", "1.c2")
         assert block.fixed == ("1.low", "1.high")
-        assert [name for name, _, _ in block.shown(block.start())][3:5] == ["2.omega1", "2.zeta1"]
+        assert [name for name, _, _ in block.describe_numbers(block.start())][3:5] == [
+            "2.omega1",
+            "2.zeta1",
+        ]
 
     def test_none_is_refused(self):
         with pytest.raises(ParameterError, match="at least one block"):

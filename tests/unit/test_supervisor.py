@@ -251,9 +251,9 @@ def test_a_period_is_solved_exactly():
 
 
 def test_power_rises_with_the_signal_or_its_square():
-    assert bound(full=5.0).settled(floats, -2.5) == pytest.approx(300.0 + 5.0 / 0.03)
+    assert bound(full=5.0).settled_bound(floats, -2.5) == pytest.approx(300.0 + 5.0 / 0.03)
     square = bound(full=5.0, rises="square")
-    assert square.settled(floats, -2.5) == pytest.approx(300.0 + 2.5 / 0.03)
+    assert square.settled_bound(floats, -2.5) == pytest.approx(300.0 + 2.5 / 0.03)
 
 
 def warmed(one: ThermalBound, signals: list[float], share: float) -> tuple[float, float]:

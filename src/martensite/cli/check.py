@@ -91,14 +91,14 @@ def _collect_end(end: EndState, all_drives: str) -> dict[str, Any]:
     words = [
         f"{result.outputs[name].long_name} "
         f"{write_quantity(result.columns[name][-1], result.unit(name))}"
-        for name in system.judged()
+        for name in system.convergence_scales()
     ]
     if len(levels) > FEW:
         held, words = all_drives, list(_find_highest(result))
     return {
         "levels": end.levels,
         "leaves": end.leaves,
-        "values": {name: result.columns[name][-1] for name in system.judged()},
+        "values": {name: result.columns[name][-1] for name in system.convergence_scales()},
         "warnings": result.warnings,
         "words": f"{held}: leaves the envelope; the run does not stay there so long"
         if end.leaves

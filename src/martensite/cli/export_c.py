@@ -112,7 +112,7 @@ def _summarise_core(core: CCore, part: str) -> Summary:
     data = {
         "name": core.name,
         "part": part,
-        "described": core.described,
+        "described": core.description,
         "precision": core.precision,
         "model_bytes": core.size,
         **counts,
@@ -127,7 +127,7 @@ def _summarise_core(core: CCore, part: str) -> Summary:
     ]
     head = ["operations at most", "sum", *kinds]
     blocks = [
-        Sentence(f"{core.described}, {core.precision}"),
+        Sentence(f"{core.description}, {core.precision}"),
         Sentence(f"model: {core.size:,} bytes ({numbers})"),
         DataTable(head, rows, right=range(1, len(head))),
     ]

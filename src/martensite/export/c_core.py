@@ -39,7 +39,7 @@ class CCore:
 
     name: str
     """Of the files, and before all names in them."""
-    described: str
+    description: str
     precision: str
     """float64 or float32."""
     header: str
@@ -122,8 +122,8 @@ def core_of(
     given = list_parameters((leaves[i] for i in kept), (i in used for i in kept))
     sample = f"m->p[{kept.index(places[timed])}]" if timed else None
     layout = CoreLayout(
-        name=checked_identifier(name or make_identifier(whole.described())),
-        described=whole.described(),
+        name=checked_identifier(name or make_identifier(whole.description())),
+        description=whole.description(),
         precision=precision,
         program=program,
         kept=kept,
@@ -136,7 +136,7 @@ def core_of(
     )
     return CCore(
         name=layout.name,
-        described=layout.described,
+        description=layout.description,
         precision=precision.name,
         header=header_text(layout),
         source=source_text(layout),
@@ -159,7 +159,7 @@ def _sample_path(whole: AbstractSystem) -> str | None:
 
 def _count_operations(program: Program) -> dict[str, dict[str, int]]:
     """Counts of all functions."""
-    graph, known = program.graph, program.hoisted
+    graph, known = program.graph, program.hoisted_nodes
     found = {"prepare": count_operations(graph, known)}
     called = {"init": "start", "step": "step", "observe": "observe"}
     for name, label in called.items():

@@ -68,13 +68,13 @@ class Precision:
         """A constant."""
         if isinstance(value, bool):
             return str(int(value))
-        value = self.rounded(value)
+        value = self.round_number(value)
         if math.isinf(value):
             return f"{'-' if value < 0.0 else ''}HUGE_VAL{self.suffix.upper()}"
         text = repr(value) if self.number == "double" else f"{value:.9g}"
         return f"{text if set(text) & set('.e') else f'{text}.0'}{self.suffix}"
 
-    def rounded(self, value: float) -> float:
+    def round_number(self, value: float) -> float:
         """The nearest finite number of the type; nothing becomes 0 that is not."""
         if self.number == "double" or value == 0.0 or not math.isfinite(value):
             return value
@@ -128,7 +128,7 @@ class CKernel:
 
 def used_parameters(program: Program) -> set[int]:
     """Places of the parameters that anything follows from."""
-    graph, stack = program.graph, [node.index for node in program.hoisted]
+    graph, stack = program.graph, [node.index for node in program.hoisted_nodes]
     numbers = {graph.input(f"p{i}", 0).index: i for i in range(len(program.parameters))}
     seen: set[int] = set()
     while stack:
@@ -151,11 +151,13 @@ def kernels_text(
     taken = [program.graph.input(f"p{i}", 0) for i in kept]
     printer.share(taken, lambda place: f"p[{place}]")
     parts = [
-        _print_function(printer, f"{prefix}kernel_prepare", ("p",), "c", program.hoisted, precision)
+        _print_function(
+            printer, f"{prefix}kernel_prepare", ("p",), "c", program.hoisted_nodes, precision
+        )
     ]
-    flags = [printer.is_flag(node.index) for node in program.hoisted]
+    flags = [printer.is_flag(node.index) for node in program.hoisted_nodes]
     zero = precision.literal(0.0)
-    printer.share(program.hoisted, lambda i: f"(c[{i}] != {zero})" if flags[i] else f"c[{i}]")
+    printer.share(program.hoisted_nodes, lambda i: f"(c[{i}] != {zero})" if flags[i] else f"c[{i}]")
     for kernel in kernels:
         for name, place in zip(kernel.function.inputs, kernel.inputs, strict=True):
             printer.share([program.graph.input(name, 0)], lambda _, place=place: place)

@@ -16,7 +16,7 @@ class CoreLayout:
     """All that the text of a core is made of."""
 
     name: str
-    described: str
+    description: str
     """What it is, in words."""
     precision: Precision
     program: Program
@@ -35,7 +35,7 @@ class CoreLayout:
     @property
     def constants(self) -> int:
         """Numbers that follow from the parameters."""
-        return len(self.program.hoisted)
+        return len(self.program.hoisted_nodes)
 
 
 def count_elements(count: int) -> int:
@@ -64,7 +64,7 @@ def _describe_core(core: CoreLayout) -> str:
     pace = "" if core.sample is None else _PACE
     return (
         _format_comment(
-            f"{core.name}: {core.described}.\n\n{_ABOUT.format(kind=kind, name=core.name)}{pace}"
+            f"{core.name}: {core.description}.\n\n{_ABOUT.format(kind=kind, name=core.name)}{pace}"
         )
         + "\n"
     )

@@ -62,7 +62,7 @@ def to_state_space(system: Chain | LinearSystem, level: Any = 0.0) -> Any:
     """
     control = _import_control()
     linear = system if isinstance(system, LinearSystem) else linearise_chain(system, level)
-    slim = linear.reduced()
+    slim = linear.reduce_states()
     return control.ss(
         slim.a, slim.b, slim.c, slim.d, slim.interval,
         inputs=list(slim.input_names) or None, outputs=list(slim.output_names) or None,
@@ -177,7 +177,7 @@ class _PlantStep:
         self.outputs = _choose_names(outputs, list(system.outputs()))
         self.names = state_names(system)
         self._given = [drives.index(name) for name in self.inputs]
-        self._shown = [list(system.outputs()).index(name) for name in self.outputs]
+        self._list_extras = [list(system.outputs()).index(name) for name in self.outputs]
         self._functions, self._size = bind_system(system)
         self._idle = [0.0] * len(drives)
         self._turns = 1 if own else steps_in(system, interval)
@@ -200,7 +200,7 @@ class _PlantStep:
         """The outputs in a state under signals."""
         state = np.asarray(x, dtype=float).tolist()
         seen = self._functions["observe"](*state, *self._signals(u))
-        return np.array([seen[k] for k in self._shown])
+        return np.array([seen[k] for k in self._list_extras])
 
 
 class _Step:

@@ -169,7 +169,7 @@ class Episodes:
         self._lanes.state[:, others] = state[:, others]
         self._lanes.worst[:, others] = worst[:, others]
         rows = self._lanes.observe(signals)
-        return self._observation(rows), self._shown(rows)
+        return self._observation(rows), self._list_extras(rows)
 
     def _draw(self, k: int, rng: np.random.Generator, options: Mapping[str, Any]) -> bool:
         """Draw an episode of one environment; true if its plant is another."""
@@ -198,7 +198,7 @@ class Episodes:
         signals = self._signals_at(self._low + share * self._span, 1)
         rows = self._lanes.advance(signals[None], self.bench.period)[0]
         self._at = np.minimum(self._at + 1, self.length)
-        shown = self._shown(rows)
+        shown = self._list_extras(rows)
         solved = np.isfinite(rows).all(axis=0) & (self._lanes.worst[0] <= SOLVED)
         hot = (rows[self._hottest] > self._most_heat).any(axis=0)
         strained = (np.abs(rows[self._stress]) > self._most_stress).any(axis=0)
@@ -227,7 +227,7 @@ class Episodes:
         cut = np.clip(np.nan_to_num(found, nan=0.0), -BOUND, BOUND)
         return np.ascontiguousarray(cut.T, np.float32)
 
-    def _shown(self, rows: Numbers) -> dict[str, Numbers]:
+    def _list_extras(self, rows: Numbers) -> dict[str, Numbers]:
         """What is told besides, in the order of `SHOWN`."""
         wanted = self._reference[self._at, np.arange(self.count)]
         columns = (wanted, rows[self._output], rows[self._power].sum(axis=0),

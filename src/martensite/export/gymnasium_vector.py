@@ -83,12 +83,12 @@ class SmaVectorEnv(BASE):
         """
         given = dict(options or {})
         which = np.asarray(given.pop("reset_mask", np.ones(self.num_envs, bool)), bool)
-        self._seed(seed, which)
+        self._seed_environments(seed, which)
         found, shown = self._episodes.begin(which, self._random, given)
         self._over &= ~which
         return found, _arrange_info(shown, which)
 
-    def _seed(self, seed: int | Sequence[int | None] | None, which: Any) -> None:
+    def _seed_environments(self, seed: int | Sequence[int | None] | None, which: Any) -> None:
         """Random numbers of the environments that are meant."""
         count, fresh = self.num_envs, import_gymnasium().utils.seeding.np_random
         seeds = [seed] * count if seed is None else seed

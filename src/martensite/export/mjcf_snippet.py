@@ -57,7 +57,7 @@ def to_mjcf_snippet(system: AbstractSystem) -> str:
         InputError: it has no elements, or MuJoCo cannot do something that its mechanism does.
     """
     if not system.actuators():
-        raise InputError(f"There is no shape-memory element in {system.described()}.")
+        raise InputError(f"There is no shape-memory element in {system.description()}.")
     parts = (
         _list_sites_and_paths(system) if type(system.mechanism) in WRITERS else _left_open(system)
     )

@@ -43,7 +43,7 @@ def driver_text(
     """
     forces = start_forces(system)
     if not forces:
-        raise InputError(f"There is no shape-memory element in {system.described()}.")
+        raise InputError(f"There is no shape-memory element in {system.description()}.")
     rows = [
         f"    {_write_text(port)}: ({_write_text(port)}, {force!r}),"
         for port, force in forces.items()

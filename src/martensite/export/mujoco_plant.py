@@ -75,7 +75,7 @@ class TendonPlant:
         mujoco.mj_tendon(model, data)
         return data.ten_length[self.tendons].tolist()
 
-    def hold(self, *, still: bool = False) -> None:
+    def remember_state(self, *, still: bool = False) -> None:
         """Remember the present state, or its pose at rest, as where steps are tried from."""
         self.mujoco.mj_getState(self.model, self.data, self.held, self.what)
         if still:

@@ -41,7 +41,7 @@ def holding_tensions(
     """
     model = read_model(model)
     plant = TendonPlant(model, begin_data(model, keyframe) if data is None else data, tendons)
-    plant.hold(still=True)
+    plant.remember_state(still=True)
     none = [0.0] * len(tendons)
     here, ends = plant.lengths(), plant.after(none)
     slopes = np.array(plant.gives(none, ends, [TRIED] * len(tendons)))

@@ -64,7 +64,7 @@ def solve_step(
     Raises:
         SolveError: no forces were found at which they agree, or an element failed.
     """
-    plant.hold()
+    plant.remember_state()
     rows = list(zip(strands, drives, strict=True))
     trials = [strand.trial(drive, plant.dt) for strand, drive in rows]
     known = [strand.held(weights) for strand in strands]

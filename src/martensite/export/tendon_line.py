@@ -46,7 +46,7 @@ class TendonLine(AbstractMechanism):
         """The elongation of the path."""
         return {"elongation": Output("m", "elongation of the path of the element", "e")}
 
-    def judged(self) -> dict[str, float]:
+    def convergence_scales(self) -> dict[str, float]:
         """Nothing: its path is not its own."""
         return {}
 

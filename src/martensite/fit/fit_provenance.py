@@ -123,7 +123,7 @@ def _output(one: Compared) -> dict[str, Any]:
     found: dict[str, Any] = {"column": one.column}
     for part, rows in ((TRAINING, one.used), (HELD_OUT, one.held)):
         if rows.any():
-            key, unit = part.replace("-", "_"), one.described.unit
+            key, unit = part.replace("-", "_"), one.description.unit
             found[f"{key}_rows"] = int(rows.sum())
             found[f"{key}_rms"] = amount(one.output, one.rms(part), unit)
     return found | ({"missing": one.missing} if one.missing else {})

@@ -24,7 +24,7 @@ class Compared:
 
     experiment: Experiment
     output: str
-    described: Output
+    description: Output
     """Unit, name and symbol of the output."""
     times: Any
     """(rows,) [s]"""

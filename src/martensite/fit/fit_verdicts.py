@@ -46,7 +46,7 @@ def warnings(fit: Fit) -> list[str]:
 
 
 def _prediction(rows: list[Compared]) -> str:
-    name, unit = rows[0].output, rows[0].described.unit
+    name, unit = rows[0].output, rows[0].description.unit
     seen, kept = (rms(rows, part) for part in (TRAINING, HELD_OUT))
     fitted = f"`{name}`: rms error {amount(name, seen, unit)} in the rows that were fitted"
     if math.isnan(seen):

@@ -205,13 +205,13 @@ def c_source(program: Program, functions: Iterable[Function], shares_inverses: b
     printer = Printer(program.graph, replace(C_DIALECT, shares_inverses=shares_inverses))
     for i in range(len(program.parameters)):
         printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"p[{i} * n + l]")
-    parts = [write_prelude(), _print_function(printer, "prepare", "p", (), program.hoisted)]
-    flags = [printer.is_flag(node.index) for node in program.hoisted]
+    parts = [write_prelude(), _print_function(printer, "prepare", "p", (), program.hoisted_nodes)]
+    flags = [printer.is_flag(node.index) for node in program.hoisted_nodes]
 
     def constant(i: int) -> str:
         return f"(c[{i} * n + l] != 0.0)" if flags[i] else f"c[{i} * n + l]"
 
-    printer.share(program.hoisted, constant)
+    printer.share(program.hoisted_nodes, constant)
     parts += [_print_traced(printer, function) for function in functions]
     return "\n".join(parts)
 

@@ -166,13 +166,13 @@ def lanes_source(program: Program, functions: Iterable[Function]) -> str:
     printer = Printer(program.graph, _build_dialect())
     for i in range(len(program.parameters)):
         printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"AT(p, {i})")
-    parts = [_write_prelude(), _print_function(printer, "prepare", "p", (), program.hoisted)]
-    flags = [printer.is_flag(node.index) for node in program.hoisted]
+    parts = [_write_prelude(), _print_function(printer, "prepare", "p", (), program.hoisted_nodes)]
+    flags = [printer.is_flag(node.index) for node in program.hoisted_nodes]
 
     def constant(i: int) -> str:
         return f"differs(AT(c, {i}), all(0.0))" if flags[i] else f"AT(c, {i})"
 
-    printer.share(program.hoisted, constant)
+    printer.share(program.hoisted_nodes, constant)
     parts += [_print_traced(printer, function) for function in functions]
     return "\n".join(parts)
 

@@ -33,7 +33,7 @@ def slopes_source(
     for k, i in enumerate(wrt):
         node = graph.input(slope_input(f"p{i}"), PARAMETER | SLOPE)
         printer.share([node], lambda _, k=k: f"dp[{k}]")
-    hoisted = program.hoisted
+    hoisted = program.hoisted_nodes
     parts = [
         _declare_types(width),
         _print_function(printer, "prepare", ("p", "dp"), ("c", "dc"), hoisted),
@@ -47,8 +47,8 @@ def slopes_source(
 
 def count_constants(program: Program) -> tuple[int, int]:
     """How many numbers, and how many derivatives, depend on parameters alone."""
-    slopes = sum(bool(program.graph.depends[node.index] & SLOPE) for node in program.hoisted)
-    return len(program.hoisted) - slopes, slopes
+    slopes = sum(bool(program.graph.depends[node.index] & SLOPE) for node in program.hoisted_nodes)
+    return len(program.hoisted_nodes) - slopes, slopes
 
 
 def _declare_types(width: int) -> str:

@@ -119,7 +119,7 @@ class Graph:
         indices = tuple(node.index for node in nodes)
         if operation in COMMUTATIVE and (operation, *indices[::-1], None, None) in self._known:
             indices = indices[::-1]
-        return self._node(operation, indices, self._joined(indices))
+        return self._node(operation, indices, self._join_dependencies(indices))
 
     def loop(
         self, body: Callable[..., Sequence[Any]], columns: Sequence[Sequence[Any]],
@@ -183,7 +183,7 @@ class Graph:
 
     def _loop_depends(self, needed: Sequence[int]) -> int:
         """What a loop depends on that takes these nodes: the loops around it, and VARYING."""
-        return VARYING | (self._joined(needed) & ~PARAMETER)
+        return VARYING | (self._join_dependencies(needed) & ~PARAMETER)
 
     def _outside(self, outputs: Sequence[int], bit: int) -> list[int]:
         """The nodes that the body of a loop takes from around it."""
@@ -201,7 +201,7 @@ class Graph:
                 stack += self.arguments[index]
         return sorted(found)
 
-    def _joined(self, indices: Iterable[int]) -> int:
+    def _join_dependencies(self, indices: Iterable[int]) -> int:
         """All that some nodes depend on."""
         depends = 0
         for index in indices:
@@ -287,12 +287,12 @@ class Graph:
         a, b = nodes
         if operation == "mul" and -1.0 in known:
             return -b if known[0] == -1.0 else -a
-        first, last = (self._negated(node) for node in nodes)
+        first, last = (self._find_negated(node) for node in nodes)
         if operation == "add" and (first is not None or last is not None):
             return a - last if last is not None else b - first
         return a + last if operation == "sub" and last is not None else None
 
-    def _negated(self, node: Expr) -> Expr | None:
+    def _find_negated(self, node: Expr) -> Expr | None:
         """What a node is the negative of, if it is made so."""
         if self.operations[node.index] != "neg":
             return None

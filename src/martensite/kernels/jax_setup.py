@@ -32,7 +32,7 @@ class JaxNamespace(ArrayNamespace):
         now = self._of_shape(body, state)
 
         def turn(_: Any, now: Sequence[Any]) -> list[Any]:
-            return self._shaped(body(*now), now, [n.shape for n in now])
+            return self._match_shapes(body(*now), now, [n.shape for n in now])
 
         return self.jax.lax.fori_loop(0, count, turn, now)
 
@@ -40,7 +40,7 @@ class JaxNamespace(ArrayNamespace):
         """The same, until the first number is nowhere above 0; where it is not, all stays."""
         now = self._of_shape(body, state)
         shapes = [self.np.broadcast_shapes(n.shape, now[0].shape) for n in now]
-        now = self._shaped(now, now, shapes)
+        now = self._match_shapes(now, now, shapes)
 
         def goes_on(carry: Any) -> Any:
             count, now = carry
@@ -49,7 +49,7 @@ class JaxNamespace(ArrayNamespace):
         def turn(carry: Any) -> Any:
             count, now = carry
             going = now[0] > 0.0
-            found = self._shaped(body(*now), now, [n.shape for n in now])
+            found = self._match_shapes(body(*now), now, [n.shape for n in now])
             kept = [self.np.where(going, a, b) for a, b in zip(found, now, strict=True)]
             return count + 1, kept
 
@@ -62,12 +62,12 @@ class JaxNamespace(ArrayNamespace):
             made, before = self.jax.eval_shape(body, *now), [self.np.shape(v) for v in now]
             pairs = zip(before, made, strict=True)
             shapes = [self.np.broadcast_shapes(s, m.shape) for s, m in pairs]
-            now = self._shaped(now, made, shapes)
+            now = self._match_shapes(now, made, shapes)
             if shapes == before:
                 break
         return now
 
-    def _shaped(self, values: Sequence[Any], like: Sequence[Any], shapes: Any) -> list[Any]:
+    def _match_shapes(self, values: Sequence[Any], like: Sequence[Any], shapes: Any) -> list[Any]:
         """Arrays of given shapes, each of the type of another."""
         rows = zip(values, like, shapes, strict=True)
         return [self.np.broadcast_to(v, shape).astype(m.dtype) for v, m, shape in rows]

@@ -82,7 +82,7 @@ class Program:
         return False
 
     @cached_property
-    def hoisted(self) -> list[Expr]:
+    def hoisted_nodes(self) -> list[Expr]:
         """Nodes computed once per set of parameters."""
         return parameter_nodes(
             self.graph, [node for f in self.functions.values() for node in f.outputs]
@@ -104,10 +104,10 @@ class Program:
     def _source(self, dialect: Dialect) -> str:
         """Python source of `bind`, a function that returns the functions."""
         printer = Printer(self.graph, dialect)
-        lines, values = printer.block(self.hoisted, "h")
+        lines, values = printer.block(self.hoisted_nodes, "h")
         names = [f"c{i}" for i in range(len(values))]
         lines += [f"{name} = {value}" for name, value in zip(names, values, strict=True)]
-        printer.share(self.hoisted, lambda i: f"c{i}")
+        printer.share(self.hoisted_nodes, lambda i: f"c{i}")
         for function in self.functions.values():
             lines += _function_source(printer, function)
         members = ", ".join(f"{name!r}: {name}" for name in self.functions)

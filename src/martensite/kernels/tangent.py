@@ -107,13 +107,13 @@ class TangentWalk:
 
     def _read(self, index: int) -> Any:
         """A node as a dual number, or bare if it has no derivative."""
-        for needed in self._needed(index):
+        for needed in self._list_needed(index):
             level = self._level(needed)
             if needed not in level.known:
                 level.known[needed] = self._simple(self._made(needed, level))
         return self._level(index).known[index]
 
-    def _needed(self, index: int) -> list[int]:
+    def _list_needed(self, index: int) -> list[int]:
         """The nodes to be read first, in the order in which they were made."""
         found: set[int] = set()
         stack = [index]
@@ -143,22 +143,22 @@ class TangentWalk:
             level.loops[index] = read(index)
             return bare
         if operation in ("item", "result"):
-            return self._taken(index, level)
+            return self._take_result(index, level)
         read = [self._level(a).known[a] for a in args]
         if not any(isinstance(r, Dual) or r.index != a for r, a in zip(read, args, strict=True)):
             return bare
         if operation == "div":
-            return self._quotient(*read)
+            return self._divide_once(*read)
         rule = _OPERATORS.get(operation)
         return rule(*read) if rule else getattr(self._duals, operation)(*read)
 
-    def _taken(self, index: int, level: _Level) -> Any:
+    def _take_result(self, index: int, level: _Level) -> Any:
         """One result of a loop."""
         graph, detail = self._graph, self._graph.details[index]
         place, row = detail if graph.operations[index] == "item" else (detail, 0)
         return level.loops[graph.arguments[index][0]][place][row]
 
-    def _quotient(self, top: Any, bottom: Any) -> Any:
+    def _divide_once(self, top: Any, bottom: Any) -> Any:
         """a/b with one division for all directions."""
         (a, da), (b, db) = self._duals.parts(top), self._duals.parts(bottom)
         ratio, share = a / b, 1.0 / (b + TINY)

@@ -240,7 +240,7 @@ def _to_array(values: Iterable[float]) -> Any:
 def _list_attributes(result: Result) -> dict[str, str | int | float]:
     found: dict[str, str | int | float | None] = {
         "Conventions": CONVENTIONS,
-        "title": f"Simulation of {result.system.described()}",
+        "title": f"Simulation of {result.system.description()}",
         "created": datetime.now(UTC).isoformat(timespec="seconds"),
         "status": result.status.name,
         "status_meaning": result.status.sentence,

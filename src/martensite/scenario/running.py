@@ -103,7 +103,7 @@ def _arrange_scenario(
         tolerance=1e-4,
         samples=1001,
         step=None,
-        title=what.described(),
+        title=what.description(),
         text="",
         path=None,
         material=None,
@@ -128,7 +128,7 @@ def _run_batch(
         tolerance=scenario.tolerance,
         step=scenario.step,
         samples=scenario.samples,
-        outputs=tuple(outputs or system.judged()),
+        outputs=tuple(outputs or system.convergence_scales()),
         runtime=runtime,
     )
 

@@ -69,11 +69,15 @@ def choose_samples(count: int) -> list[int]:
 def bound_error(compiled: CompiledMarch, before: Rows, after: Rows, found: Marched) -> float:
     """Largest difference of what is judged, with what no run shows, as a share of ranges."""
     worst = 0.0
-    for k, (name, least) in enumerate(compiled.judged):
+    for k, (name, least) in enumerate(compiled.convergence_scales):
         place, scale = compiled.outputs.index(name), max(found.ranges[k], least)
         pairs = zip(before, after, strict=False)
         apart = max((abs(a[place] - b[place]) for a, b in pairs), default=math.inf)
         worst = max(worst, apart / scale)
-    heat = max(found.ranges[0], compiled.judged[0][1]) if compiled.judged else 1.0
+    heat = (
+        max(found.ranges[0], compiled.convergence_scales[0][1])
+        if compiled.convergence_scales
+        else 1.0
+    )
     total = max(SURE * worst + found.ripple / heat, found.residual, LEAST)
     return total if math.isfinite(total) else math.inf

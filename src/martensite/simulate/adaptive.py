@@ -138,12 +138,12 @@ class AdaptiveMarch(AbstractMarch):
 
     def advance(self) -> None:
         """Take one step, however often it has to be tried."""
-        allowed = self._allowed(min(self.length, self.duration - self.time))
+        allowed = self._allow_length(min(self.length, self.duration - self.time))
         length = self._before_kink(allowed)
         most, planned = MOST_CHANGE, 0.0 if length == allowed else allowed
         shortest = SHORTEST * self.duration
         while True:
-            length, halves = self._resolved(length)
+            length, halves = self._resolve_length(length)
             trial = self._try_step(length, halves)
             good, solved = trial.error <= 1.0, trial.residual <= SOLVED
             if length <= shortest and solved:
@@ -159,10 +159,10 @@ class AdaptiveMarch(AbstractMarch):
                 planned = max(planned, length)
             else:
                 most = 1.0
-            length = max(kink * length if kink < 1.0 else self._shortened(trial), 0.5 * shortest)
+            length = max(kink * length if kink < 1.0 else self._shorten_step(trial), 0.5 * shortest)
         self._accept(trial, most, planned)
 
-    def _allowed(self, length: float) -> float:
+    def _allow_length(self, length: float) -> float:
         """A length that no signal which prescribes a state makes too long."""
         end = self.duration - self.time
         for reader in self.prescribing:
@@ -184,7 +184,7 @@ class AdaptiveMarch(AbstractMarch):
             at += size
         return length
 
-    def _resolved(self, length: float) -> tuple[float, list[Row]]:
+    def _resolve_length(self, length: float) -> tuple[float, list[Row]]:
         """A length over which the mean of no drive leaves out too much, and what they bring."""
         whole = False
         for reader in self.heating:
@@ -197,11 +197,14 @@ class AdaptiveMarch(AbstractMarch):
         begin, allowed = self.time, self.plan.tolerance * self._scale(0)
         while True:
             middle = begin + 0.5 * length
-            halves = [self._brought(begin, middle), self._brought(middle, begin + length)]
+            halves = [
+                self._collect_inputs(begin, middle),
+                self._collect_inputs(middle, begin + length),
+            ]
             lapse = max(map(_find_lapse, halves))
             shorter = length if self.power * lapse <= allowed else self._to_edge(length)
             if not shorter < length:
-                return length, [self._fed(half, k) for k, half in enumerate(halves)]
+                return length, [self._feed_step(half, k) for k, half in enumerate(halves)]
             length = shorter
 
     def _to_edge(self, length: float) -> float:
@@ -214,14 +217,14 @@ class AdaptiveMarch(AbstractMarch):
                 length = min(length, SWING / reader.fastest)
         return length
 
-    def _brought(self, begin: float, end: float) -> list[Moments | float]:
+    def _collect_inputs(self, begin: float, end: float) -> list[Moments | float]:
         """What the drives bring in an interval: moments, or the value before its end."""
         return [
             reader.moments(begin, end) if width > 1 else reader.before(end)
             for reader, width in zip(self.readers, self.plan.compiled.widths, strict=True)
         ]
 
-    def _fed(self, brought: Sequence[Moments | float], half: int) -> Row:
+    def _feed_step(self, brought: Sequence[Moments | float], half: int) -> Row:
         """The inputs of a step; what is owed goes into the first."""
         found: list[float] = []
         for one, owed in zip(brought, self.owed, strict=True):
@@ -254,7 +257,7 @@ class AdaptiveMarch(AbstractMarch):
         coarse, fine = judge(*whole, *signals), judge(*two, *signals)
         part = 1.0 if plan.order == 4 else 1.0 / 3.0
         error = doubt
-        for k in range(self.judged):
+        for k in range(self.convergence_scales):
             error = max(error, part * abs(fine[k] - coarse[k]) / self._scale(k, fine[k]))
         lapse, ripple = self._measure(length, halves, one)
         error = max(error, ripple / self._scale(0, fine[0])) / plan.tolerance
@@ -275,8 +278,12 @@ class AdaptiveMarch(AbstractMarch):
     def _solve_halves(self, length: float, halves: Sequence[Row]) -> tuple[Row, Row, Row, float]:
         """Middle and end of a step in two halves, its end as a whole, and the worst residual."""
         step, size, plan = self.functions["solve"], self.size, self.plan
-        one = step(*self._guessed(self.state, self.rates, length), *halves[0], 0.5 * length)
-        guessed = self._guessed(one[:size], [self.state[k] for k in plan.compiled.rates], length)
+        one = step(
+            *self._extrapolate_state(self.state, self.rates, length), *halves[0], 0.5 * length
+        )
+        guessed = self._extrapolate_state(
+            one[:size], [self.state[k] for k in plan.compiled.rates], length
+        )
         two = step(*guessed, *halves[1], 0.5 * length)
         mean = [0.5 * (one[k] + two[k]) for k in plan.compiled.rates]
         whole = step(*self._with_rates(self.state, mean), *self._whole(halves, length), length)
@@ -300,10 +307,13 @@ class AdaptiveMarch(AbstractMarch):
         signals, judge = self.signals(self.time + 0.5 * length), self.functions["judge"]
         found = self.functions["rosenbrock"](*self.state, *halves[0], 0.5 * length)[: self.size]
         pairs = zip(judge(*found, *signals), judge(*middle, *signals), strict=True)
-        apart = [abs(a - b) / self._scale(k) for k, (a, b) in enumerate(list(pairs)[: self.judged])]
+        apart = [
+            abs(a - b) / self._scale(k)
+            for k, (a, b) in enumerate(list(pairs)[: self.convergence_scales])
+        ]
         return found, max(apart, default=0.0)
 
-    def _guessed(self, state: Row, before: Sequence[float], length: float) -> Row:
+    def _extrapolate_state(self, state: Row, before: Sequence[float], length: float) -> Row:
         """A state whose rates go on as they changed over two half steps."""
         gap = 0.5 * (self.last_half + 0.5 * length)
         first = state is self.state
@@ -366,7 +376,7 @@ class AdaptiveMarch(AbstractMarch):
                 first = min([first, *(share for share in found if BESIDE < share < 1.0 - BESIDE)])
         return first
 
-    def _shortened(self, trial: StepTrial) -> float:
+    def _shorten_step(self, trial: StepTrial) -> float:
         """The next length to try after one that was too long."""
         if trial.error == math.inf:
             return 0.25 * trial.length
@@ -410,7 +420,7 @@ class AdaptiveMarch(AbstractMarch):
         found, length, end = self.found, trial.length, self.time + trial.length
         if self.duration - end < SHORTEST * self.duration:
             end = self.duration
-        nodes = [*self.nodes, *self._reached(trial)]
+        nodes = [*self.nodes, *self._reach_ends(trial)]
         self._keep_samples(end, trial, nodes)
         parts = 1 if self.plan.order == 4 else 2
         found.steps += parts
@@ -443,7 +453,7 @@ class AdaptiveMarch(AbstractMarch):
 
     # ---------------------------------------------------------------- samples
 
-    def _reached(self, trial: StepTrial) -> list[Node]:
+    def _reach_ends(self, trial: StepTrial) -> list[Node]:
         """Middle and end of a step."""
         half, end = self.time + 0.5 * trial.length, self.time + trial.length
         middle = self.functions["judge"](*trial.half, *self.signals(half))
@@ -471,7 +481,7 @@ class AdaptiveMarch(AbstractMarch):
             return False
         times = [node.time for node in nodes]
         reached = CUBIC * (0.5 * trial.length) ** 3 * (times[4] - times[1])
-        for k in range(self.judged):
+        for k in range(self.convergence_scales):
             fourth = divided_difference(times, [node.seen[k] for node in nodes])
             if not abs(fourth) * reached <= BETWEEN * self.plan.tolerance * self._scale(k):
                 return False
@@ -495,19 +505,19 @@ class AdaptiveMarch(AbstractMarch):
         late = name == "solve" and time >= middle
         begin, state = (middle, trial.half) if late else (self.time, self.state)
         if time - begin > HAIR * trial.length:
-            inputs = self._fed(self._brought(begin, time), int(late))
+            inputs = self._feed_step(self._collect_inputs(begin, time), int(late))
             state = self.functions[name](*state, *inputs, time - begin)[: self.size]
         return state
 
     def _scale(self, k: int, value: float | None = None) -> float:
         """Range of a judged output, as far as it is known."""
-        if not self.judged:
+        if not self.convergence_scales:
             return 1.0
         low, high = self.low[k], self.high[k]
         if value is not None:
             low, high = min(low, value), max(high, value)
         known = self.plan.ranges[k] if self.plan.ranges else 0.0
-        return max(high - low, known, self.plan.compiled.judged[k][1])
+        return max(high - low, known, self.plan.compiled.convergence_scales[k][1])
 
 
 def join_halves(first: Moments, last: Moments, length: float) -> Moments:

@@ -92,7 +92,7 @@ def build_march(
                 return left
             row = functions["judge"](*state, *(signals[k] for k in compiled.signals_in_step()))
             for k in range(len(compiled.envelope)):
-                value, (low, high) = row[len(compiled.judged) + k], plan.limits[:, k]
+                value, (low, high) = row[len(compiled.convergence_scales) + k], plan.limits[:, k]
                 inside = ((low <= value) & (value <= high)) | ~np_.isfinite(value)
                 left = np_.where(inside | (left < np_.inf), left, time)
             return left

@@ -130,7 +130,7 @@ class _Walk:
             for k in range(self.plan.periods):
                 memory = self._period(self.plan.start(k), memory)
                 if self.gone is not None and not self.watch.worst.failed:
-                    return self._stopped(self.gone)
+                    return self._cut_at_stop(self.gone)
             last = self.plan.pieces(self.signals[-1])[0][0]
             self.rows.append(self.observe(*self.state, last))
         except ArithmeticError:  # a division by zero or an overflow
@@ -138,7 +138,7 @@ class _Walk:
         noted = self.times if self.watch.worst is not Status.OK else []
         return check_track(self.rows, self.watch.worst, noted[self.watch.step] if noted else None)
 
-    def _stopped(self, gone: Exit) -> Track:
+    def _cut_at_stop(self, gone: Exit) -> Track:
         """A run that left the envelope; of the last period only the start is kept."""
         whole = len(self.rows) - 1
         self.ends, self.sums = self.ends[:whole], self.sums[:whole]
@@ -199,10 +199,10 @@ class _Walk:
         if found.status is Status.OUT_OF_ENVELOPE:
             when = found.status_time or 0.0
             result.warnings.append(describe_exit(plan.system, when, found.place, found.value))
-        add_warnings(result, self._judged(result.columns, ends))
+        add_warnings(result, self._add_peaks(result.columns, ends))
         return LoopResult(result, plan.period, self.signals, ends, self._columns(self.sums))
 
-    def _judged(
+    def _add_peaks(
         self, starts: dict[str, list[float]], ends: dict[str, list[float]]
     ) -> dict[str, list[float]]:
         """Columns with the peaks at the ends of pulses, and with what the drive asked for."""

@@ -77,7 +77,7 @@ class CompiledMarch(Compiled):
 
     widths: tuple[int, ...] = ()
     """How many inputs of `step` each drive has: those of `FED`, or one."""
-    judged: tuple[tuple[str, float], ...] = ()
+    convergence_scales: tuple[tuple[str, float], ...] = ()
     """Outputs that are judged, and the least range that counts."""
     envelope: tuple[tuple[str, str], ...] = ()
     """Port and output of what must not leave the envelope."""
@@ -152,13 +152,13 @@ def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
     trace, system = _Trace(keyed), keyed.part
     feeds = [not (one.at_end or system.sample_time()) for one in system.drives()]
     trace.add_step(feeds, len(StepReport._fields))
-    judged = tuple(system.judged().items())
+    judged = tuple(system.convergence_scales().items())
     envelope = tuple((port, name) for port in system.actuators() for name in ENVELOPE)
     wanted = [*(name for name, _ in judged), *(system.label(*pair) for pair in envelope)]
     return CompiledMarch(
         trace.program, trace.paths, trace.size, trace.drives, trace.outputs, StepReport._fields,
         widths=tuple(len(FED) if feed else 1 for feed in feeds),
-        judged=judged,
+        convergence_scales=judged,
         envelope=envelope,
         heated=trace.add_judge(wanted, feeds),
         points=trace.add_points(judged),

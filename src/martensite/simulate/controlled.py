@@ -132,7 +132,7 @@ class _Walk:
             for k in range(plan.periods):
                 self._period(k)
                 if self.border.place >= 0 and not self.watch.worst.failed:
-                    return self._stopped()
+                    return self._cut_at_stop()
                 if tell is not None:
                     tell((k + 1) / plan.periods)
             self.rows.append(self.observe(*self.state, *self.now))
@@ -141,7 +141,7 @@ class _Walk:
         when = self.watch.step * plan.period / plan.pieces
         return check_track(self.rows, self.watch.worst, when)
 
-    def _stopped(self) -> Track:
+    def _cut_at_stop(self) -> Track:
         """A run that left the envelope."""
         when = self.steps * self.plan.period / self.plan.pieces
         border = self.border
@@ -156,7 +156,7 @@ class _Walk:
             self.rows.append(self.observe(*self.state, *self.now))
         dt = plan.period / plan.pieces
         for piece in range(plan.pieces):
-            brought = self._brought(time + piece * dt, dt)
+            brought = self._collect_inputs(time + piece * dt, dt)
             after = self.step(*self.state, *brought, dt)
             self.state = after[: self.size]
             self.watch.note(after[self.size], after[self.size + 1], k * plan.pieces + piece)
@@ -183,7 +183,7 @@ class _Walk:
             found.append(signal)
         return tuple(found)
 
-    def _brought(self, time: float, dt: float) -> tuple[float, ...]:
+    def _collect_inputs(self, time: float, dt: float) -> tuple[float, ...]:
         """What the drives bring in a step: waveforms go on, controllers hold."""
         found: list[float] = []
         for i, (drive, held) in enumerate(zip(self.plan.drives, self.now, strict=True)):

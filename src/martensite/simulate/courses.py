@@ -97,7 +97,7 @@ class Guide:
         return found
 
     @cached_property
-    def cold(self) -> tuple[float, Fractions]:
+    def cold_state(self) -> tuple[float, Fractions]:
         """Where martensite stays without load, and the phase state to begin with there.
 
         Twinned martensite below M_f, if the law turns it under stress; else austenite between

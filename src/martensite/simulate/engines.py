@@ -97,7 +97,7 @@ class RunEngine:
             self.tell("compiling", 0.0)
         self.used = "C"
         runs = Runs(plan, self.values, 1, tuple(outputs), 1)
-        return march_runs(runs, self._watch("simulating")).marched(0, plan.times)
+        return march_runs(runs, self._watch("simulating")).take_run(0, plan.times)
 
     def _watch(self, doing: str) -> Callable[[float], None]:
         """What looks at a run from time to time: at the budget, and for who wants to be told."""

@@ -66,7 +66,7 @@ def march_in_lanes(runs: Runs, tolerance: float) -> Ensemble:
         tolerance: what accuracy is wanted, as a share of ranges.
     """
     plan, compiled = runs.plan, runs.plan.compiled
-    judged = [compiled.outputs.index(name) for name, _ in compiled.judged]
+    judged = [compiled.outputs.index(name) for name, _ in compiled.convergence_scales]
     outputs = tuple(dict.fromkeys((*runs.outputs, *judged)))
     seen = [outputs.index(place) for place in judged]
     compared, local = choose_samples(len(plan.times)), LOCAL[plan.order] * tolerance
@@ -93,7 +93,7 @@ def march_in_lanes(runs: Runs, tolerance: float) -> Ensemble:
 
 def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: MarchRows) -> Numbers:
     """How far runs may be off, from what two of each differ by, (runs, samples, judged)."""
-    least = np.array([least for _, least in compiled.judged])
+    least = np.array([least for _, least in compiled.convergence_scales])
     scales = np.maximum(made.numbers[:, RANGES:], least)
     known = np.isfinite(apart)
     worst = (np.where(known, apart, 0.0).max(axis=1) / scales).max(axis=1, initial=0.0)

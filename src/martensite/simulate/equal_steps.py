@@ -58,7 +58,7 @@ def find_step(
 def _compare_runs(system: AbstractSystem, found: Result, meant: Result) -> float:
     """Largest difference of what is judged, as a share of its range."""
     shares: list[float] = []
-    for name, least in system.judged().items():
+    for name, least in system.convergence_scales().items():
         pairs = zip(found.columns[name], meant.columns[name], strict=False)
         shares.append(max(abs(a - b) for a, b in pairs) / max(meant.range(name), least))
     return max(shares, default=0.0)

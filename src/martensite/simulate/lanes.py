@@ -103,7 +103,7 @@ class Lanes:
 
     def observe(self, signals: Any) -> Numbers:
         """Outputs now under signals, shape (outputs, lanes)."""
-        return self._engine.seen(self.state, self._spread(signals))
+        return self._engine.read_outputs(self.state, self._spread(signals))
 
     def copy_from(self, other: Lanes, lane: int = 0) -> None:
         """Put all lanes into the state of one lane of others of the same system."""

@@ -65,8 +65,8 @@ class NativeLanes:
         self.compiled = compiled
         size, outputs, self.n = compiled.size, len(compiled.outputs), table.shape[1]
         self._filled_to = n = self.n if self.n < BLOCK else -(-self.n // BLOCK) * BLOCK
-        self.library, self._table = _load_library(compiled, n >= BLOCK), self._filled(table)
-        self.constants = self._prepared(compiled, self.library)
+        self.library, self._table = _load_library(compiled, n >= BLOCK), self._fill_block(table)
+        self.constants = self._prepare_parameters(compiled, self.library)
         self.x = np.empty((size + compiled.drives + 1, n))
         self.y, self._worst = np.empty((size + len(compiled.report), n)), np.zeros((2, n))
         self._state, self._signals, self._dt = self.x[:size], self.x[size:-1], self.x[-1]
@@ -84,7 +84,7 @@ class NativeLanes:
         """Worst reports so far, shape (2, lanes)."""
         return self._worst[:, : self.n]
 
-    def _filled(self, given: Numbers) -> Numbers:
+    def _fill_block(self, given: Numbers) -> Numbers:
         """A table of lanes, the last of which fills the block."""
         last = given[..., -1:]
         more = np.broadcast_to(last, (*given.shape[:-1], self._filled_to - given.shape[-1]))
@@ -102,15 +102,15 @@ class NativeLanes:
             self._filled_to, _get_address(self._table), _get_address(self.constants)
         )
 
-    def _prepared(self, compiled: Compiled, library: Any) -> Numbers:
+    def _prepare_parameters(self, compiled: Compiled, library: Any) -> Numbers:
         """What depends on parameters alone."""
-        found = np.empty((max(1, len(compiled.program.hoisted)), self._filled_to))
+        found = np.empty((max(1, len(compiled.program.hoisted_nodes)), self._filled_to))
         library.prepare(self._filled_to, _get_address(self._table), _get_address(found))
         return found
 
     def begin(self, signals: Numbers) -> Numbers:
         """The state at rest."""
-        found, given = np.empty((self.compiled.size, self._filled_to)), self._filled(signals)
+        found, given = np.empty((self.compiled.size, self._filled_to)), self._fill_block(signals)
         self.library.begin(
             self._filled_to, _get_address(self.constants), _get_address(given), _get_address(found)
         )
@@ -138,11 +138,11 @@ class NativeLanes:
         """Steps from `x` to `x`."""
         self.library.advance(self._filled_to, steps, *self._held, drives, rows)
 
-    def seen(self, state: Numbers, signals: Numbers) -> Numbers:
+    def read_outputs(self, state: Numbers, signals: Numbers) -> Numbers:
         """Outputs in a state."""
         self._spread(self._state, state)
         self._spread(self._signals, signals)
-        self.library.seen(self._filled_to, *self._held[:2], self._at_rows)
+        self.library.read_outputs(self._filled_to, *self._held[:2], self._at_rows)
         return self._rows[0, :, : self.n].copy()
 
 

@@ -49,7 +49,7 @@ class PlainLanes:
             after[:, lane] = now
         return after, rows
 
-    def seen(self, state: Numbers, signals: Numbers) -> Numbers:
+    def read_outputs(self, state: Numbers, signals: Numbers) -> Numbers:
         """Outputs in a state."""
         rows = zip(self.functions, state.T.tolist(), signals.T.tolist(), strict=True)
         return np.array([functions["observe"](*now, *u) for functions, now, u in rows]).T

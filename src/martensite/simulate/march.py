@@ -83,7 +83,7 @@ class Border:
 
     def __init__(self, compiled: CompiledMarch, functions: Functions, limits: RunLimits) -> None:
         self.judge, self.limits = functions["judge"], limits
-        self.first, self.places = len(compiled.judged), compiled.signals_in_step()
+        self.first, self.places = len(compiled.convergence_scales), compiled.signals_in_step()
         self.place, self.value = -1, 0.0
 
     def signals(self, inputs: Sequence[float]) -> list[float]:

@@ -100,8 +100,11 @@ class AbstractMarch:
         signals = self.signals(0.0)
         self.state: Row = functions["init"](*signals)[: self.size]
         self.seen: Row = functions["judge"](*self.state, *signals)
-        self.judged = len(plan.compiled.judged)
-        self.low, self.high = list(self.seen[: self.judged]), list(self.seen[: self.judged])
+        self.convergence_scales = len(plan.compiled.convergence_scales)
+        self.low, self.high = (
+            list(self.seen[: self.convergence_scales]),
+            list(self.seen[: self.convergence_scales]),
+        )
         self.sample = 1
         self.found = Marched([functions["observe"](*self.state, *signals)])
         self.check_envelope()
@@ -132,14 +135,14 @@ class AbstractMarch:
     def see(self, seen: Row) -> None:
         """Note what is judged at the end of a step."""
         self.seen = seen
-        for k in range(self.judged):
+        for k in range(self.convergence_scales):
             self.low[k], self.high[k] = min(self.low[k], seen[k]), max(self.high[k], seen[k])
         self.check_envelope()
 
     def check_envelope(self) -> None:
         """Stop where the envelope is left."""
         found, limits = self.found, self.plan.limits
-        values = self.seen[self.judged : self.judged + len(limits.low)]
+        values = self.seen[self.convergence_scales : self.convergence_scales + len(limits.low)]
         rows = zip(limits.low, values, limits.high, strict=True)
         for place, (low, value, high) in enumerate(rows):
             if not low <= value <= high and not found.status.failed:

@@ -160,7 +160,7 @@ class MarchRows:
     ends: list[float]
     """Ends of the steps of the first run [s], if they were to be kept."""
 
-    def marched(self, run: int, times: Sequence[float]) -> Marched:
+    def take_run(self, run: int, times: Sequence[float]) -> Marched:
         """One of them."""
         numbers = self.numbers[run].tolist()
         status, end, place, value, steps, rejected, longest, ripple, residual, *more = numbers
@@ -206,13 +206,15 @@ class _Marching:
         first = plan.first if runs.first is None else runs.first
         self.first = np.array(np.broadcast_to(first, runs.count), float)
         self.times = np.array([*plan.times, np.inf])
-        ranges = np.asarray(plan.ranges or np.zeros(len(compiled.judged)))
+        ranges = np.asarray(plan.ranges or np.zeros(len(compiled.convergence_scales)))
         ranges = ranges if runs.ranges is None else np.asarray(runs.ranges, float)
-        self.ranges = np.array(np.broadcast_to(ranges, (runs.count, len(compiled.judged))), float)
+        self.ranges = np.array(
+            np.broadcast_to(ranges, (runs.count, len(compiled.convergence_scales))), float
+        )
         limits = plan.limits if runs.limits is None else runs.limits
         self.limits = spread_limits(limits, runs.count)
         self.rows = np.full((runs.count, len(plan.times), len(runs.outputs)), np.nan)
-        self.numbers = np.zeros((runs.count, RANGES + len(compiled.judged)))
+        self.numbers = np.zeros((runs.count, RANGES + len(compiled.convergence_scales)))
         self.record = np.empty(FIRST_RECORD if plan.recorded else 0)
         own = [plan.waveforms] if runs.own is None else runs.own
         self.windows = [[_Window(waveform, plan.times[-1]) for waveform in row] for row in own]
@@ -346,10 +348,10 @@ class MarchKernel:
             "DRIVES": compiled.drives,
             "INPUTS": compiled.inputs,
             "OUTPUTS": len(self.outputs),
-            "JUDGED": len(compiled.judged),
+            "JUDGED": len(compiled.convergence_scales),
             "ENVELOPE": len(compiled.envelope),
             "HEATED": len(compiled.heated),
-            "CONSTANTS": max(1, len(compiled.program.hoisted)),
+            "CONSTANTS": max(1, len(compiled.program.hoisted_nodes)),
             "PARAMETERS": len(compiled.paths),
             "ORDER": self.order,
             "TONES": self.tones,
@@ -366,7 +368,7 @@ class MarchKernel:
             "PLACES_OF_RATES": _format_list(rates),
             "WIDTHS": _format_list(compiled.widths),
             "PLACES": _format_list(compiled.heated),
-            "LEAST": _format_list([least for _, least in compiled.judged]),
+            "LEAST": _format_list([least for _, least in compiled.convergence_scales]),
             "OBSERVED": _format_list(compiled.states_observed(self.outputs)),
             "ENTRIES": book.size,
             "HELD": len(book.held),

@@ -100,7 +100,7 @@ def march_source(
     observe = replace(observe, outputs=tuple(observe.outputs[i] for i in outputs))
     loop = _MARCH.format(
         lanes=lanes,
-        constants=max(1, len(compiled.program.hoisted)),
+        constants=max(1, len(compiled.program.hoisted_nodes)),
         inputs=compiled.inputs,
         results=compiled.size + len(compiled.report),
         size=compiled.size,
@@ -123,7 +123,7 @@ def _write_watch(compiled: CompiledMarch, lanes: int, length: str) -> dict[str, 
     """What looks at the envelope after every step."""
     known = {
         "lanes": lanes, "size": compiled.size, "drives": compiled.drives, "length": length,
-        "judged": len(compiled.judged), "envelope": len(compiled.envelope),
+        "judged": len(compiled.convergence_scales), "envelope": len(compiled.envelope),
         "seen": len(compiled.program.functions["judge"].outputs),
         "places": ", ".join(map(str, [*compiled.signals_in_step(), 0])),
     }  # fmt: skip

@@ -125,11 +125,11 @@ def build_tension(guide: Guide) -> list[ThermomechanicalPath]:
     Temperatures: one at which martensite stays, and A_f + 15 K. Strain: beyond the end of the
     transformation. A specimen that stays elongated goes slack.
     """
-    temperatures = guide.choices.temperatures or (guide.cold[0], *guide.hot(15.0))
+    temperatures = guide.choices.temperatures or (guide.cold_state[0], *guide.hot(15.0))
 
     def course(temperature: float) -> ThermomechanicalPath:
-        near = abs(temperature - guide.cold[0]) < 1e-9
-        fractions = guide.choices.fractions or (guide.cold[1] if near else AUSTENITE)
+        near = abs(temperature - guide.cold_state[0]) < 1e-9
+        fractions = guide.choices.fractions or (guide.cold_state[1] if near else AUSTENITE)
         peak = guide.choices.strain or guide.top(temperature, fractions).strain + 0.004
         rest = guide.rest(temperature, fractions)
         legs = guide.strain(peak - rest, peak), guide.strain(peak - rest, rest)
@@ -176,7 +176,7 @@ def shape_memory(guide: Guide) -> list[ThermomechanicalPath]:
 
 
 def _build_recovery(guide: Guide, label: str, *, cool: bool) -> ThermomechanicalPath:
-    temperature, fractions = guide.cold
+    temperature, fractions = guide.cold_state
     peak, hot = guide.load(temperature, fractions), guide.marks.A_f + 20.0
     legs = [guide.stress(peak, peak), guide.stress(peak, 0.0), guide.heat(temperature, hot)]
     if cool:
@@ -190,7 +190,7 @@ def constrained_recovery(guide: Guide) -> list[ThermomechanicalPath]:
 
     Temperature: as for free-recovery. Strain: half of what completes the transformation there.
     """
-    temperature, fractions = guide.cold
+    temperature, fractions = guide.cold_state
     peak = guide.choices.strain or 0.5 * guide.top(temperature, fractions).strain
     hot = guide.marks.A_f + 60.0
     unload = guide.stress(peak / guide.choices.rates.strain * guide.choices.rates.stress, 0.0)

@@ -51,7 +51,7 @@ def _load_library(compiled: CompiledLaw, step: str) -> Any:
     """One library per kind of step: compiling what is not used takes seconds."""
     program = compiled.program
     loop = _RIDE.format(
-        constants=max(1, len(program.hoisted)),
+        constants=max(1, len(program.hoisted_nodes)),
         inputs=max(compiled.size + 3, 4),
         results=compiled.size + len(ROW),
         size=compiled.size,

@@ -275,7 +275,7 @@ class Result:
 
     def __str__(self) -> str:
         """A summary of a few lines."""
-        judged = self.columns if self.variants is not None else self.system.judged()
+        judged = self.columns if self.variants is not None else self.system.convergence_scales()
         lines = [self._lead(), *map(self._line, judged)]
         own = [] if self.variants is not None else self.balances()
         return "\n".join([*lines, *own, *self.remarks(), *self.warnings])

@@ -129,13 +129,13 @@ class Steered(AbstractSystem, init=False):
         """As of the system."""
         return self.system.drive_at(port)
 
-    def judged(self) -> dict[str, float]:
+    def convergence_scales(self) -> dict[str, float]:
         """As of the system."""
-        return self.system.judged()
+        return self.system.convergence_scales()
 
-    def described(self) -> str:
+    def description(self) -> str:
         """As of the system."""
-        return self.system.described()
+        return self.system.description()
 
     def outputs(self) -> dict[str, Output]:
         """Those of the system."""
@@ -177,7 +177,7 @@ class Steered(AbstractSystem, init=False):
     ) -> tuple[Any, StepReport]:
         """Advance by `dt` [s]."""
         count = len(self.system.drives())
-        fed = [self._fed(xp, place, drives) for place in range(count)]
+        fed = [self._sum_drives(xp, place, drives) for place in range(count)]
         return self.system.step(xp, state, *fed, dt=dt)
 
     def heat_contents(self, xp: Namespace, state: Any) -> list[Scalar | None]:
@@ -198,7 +198,7 @@ class Steered(AbstractSystem, init=False):
             found[place] = found[place] + level * shape
         return found
 
-    def _fed(self, xp: Namespace, place: int, drives: Sequence[Any]) -> Scalar | Feed:
+    def _sum_drives(self, xp: Namespace, place: int, drives: Sequence[Any]) -> Scalar | Feed:
         """What a drive of the system brings, put together.
 
         ⟨u²⟩ = ⟨u_0²⟩ + Σ q_k² ⟨φ_k²⟩ + 2 Σ q_j q_k ⟨φ_j φ_k⟩, where ⟨φ_j φ_k⟩ follows from the
@@ -299,7 +299,7 @@ class Steering:
         """The path in `whole` of a level."""
         return f"levels.q{self.levels.index(level)}"
 
-    def played(self) -> dict[str, AbstractWaveform]:
+    def system_waveforms(self) -> dict[str, AbstractWaveform]:
         """The waveform of every drive of `whole`."""
         if not self.levels:
             return self.own

@@ -102,7 +102,7 @@ class Ran:
         return Ran(columns, status, np.where(bad, np.nan, self.ended), self.accuracy)
 
     @staticmethod
-    def joined(pieces: Sequence[Ran]) -> Ran:
+    def concatenate(pieces: Sequence[Ran]) -> Ran:
         """Some after others."""
         names = pieces[0].columns
         columns = {name: np.concatenate([p.columns[name] for p in pieces]) for name in names}
@@ -165,7 +165,7 @@ class VariantSetup:
             raise ParameterError(f"`{varied_stops(values)[0]}` cannot be varied on JAX.")
         own = {name: dict(table) for name, table in (signals or {}).items() if table}
         count = len(next(iter((*values.values(), *(v for t in own.values() for v in t.values())))))
-        refusal = find_refused(self.system, values, count) | self._refused(own, count)
+        refusal = find_refused(self.system, values, count) | self._list_refused(own, count)
         size, rows = TOGETHER if self.controlled else self._together(), np.arange(count)
         make = self._to_tolerance if self.controlled else self._block
 
@@ -174,9 +174,9 @@ class VariantSetup:
 
         firsts = range(0, count, size)
         if self.threads == 1:
-            return Ran.joined([made(first) for first in firsts])
+            return Ran.concatenate([made(first) for first in firsts])
         with ThreadPoolExecutor(self.threads) as pool:
-            return Ran.joined(list(pool.map(made, firsts)))
+            return Ran.concatenate(list(pool.map(made, firsts)))
 
     # ---------------------------------------------------------------- runs to a tolerance
 
@@ -201,7 +201,7 @@ class VariantSetup:
     def _ensemble_in_c(
         self, values: Values, signals: Mapping[str, Values], rows: Places
     ) -> Ensemble:
-        own = [self._arranged(signals, row) for row in rows] if signals else None
+        own = [self._order_waveforms(signals, row) for row in rows] if signals else None
         runs = Runs(
             self._plan, self.table(values), len(rows), self.places, BLOCK, own=own,
             limits=self._limits(values, len(rows)),
@@ -214,7 +214,7 @@ class VariantSetup:
         systems = (
             (
                 self.system.rebuilt({path: float(v[k]) for path, v in values.items()}),
-                self._arranged(signals, row),
+                self._order_waveforms(signals, row),
             )
             for k, row in enumerate(rows)
         )
@@ -232,7 +232,9 @@ class VariantSetup:
             envelope_of(self.system),
         )
 
-    def _arranged(self, signals: Mapping[str, Values], row: int) -> Sequence[AbstractWaveform]:
+    def _order_waveforms(
+        self, signals: Mapping[str, Values], row: int
+    ) -> Sequence[AbstractWaveform]:
         """The waveforms of one run, in the order of the drives."""
         if not signals:
             return self._plan.waveforms
@@ -340,7 +342,7 @@ class VariantSetup:
         for row in rows:
             key = tuple(float(v[row]) for t in signals.values() for v in t.values())
             if key not in known:
-                known[key] = self._played(self._waveforms(signals, row))
+                known[key] = self._make_grid(self._waveforms(signals, row))
             grids.append(known[key])
         return lane_grid(grids)
 
@@ -348,7 +350,7 @@ class VariantSetup:
     def _common(self) -> TimeGrid:
         return grid_of(self.system, self.waveforms, self.duration, self.samples, self._longest)
 
-    def _played(self, waveforms: Mapping[str, AbstractWaveform]) -> TimeGrid:
+    def _make_grid(self, waveforms: Mapping[str, AbstractWaveform]) -> TimeGrid:
         """The grid of some waveforms; waveforms with the same edges share its steps."""
         if self.system.sample_time():
             shape = self.duration, self.samples, self._longest
@@ -375,7 +377,7 @@ class VariantSetup:
         }
         return {**self.waveforms, **varied}
 
-    def _refused(self, signals: Mapping[str, Values], count: int) -> Flags:
+    def _list_refused(self, signals: Mapping[str, Values], count: int) -> Flags:
         """Runs whose waveforms are refused."""
         found = np.zeros(count, np.bool_)
         for name, table in signals.items():

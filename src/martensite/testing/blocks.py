@@ -32,7 +32,7 @@ def make_record(channels: int) -> Array:
 def draw_numbers(block: AbstractBlock, seed: int = 3) -> Array:
     """Free numbers, none of them exactly where a start leaves it."""
     rng = np.random.default_rng(seed)
-    made = block.drawn(rng, SAMPLES * DT, DT)
+    made = block.sample_parameters(rng, SAMPLES * DT, DT)
     return made + 0.03 * rng.uniform(0.5, 1.0, len(made))
 
 
@@ -44,7 +44,7 @@ def lead_block(block: AbstractBlock, share: float = 1.0) -> list[AbstractBlock]:
     first = SideBySide(blocks=(Polynomial(degree=2.0),) * block.inputs)
     engine = ChainEngine([first], DT, compiled=False)
     reaching = engine.simulate(draw_numbers(first), make_record(block.inputs))
-    return [first, block.adapted(share * reaching, DT)]
+    return [first, block.adapt_to(share * reaching, DT)]
 
 
 def find_slope_error(blocks: list[AbstractBlock]) -> float:
@@ -100,7 +100,7 @@ def check_slopes(block: AbstractBlock) -> None:
 
 def check_words(block: AbstractBlock) -> None:
     """Its numbers are shown as words, values and units; its text is read as itself."""
-    for word, value, unit in block.shown(draw_numbers(block)):
+    for word, value, unit in block.describe_numbers(draw_numbers(block)):
         whole = bool(word and unit and np.isfinite(value))
         require_condition(whole, f"It shows `{word}`, {value}, `{unit}`.")
     if not list_unusual(block) - set(block.shape):
@@ -110,7 +110,7 @@ def check_words(block: AbstractBlock) -> None:
 
 def check_fixed(block: AbstractBlock) -> None:
     """The numbers that it takes from a record are none of its structure."""
-    moved = block.adapted(3.0 + 2.0 * make_record(block.inputs), DT)
+    moved = block.adapt_to(3.0 + 2.0 * make_record(block.inputs), DT)
     same = moved.structure() == block.structure() and moved.with_given(block.given()) == block
     require_condition(same, "Adapted to a record it has another structure.")
 
@@ -142,11 +142,11 @@ def check_start(block: AbstractBlock) -> None:
     """It starts on any range of its input, and draws the same numbers from the same seed."""
     for factor, level in RANGES:
         u = level + factor * make_record(block.inputs)[:10]
-        adapted = block.adapted(u, DT)
+        adapted = block.adapt_to(u, DT)
         engine = ChainEngine([adapted], DT, compiled=False)
         finite = all(np.isfinite(part).all() for part in engine.jacobian(adapted.start(), u))
         require_condition(finite, f"On a record of {level:g} ± {factor:g} it is not finite.")
-    draws = [block.drawn(np.random.default_rng(s), 10.0, DT) for s in (1, 1, 2)]
+    draws = [block.sample_parameters(np.random.default_rng(s), 10.0, DT) for s in (1, 1, 2)]
     same = np.array_equal(draws[0], draws[1]) and bool(np.isfinite(draws).all())
     require_condition(same, "Numbers drawn twice from one seed differ, or are not finite.")
 
@@ -175,8 +175,8 @@ def check_scaling(block: AbstractBlock) -> None:
     if not isinstance(block, AbstractStatic) or list_unusual(block) - {"offset"}:
         return
     block = block.with_parts(low=-2.0, high=5.0, offset="no")
-    drawn = block.drawn(np.random.default_rng(5), 10.0, DT)
-    moved = block.line(-3.0, 0.0) + block.scaled(drawn - block.line(1.0, 0.0), -3.0)
+    drawn = block.sample_parameters(np.random.default_rng(5), 10.0, DT)
+    moved = block.line(-3.0, 0.0) + block.scale_departure(drawn - block.line(1.0, 0.0), -3.0)
     x = np.linspace(-2.0, 5.0, 9)[:, None]
     first, second = (
         ChainEngine([block], DT, compiled=False).simulate(t, x) for t in (drawn, moved)

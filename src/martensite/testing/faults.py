@@ -34,7 +34,7 @@ def list_effects(
     """
     names = {kind: name for name, kind in fault.names().items()}
     drive, sensor = names.get("drive", "drive"), names.get("sensor", "temperature")
-    active, grown = fault.active(xp, time), fault.grown(xp, time)
+    active, grown = fault.active(xp, time), fault.fault_at(xp, time)
     plant: Any = fault.plant(xp, build_switched_plant(), active)
     fresh = fault.fresh(xp, sensor, reading > held, active)
     return [

@@ -129,7 +129,7 @@ def check_names(mechanism: AbstractMechanism) -> None:
     forces = len(mechanism.start_forces(floats))
     asked = len(mechanism.transmission(floats, rest))
     require_condition(forces == asked, f"{forces} start forces, but {asked} in `transmission`.")
-    unknown = set(mechanism.judged()) - set(mechanism.outputs())
+    unknown = set(mechanism.convergence_scales()) - set(mechanism.outputs())
     require_condition(
         not unknown, f"It judges {', '.join(sorted(unknown))}, which it does not show."
     )
@@ -252,7 +252,7 @@ def check_power(mechanism: AbstractMechanism) -> None:
         if change is None:
             return
         taken = np.array(mechanism.dissipative(floats, motion))
-        given = np.array(mechanism.imposed(floats, motion, signals))
+        given = np.array(mechanism.external_forces(floats, motion, signals))
         needs = np.array(mechanism.demand(floats, motion, signals))
         size = float(np.abs(rate) @ np.abs(needs))
         missing = float(np.array(rate) @ (needs - taken + given)) - change

@@ -61,7 +61,7 @@ def check_size(check: AbstractCheck) -> None:
         wanted = dict.fromkeys(name_drives(check), float(rng.uniform(0.0, 1.0)))
         readings = draw_readings(check.reads(), rng)
         memory = check.look(floats, memory, wanted, readings, PERIOD).memory
-        memory = check.passed(floats, memory, wanted, PERIOD)
+        memory = check.remember_allowed(floats, memory, wanted, PERIOD)
 
 
 def check_trips(check: AbstractCheck) -> None:
@@ -79,7 +79,7 @@ def check_trips(check: AbstractCheck) -> None:
             not (looked.trips and looked.clears), f"It trips and clears at once, at {readings}."
         )
         tripped, cleared = tripped + bool(looked.trips), cleared + bool(looked.clears)
-        memory = check.passed(floats, looked.memory, wanted, PERIOD)
+        memory = check.remember_allowed(floats, looked.memory, wanted, PERIOD)
     require_condition(tripped, f"In {COUNT} samples of all sorts of readings it never trips.")
     require_condition(cleared, f"In {COUNT} samples of all sorts of readings it never clears.")
 
@@ -93,7 +93,7 @@ def check_traced_check(check: AbstractCheck) -> None:
         for order in (shares, shares[::-1]):
             looked = one.look(xp, memory, wanted, place_readings(one.reads(), order), PERIOD)
             found += [xp.where(looked.trips, 1.0, 0.0), xp.where(looked.clears, 1.0, 0.0)]
-            memory = one.passed(xp, looked.memory, wanted, PERIOD)
+            memory = one.remember_allowed(xp, looked.memory, wanted, PERIOD)
         return (*found, *memory, 0.0 * u)
 
     require_same_traced(check, look, {"u": (-1.0, 1.0), "x": (0.0, 1.0), "y": (0.0, 1.0)})

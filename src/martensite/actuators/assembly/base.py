@@ -75,7 +75,7 @@ class AbstractSystem(Parametrised, init=False):
         """What can be observed, by name; rows of `observe` come in this order."""
 
     @abstractmethod
-    def described(self) -> str:
+    def description(self) -> str:
         """What it is made of, in words."""
 
     def sample_time(self) -> float:
@@ -87,7 +87,7 @@ class AbstractSystem(Parametrised, init=False):
         return []
 
     @abstractmethod
-    def judged(self) -> dict[str, float]:
+    def convergence_scales(self) -> dict[str, float]:
         """Outputs whose convergence is judged, with the least range that counts."""
 
     @abstractmethod
@@ -162,12 +162,12 @@ class AbstractAssembly(AbstractSystem):
     ) -> dict[str, Scalar]:
         """Those of the actuators and of the mechanism, by name, in the order of `outputs`."""
 
-    def judged(self) -> dict[str, float]:
+    def convergence_scales(self) -> dict[str, float]:
         """Temperatures, fractions, and what the mechanism names."""
         found: dict[str, float] = {}
         for port in self.actuators():
             found |= {self.label(port, name): least for name, least in JUDGED.items()}
-        return found | self.mechanism.judged()
+        return found | self.mechanism.convergence_scales()
 
     def init(self, xp: Namespace, *drives: Scalar) -> State:
         """The assembled system at rest, at ambient temperature."""

@@ -56,7 +56,7 @@ class Machine(AbstractAssembly):
                 found[self.label(port, name)] = Output(unit, f"{words}, {port}", symbol)
         return found
 
-    def described(self) -> str:
+    def description(self) -> str:
         """Such as `parallel-platform with 3 × coil-spring (liang-rogers)`."""
         kinds = Counter(
             f"{one.element.registered_name} ({one.element.law.registered_name})"

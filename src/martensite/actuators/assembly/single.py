@@ -44,7 +44,7 @@ class System(Actuator, AbstractAssembly):
         found = _insert(OUTPUTS, self.of_mechanism())
         return found | {"drive": OUTPUTS["drive"]._replace(unit=self.source.unit)}
 
-    def described(self) -> str:
+    def description(self) -> str:
         """Such as `wire (brinson) on bias-spring, driven by power`."""
         element, load = self.element, self.mechanism.registered_name
         names = f"{element.registered_name} ({element.law.registered_name})"

@@ -67,7 +67,7 @@ class AbstractCells(AbstractCut):
         """The state after a step of dt [s], and how well the step was solved."""
         step = SweepStep(self, state, heating, pull, dt)
         start = step.start(xp)
-        guess = step.unmoved(start)
+        guess = step.guess_without_transformation(start)
         shape = NestedShape(guess)
 
         def turn(_: Scalar, turned: Scalar, *numbers: Scalar) -> list[Scalar]:
@@ -92,7 +92,7 @@ class AbstractCells(AbstractCut):
         """Everything that can be measured on the element under a force [N]."""
         lengths, (m, o, temperatures) = self.lengths(xp), self._columns(state)
         free, soft = self.springs(xp, m, o, temperatures)
-        carried = self.carried(xp, free, soft, force)
+        carried = self.force_share(xp, free, soft, force)
         stresses = [self.wire.stress(xp, each) for each in carried]
 
         def one(
@@ -142,7 +142,7 @@ class AbstractCells(AbstractCut):
     def elastic_energy(self, xp: Namespace, state: Cells) -> Scalar:
         """½ compliance · force² of all cells [J]."""
         free, soft = self.springs(xp, *self._columns(state))
-        carried = self.carried(xp, free, soft, state.force)
+        carried = self.force_share(xp, free, soft, state.force)
         rows = zip(soft, carried, strict=True)
         return self.copies() * sum_column([0.5 * c * each * each for c, each in rows])
 

@@ -73,7 +73,7 @@ class AbstractCut(AbstractElement):
         """How the cells share force and elongation."""
         return EndToEnd(self.copies())
 
-    def shared(self, state: Cells) -> Column:
+    def force_on_cells(self, state: Cells) -> Column:
         """Force on each cell at the end of the last step [N]."""
         area = self.wire.section()
         return [memory.stress * area for memory in state.memories]
@@ -89,7 +89,7 @@ class AbstractCut(AbstractElement):
         free, soft = xp.each(one, self.lengths(xp), martensite, oriented, temperatures)
         return free, soft
 
-    def loaded(
+    def balance_force(
         self, xp: Namespace, free: Column, soft: Column, pull: Pull, force: Scalar
     ) -> tuple[Scalar, Column]:
         """Force [N] at which cells and mechanism fit, from one nearby; and that on each cell."""
@@ -99,11 +99,11 @@ class AbstractCut(AbstractElement):
             return linkage.whole(xp, free, soft, force)
 
         force = fitted(xp, near, pull, force, self.passes)
-        return force, self.carried(xp, free, soft, force)
+        return force, self.force_share(xp, free, soft, force)
 
-    def carried(self, xp: Namespace, free: Column, soft: Column, force: Scalar) -> Column:
+    def force_share(self, xp: Namespace, free: Column, soft: Column, force: Scalar) -> Column:
         """What each cell carries of a force [N]."""
         linkage = self.linkage()
         whole = linkage.whole(xp, free, soft, force)
         own = [Spring(*pair) for pair in zip(free, soft, strict=True)]
-        return [linkage.carried(xp, one, whole, force) for one in own]
+        return [linkage.force_share(xp, one, whole, force) for one in own]

@@ -38,11 +38,11 @@ class Linkage(Protocol):
         """What every cell sees of the others, given what each carries [N]."""
         ...
 
-    def joined(self, rest: Rest, own: Spring) -> Spring:
+    def combine_springs(self, rest: Rest, own: Spring) -> Spring:
         """The whole, of one cell and the rest."""
         ...
 
-    def carried(self, xp: Namespace, own: Spring, whole: Spring, force: Scalar) -> Scalar:
+    def force_share(self, xp: Namespace, own: Spring, whole: Spring, force: Scalar) -> Scalar:
         """The part of a force [N] that one cell carries."""
         ...
 
@@ -64,12 +64,12 @@ class EndToEnd:
         long, soft = sum_column(free), sum_column(compliance)
         return [long - f for f in free], [soft - c for c in compliance]
 
-    def joined(self, rest: Rest, own: Spring) -> Spring:
+    def combine_springs(self, rest: Rest, own: Spring) -> Spring:
         """The sum."""
         free, compliance = rest.offset + own.free, rest.slope + own.compliance
         return Spring(self.copies * free, self.copies * compliance)
 
-    def carried(self, xp: Namespace, own: Spring, whole: Spring, force: Scalar) -> Scalar:
+    def force_share(self, xp: Namespace, own: Spring, whole: Spring, force: Scalar) -> Scalar:
         """All of it."""
         return force
 
@@ -108,13 +108,13 @@ class ParallelCells:
         pull = [k * f for k, f in zip(stiffness, free, strict=True)]
         return _sum_others(pull), _sum_others(stiffness)
 
-    def joined(self, rest: Rest, own: Spring) -> Spring:
+    def combine_springs(self, rest: Rest, own: Spring) -> Spring:
         """Forces add at a common elongation."""
         stiffness = 1.0 / own.compliance
         soft = 1.0 / (rest.slope + stiffness)
         return Spring(soft * (rest.offset + stiffness * own.free), soft)
 
-    def carried(self, xp: Namespace, own: Spring, whole: Spring, force: Scalar) -> Scalar:
+    def force_share(self, xp: Namespace, own: Spring, whole: Spring, force: Scalar) -> Scalar:
         """What the cell carries at the elongation of the whole; nothing if that is short."""
         elongation = whole.free + whole.compliance * force
         return xp.maximum((elongation - own.free) / own.compliance, 0.0)

@@ -147,7 +147,7 @@ class AbstractLumped(AbstractElement, init=False):
     ) -> Lumped:  # fmt: skip
         """A state put elsewhere, with its history, under a force [N]."""
         stress = self.stress(xp, force)
-        moved = self.law.moved(xp, state.memory, fractions, stress, temperature)
+        moved = self.law.relocate(xp, state.memory, fractions, stress, temperature)
         return Lumped(moved, force, state.rate)
 
     def tangent(self, xp: Namespace, state: Lumped, force: Scalar) -> Spring:

@@ -77,13 +77,22 @@ class SweepStep:
 
         return StepStart(*xp.each(one, self.element.lengths(xp), *self.memories))
 
-    def unmoved(self, start: StepStart) -> SweepGuess:
+    def guess_without_transformation(self, start: StepStart) -> SweepGuess:
         """The guess that nothing transforms."""
         none = [0.0 for _ in start.long]
         columns = (
-            start.martensite, start.oriented, start.temperature, self.element.shared(self.state),
-            start.long, start.elastic, start.elastic, none, none, none, none,
-        )  # fmt: skip
+            start.martensite,
+            start.oriented,
+            start.temperature,
+            self.element.force_on_cells(self.state),
+            start.long,
+            start.elastic,
+            start.elastic,
+            none,
+            none,
+            none,
+            none,
+        )
         return SweepGuess(*(tuple(column) for column in columns))
 
     def lines(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> HeatBalanceColumns:
@@ -116,9 +125,14 @@ class SweepStep:
         element = self.element
 
         def one(
-            length: Scalar, x: Scalar, share: Scalar, first: Scalar, last: Scalar, long: Scalar,
+            length: Scalar,
+            x: Scalar,
+            share: Scalar,
+            first: Scalar,
+            last: Scalar,
+            long: Scalar,
             longer: Scalar,
-        ) -> tuple[Scalar, ...]:  # fmt: skip
+        ) -> tuple[Scalar, ...]:
             strain = 0.5 * (long + longer) / length
             ohms = element.cell(length).ohms(xp, x, strain, 0.5 * (first + last))
             return share * ohms, share * share * ohms
@@ -139,30 +153,40 @@ class SweepStep:
         """Every cell for itself, with the others as they answered before."""
         lines = self.lines(xp, start, guess)
         diagonal = [d + w for d, w in zip(lines.diagonal, guess.warms, strict=True)]
-        seen = fold_others(diagonal, self._expected(start, guess, lines), lines.links)
+        seen = fold_others(diagonal, self._expect_latent_heat(start, guess, lines), lines.links)
         felt = fold_others(diagonal, guess.gives, lines.links)
         rests = self._rests(xp, guess, solve_tridiagonal(diagonal, guess.gives, lines.links))
 
         def one(*row: Scalar) -> tuple[Scalar, ...]:
-            return self._alone(xp, row)
+            return self._solve_cell(xp, row)
 
         found = xp.each(
             one,
-            self.element.lengths(xp), start.martensite, start.latent,
+            self.element.lengths(xp),
+            start.martensite,
+            start.latent,
             [d + b for d, b in zip(lines.diagonal, seen.slope, strict=True)],
             [r + s for r, s in zip(lines.right, seen.source, strict=True)],
-            felt.source, guess.force, *rests, *self.memories,
-        )  # fmt: skip
+            felt.source,
+            guess.force,
+            *rests,
+            *self.memories,
+        )
         return SweepGuess(*(tuple(column) for column in found))
 
-    def _expected(
+    def _expect_latent_heat(
         self, start: StepStart, guess: SweepGuess, lines: HeatBalanceColumns
     ) -> list[Scalar]:
         """Right-hand side with the latent heat as it is linear in temperature [J]."""
         rows = zip(
-            lines.right, start.latent, guess.martensite, start.martensite, guess.warms,
-            guess.temperature, strict=True,
-        )  # fmt: skip
+            lines.right,
+            start.latent,
+            guess.martensite,
+            start.martensite,
+            guess.warms,
+            guess.temperature,
+            strict=True,
+        )
         return [r + latent * (x - x0) + w * t for r, latent, x, x0, w, t in rows]
 
     def _rests(self, xp: Namespace, guess: SweepGuess, heated: Column) -> tuple[Column, Column]:
@@ -173,7 +197,7 @@ class SweepStep:
         free = [e - c * f for e, c, f in long]
         return self.element.linkage().rests(xp, free, soft, guess.force)
 
-    def _alone(self, xp: Namespace, row: Sequence[Scalar]) -> tuple[Scalar, ...]:
+    def _solve_cell(self, xp: Namespace, row: Sequence[Scalar]) -> tuple[Scalar, ...]:
         """One cell's own step, and how it answers to a little more heat or force."""
         length, x0, latent, diagonal, right, felt, before, *rest = row[:9]
         cell, law, memory = self.element.cell(length), self.law, self.memory(row[9:])
@@ -182,8 +206,8 @@ class SweepStep:
         def settle(xp: Namespace, fractions: Fractions) -> tuple[Scalar, Scalar]:
             at = (right + latent * (fractions.martensite - x0)) / diagonal
             own = cell.spring(xp, fractions, at if imposed is None else imposed, 0.0)
-            whole = linkage.joined(Rest(*rest), own)
-            force = linkage.carried(xp, own, whole, self.pull(xp, whole))
+            whole = linkage.combine_springs(Rest(*rest), own)
+            force = linkage.force_share(xp, own, whole, self.pull(xp, whole))
             at = at + felt * (force - before) / diagonal
             return cell.stress(xp, force), at if imposed is None else imposed
 
@@ -198,21 +222,24 @@ class SweepStep:
         _, by_stress = values_and_slopes(xp, lambda xp, stress: moved(xp, stress, at), stress)
         per_force, elastic = cell.stress(xp, 1.0), law.compliance(xp, end)
         return (
-            *end, at, stress / per_force, length * law.strain(xp, end, stress, at),
+            *end,
+            at,
+            stress / per_force,
+            length * law.strain(xp, end, stress, at),
             length * per_force * elastic,
             length * per_force * xp.maximum(by_stress[1], elastic),
             length * by_heat[1],
             latent * xp.maximum(-by_heat[0], 0.0),
             latent * per_force * xp.maximum(by_stress[0], 0.0),
             report.crossing,
-        )  # fmt: skip
+        )
 
     def end(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> tuple[Cells, StepReport]:
         """All cells together, at the fractions found."""
         law, element = self.law, self.element
-        temperatures = self._settled(xp, start, guess)
+        temperatures = self._settle_temperatures(xp, start, guess)
         free, soft = element.springs(xp, guess.martensite, guess.oriented, temperatures)
-        force, carried = element.loaded(xp, free, soft, self.pull, self.state.force)
+        force, carried = element.balance_force(xp, free, soft, self.pull, self.state.force)
 
         def one(m: Scalar, o: Scalar, at: Scalar, force: Scalar, *flat: Scalar) -> list[Scalar]:
             memory, stress = self.memory(flat), element.wire.stress(xp, force)
@@ -230,7 +257,7 @@ class SweepStep:
         report = StepReport(find_largest(xp, residuals), find_largest(xp, guess.crossing), ripple)
         return Cells(memories, force), report
 
-    def _settled(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> Column:
+    def _settle_temperatures(self, xp: Namespace, start: StepStart, guess: SweepGuess) -> Column:
         """Temperatures at the end of the step, at the fractions found; no heat is lost."""
         imposed = self.heating.temperature
         if imposed is not None:

@@ -79,7 +79,7 @@ class _Turn(NamedTuple):
     """0 before the first pass, then 1."""
     states: tuple[Any, ...]
     report: StepReport
-    moved: Scalar
+    relocate: Scalar
     """Largest correction of a coordinate, in its size."""
 
 
@@ -93,7 +93,9 @@ class CondensedStep:
     signals: Column
     dt: Scalar
 
-    def solved(self, xp: Namespace) -> tuple[MotionHistory, list[Scalar], list[Any], StepReport]:
+    def solve_position(
+        self, xp: Namespace
+    ) -> tuple[MotionHistory, list[Scalar], list[Any], StepReport]:
         """Course, stiffness and state of every element at the end, and the residual."""
         scheme = self.mechanism.scheme(xp, self.memory.course, self.dt)
         shape = NestedShape(_Turn(
@@ -104,12 +106,12 @@ class CondensedStep:
         def turn(_: Scalar, *flat: Scalar) -> list[Scalar]:
             before: _Turn = shape.rebuild(flat)
             after = self._turn(xp, scheme, before)
-            going = xp.either(after.moved > SETTLED, before.turned < 0.5)
+            going = xp.either(after.relocate > SETTLED, before.turned < 0.5)
             return [xp.where(going, 1.0, 0.0), *flatten_numbers(after)]
 
         _, *flat = xp.iterate(PASSES, turn, 1.0, *flatten_numbers(shape.example))
         end: _Turn = shape.rebuild(flat)
-        residual = xp.maximum(end.report.residual, end.moved)
+        residual = xp.maximum(end.report.residual, end.relocate)
         stiffness = [tangent.stiffness for tangent in end.tangents]
         report = end.report._replace(residual=residual)
         return scheme(end.position), stiffness, list(end.states), report

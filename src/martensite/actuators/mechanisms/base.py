@@ -97,7 +97,7 @@ class AbstractMechanism(Parametrised):
         """What can be observed on the mechanism itself; the first is its stroke."""
 
     @abstractmethod
-    def judged(self) -> dict[str, float]:
+    def convergence_scales(self) -> dict[str, float]:
         """Outputs whose convergence is judged, with the least range that counts."""
 
     def first_step(self) -> float:
@@ -146,7 +146,7 @@ class AbstractMechanism(Parametrised):
         """What it holds, dissipates and gives to the outside; None if it does not say."""
         return None
 
-    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """What it looks like (`.drawing`), by the same shapes at every time.
 
         One that says nothing is drawn as elements that hang, moved or turned by its first output;

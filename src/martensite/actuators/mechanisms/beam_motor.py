@@ -222,7 +222,7 @@ class BeamMotor(AbstractMultibody):
         """None: the wire is assembled without tension [N]."""
         return [0.0] * len(self.ports())
 
-    def mounted(self, xp: Namespace, elongations: Column) -> Column:
+    def assembled_elongations(self, xp: Namespace, elongations: Column) -> Column:
         """-s l_w [m], at most as long as the wire is without tension."""
         return [xp.minimum(-self.slack * self.wire_length, free) for free in elongations]
 
@@ -270,7 +270,7 @@ class BeamMotor(AbstractMultibody):
         bent = [c * v for (_, c, _), v in rows]
         return [*bent, self.rotor_friction * speed + rubbed, self.resistance * current + lost]
 
-    def imposed(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+    def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """The voltage of the motor [V]."""
         return [0.0] * (self.count + 1) + [signals[0]]
 
@@ -293,7 +293,7 @@ class BeamMotor(AbstractMultibody):
             "charge": Output("A*s", "charge through the motor", "Q"),
         }
 
-    def judged(self) -> dict[str, float]:
+    def convergence_scales(self) -> dict[str, float]:
         """Displacement of the tip and speed of the rotor."""
         return {"displacement": 1e-5, "rotor_speed": 0.1}
 
@@ -315,7 +315,7 @@ class BeamMotor(AbstractMultibody):
         forces = [element.force(state) for element, state, _ in loads]
         return forces, [*bends, *turns, *modes, position[n + 1]]
 
-    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """The beam, the motor with its unbalance, and the wire if there is one."""
         return drawn_beam(self, reading)
 

@@ -44,7 +44,7 @@ class BiasSpring(AbstractLoadLine):
         pull = xp.maximum(self.preload + self.stiffness * shortening, 0.0)
         return MechanicalEnergy(springs=(0.5 / self.stiffness) * pull * pull)
 
-    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """Element and spring in a row between two walls; the spring's own length is not known."""
         element = reading.lengths["element"]
         end, far, tall = element - reading.outputs["position"], 1.6 * element, 0.1 * element

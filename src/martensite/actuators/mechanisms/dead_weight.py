@@ -42,7 +42,7 @@ class DeadWeight(AbstractLoadLine):
         """m g times the lift [J]."""
         return MechanicalEnergy(gravity=self.start_force(xp) * shortening)
 
-    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """The element hangs from a ceiling, the mass from the element."""
         hung = reading.lengths["element"]
         end = (0.0, 0.0, reading.outputs["position"] - hung)

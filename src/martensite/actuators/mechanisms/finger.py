@@ -187,6 +187,6 @@ class Finger(AbstractMultibody):
         arm = self.passes * bowstring_arm(xp, 0.0, self.offset, self.bracket)
         return [self.spring_torque(xp, 0.0) / arm]
 
-    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """Both phalanges, the wire over its brackets, and the return spring."""
         return drawn_finger(self, reading)

@@ -186,7 +186,7 @@ class Hand(AbstractMultibody):
             hung = hanging_rods(xp, *rods, angles, self.gravity)
             moved = two_rods(xp, *rods, angles, rates, accelerations) if self.moves else (0.0, 0.0)
             for k in range(2):
-                found.append(self._held(xp, angles[k], rates[k]) + hung[k] + moved[k])
+                found.append(self._hold_joint(xp, angles[k], rates[k]) + hung[k] + moved[k])
         return found
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
@@ -213,7 +213,7 @@ class Hand(AbstractMultibody):
                 found += [self.preload, moment * (1.0 / self.knuckle)]
         return found
 
-    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """Fingers that hang from a palm, the thumb opposite to the others, and all tendons."""
         return drawn_hand(self, reading)
 
@@ -225,7 +225,7 @@ class Hand(AbstractMultibody):
             Rod(size * self.distal_length, heavier * self.distal_mass),
         )
 
-    def _held(self, xp: Namespace, angle: Scalar, rate: Scalar) -> Scalar:
+    def _hold_joint(self, xp: Namespace, angle: Scalar, rate: Scalar) -> Scalar:
         """Torque [N m] of spring, stops and damping of a joint."""
         stop = stop_torque(xp, angle, self.lowest, self.highest, self.stop)
         return self.torque + self.stiffness * angle + stop + self.damping * rate

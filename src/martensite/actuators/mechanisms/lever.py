@@ -143,7 +143,7 @@ class Lever(AbstractMultibody):
         y = self.arm * xp.sin(position[0]) - self.distance * xp.sin(self.wire_angle)
         return [self.distance - xp.sqrt(x * x + y * y)]
 
-    def held(self, xp: Namespace, angle: Scalar) -> Scalar:
+    def holding_torque(self, xp: Namespace, angle: Scalar) -> Scalar:
         """Torque [N m] of weight and return spring."""
         weight = self.mass * self.gravity * self.weight_arm
         return weight * xp.cos(self.weight_angle + angle) + self.torque + self.stiffness * angle
@@ -153,7 +153,7 @@ class Lever(AbstractMultibody):
         (angle,), (rate,), (acceleration,) = motion
         stop = stop_torque(xp, angle, self.lowest, self.highest, self.stop)
         moved = self.damping * rate + self._turning() * acceleration
-        return [self.held(xp, angle) + stop + moved]
+        return [self.holding_torque(xp, angle) + stop + moved]
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
         """Of spring and stops, weight and inertia."""
@@ -176,9 +176,9 @@ class Lever(AbstractMultibody):
 
     def start_forces(self, xp: Namespace) -> Column:
         """Force at angle zero [N]."""
-        return [self.held(xp, 0.0) / (self.arm * xp.sin(self.wire_angle))]
+        return [self.holding_torque(xp, 0.0) / (self.arm * xp.sin(self.wire_angle))]
 
-    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """Both arms, the weight on a thread, and the wire from its fixed point."""
         angle, (port,) = reading.outputs["angle"], self.ports()
         leaves, a, b = self.wire_angle, self.arm, self.weight_arm

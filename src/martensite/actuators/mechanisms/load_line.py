@@ -62,7 +62,7 @@ class AbstractLoadLine(AbstractMechanism):
         """The position."""
         return {"position": Output("m", "position of the mechanism", "x")}
 
-    def judged(self) -> dict[str, float]:
+    def convergence_scales(self) -> dict[str, float]:
         """The position."""
         return {"position": 1e-6}
 

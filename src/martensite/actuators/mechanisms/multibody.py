@@ -77,12 +77,17 @@ class AbstractMultibody(AbstractMechanism):
 
     motion: str = option(
         "how it moves: without inertia (`quasi-static`), or with it (`dynamic`)",
-        "quasi-static", "dynamic", default="quasi-static",
-    )  # fmt: skip
+        "quasi-static",
+        "dynamic",
+        default="quasi-static",
+    )
     rho_inf: Scalar = param(
-        "1", "share of the fastest oscillation that a dynamic step keeps",
-        low=0.0, high=1.0, default=0.8,
-    )  # fmt: skip
+        "1",
+        "share of the fastest oscillation that a dynamic step keeps",
+        low=0.0,
+        high=1.0,
+        default=0.8,
+    )
 
     # ---------------------------------------------------------------- a subclass answers
 
@@ -102,7 +107,7 @@ class AbstractMultibody(AbstractMechanism):
         """The coordinates as assembled."""
         return [0.0] * len(self.coordinates())
 
-    def mounted(self, xp: Namespace, elongations: Column) -> Column:
+    def assembled_elongations(self, xp: Namespace, elongations: Column) -> Column:
         """Elongation of each element at home [m], from those under the start forces."""
         return elongations
 
@@ -122,7 +127,7 @@ class AbstractMultibody(AbstractMechanism):
         """Part of `demand` [N] or [N m] that takes energy: damping, friction of joints."""
         return [0.0] * len(motion.position)
 
-    def imposed(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+    def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """Generalised forces [N] or [N m] from outside, which `demand` is less by."""
         return [0.0] * len(motion.position)
 
@@ -143,14 +148,17 @@ class AbstractMultibody(AbstractMechanism):
             }
         return found
 
-    def judged(self) -> dict[str, float]:
+    def convergence_scales(self) -> dict[str, float]:
         """The coordinates."""
         return {c.name: 1e-3 * c.size for c in self.coordinates()}
 
     def init(
-        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
+        self,
+        xp: Namespace,
+        elements: Sequence[AbstractElement],
+        elongations: Column,
         signals: Column,
-    ) -> Assembled:  # fmt: skip
+    ) -> Assembled:
         """At home and at rest; with inertia, under the acceleration that the signals give it."""
         rest = (0.0,) * len(self.coordinates())
         place = tuple(self.home(xp))
@@ -160,7 +168,7 @@ class AbstractMultibody(AbstractMechanism):
             MotionHistory(place, rest, start, start) if self.moves else MotionHistory(place, rest)
         )
         unknown = (0.0,) * len(elements)
-        return Assembled(tuple(self.mounted(xp, elongations)), course, unknown)
+        return Assembled(tuple(self.assembled_elongations(xp, elongations)), course, unknown)
 
     def release(
         self, xp: Namespace, motion: Motion, supply: Column, signals: Column
@@ -197,10 +205,10 @@ class AbstractMultibody(AbstractMechanism):
 
     def advance(
         self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column, dt: Scalar
-    ) -> tuple[Assembled, list[Any], StepReport]:  # fmt: skip
+    ) -> tuple[Assembled, list[Any], StepReport]:
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
         step = condensed.CondensedStep(self, memory, loads, signals, dt)
-        course, stiffness, states, report = step.solved(xp)
+        course, stiffness, states, report = step.solve_position(xp)
         return Assembled(memory.home, course, tuple(stiffness)), states, report
 
     def observe(
@@ -221,9 +229,11 @@ class AbstractMultibody(AbstractMechanism):
             return None
         held = held if self.moves else held._replace(kinetic=0.0)
         rows = zip(
-            self.dissipative(xp, motion), self.imposed(xp, motion, signals), motion.position,
+            self.dissipative(xp, motion),
+            self.external_forces(xp, motion, signals),
+            motion.position,
             strict=True,
-        )  # fmt: skip
+        )
         efforts = [(Effort(taken, q), Effort(-given, q)) for taken, given, q in rows]
         dissipated, outside = zip(*efforts, strict=True)
         paths = self.contraction(xp, motion.position)
@@ -238,7 +248,7 @@ class AbstractMultibody(AbstractMechanism):
             rubbed.append(Effort((1.0 - share) * force, path))
         return Mechanics(held, tuple(ways), (*dissipated, *rubbed), outside)
 
-    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """Its elements, as they get shorter, and its angles, unless it has a shape of its own."""
         home = self.home(floats)
         place = [

@@ -154,7 +154,7 @@ class ParallelPlatform(AbstractMultibody):
         """The preload, three times [N]."""
         return [self.preload] * 3
 
-    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """Both plates, the post of the joint, and the springs; z is up: it is -Z here."""
         alpha, beta = reading.outputs["alpha"], reading.outputs["beta"]
         plates, thick = self.plates(), 0.012 * self.side

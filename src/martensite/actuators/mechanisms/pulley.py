@@ -97,7 +97,7 @@ class AntagonisticPulley(AbstractMultibody):
         """The preload, twice [N]."""
         return [self.preload, self.preload]
 
-    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """Both elements come from a wall and are wound on the rim, half a turn as assembled."""
         angle, r = reading.outputs["angle"], self.radius
         wound = math.pi * r

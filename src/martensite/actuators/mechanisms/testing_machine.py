@@ -115,7 +115,7 @@ class TensileTestingMachine(AbstractMechanism):
             "crosshead": Output("m", "travel of the crosshead, frame and grips included", "x_c"),
         }
 
-    def judged(self) -> dict[str, float]:
+    def convergence_scales(self) -> dict[str, float]:
         """The position."""
         return {"position": 1e-6}
 
@@ -179,7 +179,7 @@ class TensileTestingMachine(AbstractMechanism):
         ways = (xp.where(force > 0.0, taut, slack),)
         return Mechanics(spring, ways, outside=(Effort(-force, travel),))
 
-    def drawn(self, reading: DrawingState) -> list[DrawingShape]:
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """The element between grips; the crosshead draws the upper one, by a spring if it gives."""
         element = reading.lengths["element"]
         grip, thick = element - reading.outputs["position"], 0.02 * element

@@ -214,7 +214,7 @@ def _describe_built(scenario: Scenario, record: Record) -> dict[str, Any]:
         refused, notes = str(error), []
     return {
         "title": scenario.title,
-        "described": system.described(),
+        "described": system.description(),
         "refused": refused,
         "follows": scenario.follows,
         "echoes": sorted(echoes(system)),

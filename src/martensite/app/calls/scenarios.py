@@ -86,7 +86,7 @@ def run_scenario(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 def _summarise_run(scenario: Scenario, result: Result) -> dict[str, Any]:
     return {
         "title": scenario.title,
-        "described": scenario.system.described(),
+        "described": scenario.system.description(),
         "status": result.status.name,
         "accuracy": result.accuracy,
         "steps": result.steps,

@@ -90,12 +90,12 @@ def _curves(one: Compared) -> dict[str, Any]:
     return {
         "record": one.record,
         "output": one.output,
-        "long_name": one.described.long_name,
+        "long_name": one.description.long_name,
         "times": [float(one.times[row]) for row in rows],
         "measured": [rounded(one.measured[row]) for row in rows],
         "model": [rounded(one.model[row]) for row in rows],
         "held": [bool(one.held[row]) for row in rows],
-        **shown(one.output, one.described.unit),
+        **shown(one.output, one.description.unit),
     }
 
 

@@ -66,7 +66,7 @@ class Live:
         return heard.run(self._tell)
 
     @cached_property
-    def drawn(self) -> Drawn:
+    def draw_shapes(self) -> Drawn:
         """What is drawn of it."""
         return Drawn(self.begun.store)
 
@@ -84,7 +84,7 @@ class Live:
 
     def _note(self, progress: Progress, elapsed: float) -> None:
         """Tell how far it is, with the runs since the last note, in pieces if they are many."""
-        found = self.drawn.points(self.fresh)
+        found = self.draw_shapes.points(self.fresh)
         self.fresh.clear()
         for begin in range(0, max(len(found["rows"]), 1), MOST_POINTS):
             self.number += 1

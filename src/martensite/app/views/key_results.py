@@ -40,7 +40,7 @@ def _row(
 
 def _strokes(result: Result) -> Iterator[dict[str, Any]]:
     """How far each coordinate goes that is judged."""
-    judged = {result.coordinate, *result.system.mechanism.judged()}
+    judged = {result.coordinate, *result.system.mechanism.convergence_scales()}
     for name, output in result.system.mechanism.outputs().items():
         if name in judged:
             how = shown(result, name)

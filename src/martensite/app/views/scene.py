@@ -74,7 +74,9 @@ def drawn(
     row: int,
 ) -> list[DrawingShape]:
     """The mechanism at one row of the result, from its outputs by name."""
-    return system.mechanism.drawn(DrawingState({n: result.columns[n][row] for n in names}, lengths))
+    return system.mechanism.draw_shapes(
+        DrawingState({n: result.columns[n][row] for n in names}, lengths)
+    )
 
 
 def assembled(system: AbstractSystem, result: Result) -> dict[str, float]:

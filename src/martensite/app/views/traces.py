@@ -85,7 +85,7 @@ def _homes(result: Result, outside: Outside | None) -> dict[str, tuple[str, str,
 def _of_mechanism(result: Result) -> Iterator[tuple[str, tuple[str, str, bool]]]:
     """Coordinates of one unit stand together."""
     first: dict[str, str] = {}
-    judged = result.system.mechanism.judged()
+    judged = result.system.mechanism.convergence_scales()
     for name, output in result.system.mechanism.outputs().items():
         key = first.setdefault(output.unit, name)
         yield name, ("", key, key in judged or key == result.coordinate)

@@ -84,7 +84,7 @@ class AbstractCheck(Parametrised):
             dt: length of a period [s].
         """
 
-    def passed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
+    def remember_allowed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
         """What it remembers once it is decided which signals pass for the next period."""
         return memory
 

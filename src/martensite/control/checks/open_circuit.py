@@ -50,6 +50,6 @@ class NoCurrent(AbstractCheck):
         trips = time > self.longest
         return Looked(trips, xp.negate(trips), (time, on))
 
-    def passed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
+    def remember_allowed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
         """With whether a signal is on in the next period."""
         return memory[0], self.on(xp, allowed, self.least)

@@ -54,6 +54,6 @@ class SensorStuck(AbstractCheck):
         trips = time > self.longest
         return Looked(trips, xp.negate(trips), (same, time, on))
 
-    def passed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
+    def remember_allowed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
         """With whether a signal is on in the next period."""
         return (*memory[:2], self.on(xp, allowed, self.least))

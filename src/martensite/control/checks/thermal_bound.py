@@ -76,16 +76,16 @@ class ThermalBound(AbstractCheck):
         then = self.after(xp, memory[0], wanted[self.drive], dt)
         return Looked(then > self.limit, then <= self.limit - self.band, memory)
 
-    def passed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
+    def remember_allowed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:
         """The bound at the end of the period."""
         return (self.after(xp, memory[0], allowed[self.drive], dt),)
 
     def after(self, xp: Namespace, bound: Scalar, signal: Scalar, dt: Scalar) -> Scalar:
         """The bound [K] after a signal of dt [s]."""
-        settled = self.settled(xp, signal)
+        settled = self.settled_bound(xp, signal)
         return settled + (bound - settled) * xp.exp(-self.conductance * dt / self.capacity)
 
-    def settled(self, xp: Namespace, signal: Scalar) -> Scalar:
+    def settled_bound(self, xp: Namespace, signal: Scalar) -> Scalar:
         """Where the bound ends under a signal that stays [K]."""
         share = xp.abs(signal) / self.full
         share = share if self.rises == "linear" else share * share
@@ -93,4 +93,4 @@ class ThermalBound(AbstractCheck):
 
     def holds(self, safe: float) -> bool:
         """Whether the bound stays below its limit under the signal of a cut."""
-        return self.settled(floats, safe) <= self.limit
+        return self.settled_bound(floats, safe) <= self.limit

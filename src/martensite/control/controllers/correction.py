@@ -25,7 +25,7 @@ class Correction(Parametrised):
     Kd: Scalar = param("s", "derivative gain, over the unit of the proportional one", default=0.0)
     law: PidLaw = part("limits of the whole signal, weights and filter", default=PidLaw())
 
-    def limited(self, xp: Namespace, signal: Scalar) -> Scalar:
+    def limit_signal(self, xp: Namespace, signal: Scalar) -> Scalar:
         """A signal within the limits."""
         return xp.clip(signal, self.law.low, self.law.high)
 

@@ -93,10 +93,10 @@ class Feedforward(AbstractController):
                 f"The model of controller `feedforward` must have one drive, but has "
                 f"{', '.join(drive.name for drive in drives) or 'none'}."
             )
-        if self.followed not in outputs:
+        if self.followed_output not in outputs:
             raise ParameterError(
-                f"The model of controller `feedforward` has no output `{self.followed}`. "
-                f"{suggest_name(self.followed, outputs)}"
+                f"The model of controller `feedforward` has no output `{self.followed_output}`. "
+                f"{suggest_name(self.followed_output, outputs)}"
             )
         for name in ("substeps", "ahead", "iterations"):
             count = self.__dict__[name]
@@ -111,13 +111,13 @@ class Feedforward(AbstractController):
         return self.substeps, self.ahead, self.iterations
 
     @property
-    def followed(self) -> str:
+    def followed_output(self) -> str:
         """Output of the model that follows the reference."""
         return self.output or self.measured
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """The model at rest under the idle signal."""
-        idle = self.feedback.limited(xp, 0.0)
+        idle = self.feedback.limit_signal(xp, 0.0)
         correction = self.feedback.rest(xp, reference, readings[self.measured])
         state = self.model.init(xp, idle)
         return flatten_numbers((state, Following(idle, reference, 0.0, correction)))
@@ -126,7 +126,7 @@ class Feedforward(AbstractController):
         self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
     ) -> tuple[Scalar, Column]:
         """Signal of this sample, and what is remembered for the next."""
-        state, held = self._kept.rebuild(memory)
+        state, held = self._nest_memory.rebuild(memory)
         some = dt > 0.0
         length = xp.where(some, dt, self.lookahead)
         after = self._after(xp, state, held.feed, length, self.substeps)
@@ -134,14 +134,14 @@ class Feedforward(AbstractController):
         state = NestedShape(state).rebuild([xp.where(some, new, old) for new, old in rows])
         rate = self._rate(held, reference, length)
         target = reference + self.slope_weight * rate * self.lookahead
-        feed = self._feed(xp, state, target, held.feed)
+        feed = self._solve_signal(xp, state, target, held.feed)
         found = readings[self.measured]
         correct = self.feedback.answer
         signal, correction = correct(xp, held.correction, feed, reference, found, dt)
         return signal, flatten_numbers((state, Following(feed, reference, rate, correction)))
 
     @property
-    def _kept(self) -> NestedShape:
+    def _nest_memory(self) -> NestedShape:
         """How its memory is nested."""
         memory = PidMemory(*[0.0] * KEPT)
         return NestedShape((self.__dict__["_rest"], Following(0.0, 0.0, 0.0, memory)))
@@ -156,10 +156,10 @@ class Feedforward(AbstractController):
         after, _ = advanced(xp, self.model, state, [((signal,), length / steps)], steps)
         return after
 
-    def _feed(self, xp: Namespace, state: Any, target: Scalar, before: Scalar) -> Scalar:
+    def _solve_signal(self, xp: Namespace, state: Any, target: Scalar, before: Scalar) -> Scalar:
         """The signal that gets the output of the model to the target."""
-        law, place = self.feedback.law, list(self.model.outputs()).index(self.followed)
-        idle = self.feedback.limited(xp, 0.0)
+        law, place = self.feedback.law, list(self.model.outputs()).index(self.followed_output)
+        idle = self.feedback.limit_signal(xp, 0.0)
 
         def output(xp: Namespace, share: Scalar) -> Scalar:
             signal = law.low + share * (law.high - law.low)

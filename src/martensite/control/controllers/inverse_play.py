@@ -78,7 +78,7 @@ class InversePlay(AbstractController):
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """At rest under the idle signal: all plays there."""
-        idle = self.feedback.limited(xp, 0.0)
+        idle = self.feedback.limit_signal(xp, 0.0)
         level = idle * _sum_weights(self.weights)
         correction = self.feedback.rest(xp, reference, readings[self.measured])
         return [*correction, *[level] * len(self.thresholds.numbers)]
@@ -97,7 +97,7 @@ class InversePlay(AbstractController):
         signal = first * level
         for (_, b), q in zip(rows, after, strict=True):
             signal = signal + b * q
-        feed, found = self.feedback.limited(xp, signal), readings[self.measured]
+        feed, found = self.feedback.limit_signal(xp, signal), readings[self.measured]
         signal, correction = self.feedback.answer(xp, correction, feed, reference, found, dt)
         return signal, [*correction, *after]
 

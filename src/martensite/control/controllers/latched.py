@@ -79,12 +79,12 @@ class LatchedOnOff(AbstractController):
         self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
     ) -> tuple[Scalar, Latch]:
         """Signal of this sample, and what is remembered for the next."""
-        seen = self._seen(xp, Latch(*memory), readings[self.oscillation], dt)
+        seen = self._add_value(xp, Latch(*memory), readings[self.oscillation], dt)
         on = xp.where(readings[self.measured] > reference, 1.0, seen.on)
         closed = xp.both(on > 0.5, seen.off < 0.5)
         return xp.where(closed, self.high, self.low), seen._replace(on=on)
 
-    def _seen(self, xp: Namespace, memory: Latch, value: Scalar, dt: Scalar) -> Latch:
+    def _add_value(self, xp: Namespace, memory: Latch, value: Scalar, dt: Scalar) -> Latch:
         """The memory with one more value; at the end of a window its amplitude is judged."""
         low, high = xp.minimum(value, memory.lowest), xp.maximum(value, memory.highest)
         elapsed = memory.elapsed + dt

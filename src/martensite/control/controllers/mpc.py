@@ -92,21 +92,34 @@ class Mpc(AbstractController):
     price: Price = part("what a plan is charged for", default=Price())
     search: PlanSearch = part("how plans are searched", default=PlanSearch())
     correction: float = param(
-        "1", "K: part of a difference between reading and model that is believed in a sample",
-        low=0.0, high=1.0, default=0.8,
-    )  # fmt: skip
+        "1",
+        "K: part of a difference between reading and model that is believed in a sample",
+        low=0.0,
+        high=1.0,
+        default=0.8,
+    )
     state: str = option(
         "where temperature and fraction of the model come from: from its own course, or from "
         "the observer of a bench, as `estimated.temperature` and `estimated.martensite_fraction`",
-        "model", "observer", default="model",
-    )  # fmt: skip
+        "model",
+        "observer",
+        default="model",
+    )
     kept: int = part("samples after which a late reading is compared no more", default=50)
 
     @classmethod
     def for_system(
-        cls, model: AbstractSystem, *, measured: str, reference: AbstractWaveform, period: float,
-        price: Price, high: float = 1.0, output: str = "", search: PlanSearch | None = None,
-    ) -> Self:  # fmt: skip
+        cls,
+        model: AbstractSystem,
+        *,
+        measured: str,
+        reference: AbstractWaveform,
+        period: float,
+        price: Price,
+        high: float = 1.0,
+        output: str = "",
+        search: PlanSearch | None = None,
+    ) -> Self:
         """A controller whose horizon is what the model needs to warm up and to cool down.
 
         Args:
@@ -124,10 +137,16 @@ class Mpc(AbstractController):
         """
         found = measure_reach(model, _find_output(model, output or measured), 0.0, high)
         return cls(
-            model=model, measured=measured, output=output, reference=reference, period=period,
-            horizon=max(found.up + found.down, period), high=high, price=price,
+            model=model,
+            measured=measured,
+            output=output,
+            reference=reference,
+            period=period,
+            horizon=max(found.up + found.down, period),
+            high=high,
+            price=price,
             search=search or PlanSearch(),
-        )  # fmt: skip
+        )
 
     def check(self) -> None:
         """Raise `ParameterError` where nothing could be planned."""
@@ -136,7 +155,7 @@ class Mpc(AbstractController):
                 f"The model of a predictive controller must have one drive, but has "
                 f"{len(self.model.drives())}."
             )
-        _find_output(self.model, self.followed)
+        _find_output(self.model, self.followed_output)
         if not self.low < self.high:
             raise ParameterError(
                 f"The least signal must be below the largest one, but they are {self.low:g} and "
@@ -154,17 +173,17 @@ class Mpc(AbstractController):
 
     def cautions(self) -> list[str]:
         """Whether the horizon ends before full signal moves anything."""
-        start = measure_reach(self.model, self.followed, self.low, self.high).start
+        start = measure_reach(self.model, self.followed_output, self.low, self.high).start
         if self.horizon >= start:
             return []
         return [
             f"The horizon of {self.horizon:.3g} s ends before full signal moves "
-            f"`{self.followed}`, after {start:.3g} s: plans see what heating costs and hardly "
+            f"`{self.followed_output}`, after {start:.3g} s: plans see what heating costs and hardly "
             f"what it gains."
         ]
 
     @property
-    def followed(self) -> str:
+    def followed_output(self) -> str:
         """Output of the model that is measured."""
         return self.output or self.measured.removeprefix(ESTIMATED)
 
@@ -182,7 +201,7 @@ class Mpc(AbstractController):
         """The model at rest, nothing planned; compiles the model."""
         lanes = Lanes(self.model, self.search.plans)
         limits = SignalLimits(self.low, self.high)
-        planner = Planner(lanes, self.followed, self.price, self.search, limits)
+        planner = Planner(lanes, self.followed_output, self.price, self.search, limits)
         model, idle = Lanes(self.model, 1), self.idle
         model.reset(idle)
         shape = NestedShape(self.model.init(floats, idle))
@@ -199,7 +218,7 @@ class Mpc(AbstractController):
         """
         require_readings(self, measurement)
         known = self._gone_on(memory, measurement)
-        known = self._corrected(known, measurement)
+        known = self._correct_offset(known, measurement)
         turns, dt = self._steps(self.horizon / self.blocks)
         ahead = time + dt * np.arange(1, self.blocks * turns + 1)
         wanted = np.array([self.reference.value(t) for t in ahead.tolist()]) - known.offset
@@ -218,19 +237,21 @@ class Mpc(AbstractController):
             turns, dt = self._steps(self.period)
             model.advance(np.full((turns, 1, 1), memory.signal), dt, shown=False)
         if self.state == "observer":
-            model.state = self._placed(memory, model.state, measurement)
-        value = model.observe(memory.signal)[model.names.index(self.followed), 0]
+            model.state = self._place_state(memory, model.state, measurement)
+        value = model.observe(memory.signal)[model.names.index(self.followed_output), 0]
         past = (float(value), *memory.past)[: self.kept]
         return memory._replace(state=model.state, past=past)
 
-    def _placed(self, memory: Planned, state: Numbers, measurement: Mapping[str, float]) -> Numbers:
+    def _place_state(
+        self, memory: Planned, state: Numbers, measurement: Mapping[str, float]
+    ) -> Numbers:
         """A state with what an observer says of it."""
         at = [measurement[name] for name in self.reads()[1:]]
         nested = memory.shape.rebuild(state[:, 0].tolist())
         found = place_hidden(floats, self.model, nested, at, [memory.signal])
         return np.array(flatten_numbers(found))[:, None]
 
-    def _corrected(self, memory: Planned, measurement: Mapping[str, float]) -> Planned:
+    def _correct_offset(self, memory: Planned, measurement: Mapping[str, float]) -> Planned:
         """With the offset that the reading of this sample gives."""
         late = round(measurement.get(f"{self.measured}.age", 0.0) / self.period)
         model = memory.past[min(late, len(memory.past) - 1)]

@@ -114,7 +114,7 @@ class Planner:
     ) -> None:
         self.lanes, self.price, self.search, self.limits = lanes, price, search, limits
         names = lanes.names
-        self.followed = names.index(output)
+        self.followed_output = names.index(output)
         self.powers, self.temperatures, self.stresses = (
             [i for i, name in enumerate(names) if name.rpartition(".")[2] == kind]
             for kind in ("power", "hottest", "stress")
@@ -132,7 +132,7 @@ class Planner:
             rng: random numbers.
         """
         spread = np.full(len(guess), self.search.spread * self.limits.range)
-        plans = self._full([self._far(guess), self._drawn(guess, spread, rng)])
+        plans = self._full([self._far(guess), self._sample_plans(guess, spread, rng)])
         best, least = guess, math.inf
         for k in range(self.search.rounds):
             costs = self.costs(moment, plans, dt)
@@ -144,7 +144,7 @@ class Planner:
                 centre = elite.mean(axis=1)
                 spread = np.maximum(elite.std(axis=1), LEAST * self.limits.range)
                 known = np.array([best, centre]).T
-                plans = self._full([known, self._drawn(best, spread, rng)])
+                plans = self._full([known, self._sample_plans(best, spread, rng)])
         return best, least
 
     def costs(self, moment: Moment, plans: Numbers, dt: float) -> Numbers:
@@ -154,15 +154,15 @@ class Planner:
         self.lanes.worst[:] = 0.0
         with np.errstate(all="ignore"):
             rows = self.lanes.advance(np.repeat(plans, turns, axis=0)[:, None, :], dt)
-            error = (moment.wanted[:, None] - rows[:, self.followed]) / self.price.error
-            found = np.mean(error * error, axis=0) + self._charged(rows)
+            error = (moment.wanted[:, None] - rows[:, self.followed_output]) / self.price.error
+            found = np.mean(error * error, axis=0) + self._charge_plan(rows)
         before = np.vstack([np.full((1, plans.shape[1]), moment.signal), plans[:-1]])
         changes = (plans - before) / self.limits.range
         found += self.price.change * np.mean(changes * changes, axis=0)
         solved = np.isfinite(found) & (self.lanes.worst[0] <= SOLVED)
         return np.where(solved, found, np.inf)
 
-    def _charged(self, rows: Numbers) -> Numbers:
+    def _charge_plan(self, rows: Numbers) -> Numbers:
         """Power and excess, mean over the horizon."""
         price, found = self.price, np.zeros(rows.shape[2])
         if price.energy > 0.0:
@@ -194,7 +194,7 @@ class Planner:
         ]
         return np.column_stack([guess, *stays, *bursts])
 
-    def _drawn(self, centre: Numbers, spread: Numbers, rng: np.random.Generator) -> Numbers:
+    def _sample_plans(self, centre: Numbers, spread: Numbers, rng: np.random.Generator) -> Numbers:
         """Plans around one, within the limits, shape (blocks, plans)."""
         each = -(-self.search.plans // len(KEPT))
         numbers = rng.standard_normal((len(KEPT), len(centre), each))

@@ -93,8 +93,8 @@ class SlidingMode(AbstractController):
         before, error = SlidingMemory(*memory), reference - readings[self.measured]
         rate = lag_rate(xp, before.rate, error - before.error, self.filter, dt)
         integral = before.integral + error * dt
-        part = self._switched(xp, self._surface(error, rate, integral) / self.layer)
-        wanted = self._equivalent(before.mean, reference) + self.gain * part
+        part = self._switching_function(xp, self._surface(error, rate, integral) / self.layer)
+        wanted = self._equivalent_signal(before.mean, reference) + self.gain * part
         signal = xp.clip(wanted, self.low, self.high)
         pushed = self.gain * error
         over = xp.both(wanted > self.high, pushed > 0.0)
@@ -109,11 +109,11 @@ class SlidingMode(AbstractController):
             return rate + self.slope * error
         return rate + self.slope * (2.0 * error + self.slope * integral)
 
-    def _switched(self, xp: Namespace, x: Scalar) -> Scalar:
+    def _switching_function(self, xp: Namespace, x: Scalar) -> Scalar:
         """The function φ."""
         return xp.tanh(x) if self.boundary == "tanh" else xp.clip(x, -1.0, 1.0)
 
-    def _equivalent(self, mean: Scalar, reference: Scalar) -> Scalar:
+    def _equivalent_signal(self, mean: Scalar, reference: Scalar) -> Scalar:
         """The signal u_eq."""
         return (
             mean if self.equivalent == "filtered" else self.offset + self.per_reference * reference

@@ -38,7 +38,7 @@ class AbstractFault(Parametrised):
         """Whether it is there at a time [s]."""
         return xp.both(time >= self.start - HAIR, time < self.end - HAIR)
 
-    def grown(self, xp: Namespace, time: Scalar) -> Self:
+    def fault_at(self, xp: Namespace, time: Scalar) -> Self:
         """The fault as it is by a time [s]; itself unless it grows."""
         return self
 

@@ -30,7 +30,7 @@ class Drift(AbstractFault):
         """The sensor."""
         return {self.sensor: "sensor"}
 
-    def grown(self, xp: Namespace, time: Scalar) -> Self:
+    def fault_at(self, xp: Namespace, time: Scalar) -> Self:
         """With the offset that it has by now."""
         since = xp.maximum(time - self.start, 0.0)
         return self.rebuilt({"bias": self.bias + self.rate * since})

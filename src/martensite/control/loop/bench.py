@@ -50,7 +50,7 @@ class Bench(AbstractSystem, init=False):
         """Raise `ParameterError` where names do not fit; fix what decides the program's size."""
         check_bench(self)
         pieces = self.substeps or steps_in(self.plant, self.period)
-        kept = (mounted.kept(self.period) for mounted in self.sensors.members().values())
+        kept = (mounted.count_delayed(self.period) for mounted in self.sensors.members().values())
         self.__dict__["_layout"] = (pieces, *kept)
 
     def layout(self) -> tuple[int, ...]:
@@ -85,14 +85,14 @@ class Bench(AbstractSystem, init=False):
         """As on the plant."""
         return self.plant.drive_at(port)
 
-    def judged(self) -> dict[str, float]:
+    def convergence_scales(self) -> dict[str, float]:
         """As on the plant."""
-        return self.plant.judged()
+        return self.plant.convergence_scales()
 
-    def described(self) -> str:
+    def description(self) -> str:
         """Such as `wire (brinson) on bias-spring, driven by pwm-voltage, under pid`."""
         kinds = [one.registered_name for one in self.controllers.members().values()]
-        return f"{self.plant.described()}{', under ' if kinds else ''}{', '.join(kinds)}"
+        return f"{self.plant.description()}{', under ' if kinds else ''}{', '.join(kinds)}"
 
     def drives(self) -> list[DriveSignal]:
         """References, drives of the plant that are free, noise and jitter."""

@@ -74,7 +74,7 @@ class MountedSensor(Parametrised):
         given = (self.of,) if isinstance(self.of, str) else self.of
         return given or self.sensor.sees
 
-    def kept(self, period: float) -> int:
+    def count_delayed(self, period: float) -> int:
         """Readings to be kept for the delay."""
         return 1 + math.ceil((self.delay + WORST * self.jitter) / period - HAIR)
 

@@ -149,7 +149,7 @@ def update_sensors(
     """All sensors a period later."""
     rows = zip(bench.sensors.members().items(), before, given.numbers, strict=True)
     every = bench.faults.members().values()
-    faults = [(one.grown(xp, time), one.active(xp, time)) for one in every]
+    faults = [(one.fault_at(xp, time), one.active(xp, time)) for one in every]
     return tuple(
         mounted.step(xp, held, known, numbers, bench.period, Disturbed(name, faults))
         for (name, mounted), held, numbers in rows

@@ -78,12 +78,12 @@ class RealtimeStep:
             time = self.count * self.bench.period
             references = [waveform.value(time) for waveform in self._waveforms]
         others = [free.get(name, 0.0) if free else 0.0 for name in self.free]
-        inputs = [*self._ordered(readings), *references, *others]
+        inputs = [*self._order_readings(readings), *references, *others]
         found = self._engine.run("step" if self.count else "begin", inputs)
         self.count += 1
         return tuple(found[self._signals :])
 
-    def _ordered(self, readings: Mapping[str, float] | Sequence[float]) -> list[float]:
+    def _order_readings(self, readings: Mapping[str, float] | Sequence[float]) -> list[float]:
         """All readings, then their ages."""
         if not isinstance(readings, Mapping):
             if len(readings) != len(self.readings):

@@ -191,4 +191,4 @@ class FloatLoop:
 def _load_library(traced: TracedLoop) -> tuple[Any, int]:
     program = traced.program
     source = c_source(program, list(program.functions.values())) + _STEP.format(size=traced.size)
-    return load_library(source), max(1, len(program.hoisted))
+    return load_library(source), max(1, len(program.hoisted_nodes))

@@ -33,25 +33,25 @@ class ExtendedKalman(AbstractFilter):
     def forecast(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Forecast:
         """Mean and covariance a period later."""
         drift = before.drift
-        flat, slopes = self._moved(xp, before, going)
+        flat, slopes = self._predict_state(xp, before, going)
         state = NestedShape(before.state).rebuild(flat)
-        mean, rows = self._seen(xp, before, flat, slopes, going)
+        mean, rows = self._predict_outputs(xp, before, flat, slopes, going)
         matrix = covariance.propagate_covariance(rows, before.covariance)
-        added = self.disturbed(xp, state, drift, going)
+        added = self.noise_covariance(xp, state, drift, going)
         return Forecast(state, mean, covariance.add_matrices(matrix, added))
 
-    def _moved(
+    def _predict_state(
         self, xp: Namespace, before: Believed, going: ObserverPeriod
     ) -> tuple[list[Scalar], Columns]:
         """The flat state at the end of the period, and its slopes: a column per unknown."""
         shape, count = NestedShape(before.state), self.unknowns()
-        model = self.believed(before.drift)
+        model = self.model_at_factors(before.drift)
         at = [*hidden.read_hidden(xp, model, before.state, going.signals), *before.drift]
         unknown = len(at) - len(before.drift)
         size = len(flatten_numbers(before.state))
 
         def start(dual: Any, x: Sequence[Any]) -> list[Any]:
-            model = self.believed(x[unknown:])
+            model = self.model_at_factors(x[unknown:])
             return flatten_numbers(
                 hidden.place_hidden(dual, model, before.state, x[:unknown], going.signals)
             )
@@ -61,7 +61,7 @@ class ExtendedKalman(AbstractFilter):
             after = list(flat)
             for k in range(count):
                 dual: Any = DualNamespace(xp)
-                model = self.believed(_seed_dual(dual, at, k)[unknown:])
+                model = self.model_at_factors(_seed_dual(dual, at, k)[unknown:])
                 slopes = numbers[size * (k + 1) : size * (k + 2)]
                 now = shape.rebuild([dual.pair(x, t) for x, t in zip(flat, slopes, strict=True)])
                 then, _ = model.step(dual, now, *going.signals, dt=going.step)
@@ -77,7 +77,7 @@ class ExtendedKalman(AbstractFilter):
         columns = [list(found[size * (k + 1) : size * (k + 2)]) for k in range(count)]
         return list(found[:size]), columns
 
-    def _seen(
+    def _predict_outputs(
         self,
         xp: Namespace,
         before: Believed,
@@ -95,7 +95,7 @@ class ExtendedKalman(AbstractFilter):
             if k >= unknown:
                 drift[k - unknown] = dual.pair(drift[k - unknown], 1.0)
             state = shape.rebuild([dual.pair(x, t) for x, t in zip(flat, tangents, strict=True)])
-            mean, column = _separate_dual(dual, self.told(dual, state, drift, going.signals))
+            mean, column = _separate_dual(dual, self.read_model(dual, state, drift, going.signals))
             columns.append(column)
         return mean, [list(row) for row in zip(*columns, strict=True)]
 

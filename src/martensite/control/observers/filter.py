@@ -123,7 +123,7 @@ class AbstractFilter(AbstractObserver):
         """Readings that it uses."""
         return list_several(self.measured)
 
-    def shown(self) -> list[str]:
+    def shown_outputs(self) -> list[str]:
         """Outputs of the model that are estimated beside what is hidden."""
         own = [self.model.label(port, "strain") for port in self.model.actuators()]
         chosen = list_several(self.wanted) or (*self.model.mechanism.outputs(), *own)
@@ -137,7 +137,7 @@ class AbstractFilter(AbstractObserver):
         found = {name: known[name] for name in hidden.list_names(self.model)}
         found |= {p: Output(leaves[p].unit, leaves[p].doc, p) for p in self._paths()}
         core = list(found)
-        found |= {name: known[name] for name in self.shown()}
+        found |= {name: known[name] for name in self.shown_outputs()}
         found |= {f"{name}_std": _find_deviation(output) for name, output in list(found.items())}
         for a, b in _list_pairs(core):
             found[f"{CORRELATION}.{a}.{b}"] = Output("1", f"correlation of {a} and {b}", "ρ")
@@ -161,7 +161,7 @@ class AbstractFilter(AbstractObserver):
         first += [self.first_drift] * len(drift)
         matrix = covariance.build_diagonal([x * x for x in first])
         mean, slopes = self.outlook(xp, state, drift, applied)
-        return self._told(
+        return self._list_estimates(
             xp, Forecast(state, mean, covariance.propagate_covariance(slopes, matrix)), 0.0
         )
 
@@ -176,7 +176,7 @@ class AbstractFilter(AbstractObserver):
     ) -> tuple[Column, Column]:
         """Estimates after the readings of this sample, and what is believed."""
         going = ObserverPeriod(list_required(self, signals), dt, turns)
-        expected = self.forecast(xp, self._recalled(memory), going)
+        expected = self.forecast(xp, self._unflatten_memory(memory), going)
         rows = self._readings(xp, expected.mean, readings, dt)
         mean, matrix, nis = covariance.condition_on_readings(
             xp, expected.mean, expected.covariance, rows
@@ -185,10 +185,10 @@ class AbstractFilter(AbstractObserver):
             mean = covariance.put_unknown(xp, mean, matrix, i, xp.clip(mean[i], 0.0, 1.0))
         unknown, count = len(hidden.list_names(self.model)), self.unknowns()
         mean[unknown:count] = [xp.clip(x, LEAST, MOST) for x in mean[unknown:count]]
-        model = self.believed(mean[unknown:count])
+        model = self.model_at_factors(mean[unknown:count])
         at = mean[:unknown]
         state = hidden.place_hidden(xp, model, expected.state, at, going.signals)
-        return self._told(xp, Forecast(state, mean, matrix), nis)
+        return self._list_estimates(xp, Forecast(state, mean, matrix), nis)
 
     def _readings(
         self, xp: Namespace, mean: Sequence[Scalar], readings: Named, dt: Scalar
@@ -204,40 +204,40 @@ class AbstractFilter(AbstractObserver):
         return found
 
     def _rows(self) -> list[str]:
-        return [*hidden.list_names(self.model), *self._paths(), *self.shown()]
+        return [*hidden.list_names(self.model), *self._paths(), *self.shown_outputs()]
 
     def unknowns(self) -> int:
         """Number of hidden values and of drifting parameters."""
         return len(hidden.list_names(self.model)) + len(self._paths())
 
-    def believed(self, drift: Sequence[Scalar]) -> Any:
+    def model_at_factors(self, drift: Sequence[Scalar]) -> Any:
         """The model with drifting parameters at factors of their values."""
         pairs = zip(self._paths(), drift, strict=True)
         return self.model.rebuilt({path: x * self.model.value_of(path) for path, x in pairs})
 
-    def told(
+    def read_model(
         self, xp: Namespace, state: Any, drift: Sequence[Scalar], signals: Column
     ) -> list[Scalar]:
         """Hidden values, factors and outputs of a state."""
-        found = hidden.observe_model(xp, self.believed(drift), state, signals)
+        found = hidden.observe_model(xp, self.model_at_factors(drift), state, signals)
         unknown = [found[name] for name in hidden.list_names(self.model)]
-        return [*unknown, *drift, *(found[name] for name in self.shown())]
+        return [*unknown, *drift, *(found[name] for name in self.shown_outputs())]
 
     def outlook(
         self, xp: Namespace, state: Any, drift: Sequence[Scalar], signals: Column
     ) -> tuple[list[Scalar], Matrix]:
         """The same, and its slopes with respect to hidden values and factors."""
-        at = hidden.read_hidden(xp, self.believed(drift), state, signals)
+        at = hidden.read_hidden(xp, self.model_at_factors(drift), state, signals)
         count = len(at)
 
         def from_unknowns(xp: Namespace, x: Sequence[Scalar]) -> Sequence[Scalar]:
-            model = self.believed(x[count:])
+            model = self.model_at_factors(x[count:])
             there = hidden.place_hidden(xp, model, state, x[:count], signals)
-            return [*x, *self.told(xp, there, x[count:], signals)[len(x) :]]
+            return [*x, *self.read_model(xp, there, x[count:], signals)[len(x) :]]
 
         return compute_jacobian(xp, from_unknowns, [*at, *drift])
 
-    def disturbed(
+    def noise_covariance(
         self, xp: Namespace, state: Any, drift: Sequence[Scalar], going: ObserverPeriod
     ) -> Matrix:  # fmt: skip
         """Covariance that the noise of a period adds to everything."""
@@ -250,20 +250,20 @@ class AbstractFilter(AbstractObserver):
 
     # ---------------------------------------------------------------- memory
 
-    def _recalled(self, memory: Column) -> Believed:
+    def _unflatten_memory(self, memory: Column) -> Believed:
         shape = NestedShape(self.__dict__["_example"])
         size = len(flatten_numbers(shape.example))
         drift = size + len(self._paths())
         matrix = covariance.unpack_matrix(memory[drift:])
         return Believed(shape.rebuild(memory[:size]), tuple(memory[size:drift]), matrix)
 
-    def _told(self, xp: Namespace, found: Forecast, nis: Scalar) -> tuple[Column, Column]:
+    def _list_estimates(self, xp: Namespace, found: Forecast, nis: Scalar) -> tuple[Column, Column]:
         """Estimates and memory."""
         state, mean, matrix = found
         unknown, count = len(hidden.list_names(self.model)), self.unknowns()
         drift = mean[unknown:count]
         sizes = [self.model.value_of(path) for path in self._paths()]
-        scale = [*[1.0] * unknown, *sizes, *[1.0] * len(self.shown())]
+        scale = [*[1.0] * unknown, *sizes, *[1.0] * len(self.shown_outputs())]
         deviations = [xp.sqrt(matrix[i][i]) for i in range(len(mean))]
         estimates = [x * s for x, s in zip(mean, scale, strict=True)]
         estimates += [x * xp.abs(s) for x, s in zip(deviations, scale, strict=True)]

@@ -67,10 +67,10 @@ class InverseModel(AbstractObserver):
     def estimates(self) -> dict[str, Output]:
         """Outputs of the model, and the sensitivity."""
         known = self.model.outputs()
-        found = {name: known[name] for name in self._shown()}
+        found = {name: known[name] for name in self._shown_outputs()}
         return found | {"sensitivity": Output("1", "change of ln R with the fraction", "s")}
 
-    def _shown(self) -> list[str]:
+    def _shown_outputs(self) -> list[str]:
         (port,) = self.model.actuators()
         own = (*hidden.list_names(self.model), *self.model.mechanism.outputs())
         chosen = list_several(self.wanted) or (
@@ -83,7 +83,7 @@ class InverseModel(AbstractObserver):
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
         """The model at rest."""
         applied = list_required(self, signals)
-        return self._told(xp, self.model.init(xp, *applied), applied)
+        return self._list_estimates(xp, self.model.init(xp, *applied), applied)
 
     def update(
         self,
@@ -119,14 +119,14 @@ class InverseModel(AbstractObserver):
         share = xp.where(fresh, dt / (self.lag + dt), 0.0)
         fraction = xp.clip(expected + share * (root - expected), 0.0, 1.0)
         there = hidden.place_hidden(xp, self.model, state, (temperature, fraction), applied)
-        return self._told(xp, there, applied)
+        return self._list_estimates(xp, there, applied)
 
     def _ohms(self, xp: Namespace, state: Any, at: Column, signals: Column) -> Scalar:
         """Resistance [ohm] of a state put elsewhere."""
         there = hidden.place_hidden(xp, self.model, state, at, signals)
         return hidden.observe_model(xp, self.model, there, signals)[self.measured]
 
-    def _told(self, xp: Namespace, state: Any, signals: Column) -> tuple[Column, Column]:
+    def _list_estimates(self, xp: Namespace, state: Any, signals: Column) -> tuple[Column, Column]:
         """Estimates and memory."""
         found = hidden.observe_model(xp, self.model, state, signals)
         temperature, fraction = (found[name] for name in hidden.list_names(self.model))
@@ -135,5 +135,5 @@ class InverseModel(AbstractObserver):
             return self._ohms(xp, state, (temperature, fraction), signals)
 
         value, slope = value_and_slope(xp, ohms, fraction)
-        estimates = [*(found[name] for name in self._shown()), slope / value]
+        estimates = [*(found[name] for name in self._shown_outputs()), slope / value]
         return estimates, flatten_numbers(state)

@@ -62,13 +62,13 @@ class Shaken(AbstractSystem):
         """Those of the plant."""
         return self.plant.outputs()
 
-    def judged(self) -> dict[str, float]:
+    def convergence_scales(self) -> dict[str, float]:
         """As on the plant."""
-        return self.plant.judged()
+        return self.plant.convergence_scales()
 
-    def described(self) -> str:
+    def description(self) -> str:
         """As the plant, shaken."""
-        return f"{self.plant.described()}, shaken"
+        return f"{self.plant.description()}, shaken"
 
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
         """The plant at rest."""

@@ -39,17 +39,17 @@ class UnscentedKalman(AbstractFilter):
 
     def forecast(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Forecast:
         """Mean and covariance a period later."""
-        rows = self._moved(xp, before, going)
-        seen = self._seen(xp, rows, before, going)
+        rows = self._predict_points(xp, before, going)
+        seen = self._predict_outputs(xp, rows, before, going)
         mean, matrix = self._moments(seen)
         size = len(flatten_numbers(before.state))
         state = NestedShape(before.state).rebuild(rows[0][:size])
-        added = self.disturbed(xp, state, before.drift, going)
+        added = self.noise_covariance(xp, state, before.drift, going)
         return Forecast(state, mean, covariance.add_matrices(matrix, added))
 
     def points(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Matrix:
         """Hidden values and factors of all points, the middle one first."""
-        model = self.believed(before.drift)
+        model = self.model_at_factors(before.drift)
         middle = [*hidden.read_hidden(xp, model, before.state, going.signals), *before.drift]
         root, far = covariance.factor_cholesky(xp, before.covariance), xp.sqrt(self._square())
         found = [middle]
@@ -63,19 +63,19 @@ class UnscentedKalman(AbstractFilter):
             for x in found
         ]
 
-    def _moved(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Matrix:
+    def _predict_points(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Matrix:
         """Flat state at the end of the period, and factors, of every point."""
         shape, size = NestedShape(before.state), len(flatten_numbers(before.state))
         points = self.points(xp, before, going)
         unknown = len(points[0]) - len(before.drift)
 
         def begin(*x: Scalar) -> list[Scalar]:
-            model = self.believed(x[unknown:])
+            model = self.model_at_factors(x[unknown:])
             state = hidden.place_hidden(xp, model, before.state, x[:unknown], going.signals)
             return [*flatten_numbers(state), *x[unknown:]]
 
         def step(*row: Scalar) -> list[Scalar]:
-            model, now = self.believed(row[size:]), shape.rebuild(row[:size])
+            model, now = self.model_at_factors(row[size:]), shape.rebuild(row[:size])
             then, _ = model.step(xp, now, *going.signals, dt=going.step)
             return [*flatten_numbers(then), *row[size:]]
 
@@ -88,12 +88,14 @@ class UnscentedKalman(AbstractFilter):
         found = turn(*flat) if going.turns == 1 else xp.repeat(going.turns, turn, *flat)
         return [list(row) for row in zip(*_cut_columns(found, len(points)), strict=True)]
 
-    def _seen(self, xp: Namespace, rows: Matrix, before: Believed, going: ObserverPeriod) -> Matrix:
+    def _predict_outputs(
+        self, xp: Namespace, rows: Matrix, before: Believed, going: ObserverPeriod
+    ) -> Matrix:
         """Hidden values, factors and outputs of every point."""
         shape, size = NestedShape(before.state), len(flatten_numbers(before.state))
 
         def told(*row: Scalar) -> list[Scalar]:
-            return self.told(xp, shape.rebuild(row[:size]), row[size:], going.signals)
+            return self.read_model(xp, shape.rebuild(row[:size]), row[size:], going.signals)
 
         columns = xp.each(told, *zip(*rows, strict=True))
         return [list(row) for row in zip(*columns, strict=True)]

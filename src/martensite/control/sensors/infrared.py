@@ -64,17 +64,17 @@ class InfraredSensor(AbstractSensor):
 
     def rest(self, xp: Namespace, truth: Column) -> Column:
         """The temperature seen, and no time gone by."""
-        return self._seen(xp, truth, 0.0), 0.0
+        return self._filtered_temperature(xp, truth, 0.0), 0.0
 
     def step(
         self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
     ) -> tuple[Scalar, Column]:
         """The lagged temperature with noise [K]; the lag is exact for a truth that is held."""
         time = state[1] + dt
-        felt = follow_lag(xp, state[0], self._seen(xp, truth, time), self.lag, dt)
+        felt = follow_lag(xp, state[0], self._filtered_temperature(xp, truth, time), self.lag, dt)
         return felt + self.noise * noise, (felt, time)
 
-    def _seen(self, xp: Namespace, truth: Column, time: Scalar) -> Scalar:
+    def _filtered_temperature(self, xp: Namespace, truth: Column, time: Scalar) -> Scalar:
         """T_f [K]."""
         wire, behind = truth
         share = (self.factor + self.drift * time) * (self.emissivity / self.setting)

@@ -73,21 +73,21 @@ class Guard(AbstractSupervisor):
     ) -> SupervisorVerdict:
         """What all checks leave of the signals."""
         allowed, rows = dict(wanted), list[tuple[AbstractCheck, Flag, Scalar, Column]]()
-        for one, own in self._sorted(memory):
+        for one, own in self._pair_memories(memory):
             found = one.look(xp, own[OWN:], wanted, readings, dt)
-            cut = self._cut(xp, own, found.trips, found.clears)
+            cut = self._decide_cut(xp, own, found.trips, found.clears)
             left = xp.where(found.trips, self.hold, xp.maximum(own[1] - dt, 0.0))
             rows.append((one, cut, left, found.memory))
             for name in one.cuts() or wanted:
                 allowed[name] = xp.where(cut, self.safe, allowed[name])
         kept: list[Scalar] = []
         for one, cut, left, own in rows:
-            kept += [xp.where(cut, 1.0, 0.0), left, *one.passed(xp, own, allowed, dt)]
+            kept += [xp.where(cut, 1.0, 0.0), left, *one.remember_allowed(xp, own, allowed, dt)]
         return SupervisorVerdict(
             allowed, _find_alarm(xp, [(one, cut) for one, cut, _, _ in rows]), tuple(kept)
         )
 
-    def _cut(self, xp: Namespace, own: Column, trips: Flag, clears: Flag) -> Flag:
+    def _decide_cut(self, xp: Namespace, own: Column, trips: Flag, clears: Flag) -> Flag:
         """Whether a check cuts in this period."""
         before = own[0] > 0.5
         if self.answer == "latch":
@@ -95,7 +95,7 @@ class Guard(AbstractSupervisor):
         stays = xp.either(xp.negate(clears), own[1] > 0.0)
         return xp.either(trips, xp.both(before, stays))
 
-    def _sorted(self, memory: Column) -> list[tuple[AbstractCheck, Column]]:
+    def _pair_memories(self, memory: Column) -> list[tuple[AbstractCheck, Column]]:
         """Every check with its part of the memory."""
         found: list[tuple[AbstractCheck, Column]] = []
         for one in self.checks.members().values():

@@ -162,7 +162,7 @@ def _repeated(
     points = np.arange(samples + 1.0) if lanes.interval else np.arange(samples) + 0.5
     turns = points / samples
     levels = middles + amplitude * np.sin(2.0 * np.pi * turns)[:, None]
-    least = max(lanes.system.judged().get(lanes.output, 0.0) / amplitude, 1e-300)
+    least = max(lanes.system.convergence_scales().get(lanes.output, 0.0) / amplitude, 1e-300)
     before = _cycle(lanes, levels, amplitude, dt)
     done, settled = 1, np.zeros(len(middles), bool)
     while done < 4 or 2 * done * samples <= MOST:

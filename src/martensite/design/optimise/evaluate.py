@@ -80,7 +80,7 @@ class Designs:
         self.steering = steering.with_levels(levels)
         self.question, self.step, self.counts = question, step, Counts()
         self.system = self.steering.whole
-        played = self.steering.played()
+        played = self.steering.system_waveforms()
         self.grid = grid_of(self.system, played, steering.duration, samples, step)
         self.times = np.array(self.grid.times)
         self.also = tuple(also)

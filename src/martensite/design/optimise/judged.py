@@ -80,7 +80,7 @@ class Scales:
         goals = goals[np.isfinite(goals) & (goals > 0.0)]
         self.goal = float(np.median(goals)) if len(goals) else 1.0
 
-    def judged(self, values: Numbers) -> Judged:
+    def convergence_scales(self, values: Numbers) -> Judged:
         """Of values of designs, (designs, cases, aims)."""
         goal = self.sign * values[:, :, 0].mean(axis=1) / self.goal
         slack = [c.sign * (values[:, :, k + 1] - c.limit) / c.scale
@@ -92,7 +92,7 @@ class Scales:
 
     def gradient(self, found: Slopes) -> Gradient:
         """Of one design."""
-        one = self.judged(found.values[None])
+        one = self.convergence_scales(found.values[None])
         slope = self.sign * found.slopes[:, 0].mean(axis=0) / self.goal
         rows = [c.sign * found.slopes[:, k + 1] / c.scale
                 for k, c in enumerate(self.question.subject)]  # fmt: skip

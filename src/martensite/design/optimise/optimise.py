@@ -149,7 +149,7 @@ def _with_step(hunt: Hunt, share: float) -> Hunt:
 
 def _apart(hunt: Hunt, finer: Hunt, z: Numbers) -> float:
     """Largest change of what a design is judged by, as a share of limits and of the goal."""
-    both = [one.scales.judged(one.designs.values(z[None])) for one in (hunt, finer)]
+    both = [one.scales.convergence_scales(one.designs.values(z[None])) for one in (hunt, finer)]
     goal = abs(both[0].goal[0] - both[1].goal[0])
     slack = np.abs(both[0].slack - both[1].slack)
     return float(max(goal, slack.max(initial=0.0)))
@@ -163,7 +163,7 @@ def _answer(steering: Steering, hunt: Hunt, point: Point, apart: float) -> Desig
         float(round(v)) if one.whole else v for v, one in zip(numbers, question.free, strict=True)
     )
     values = designs.values(point.z[None])
-    slack = hunt.scales.judged(values).slack[0].reshape(-1, len(question.subject) or 1)
+    slack = hunt.scales.convergence_scales(values).slack[0].reshape(-1, len(question.subject) or 1)
     missed = [c.words for k, c in enumerate(question.subject) if (slack[:, k] < -KEPT).any()]
     notes: list[str] = []
     if not point.kept:

@@ -31,7 +31,7 @@ class Scan:
 
     z: Numbers
     """(designs, free)"""
-    judged: Judged
+    convergence_scales: Judged
     shape: tuple[int, ...]
     best: int | None
     """The design that keeps all constraints and has the least goal; None if none keeps all."""
@@ -42,7 +42,7 @@ class Scan:
 
     def cells(self, z: Numbers) -> tuple[float, ...]:
         """How far a design is from the best of the grid, in cells of it."""
-        place = self.z[self.judged.order()[0]]
+        place = self.z[self.convergence_scales.order()[0]]
         wide = [1.0 / max(n - 1, 1) for n in self.shape]
         return tuple(float(abs(a - b)) / w for a, b, w in zip(z, place, wide, strict=True))
 
@@ -50,7 +50,7 @@ class Scan:
         """For JSON."""
         return {
             "simulations": len(self.z), "shape": list(self.shape),
-            "kept": int(self.judged.kept.sum()), "numbers": list(self.numbers),
+            "kept": int(self.convergence_scales.kept.sum()), "numbers": list(self.numbers),
             "values": list(self.values),
         }  # fmt: skip
 
@@ -81,7 +81,7 @@ def scan(
         )
     z = np.array(list(itertools.product(*axes)))
     values = _values(designs, z, watch)
-    judged = scales.judged(values)
+    judged = scales.convergence_scales(values)
     first = judged.order()[0]
     return Scan(
         z, judged, shape, first if judged.kept[first] else None,

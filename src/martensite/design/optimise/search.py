@@ -105,7 +105,7 @@ class Hunt:
 
     def judge(self, z: Numbers) -> list[Point]:
         """Judge designs, (designs, free), in one batch."""
-        return self._points(z, self.scales.judged(self.designs.values(z)))
+        return self._points(z, self.scales.convergence_scales(self.designs.values(z)))
 
     def _points(self, z: Numbers, judged: Judged) -> list[Point]:
         rows = zip(z, judged.goal, judged.violation, judged.kept, strict=True)
@@ -164,7 +164,7 @@ class Hunt:
         first = np.concatenate([begin[None], sobol.random(self.search.sample)])
         values = self.designs.values(first)
         self.scales.set_size(values)
-        points = self._points(first, self.scales.judged(values))
+        points = self._points(first, self.scales.convergence_scales(values))
         for k in range(self.search.more):
             if any(point.kept for point in points):
                 break

@@ -82,7 +82,7 @@ def identify_hysteresis(
     if not isinstance(hysteresis, PrandtlIshlinskii):
         raise InputError(f"The chain that was found has no plays: {found.chain.text()}.")
     operator = hysteresis.operator(own)
-    places = np.array([value for _, value, _ in curve.shown(heights)][::2])
+    places = np.array([value for _, value, _ in curve.describe_numbers(heights)][::2])
     levels = operator.simulate(record.inputs[:, 0])
     values = rising_curve(places, levels, record.outputs[:, 0])
     return IdentifiedHysteresis(operator, tuple(places.tolist()), tuple(values.tolist()), found)

@@ -168,7 +168,7 @@ def _rested(
 def _settle(lanes: Lanes, signals: Numbers) -> None:
     """Hold signals until nothing that is judged changes."""
     system, names = lanes.system, lanes.names
-    judged = system.judged()
+    judged = system.convergence_scales()
     places = [names.index(name) for name in judged]
     sizes = np.array(list(judged.values()))[:, None]
     dt = system.sample_time() or longest_step(system)

@@ -43,7 +43,7 @@ def as_text(root: Element) -> str:
 
 def _write_version_2(plan: FmuPlan, variables: Sequence[FmuVariable], token: str) -> Element:
     root = Element("fmiModelDescription", fmiVersion="2.0", modelName=plan.title, guid=token)
-    root.attrib |= {"description": plan.system.described(), "generationTool": _name_tool()}
+    root.attrib |= {"description": plan.system.description(), "generationTool": _name_tool()}
     slave = SubElement(root, "CoSimulation", modelIdentifier=plan.identifier)
     slave.attrib |= {
         "canHandleVariableCommunicationStepSize": "true",
@@ -70,7 +70,7 @@ def _write_version_3(plan: FmuPlan, variables: Sequence[FmuVariable], token: str
     root = Element("fmiModelDescription", fmiVersion="3.0", modelName=plan.title)
     root.attrib |= {
         "instantiationToken": token,
-        "description": plan.system.described(),
+        "description": plan.system.description(),
         "generationTool": _name_tool(),
     }
     simulated = SubElement(root, "CoSimulation", modelIdentifier=plan.identifier)

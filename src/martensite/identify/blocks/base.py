@@ -70,7 +70,7 @@ class AbstractBlock(Parametrised):
     ) -> tuple[Column, Column]:
         """Outputs of this sample and the state for the next, `dt` [s] later."""
 
-    def adapted(self, x: Numbers, dt: float) -> Self:
+    def adapt_to(self, x: Numbers, dt: float) -> Self:
         """The block with its fixed numbers set for an input of shape (samples, inputs)."""
         return self
 
@@ -78,7 +78,7 @@ class AbstractBlock(Parametrised):
         """Values of the free numbers to begin with: the plainest behaviour."""
         return np.zeros(len(self.numbers()))
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Random values to begin with, for records of some duration [s]."""
         return self.start()
 
@@ -116,7 +116,7 @@ class AbstractBlock(Parametrised):
         """
         return ("",) * self.outputs
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Name, value and unit of what the free numbers mean, for people to read."""
         return [
             (name, float(value), "1") for name, value in zip(self.numbers(), theta, strict=True)
@@ -156,7 +156,7 @@ class AbstractRanged(AbstractBlock):
     low: float = param("1", "lower end of the range of the input", default=-1.0)
     high: float = param("1", "upper end of the range of the input", default=1.0)
 
-    def adapted(self, x: Numbers, dt: float) -> Self:
+    def adapt_to(self, x: Numbers, dt: float) -> Self:
         """Takes the range of the input."""
         low, high = float(np.min(x)), float(np.max(x))
         spread = high - low if high > low else max(abs(high), 1.0)
@@ -182,7 +182,7 @@ class AbstractStatic(AbstractRanged):
     def line(self, slope: float, offset: float) -> Numbers:
         """Free numbers that make it a straight line, as well as it can be one."""
 
-    def scaled(self, departure: Numbers, factor: float) -> Numbers:
+    def scale_departure(self, departure: Numbers, factor: float) -> Numbers:
         """A departure from a line with its outputs times a factor.
 
         All numbers unless the block says otherwise: those of position and width do not scale.

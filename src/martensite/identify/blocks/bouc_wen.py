@@ -59,12 +59,12 @@ class BoucWen(AbstractRanged):
         """Half a line; yields within a third of the range; σ = 1."""
         return np.array([0.0, np.log(3.0), 0.0])
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Any share of the line; yields within all of the range or a tenth."""
         low, high = np.array([-2.0, 0.0, -2.0]), np.array([2.0, np.log(10.0), 1.0])
         return rng.uniform(low, high)
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """α, 1/ϱ in units of the input, σ."""
         half = 0.5 * (self.high - self.low)
         return [

@@ -21,6 +21,6 @@ class DeadZone(AbstractInterval):
     straight = -SMALLEST
     begun = (0.02, 0.4)
 
-    def shaped(self, xp: Namespace, low: Scalar, high: Scalar, r: Scalar) -> Scalar:
+    def shape_input(self, xp: Namespace, low: Scalar, high: Scalar, r: Scalar) -> Scalar:
         """How far the input is beyond a limit."""
         return xp.maximum(r - high, 0.0) + xp.minimum(r - low, 0.0)

@@ -80,7 +80,7 @@ class Duhem(AbstractRanged):
         widths = np.log([0.1, 0.3])
         return np.array([0.2, 0.3, *widths, 1.0, -0.2, -0.3, *widths, 1.0])
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Loops anywhere in the range, up to as wide as it, their branches steep or flat."""
         made = self.start()
         count = int(self.logistics)
@@ -90,7 +90,7 @@ class Duhem(AbstractRanged):
             made[first + count : first + 2 * count] += rng.uniform(-0.7, 0.7, count)
         return made
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Centres and widths in units of the input, shares of the first logistic functions."""
         half = 0.5 * (self.high - self.low)
         rows: list[tuple[str, float, str]] = []

@@ -128,7 +128,7 @@ class Feedback(AbstractRanged):
         made[int(self.order) % 2 + 1 : int(self.order) : 2] = np.log(1.2)
         return made
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Poles as those of a transfer function; little fed back."""
         made = rng.uniform(-0.1, 0.1, len(self.numbers()))
         made[: int(self.order)] = sections.draw_numbers(int(self.order), rng, duration, dt)
@@ -172,7 +172,7 @@ class Feedback(AbstractRanged):
         made[order : order + self._zeros] = _in_differences(numerator, size)
         return made
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Poles in their units, then the other numbers."""
         order = int(self.order)
         rest = zip(self.numbers()[order:], theta[order:], strict=True)

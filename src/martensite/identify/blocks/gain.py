@@ -32,6 +32,6 @@ class Gain(AbstractCurve):
         rise = slope * self.half
         return np.array([offset + slope * self.middle, rise] if self.first else [rise])
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """The gain, and the output at zero input."""
         return [("gain", float(theta[-1]) / self.half, "1"), *self.offset_shown(theta)]

@@ -72,7 +72,7 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         """The plays."""
         return int(self.plays)
 
-    def _parted(self, theta: Column) -> tuple[Scalar, Column, Column]:
+    def _split_parameters(self, theta: Column) -> tuple[Scalar, Column, Column]:
         """Rise, logits of weights, logits of both curves."""
         own = theta[self.first + 1 :]
         count = int(self.plays) - 1
@@ -103,14 +103,14 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
         """All plays half way between the curves."""
-        lower, upper = self.curves(xp, self._parted(theta)[2], self.unit(x[0]))
+        lower, upper = self.curves(xp, self._split_parameters(theta)[2], self.unit(x[0]))
         return [0.5 * (lower + upper)] * int(self.plays)
 
     def step(
         self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
     ) -> tuple[Column, Column]:
         """Plays between the curves, and their sum."""
-        rise, weights, logits = self._parted(theta)
+        rise, weights, logits = self._split_parameters(theta)
         lower, upper = self.curves(xp, logits, self.unit(x[0]))
         gap = 2.0 * self.reach / int(self.plays)
         after = [keep_between(xp, lower - i * gap, upper + i * gap, p) for i, p in enumerate(state)]
@@ -126,9 +126,9 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         """A line at rest, half way between two curves."""
         level = (offset + slope * self.middle,)[: self.first]
         weights = np.zeros(int(self.plays) - 1)
-        return np.concatenate([level, [slope * self.half], weights, *self._opened(OPEN)])
+        return np.concatenate([level, [slope * self.half], weights, *self._open_curves(OPEN)])
 
-    def _opened(self, half: float) -> tuple[Numbers, Numbers]:
+    def _open_curves(self, half: float) -> tuple[Numbers, Numbers]:
         """Logits of curves on both sides of a line, apart by a parabola."""
         share = np.linspace(0.0, 1.0, int(self.knots))
         apart = 4.0 * half * share * (1.0 - share)
@@ -143,10 +143,10 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         widths[self.first + 1 :] = 1.0 / FARTHEST
         return self.start(), widths
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Loops more or less open, slopes and weights scattered."""
         made = self.start()
-        curves = np.concatenate(self._opened(rng.uniform(0.02, 0.24)))
+        curves = np.concatenate(self._open_curves(rng.uniform(0.02, 0.24)))
         made[len(made) - len(curves) :] = curves
         made[self.first + 1 :] += rng.normal(0.0, 0.5, len(self.places()))
         return made

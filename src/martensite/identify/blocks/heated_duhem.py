@@ -159,7 +159,7 @@ class HeatedDuhem(AbstractBlock):
             return (temperature, position), after
         return (temperature if self.gives == "temperature" else position,), after
 
-    def adapted(self, x: Numbers, dt: float) -> Self:
+    def adapt_to(self, x: Numbers, dt: float) -> Self:
         """Takes a gain from the mean input, unless one is given."""
         mean = float(np.mean(np.abs(x)))
         return self.with_parts(gain=TYPICAL / max(mean, 1e-12)) if self.gain == 0.0 else self
@@ -179,12 +179,12 @@ class HeatedDuhem(AbstractBlock):
         """The expected values, and 1/σ of each; the stroke is free."""
         return self.start(), np.array([1.0 / spread for _, spread in SPREADS])
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Within half of what the priors allow."""
         spread = np.array([s if np.isfinite(s) else 0.0 for _, s in SPREADS])
         return self.start() + 0.5 * spread * rng.uniform(-1.0, 1.0, len(spread))
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Numbers as they stand in the equations, temperatures as the record has them."""
         return [self._row(n, float(v), float(theta[5])) for n, v in zip(
             self.numbers(), theta, strict=True)]  # fmt: skip

@@ -96,7 +96,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         limited = [xp.clip(r, -FARTHEST, FARTHEST) for r in scaled]
         return [half * _multiply_values(limited, monomial) for monomial in self.monomials()]
 
-    def _fed(self, theta: Column, u: Scalar, products: Column) -> list[Scalar]:
+    def _feed_states(self, theta: Column, u: Scalar, products: Column) -> list[Scalar]:
         """B u + h E φ: what enters every state."""
         n, count = int(self.order), len(products)
         fed: list[Scalar] = [u, *(0.0 for _ in range(n - 1))]
@@ -113,7 +113,9 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         def held(xp: Namespace, state: Column, given: Column) -> Column:
             u, own = given[0], given[1:]
             products = self._products(xp, own[:n], state, u, dt)
-            return sections.fed_resting(xp, n, list(own[:n]), self._fed(own, u, products), dt)
+            return sections.fed_resting(
+                xp, n, list(own[:n]), self._feed_states(own, u, products), dt
+            )
 
         found = fixed_point(xp, held, sections.rest_cascade(n, x[0]), [x[0], *theta])
         return [x[0]] * int(self.nk) + found
@@ -126,9 +128,9 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         line = [x[0], *state[:nk]]
         u, held = line[nk], state[nk:]
         products = self._products(xp, theta[:n], held, u, dt)
-        fed = self._fed(theta, u, products)
+        fed = self._feed_states(theta, u, products)
         made = sections.step_cascade(xp, n, list(theta[:n]), list(held), fed[0], dt, fed[1:])
-        y = self._summed(theta[: self._linear], [*made.signals, *([u] if nk == 0 else [])])
+        y = self._sum_outputs(theta[: self._linear], [*made.signals, *([u] if nk == 0 else [])])
         if self.output_terms == "yes":
             last = theta[len(theta) - p * len(products) :]
             for place, weight in enumerate(last):
@@ -146,9 +148,9 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         """The linear system, with the reach that its states have under an input."""
         made = np.zeros(len(self.numbers()))
         made[: self._linear] = theta
-        return self.with_parts(reach=self._reached(theta, x[:, 0], dt)), made
+        return self.with_parts(reach=self._largest_departure(theta, x[:, 0], dt)), made
 
-    def _reached(self, theta: Numbers, x: Numbers, dt: float) -> float:
+    def _largest_departure(self, theta: Numbers, x: Numbers, dt: float) -> float:
         """Greatest departure of a state from the middle of the input, in half widths of that."""
         n = int(self.order)
         poles, state = [float(p) for p in theta[:n]], sections.rest_cascade(n, float(x[0]))
@@ -173,9 +175,9 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         weights[self._linear :] = 1.0 / USUAL
         return np.zeros(len(weights)), weights
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """A random linear system with small nonlinear terms."""
-        made = super().drawn(rng, duration, dt)
+        made = super().sample_parameters(rng, duration, dt)
         made[self._linear :] *= 0.02
         return made
 

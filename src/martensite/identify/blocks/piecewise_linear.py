@@ -76,7 +76,7 @@ class PiecewiseLinear(AbstractCurve):
         values = slope * self.half * np.linspace(0.0, 2.0, count)[1:]
         return np.concatenate([level, values, np.zeros(len(self.places()))])
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Values off the line by about a tenth of its rise, uneven knots."""
         made = self.start()
         last = len(made) - len(self.places())
@@ -85,7 +85,7 @@ class PiecewiseLinear(AbstractCurve):
         made[last:] = rng.normal(0.0, 0.5, len(made) - last)
         return made
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Knots in units of the input, and the outputs there."""
         numbers = [float(v) for v in theta]
         gaps = self._gaps(floats, numbers[len(numbers) - len(self.places()) :])

@@ -56,7 +56,7 @@ class Play(AbstractBlock):
         """Half the backlash, in the unit of the input."""
         return 0.5 * (self.high - self.low) * xp.exp(xp.clip(theta[0], -STRONGEST, STRONGEST))
 
-    def adapted(self, x: Numbers, dt: float) -> Self:
+    def adapt_to(self, x: Numbers, dt: float) -> Self:
         """Takes the range of the input."""
         low, high = find_range(x)
         return self.with_parts(low=low, high=high)
@@ -65,11 +65,11 @@ class Play(AbstractBlock):
         """A tenth of half the range."""
         return np.array([0.5 * float(np.log(BEGUN).sum())])
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Any size that would be noticed."""
         low, high = np.log(BEGUN)
         return rng.uniform(low, high, 1)
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """The radius, in the unit of the input."""
         return [("radius", float(self.radius(floats, [float(theta[0])])), "1")]

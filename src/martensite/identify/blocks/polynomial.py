@@ -45,7 +45,7 @@ class Polynomial(AbstractStatic):
         made[free] = slope * 0.5 * (self.high - self.low)
         return made
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Higher coefficients within 0.3 of the linear one."""
         made = self.start()
         first = 1 + (self.offset == "yes")

@@ -116,7 +116,7 @@ class PrandtlIshlinskii(AbstractBlock):
             step = step * xp.exp(xp.clip(own[0], -9.0, 9.0))
         return [(i + 1.0) * step for i in range(count)]
 
-    def adapted(self, x: Numbers, dt: float) -> PrandtlIshlinskii:
+    def adapt_to(self, x: Numbers, dt: float) -> PrandtlIshlinskii:
         """Takes the range of the input."""
         low, high = find_range(x)
         return self.with_parts(low=low, high=high)
@@ -137,7 +137,7 @@ class PrandtlIshlinskii(AbstractBlock):
         made[:count] = compute_logits(np.array([1.0 - PLAYING, *each])) if positive else each
         return made
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Another share of the plays in the output, and another reach if it is free."""
         made = self.start()
         count = int(self.plays)
@@ -155,7 +155,7 @@ class PrandtlIshlinskii(AbstractBlock):
         sizes, whole = self._sizes(floats, own)
         return PlaySum(tuple(self.radii(floats, own)), tuple(size / whole for size in sizes))
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Weight of the input, thresholds and weights of the plays."""
         made = self.operator(theta)
         rows = [("weight of the input", made.weights[0], "1")]

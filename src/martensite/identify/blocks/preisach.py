@@ -82,12 +82,12 @@ class Preisach(AbstractCurve):
         """Plays, and the sum of their curves."""
         half = 0.5 * (self.high - self.low)
         after = [move_play(xp, x[0], half * self._radius(i + 1), p) for i, p in enumerate(state)]
-        heights, places = self._parted(theta)
+        heights, places = self._split_parameters(theta)
         made = self._sum(xp, heights, places, [self.unit(p) for p in (x[0], *after)])
         zero = self.curve(xp, heights, places, self.unit(0.0))
         return ((theta[0] + made if self.offset == "yes" else made - zero),), after
 
-    def _parted(self, theta: Column) -> tuple[Column, Column]:
+    def _split_parameters(self, theta: Column) -> tuple[Column, Column]:
         last = self.first + len(self.heights())
         return theta[self.first : last], theta[last:]
 
@@ -133,7 +133,7 @@ class Preisach(AbstractCurve):
         widths[len(widths) - len(self.places()) :] = 1.0 / FARTHEST
         return self.start(), widths
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Shares of levels and segments scattered by a factor of about two."""
         made = self.start()
         if self.slopes == "alike":

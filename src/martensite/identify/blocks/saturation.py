@@ -21,6 +21,6 @@ class Saturation(AbstractInterval):
     straight = 0.0
     begun = (0.4, 1.0)
 
-    def shaped(self, xp: Namespace, low: Scalar, high: Scalar, r: Scalar) -> Scalar:
+    def shape_input(self, xp: Namespace, low: Scalar, high: Scalar, r: Scalar) -> Scalar:
         """The input within the limits."""
         return xp.clip(r, low, high)

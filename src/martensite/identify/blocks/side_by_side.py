@@ -45,14 +45,14 @@ class SideBySide(AbstractBlock):
 
     def numbers(self) -> tuple[str, ...]:
         """Of all blocks, with the place of each."""
-        return tuple(f"{place}.{n}" for place, b in self._placed for n in b.numbers())
+        return tuple(f"{place}.{n}" for place, b in self._place_blocks for n in b.numbers())
 
     def states(self) -> int:
         """Of all blocks."""
         return sum(block.states() for block in self.blocks)
 
     @property
-    def _placed(self) -> Iterator[tuple[int, AbstractBlock]]:
+    def _place_blocks(self) -> Iterator[tuple[int, AbstractBlock]]:
         return enumerate(self.blocks, start=1)
 
     def split(
@@ -88,18 +88,18 @@ class SideBySide(AbstractBlock):
             after += s
         return outputs, after
 
-    def adapted(self, x: Numbers, dt: float) -> Self:
+    def adapt_to(self, x: Numbers, dt: float) -> Self:
         """Every block adapted to its own signals."""
         columns = self.split(x.T, lambda block: block.inputs)
-        return self.with_parts(blocks=tuple(block.adapted(own.T, dt) for block, own in columns))
+        return self.with_parts(blocks=tuple(block.adapt_to(own.T, dt) for block, own in columns))
 
     def start(self) -> Numbers:
         """Of all blocks."""
         return np.concatenate([np.zeros(0), *(block.start() for block in self.blocks)])
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Of all blocks."""
-        drawn = (block.drawn(rng, duration, dt) for block in self.blocks)
+        drawn = (block.sample_parameters(rng, duration, dt) for block in self.blocks)
         return np.concatenate([np.zeros(0), *drawn])
 
     def priors(self) -> tuple[Numbers, Numbers]:
@@ -109,16 +109,16 @@ class SideBySide(AbstractBlock):
 
     def gains(self) -> tuple[str, ...]:
         """Of all blocks, with the place of each."""
-        named = ((place, name) for place, block in self._placed for name in block.gains())
+        named = ((place, name) for place, block in self._place_blocks for name in block.gains())
         return tuple(f"{place}.{name}" if name else "" for place, name in named)
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Of all blocks, with the place of each."""
         shares = self.split(theta, lambda block: len(block.numbers()))
         return [
             (f"{place}.{name}", value, unit)
             for place, (block, own) in enumerate(shares, start=1)
-            for name, value, unit in block.shown(own)
+            for name, value, unit in block.describe_numbers(own)
         ]
 
     def text(self) -> str:
@@ -128,7 +128,7 @@ class SideBySide(AbstractBlock):
     @property
     def fixed(self) -> tuple[str, ...]:  # type: ignore[override]
         """Fixed numbers of all blocks, with the place of each."""
-        return tuple(f"{place}.{name}" for place, b in self._placed for name in b.fixed)
+        return tuple(f"{place}.{name}" for place, b in self._place_blocks for name in b.fixed)
 
     def given(self) -> tuple[float, ...]:
         """Of all blocks."""

@@ -65,14 +65,14 @@ class Spline(AbstractCurve):
         values = slope * self.half * np.linspace(0.0, 2.0, int(self.knots))[1:]
         return np.concatenate([level, values])
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Coefficients off the line by about a tenth of its rise."""
         made = self.start()
         count = len(self.heights())
         made[self.first :] += rng.normal(0.0, 0.1, count) * abs(made[-1])
         return made
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Outputs at the knots."""
         numbers = [float(v) for v in theta]
         rows: list[tuple[str, float, str]] = []

@@ -100,10 +100,10 @@ class StateSpace(AbstractBlock):
         made = sections.step_cascade(
             xp, n, list(theta[:n]), list(state[nk * m :]), fed[0], dt, more
         )
-        y = self._summed(theta, [*made.signals, *(u if nk == 0 else ())])
+        y = self._sum_outputs(theta, [*made.signals, *(u if nk == 0 else ())])
         return y, (*line[: nk * m], *made.state)
 
-    def _summed(self, theta: Column, signals: Column) -> list[Scalar]:
+    def _sum_outputs(self, theta: Column, signals: Column) -> list[Scalar]:
         """y₀ + C s + D u, from the numbers of the linear system."""
         n, m, p = int(self.order), self.inputs, self.outputs
         first = n + n * (m - 1)
@@ -128,13 +128,13 @@ class StateSpace(AbstractBlock):
         made[n + n * (m - 1) : n + n * (m - 1) + p * n : n] = 1.0
         return made
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Time constants spread over a thousandth to a quarter of the record; B and C anywhere."""
         n = int(self.order)
         made = rng.uniform(-1.0, 1.0, len(self.numbers()))
         made[:n] = sections.draw_numbers(n, rng, duration, dt)
         return made
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Time constants, frequencies, damping ratios, then the matrices."""
         return sections.show_numbers(self.numbers(), theta)

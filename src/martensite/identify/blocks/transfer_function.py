@@ -71,7 +71,7 @@ class TransferFunction(AbstractBlock):
             rest = rest - weight if gain else rest
         return (y + rest * signals[0],), (*line[:-1], *made.state, *[w, *past][: self._taps])
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Time constants spread over a thousandth to a quarter of the record, of zeros as well.
 
         One zero in five is to the right, where the output first moves the wrong way.
@@ -101,6 +101,6 @@ class TransferFunction(AbstractBlock):
         """Poles z of the sections."""
         return sections.find_poles(int(self.nf), theta, dt)
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Time constants, frequencies, damping ratios and weights."""
         return sections.show_numbers(self.numbers(), theta)

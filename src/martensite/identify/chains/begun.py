@@ -74,7 +74,7 @@ def _follow_block(
     """The block, adapted, with numbers with which it reproduces the records of another."""
     longest = max(records, key=len)
     dt, x = longest.interval, longest.inputs
-    block = block.adapted(x, dt)
+    block = block.adapt_to(x, dt)
     if isinstance(block, AbstractStatic):
         return block, fit_through(block, x[:, 0], longest.outputs[:, 0])
     theta = block.start()

@@ -125,7 +125,9 @@ def polish_linear(
         theta = np.concatenate([theta, line.line(found.gain, found.offset)])
     squares = Squares(chain.engine, [Aim(record, skip, None, start) for record in records])
     if iterations:
-        theta = minimise_cost(squares, squares.extended(theta), iterations).theta[: len(theta)]
+        theta = minimise_cost(squares, squares.extend_parameters(theta), iterations).theta[
+            : len(theta)
+        ]
     return chain.with_theta(theta)
 
 

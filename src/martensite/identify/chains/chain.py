@@ -136,7 +136,7 @@ def build_untrained(
     made: list[AbstractBlock] = []
     x, theta = record.inputs, np.zeros(0)
     for block in blocks:
-        block = block.adapted(x, record.interval)
+        block = block.adapt_to(x, record.interval)
         made.append(block)
         own = block.start()
         x = ChainEngine([block], record.interval).simulate(own, x)

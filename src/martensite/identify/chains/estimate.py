@@ -140,7 +140,7 @@ def _check_signals(blocks: Sequence[AbstractBlock], record: Sampled) -> None:
 def refine_chain(chain: Chain, records: Sequence[Sampled], options: Options) -> Found:
     """The nearest minimum from the numbers of a chain, at the full rate."""
     squares = squares_of(chain, records, options)
-    return minimise_cost(squares, squares.extended(chain.theta), options.iterations)
+    return minimise_cost(squares, squares.extend_parameters(chain.theta), options.iterations)
 
 
 def _thin_options(options: Options, thin: Sequence[Sampled], records: Sequence[Sampled]) -> Options:

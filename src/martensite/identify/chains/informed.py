@@ -117,7 +117,7 @@ def _adapt_again(chain: Chain, place: int, own: Numbers, record: Sampled) -> Cha
     """The chain, one block as a linear one, all adapted to what reaches them then."""
     blocks, theta, x = list(chain.blocks), list[Numbers](), record.inputs
     for i, block in enumerate(blocks):
-        blocks[i] = block.adapted(x, chain.interval)
+        blocks[i] = block.adapt_to(x, chain.interval)
         numbers = blocks[i].start()
         if i == place and (twin := linear_twin(block)) is not None:
             blocks[i], numbers = blocks[i].as_linear(twin, own, x, chain.interval)
@@ -130,7 +130,7 @@ def _bend_start(chain: Chain, rng: np.random.Generator, record: Sampled) -> Chai
     """The same linear dynamics, between static blocks and with nonlinear terms as drawn."""
     parts: list[Numbers] = []
     for block, own in zip(chain.blocks, chain.split(), strict=True):
-        some = block.drawn(rng, record.duration, record.interval)
+        some = block.sample_parameters(rng, record.duration, record.interval)
         if isinstance(block, AbstractStatic):
             own = some
         elif not block.linear and block.twin() is not None:

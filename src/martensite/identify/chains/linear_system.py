@@ -57,7 +57,7 @@ class LinearSystem:
         """How many states small signals do not move, or nobody feels."""
         return len(self.a) - len(self.active)
 
-    def reduced(self) -> LinearSystem:
+    def reduce_states(self) -> LinearSystem:
         """The same system with its active states alone."""
         kept = self.active
         return LinearSystem(
@@ -67,7 +67,7 @@ class LinearSystem:
 
     def poles(self) -> Numbers:
         """Poles in the plane of z, the slowest first; stable inside the unit circle."""
-        found = np.linalg.eigvals(self.reduced().a)
+        found = np.linalg.eigvals(self.reduce_states().a)
         return found[np.argsort(-np.abs(found), kind="stable")]
 
     def time_constants(self) -> Numbers:
@@ -82,7 +82,7 @@ class LinearSystem:
         Raises:
             ParameterError: a pole lies at 1, so that there is none.
         """
-        slim = self.reduced()
+        slim = self.reduce_states()
         if len(slim.a) and np.min(np.abs(slim.poles() - 1.0)) < CIRCLE:
             raise ParameterError("The linear system integrates: it has no gain at rest.")
         return self.d + slim.c @ np.linalg.solve(np.eye(len(slim.a)) - slim.a, slim.b)
@@ -102,7 +102,7 @@ class LinearSystem:
             raise ParameterError(
                 f"Frequencies must be between 0 and half the sample rate, {most:.6g} Hz."
             )
-        slim = self.reduced()
+        slim = self.reduce_states()
         z = np.exp(2j * np.pi * f * self.interval)
         here = z[:, None, None] * np.eye(len(slim.a)) - slim.a
         right = np.broadcast_to(slim.b.astype(complex), (len(f), *slim.b.shape))
@@ -112,7 +112,7 @@ class LinearSystem:
         """Deviations of the outputs (samples, outputs) for those of the inputs, from rest."""
         u = np.asarray(deviations, dtype=float)
         u = u[:, None] if u.ndim == 1 else u
-        slim = self.reduced()
+        slim = self.reduce_states()
         x, y = np.zeros(len(slim.a)), np.empty((len(u), len(self.d)))
         for t, row in enumerate(u):
             y[t] = slim.c @ x + slim.d @ row

@@ -33,19 +33,19 @@ class Kernels:
         self._printer.share(parameters, lambda i: f"p[{i}]")
         self.prepare = self._prepared()
 
-        flags = [self._printer.is_flag(node.index) for node in program.hoisted]
+        flags = [self._printer.is_flag(node.index) for node in program.hoisted_nodes]
         self._printer.share(
-            program.hoisted, lambda i: f"(c[{i}] != 0.0)" if flags[i] else f"c[{i}]"
+            program.hoisted_nodes, lambda i: f"(c[{i}] != 0.0)" if flags[i] else f"c[{i}]"
         )
 
     @property
     def constants(self) -> int:
         """Length of c, at least 1."""
-        return max(len(self._program.hoisted), 1)
+        return max(len(self._program.hoisted_nodes), 1)
 
     def _prepared(self) -> str:
         """`prepare(p, c)`. A long list of assignments: inlined, it would be compiled twice."""
-        lines, values = self._printer.block(self._program.hoisted)
+        lines, values = self._printer.block(self._program.hoisted_nodes)
         lines += [f"c[{i}] = {value};" for i, value in enumerate(values)]
         body = "".join(f"    {line}\n" for line in lines)
         return (

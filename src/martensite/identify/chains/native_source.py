@@ -85,7 +85,7 @@ class _Writer:
             steps.append(f"block{k}{'d' if slopes else ''}(n, c, w, s + {state}{tail});")
             state += piece.block.states()
             beside += count_room(piece, self.columns - plan.columns)
-            steps += self._tapped(k, slopes and not last)
+            steps += self._write_taps(k, slopes and not last)
         zeros = f"memset(dw + i * M * TILE, 0, sizeof(double) * TILE * (M - {plan.columns}));"
         scratch = [f"double *restrict z = dw + {plan.width} * TILE * M;"] if slopes else []
         lines = [
@@ -110,7 +110,7 @@ class _Writer:
             lines,
         )
 
-    def _tapped(self, k: int, slopes: bool) -> list[str]:
+    def _write_taps(self, k: int, slopes: bool) -> list[str]:
         """Give out signals of a block, with zeros for the columns of what comes later."""
         piece, count, lines = self.plan.pieces[k], len(self.taps), list[str]()
         known = f"(M - {self.plan.columns - piece.first - piece.count})"
@@ -143,7 +143,7 @@ class _Writer:
         for k, piece in enumerate(plan.pieces):
             count = piece.block.states()
             if count:
-                lines += ["{", *(f"    {line}" for line in self._rested(piece, state)), "}"]
+                lines += ["{", *(f"    {line}" for line in self._write_rest(piece, state)), "}"]
             if k < len(plan.pieces) - 1:
                 lines += [
                     f"memcpy(s1, s + {state}, sizeof(double) * {count});",
@@ -158,7 +158,7 @@ class _Writer:
             lines,
         )
 
-    def _rested(self, piece: ChainPiece, state: int) -> list[str]:
+    def _write_rest(self, piece: ChainPiece, state: int) -> list[str]:
         """State of one block with its columns, from its inputs and theirs."""
         inputs, first = piece.block.inputs, piece.first
         named = self.kernels.statements(piece.rest.name)

@@ -114,7 +114,7 @@ class ModelMechanism(AbstractMechanism):
             for name in self.model.output_names
         }
 
-    def judged(self) -> dict[str, float]:
+    def convergence_scales(self) -> dict[str, float]:
         """All outputs."""
         return dict.fromkeys(self.model.output_names, 1e-9)
 

@@ -59,7 +59,7 @@ class Aim:
         spread = np.nanstd(self.record.outputs, axis=0)
         return 1.0 / np.where(spread > 0.0, spread, 1.0)
 
-    def counted(self) -> int:
+    def counted_outputs(self) -> int:
         """Number of outputs that count."""
         return int(np.isfinite(self.record.outputs[self.skip :]).sum())
 
@@ -100,7 +100,7 @@ class Squares:
         """
         self.engine, self.aims = engine, tuple(aims)
         self.columns, self.states = engine.plan.columns, engine.plan.states
-        self.count = sum(aim.counted() for aim in self.aims)
+        self.count = sum(aim.counted_outputs() for aim in self.aims)
         self.reference = np.zeros(self.columns) if reference is None else reference
         pull = np.full(self.columns, ridge * self.count)
         self.pull = pull if priors is None else pull + priors**2
@@ -110,7 +110,7 @@ class Squares:
         """Number of all numbers, initial states included."""
         return self.columns + self.states * sum(aim.start == "estimate" for aim in self.aims)
 
-    def extended(self, theta: Numbers) -> Numbers:
+    def extend_parameters(self, theta: Numbers) -> Numbers:
         """θ of the chain with initial states at rest."""
         return np.concatenate([theta, np.zeros(self.size - len(theta))])
 
@@ -118,7 +118,7 @@ class Squares:
         """The sum of squares; infinite where the run is not finite."""
         total = float(self.pull @ (theta[: self.columns] - self.reference) ** 2)
         with np.errstate(all="ignore"):
-            for aim, place in self._placed():
+            for aim, place in self._place_states():
                 start = self._start(aim, theta, place, slopes=False)
                 y = self.engine.simulate(
                     theta[: self.columns], aim.record.inputs, start.state.copy()
@@ -139,7 +139,7 @@ class Squares:
         gradient, hessian = np.zeros(self.size), np.zeros((self.size, self.size))
         gradient[: self.columns] += self.pull * away
         hessian[range(self.columns), range(self.columns)] += self.pull
-        for aim, place in self._placed():
+        for aim, place in self._place_states():
             where = self._where(place)
             own, square = np.zeros(len(where)), np.zeros((len(where), len(where)))
             for part in self._parts(aim, theta, place, reuse=True):
@@ -154,8 +154,8 @@ class Squares:
 
     def parts(self, theta: Numbers) -> Iterator[tuple[int, Part]]:
         """Number of the record, and weighted residuals with derivatives, piece by piece."""
-        theta = self.extended(theta) if len(theta) == self.columns else theta
-        for number, (aim, place) in enumerate(self._placed()):
+        theta = self.extend_parameters(theta) if len(theta) == self.columns else theta
+        for number, (aim, place) in enumerate(self._place_states()):
             for part in self._parts(aim, theta, place):
                 extra = part.slopes.shape[2] - self.columns
                 slopes = part.slopes[:, :, extra:] * aim.scale()[:, None]
@@ -163,9 +163,9 @@ class Squares:
 
     def initial(self, theta: Numbers) -> list[Numbers]:
         """State at the first sample of every record."""
-        return [self._start(aim, theta, place, False).state for aim, place in self._placed()]
+        return [self._start(aim, theta, place, False).state for aim, place in self._place_states()]
 
-    def _placed(self) -> Iterator[tuple[Aim, int | None]]:
+    def _place_states(self) -> Iterator[tuple[Aim, int | None]]:
         """The records, and where their initial states are among the numbers."""
         place = self.columns
         for aim in self.aims:
@@ -207,7 +207,7 @@ class Squares:
 
 def settle_states(squares: Squares, theta: Numbers, steps: int) -> Found:
     """The initial states that are estimated, found for a θ of the chain that is held."""
-    theta = squares.extended(theta)
+    theta = squares.extend_parameters(theta)
     return minimise_cost(squares, theta, steps, free=np.arange(squares.size) >= squares.columns)
 
 

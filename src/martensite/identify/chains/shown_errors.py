@@ -41,7 +41,7 @@ def list_rows(
         undetermined: whether a row depends on directions that are not determined.
         moved: how much a row changes with numbers that are not determined.
     """
-    rows = block.shown(theta)
+    rows = block.describe_numbers(theta)
     errors = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", slopes, covariance, slopes), 0.0))
     found: list[PrintedNumber] = []
     for k, (name, value, unit) in enumerate(rows):
@@ -53,13 +53,13 @@ def list_rows(
 
 def slopes_of_shown(block: AbstractBlock, theta: Numbers) -> Numbers:
     """Derivatives of what is shown with respect to the free numbers, by central differences."""
-    found = np.zeros((len(block.shown(theta)), len(theta)))
+    found = np.zeros((len(block.describe_numbers(theta)), len(theta)))
     for i, value in enumerate(theta):
         step = STEP * max(abs(float(value)), 1.0)
         ends: list[list[float]] = []
         for sign in (1.0, -1.0):
             moved = np.array(theta, dtype=float)
             moved[i] += sign * step
-            ends.append([number for _, number, _ in block.shown(moved)])
+            ends.append([number for _, number, _ in block.describe_numbers(moved)])
         found[:, i] = (np.array(ends[0]) - np.array(ends[1])) / (2.0 * step)
     return found

@@ -17,7 +17,7 @@ from martensite.signals.sampling.sampled import Sampled
 
 def draw_numbers(chain: Chain, rng: np.random.Generator, record: Sampled) -> Numbers:
     """Random free numbers of all blocks."""
-    parts = [b.drawn(rng, record.duration, record.interval) for b in chain.blocks]
+    parts = [b.sample_parameters(rng, record.duration, record.interval) for b in chain.blocks]
     return np.concatenate([np.zeros(0), *parts])
 
 
@@ -84,5 +84,5 @@ def _fit_line(x: Numbers, y: Numbers) -> tuple[float, float]:
 def _curve_around(theta: Numbers, block: AbstractStatic, slope: float, offset: float) -> Numbers:
     """The drawn departure from the identity, scaled with the slope, around the line."""
     departure = theta - block.line(1.0, 0.0)
-    scaled = block.scaled(departure, slope)
+    scaled = block.scale_departure(departure, slope)
     return block.line(slope, offset if block.offset == "yes" else 0.0) + scaled

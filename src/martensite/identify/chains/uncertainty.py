@@ -93,7 +93,7 @@ class ChainUncertainty:
             )
         return (first, kind, *(one.sentence for one in self.flat))
 
-    def shown(self) -> list[PrintedNumber]:
+    def describe_numbers(self) -> list[PrintedNumber]:
         """What the free numbers mean, block by block, with standard errors (delta method)."""
         lost = np.isinf(self.errors)
         found: list[PrintedNumber] = []

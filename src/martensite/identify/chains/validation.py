@@ -103,7 +103,7 @@ class Validation:
     @property
     def sentences(self) -> tuple[str, ...]:
         """Scores, then what is wrong, then what the residuals remember."""
-        whole = [self._scored(one) for one in self.scores]
+        whole = [self._score_outputs(one) for one in self.scores]
         good = () if self.failures else ("The tests find nothing that the model misses.",)
         return (*whole, *self.failures, *good, *(one.sentence for one in self.whiteness))
 
@@ -128,7 +128,7 @@ class Validation:
         unit = self.record.units.get(output, "")
         return "" if unit in ("", "1") else f" {unit}"
 
-    def _scored(self, one: Score) -> str:
+    def _score_outputs(self, one: Score) -> str:
         unit = self._unit(one.output)
         return (
             f"`{one.record}`, `{one.output}` ({one.part}, free run): fit {one.fit_percent:.2f} %, "

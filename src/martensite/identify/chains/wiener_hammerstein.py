@@ -191,7 +191,7 @@ def _place_poles(chain: Chain, way: Shared, static: AbstractBlock, record: Sampl
         parts.append(start.theta)
         gains.append(start.gain)
     x = ChainEngine(chain.blocks[:1], dt).simulate(parts[0], u)
-    static = static.adapted(x, dt)
+    static = static.adapt_to(x, dt)
     curve = gains[1] * np.polyval(way.curve[::-1], gains[0] * x[:, 0])
     return replace(
         chain, blocks=(chain.blocks[0], static, chain.blocks[2]),
@@ -213,7 +213,7 @@ def _begin_chain(chain: Chain, with_polynomial: Chain, record: Sampled) -> Chain
     dt = chain.interval
     x = ChainEngine(chain.blocks[:1], dt).simulate(first, record.inputs)
     y = ChainEngine(with_polynomial.blocks[1:2], dt).simulate(curve, x)
-    static = chain.blocks[1].adapted(x, dt)
+    static = chain.blocks[1].adapt_to(x, dt)
     return replace(
         chain, blocks=(chain.blocks[0], static, chain.blocks[2]),
         theta=np.concatenate([first, fit_through(static, x[:, 0], y[:, 0]), last]),

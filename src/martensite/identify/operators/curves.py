@@ -50,7 +50,7 @@ class AbstractCurve(AbstractStatic):
             return theta[0] + made
         return made - self.curve(xp, heights, places, self.unit(0.0))
 
-    def scaled(self, departure: Numbers, factor: float) -> Numbers:
+    def scale_departure(self, departure: Numbers, factor: float) -> Numbers:
         """Places stay."""
         made = departure * factor
         last = len(made) - len(self.places())

@@ -31,7 +31,7 @@ class AbstractInterval(AbstractCurve):
     """Between which h is drawn; a fit begins in their middle, where it can move both limits."""
 
     @abstractmethod
-    def shaped(self, xp: Namespace, low: Scalar, high: Scalar, r: Scalar) -> Scalar:
+    def shape_input(self, xp: Namespace, low: Scalar, high: Scalar, r: Scalar) -> Scalar:
         """The shape, of slope 1 where it is a line."""
 
     def heights(self) -> tuple[str, ...]:
@@ -45,7 +45,7 @@ class AbstractInterval(AbstractCurve):
     def curve(self, xp: Namespace, heights: Column, places: Column, r: Scalar) -> Scalar:
         """Rise times shape."""
         half = xp.exp(xp.clip(places[1], -SMALLEST, SMALLEST))
-        shape = self.shaped(xp, places[0] - half, places[0] + half, r)
+        shape = self.shape_input(xp, places[0] - half, places[0] + half, r)
         return (heights[0] if self.gain == "free" else self.half) * shape
 
     def line(self, slope: float, offset: float) -> Numbers:
@@ -60,14 +60,14 @@ class AbstractInterval(AbstractCurve):
         made[-1] = np.log(np.mean(self.begun))
         return made
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Limits anywhere."""
         made = self.start()
         made[-2] = rng.uniform(-0.4, 0.4)
         made[-1] = np.log(rng.uniform(*self.begun))
         return made
 
-    def shown(self, theta: Numbers) -> list[tuple[str, float, str]]:
+    def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Limits in units of the input, gain and output at zero input."""
         centre, half = float(theta[-2]), float(np.exp(np.clip(theta[-1], -SMALLEST, SMALLEST)))
         limits = [self.middle + self.half * (centre + side * half) for side in (-1.0, 1.0)]

@@ -94,7 +94,7 @@ class AbstractNetwork(AbstractCurve):
         idle = np.zeros(int(self.units))
         return np.concatenate([level, [slope * self.half], idle, *self.frame()])
 
-    def drawn(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
+    def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:
         """Units around their frame, of heights about a fifth of the rise."""
         made = self.start()
         count = int(self.units)

@@ -171,7 +171,7 @@ class AbstractSwitch(AbstractSource):
         "A", "current limit while the switch is closed", above=0.0, high=1e6, default=1e6
     )
 
-    def closed(self, xp: Namespace, resistance: Scalar) -> Scalar:
+    def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm] while the switch is closed."""
         return xp.minimum(self.supply / (resistance + self.series_resistance), self.current_limit)
 
@@ -187,5 +187,5 @@ class AbstractSwitch(AbstractSource):
 
     def largest_power(self, resistance: float) -> float:
         """Power [W] in an element of `resistance` [ohm] while the switch is closed."""
-        current = self.closed(floats, resistance)
+        current = self.closed_current(floats, resistance)
         return current * current * resistance

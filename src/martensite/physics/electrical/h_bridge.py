@@ -50,7 +50,7 @@ class HBridge(AbstractSwitch):
         "V", "forward voltage of the diode, if there is one", low=0.0, high=1e3, default=0.0
     )
 
-    def closed(self, xp: Namespace, resistance: Scalar) -> Scalar:
+    def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Size [A] of the current through `resistance` [ohm] while the switches conduct."""
         diode = 0.0 if self.conducts == "both" else self.diode_voltage
         around = self.series_resistance + self.high_resistance + self.low_resistance
@@ -65,7 +65,7 @@ class HBridge(AbstractSwitch):
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Rms current [A] with the sign of the duty."""
-        size = xp.sqrt(self.share(xp, drive, self.frequency)) * self.closed(xp, resistance)
+        size = xp.sqrt(self.share(xp, drive, self.frequency)) * self.closed_current(xp, resistance)
         return xp.where(drive < 0.0, -size, size)
 
     def reach(self, resistance: float) -> SignalRange:

@@ -46,7 +46,7 @@ class Mosfet(AbstractSwitch):
         "s", "shortest time for which the transistor conducts", low=0.0, high=1.0, default=0.0
     )
 
-    def closed(self, xp: Namespace, resistance: Scalar) -> Scalar:
+    def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm] while the transistor conducts."""
         around = self.series_resistance + self.supply_resistance + self.on_resistance
         return xp.minimum(self.supply / (resistance + around), self.current_limit)
@@ -60,7 +60,7 @@ class Mosfet(AbstractSwitch):
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Rms current [A] for a duty."""
         share = self.share(xp, drive, self.frequency)
-        return xp.sqrt(share) * self.closed(xp, resistance)
+        return xp.sqrt(share) * self.closed_current(xp, resistance)
 
     def reach(self, resistance: float) -> SignalRange:
         """A transistor conducts all the time at most."""

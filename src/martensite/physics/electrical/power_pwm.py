@@ -57,9 +57,9 @@ class PowerPwm(AbstractSwitch):
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Rms current [A] for a drive in watt."""
         known = self.reference_resistance if self.measured == "once" else resistance
-        most = self.closed(xp, known)
+        most = self.closed_current(xp, known)
         duty = xp.clip(drive / (most * most * known), 0.0, 1.0)
-        return xp.sqrt(duty) * self.closed(xp, resistance)
+        return xp.sqrt(duty) * self.closed_current(xp, resistance)
 
     def reach(self, resistance: float) -> SignalRange:
         """Demands [W] that lead to a duty of at most 1."""

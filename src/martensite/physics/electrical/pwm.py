@@ -28,7 +28,7 @@ class PwmVoltage(AbstractSwitch):
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Rms current [A] for a duty."""
-        return xp.sqrt(xp.clip(drive, 0.0, 1.0)) * self.closed(xp, resistance)
+        return xp.sqrt(xp.clip(drive, 0.0, 1.0)) * self.closed_current(xp, resistance)
 
     def reach(self, resistance: float) -> SignalRange:
         """A switch is closed all the time at most."""

@@ -30,7 +30,7 @@ class Air(AbstractFluid):
         """250 K to 450 K."""
         return 250.0, 450.0
 
-    def known(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
+    def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
         """k, ν, Pr and β at the film temperature [K]."""
         log = xp.log(temperature * (1.0 / 300.0))
         density = self.pressure / (GAS_CONSTANT * temperature)

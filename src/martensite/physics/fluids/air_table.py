@@ -52,7 +52,7 @@ class AirTable(AbstractFluid):
         rows = ROWS[self.rows]
         return rows[0][0] + ZERO_CELSIUS, rows[-1][0] + ZERO_CELSIUS
 
-    def known(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
+    def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
         """k, ν, Pr and β at the film temperature [K]."""
         celsius = temperature - ZERO_CELSIUS
         conductivity, viscosity, prandtl = interpolate_rows(xp, celsius, ROWS[self.rows])

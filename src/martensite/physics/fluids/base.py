@@ -44,8 +44,8 @@ class AbstractFluid(Parametrised):
 
     def properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
         """Properties at the film temperature [K], held beyond the span."""
-        return self.known(xp, xp.clip(temperature, *self.span()))
+        return self.film_properties(xp, xp.clip(temperature, *self.span()))
 
     @abstractmethod
-    def known(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
+    def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
         """Properties at a temperature [K] within the span."""

@@ -45,7 +45,7 @@ class Oil(AbstractFluid):
         """273 K to 430 K."""
         return ROWS[0][0], ROWS[-1][0]
 
-    def known(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
+    def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
         """k, ν, Pr and β at the film temperature [K]."""
         conductivity, viscosity, prandtl = interpolate_rows(xp, temperature, LOGARITHMIC)
         return FluidProperties(conductivity, xp.exp(viscosity), xp.exp(prandtl), EXPANSION)

@@ -55,7 +55,7 @@ class Water(AbstractFluid):
         """10 °C to 100 °C."""
         return 283.15, 373.15
 
-    def known(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
+    def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
         """k, ν, Pr and β at the film temperature [K]."""
         log = xp.log(temperature * (1.0 / 300.0))
         dynamic = 1e-6 * _sum_powers(xp, DYNAMIC, log)

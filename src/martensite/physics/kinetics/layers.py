@@ -128,13 +128,13 @@ class AbstractLayers(AbstractLaw):
             self.E_A, self.E_M, self.eps_T, self.Delta_sigma, self.layer_volume, self.layer_time
         )
 
-    def threshold(self, temperature: Scalar) -> Scalar:
+    def linear_transition_stress(self, temperature: Scalar) -> Scalar:
         """σ_L + s (T - T_L) [Pa], before the limit at zero."""
         return self.sigma_L + self.dsigma_dT * (temperature - self.T_L)
 
-    def limited(self, xp: Namespace, temperature: Scalar) -> Scalar:
+    def transition_stress(self, xp: Namespace, temperature: Scalar) -> Scalar:
         """σ_A(T) [Pa], never below zero."""
-        return xp.maximum(self.threshold(temperature), 0.0)
+        return xp.maximum(self.linear_transition_stress(temperature), 0.0)
 
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
         """ε_T (x₊ - x₋) [-]."""
@@ -157,7 +157,7 @@ class AbstractLayers(AbstractLaw):
 
     def depth(self, xp: Namespace, temperature: Scalar) -> Scalar:
         """β(T) = ψ_A(0) - ψ_M(ε_T) [J/m³], the difference of the two wells at rest."""
-        rise = self.threshold(temperature)
+        rise = self.linear_transition_stress(temperature)
         eps_A, eps_M = rise / self.E_A, self.eps_T + (rise - self.Delta_sigma) / self.E_M
         martensite = self.E_M * (self.eps_T - eps_A) * (self.eps_T - eps_M)
         return 0.5 * (martensite - self.E_A * eps_A * eps_M)
@@ -173,7 +173,7 @@ class AbstractLayers(AbstractLaw):
             (Pull(-1.0, -1.0, 0.0), austenite),
             (Pull(1.0, 1.0, -self.Delta_sigma), present.minus),
         )
-        threshold = self.limited(xp, temperature)
+        threshold = self.transition_stress(xp, temperature)
         best, chosen = NEVER, candidates[0][0]
         for pull, share in candidates:
             drive = xp.where(share > PRESENT, pull.drive(stress, threshold), NEVER)
@@ -184,7 +184,7 @@ class AbstractLayers(AbstractLaw):
 
     def overshoot(self, xp: Namespace, pull: Pull, stress: Scalar, temperature: Scalar) -> Scalar:
         """How far beyond its threshold the pulled process would end [Pa]."""
-        return pull.drive(stress, self.limited(xp, temperature))
+        return pull.drive(stress, self.transition_stress(xp, temperature))
 
     def crossing(
         self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar
@@ -198,7 +198,7 @@ class AbstractLayers(AbstractLaw):
 
     def free_energy(self, xp: Namespace, strain: Scalar, temperature: Scalar) -> Scalar:
         """ψ(ε, T) [J/m³], zero at the bottom of the austenite well."""
-        rise = self.limited(xp, temperature)
+        rise = self.transition_stress(xp, temperature)
         eps_A = rise / self.E_A
         eps_M = self.eps_T + (rise - self.Delta_sigma) / self.E_M
         bridge = self.Delta_sigma / (eps_M - eps_A)

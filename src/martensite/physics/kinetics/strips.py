@@ -81,7 +81,7 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         """Memory of a wire that has no history; all martensite counts as oriented."""
         return OneFractionMemory(fractions.martensite, 0.0, 0.0, stress, temperature)
 
-    def moved(
+    def relocate(
         self, xp: Namespace, memory: OneFractionMemory, fractions: Fractions, stress: Scalar,
         temperature: Scalar,
     ) -> OneFractionMemory:  # fmt: skip

@@ -73,7 +73,7 @@ class AbstractLaw(Parametrised):
     def fractions(self, memory: Any) -> Fractions:
         """The phase state stored in a memory."""
 
-    def moved(
+    def relocate(
         self, xp: Namespace, memory: Any, fractions: Fractions, stress: Scalar,
         temperature: Scalar,
     ) -> Any:  # fmt: skip

@@ -102,7 +102,7 @@ class Brinson(AbstractPhaseDiagram):
         """Memory of a wire that has no history; needs 0 ≤ ξ_S ≤ ξ ≤ 1."""
         return twinned.start_memory(fractions, stress, temperature)
 
-    def moved(
+    def relocate(
         self, xp: Namespace, memory: TwoFractionMemory, fractions: Fractions, stress: Scalar,
         temperature: Scalar,
     ) -> TwoFractionMemory:  # fmt: skip

@@ -106,7 +106,7 @@ class Lagoudas(AbstractSurfaceLaw):
         ratio = xp.where(some, xp.clip(ratio, -1.0, 1.0), 0.0)
         return LagoudasMemory(fractions.martensite, ratio, stress, temperature)
 
-    def moved(
+    def relocate(
         self, xp: Namespace, memory: LagoudasMemory, fractions: Fractions, stress: Scalar,
         temperature: Scalar,
     ) -> LagoudasMemory:  # fmt: skip
@@ -141,11 +141,11 @@ class Lagoudas(AbstractSurfaceLaw):
         left = xp.minimum(invert_hardening(xp, share, self.n_3, self.n_4), move.fraction)
         share = self.smooth(xp, self.forward_share(xp, scale, stress, temperature), self.waist_f)
         fraction = xp.store(xp.maximum(invert_hardening(xp, share, self.n_1, self.n_2), left))
-        gained = self._gained(xp, scale, move, way, xp.maximum(fraction, move.fraction))
+        gained = self._integrate_strain(xp, scale, move, way, xp.maximum(fraction, move.fraction))
         kept = move.ratio * xp.minimum(fraction, move.fraction)
         return Fractions(fraction, kept + gained / self.H_sat)
 
-    def _gained(
+    def _integrate_strain(
         self,
         xp: Namespace,
         scale: WorkScale,

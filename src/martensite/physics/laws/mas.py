@@ -80,7 +80,9 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
     def barriers(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Process, ...]:
         """The four processes at a point."""
         constants = self.material()
-        at = build_wells(xp, constants, self.threshold(temperature), temperature, self.form)
+        at = build_wells(
+            xp, constants, self.linear_transition_stress(temperature), temperature, self.form
+        )
         plus = build_processes(xp, constants, at, stress, self.form)
         minus = build_processes(xp, constants, at, -stress, self.form)
         return (*plus, *minus)
@@ -108,7 +110,9 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
     ) -> Scalar:
         """How far the pulled process would end beyond where it rests in a step of dt [Pa]."""
         pull = move.pull
-        at = build_wells(xp, self.material(), self.threshold(temperature), temperature, self.form)
+        at = build_wells(
+            xp, self.material(), self.linear_transition_stress(temperature), temperature, self.form
+        )
         scale = compute_scales(xp, self.material(), at, self.form)
         slow = xp.sqrt(xp.log(xp.maximum(dt / (RESTING * self.layer_time), 1.0)))
         inside = slow / xp.where(pull.offset < 0.0, scale.M, scale.A)

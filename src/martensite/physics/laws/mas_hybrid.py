@@ -74,10 +74,10 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
 
     def rests(self, xp: Namespace, temperature: Scalar) -> Rests:
         """Thresholds with thermal activation [Pa]."""
-        inside, threshold = self.inside(xp), self.threshold(temperature)
+        inside, threshold = self.inside(xp), self.linear_transition_stress(temperature)
         return Rests(
             xp.maximum(threshold - inside.A, 0.0),
-            self.limited(xp, temperature) - self.Delta_sigma + inside.M,
+            self.transition_stress(xp, temperature) - self.Delta_sigma + inside.M,
         )
 
     def select(

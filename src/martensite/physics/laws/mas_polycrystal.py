@@ -105,7 +105,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         columns = (present.plus,) * count, (present.minus,) * count
         return PolycrystalMemory(*columns, fractions, stress, temperature)
 
-    def moved(
+    def relocate(
         self,
         xp: Namespace,
         memory: PolycrystalMemory,
@@ -189,7 +189,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         The bridge between the wells is that of the mean threshold for all groups; beyond the
         far threshold, where nothing ever jumps, the barrier keeps growing as a parabola.
         """
-        constants, threshold = self.material(), self.threshold(temperature)
+        constants, threshold = self.material(), self.linear_transition_stress(temperature)
         middle = build_wells(xp, constants, threshold, temperature, self.form)
         scale = compute_scales(xp, constants, middle, self.form)
 

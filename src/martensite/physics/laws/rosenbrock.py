@@ -152,7 +152,7 @@ class _Stages:
         self.diagonal = xp.store(self.per_step * (1.0 / GAMMA))
         stress, self.by_state = self._stress(at)
         self.linear = self._linearise(stress)
-        self.moved = self.linear.rates.mean()[0]
+        self.relocate = self.linear.rates.mean()[0]
         self._close(at)
 
     def solve(self) -> list[_Stage]:
@@ -207,7 +207,7 @@ class _Stages:
 
     def _close(self, at: Sequence[Scalar]) -> None:
         """What stress and temperature answer to a change within the groups."""
-        xp, coupling, moved = self.xp, self.coupling, self.moved
+        xp, coupling, moved = self.xp, self.coupling, self.relocate
 
         def balance(xp: Namespace, at: Column) -> Column:
             latent = coupling.latent(xp, coupling.stress(xp, at), at[2])

@@ -119,7 +119,7 @@ def _finish(axes: Any, result: Result, title: str, last: bool) -> None:
 
 
 def _write(figure: Any, result: Result, title: str | None, warnings: Sequence[str]) -> None:
-    height, described = figure.get_figheight(), result.system.described()
+    height, described = figure.get_figheight(), result.system.description()
     plain = {"va": "center", "parse_math": False}
     top = described[:1].upper() + described[1:] if title is None else title
     figure.text(0.02, 1.0 - 0.24 / height, top, fontsize=12.5, fontweight="bold", **plain)

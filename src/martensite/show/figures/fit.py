@@ -50,7 +50,7 @@ def plot_fit(fit: Fit, title: str = "") -> Figure:
     with styled():
         figure, panels = grid(len(rows), title or "Measured and fitted")
         for axes, one in zip(panels, rows, strict=True):
-            shown = output_axis(one.output, one.described)
+            shown = output_axis(one.output, one.description)
             _panel(axes, one, TIME, one.times, shown)
         _common_scales(panels, rows)
         _key(figure, rows)
@@ -81,7 +81,7 @@ def plot_fit_loops(fit: Fit, title: str = "") -> Figure:
             record = one.experiment.record
             values = np.asarray(record[column])[one.experiment.rows]
             horizontal = _column_axis(column, record.units[column])
-            _panel(axes, one, horizontal, values, output_axis(one.output, one.described))
+            _panel(axes, one, horizontal, values, output_axis(one.output, one.description))
         _common_scales(panels, rows)
         _key(figure, rows)
         return figure
@@ -193,7 +193,7 @@ def _name(axes: Any, one: Compared) -> None:
     """The record above a panel, and below its name the errors."""
     axes.set_title(short(one.record), fontweight="bold", pad=14.0).set_parse_math(False)
     errors = [
-        f"{amount(one.output, one.rms(part), one.described.unit)}{word}"
+        f"{amount(one.output, one.rms(part), one.description.unit)}{word}"
         for part, word in ((TRAINING, ""), (HELD_OUT, " held out")) if _any(one, part)
     ]  # fmt: skip
     axes.annotate(
@@ -219,7 +219,7 @@ def _common_scales(panels: Sequence[Any], rows: Sequence[Compared]) -> None:
     """The same vertical scale for the same output, so that panels compare at a glance."""
     for name in dict.fromkeys(one.output for one in rows):
         own = [(axes, one) for axes, one in zip(panels, rows, strict=True) if one.output == name]
-        shown = output_axis(name, own[0][1].described)
+        shown = output_axis(name, own[0][1].description)
         values = [shown.values(column) for _, one in own for column in (one.measured, one.model)]
         for axes, _ in own:
             axes.set_ylim(*around(*values))

@@ -73,7 +73,7 @@ def _reach(rows: list[Compared]) -> dict[str, float]:
 
 
 def _over_time(axes: Any, one: Compared, reach: float, last: bool) -> None:
-    shown = output_axis(one.output, one.described)
+    shown = output_axis(one.output, one.description)
     factor = _factor(shown)
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
     for part, colour in ((one.used, SIMULATED), (one.held, HELD)):

@@ -157,7 +157,7 @@ def _write_text(figure: Any, result: Result, title: str | None, warnings: Sequen
 
 
 def _title(result: Result) -> str:
-    text = result.system.described()
+    text = result.system.description()
     return text[:1].upper() + text[1:]
 
 

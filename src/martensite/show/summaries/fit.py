@@ -204,7 +204,7 @@ def _facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
         yield f"Scenario: {scenario.title}{file}."
         if scenario.material is not None:
             yield f"Numbers that are not fitted: material `{scenario.material.name}`, or scenario."
-    yield f"System: {fit.system().described()}."
+    yield f"System: {fit.system().description()}."
     law = _law(fit)
     options = joined([f"`{name} = {word}`" for name, word in law.items() if name != KIND])
     yield f"Law: `{law[KIND]}`{f' with {options}' if options else ''}."

@@ -30,11 +30,11 @@ class Trend:
     input_slopes: Numbers
     output_slopes: Numbers
 
-    def removed(self, record: Sampled) -> Sampled:
+    def remove_from(self, record: Sampled) -> Sampled:
         """A record without the trend."""
         return self._moved(record, -1.0)
 
-    def restored(self, record: Sampled) -> Sampled:
+    def restore_to(self, record: Sampled) -> Sampled:
         """A record with the trend put back."""
         return self._moved(record, 1.0)
 
@@ -82,7 +82,7 @@ def remove_trend(
 ) -> tuple[Sampled, Trend]:
     """A record without its trend, and the trend, which puts it back."""
     found = find_trend(record, kind, rest)
-    return found.removed(record), found
+    return found.remove_from(record), found
 
 
 def _count_resting(record: Sampled) -> int:
