@@ -178,8 +178,8 @@ class Mpc(AbstractController):
             return []
         return [
             f"The horizon of {self.horizon:.3g} s ends before full signal moves "
-            f"`{self.followed_output}`, after {start:.3g} s: plans see what heating costs and hardly "
-            f"what it gains."
+            f"`{self.followed_output}`, after {start:.3g} s: plans see what heating costs and "
+            f"hardly what it gains."
         ]
 
     @property

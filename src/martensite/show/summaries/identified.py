@@ -58,7 +58,7 @@ def _describe_dynamics(chain: Chain) -> Iterator[Block]:
         (str(k), name, f"{value:.5g}", unit)
         for k, (block, theta) in enumerate(zip(chain.blocks, chain.split(), strict=True), start=1)
         if block.states()
-        for name, value, unit in block.shown(theta)
+        for name, value, unit in block.describe_numbers(theta)
     ]
     if rows:
         yield DataTable(("block", "number", "value", "unit"), rows[:MOST_NUMBERS], right=(2,))

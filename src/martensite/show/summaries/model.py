@@ -113,6 +113,6 @@ def _describe_numbers(found: ChainUncertainty) -> Iterator[Block]:
     yield BulletList(found.sentences)
     rows = [
         (str(one.block), one.name, number(one.value), number(one.error, 2), one.unit)
-        for one in found.shown()
+        for one in found.describe_numbers()
     ]
     yield DataTable(("block", "number", "value", "standard error", "unit"), rows, right=(2, 3))
