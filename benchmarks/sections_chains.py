@@ -23,10 +23,10 @@ from benchmarks.process import run_process
 from benchmarks.report import Table
 from benchmarks.sections import Options, rows_of, section
 from martensite.identify.chains.chain import Chain, build_untrained
+from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.estimate import Options as Search
 from martensite.identify.chains.estimate import estimate_chain
-from martensite.identify.chains.residuals import Aim, Squares
-from martensite.identify.chains.written import parse_chain
+from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.identify.operators import sections
 from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Sampled
@@ -201,7 +201,7 @@ def searches(options: Options) -> list[Table]:
 def large(samples: int = 500_000) -> dict[str, float]:
     """Peak memory [MB] before and in one evaluation of the normal equations."""
     chain, record = first_stage(samples, LONG)
-    squares = Squares(chain.engine, [Aim(record)])
+    squares = ResidualSquares(chain.engine, [RecordResidual(record)])
     unit = 1 if sys.platform == "darwin" else 1024
     squares.value(chain.theta)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6

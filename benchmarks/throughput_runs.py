@@ -23,7 +23,7 @@ from martensite.scenario.scenario import load
 from martensite.simulate.arrays import build_schedule, jitted_march
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
-from martensite.simulate.driven import grid_of
+from martensite.simulate.drive_waveforms import grid_of
 from martensite.simulate.grid import TimeGrid
 from martensite.simulate.native import march_lanes
 

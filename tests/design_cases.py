@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from martensite.design.optimise.evaluate import Designs
 from martensite.design.optimise.question import read_question
 from martensite.scenario.scenario import Scenario, read_scenario
-from martensite.simulate.steered import Steering
+from martensite.simulate.waveform_levels import WaveformLevels
 
 BUNDLE = """
 title = "bundle"
@@ -50,14 +50,14 @@ def bundle() -> Scenario:
     return read_scenario(BUNDLE)
 
 
-def steering(**changes: float) -> Steering:
+def steering(**changes: float) -> WaveformLevels:
     """The bundle and its power, with changes of numbers by ending of their paths."""
     one = bundle()
-    return Steering(one.system.with_values(changes), one.waveform, one.duration)
+    return WaveformLevels(one.system.with_values(changes), one.waveform, one.duration)
 
 
 def designs(
-    free: Sequence[str], goal: str, subject: Sequence[str], begin: Steering | None = None,
+    free: Sequence[str], goal: str, subject: Sequence[str], begin: WaveformLevels | None = None,
     **options: Any,
 ) -> Designs:  # fmt: skip
     """Designs of the bundle; options are those of `Designs`."""

@@ -15,11 +15,11 @@ from builders import problem_a, wire_a
 from martensite.actuators.assembly import AbstractSystem, System
 from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Controllers, Observers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.base import AbstractObserver
-from martensite.control.observers.shaken import Shaken
+from martensite.control.observers.process_noise_plant import ProcessNoisePlant
 from martensite.control.sensors.resistance import ResistanceSensor
 from martensite.physics.electrical.furst_seelecke import FurstSeeleckeResistance
 from martensite.physics.electrical.pwm import PwmVoltage
@@ -70,10 +70,10 @@ def sensing_bench(
     return Bench(**(parts | changes))
 
 
-def shaken(plant: AbstractSystem, **noise: float) -> Shaken:
+def shaken(plant: AbstractSystem, **noise: float) -> ProcessNoisePlant:
     """The plant with a random walk of temperature and fraction."""
     parts: dict[str, Any] = {"plant": plant, "held": PERIOD, **noise}
-    return Shaken(**parts)
+    return ProcessNoisePlant(**parts)
 
 
 def run(bench: Bench, seconds: float = 60.0, **options: Any) -> dict[str, np.ndarray]:

@@ -22,7 +22,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.signals.step import Step
 from martensite.signals.triangle import Triangle
 from martensite.simulate.compiled import CompiledMarch, compile_march
-from martensite.simulate.driven import arrange_waveforms
+from martensite.simulate.drive_waveforms import arrange_waveforms
 from martensite.simulate.grid import TimeGrid, grid_at
 from martensite.simulate.native import march_lanes
 from martensite.simulate.native_slopes import OutputSlopes, march_slopes

@@ -10,7 +10,7 @@ from builders import problem_a, wire_a
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.control.controllers.pid import Pid
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.sensors.position import PositionSensor
 from martensite.identify.blocks.polynomial import Polynomial

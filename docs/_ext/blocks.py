@@ -8,7 +8,7 @@ import parts
 
 from martensite.base.errors import InputError
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractStatic
-from martensite.identify.chains.written import parse_block
+from martensite.identify.chains.chain_text import parse_block
 from martensite.scenario import catalogue
 
 MANY = 12

@@ -25,7 +25,7 @@ from martensite.control.faults.base import FAULTS
 from martensite.control.faults.stuck import Stuck
 from martensite.control.faults.supply_sag import SupplySag
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import FaultTable, Observers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.loop.supervisor import SUPERVISORS

@@ -24,7 +24,7 @@ from martensite.control.controllers.correction import Correction
 from martensite.control.controllers.direct import Direct
 from martensite.control.controllers.feedforward import Feedforward
 from martensite.control.controllers.inverse_play import InversePlay
-from martensite.control.controllers.latched import LatchedOnOff
+from martensite.control.controllers.latched_on_off import LatchedOnOff
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.on_off import OnOff
 from martensite.control.controllers.pid import Pid, PidGains, PidLaw

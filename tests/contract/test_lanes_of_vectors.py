@@ -10,7 +10,7 @@ from builders import SINE_A, problem_a
 
 from martensite.kernels.c99_lanes import BLOCK, lanes_source
 from martensite.simulate.compiled import compile_march
-from martensite.simulate.driven import grid_of
+from martensite.simulate.drive_waveforms import grid_of
 from martensite.simulate.native import march_lanes
 
 pytestmark = pytest.mark.usefixtures("c_compiler")

@@ -8,7 +8,7 @@ from builders import SINE_A, problem_a
 
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_march
-from martensite.simulate.driven import grid_of
+from martensite.simulate.drive_waveforms import grid_of
 from martensite.simulate.native import march_lanes
 
 LANES = 5

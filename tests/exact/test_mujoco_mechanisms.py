@@ -40,7 +40,7 @@ from martensite.physics.thermal.constant import ConstantCooling
 from martensite.signals.step import Step
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
-from martensite.simulate.driven import Waveforms
+from martensite.simulate.drive_waveforms import Waveforms
 from martensite.simulate.result import Result
 
 mujoco: Any = installed

@@ -43,7 +43,7 @@ from martensite.signals.constant import Constant
 from martensite.signals.moments import Tone
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_march
-from martensite.simulate.driven import grid_of
+from martensite.simulate.drive_waveforms import grid_of
 from martensite.simulate.march import march_floats
 from martensite.simulate.point import PathLeg, PointResult, material_point
 from martensite.simulate.result import Result

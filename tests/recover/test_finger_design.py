@@ -17,7 +17,7 @@ from martensite.design.optimise.optimise import optimise_design
 from martensite.design.optimise.question import read_question
 from martensite.design.optimise.scan import scan
 from martensite.scenario.scenario import load
-from martensite.simulate.steered import Steering
+from martensite.simulate.waveform_levels import WaveformLevels
 
 SCENARIO = Path(__file__).parents[2] / "examples" / "finger_design.toml"
 BOX = ("strand.diameter=0.06..0.1 mm", "mechanism.offset=4..8 mm", "drive.waveform.high=2..6 W")
@@ -31,7 +31,7 @@ pytestmark = pytest.mark.usefixtures("c_compiler")
 
 def test_derivatives_are_those_of_differences() -> None:
     one = load(SCENARIO)
-    steering = Steering(one.system, one.waveform, 4.0)
+    steering = WaveformLevels(one.system, one.waveform, 4.0)
     limits = (*LIMITS, "max(stress) <= 172 MPa", "max(hottest) <= 120 degC")
     free = "element.count=1..6", *BOX
     question = read_question(steering, free, "energy", limits)
@@ -72,7 +72,7 @@ def test_it_agrees_with_brute_force() -> None:
 def optimise_box(box: tuple[str, ...], count: str, step: float) -> Designs:
     """Designs of the finger in another box."""
     one = load(SCENARIO)
-    steering = Steering(one.system, one.waveform, one.duration)
+    steering = WaveformLevels(one.system, one.waveform, one.duration)
     limits = (*LIMITS, "max(stress) <= 172 MPa", "max(hottest) <= 120 degC")
     question = read_question(steering, (count, *box), "energy", limits)
     return Designs(steering, question, samples=one.samples, step=step)

@@ -9,10 +9,10 @@ import pytest
 
 from martensite.base.errors import InputError
 from martensite.identify.chains.chain import Chain, build_untrained
+from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.wiener_hammerstein import wiener_hammerstein_starts
-from martensite.identify.chains.written import parse_chain
 from martensite.signals.sampling.sampled import Sampled
 
 pytestmark = pytest.mark.usefixtures("c_compiler")

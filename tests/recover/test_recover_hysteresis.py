@@ -13,9 +13,9 @@ import pytest
 
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain, build_untrained
+from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
 from martensite.identify.chains.scores import fit_percent
-from martensite.identify.chains.written import parse_chain
 from martensite.signals.sampling.sampled import Sampled
 
 DT = 0.1

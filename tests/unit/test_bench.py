@@ -17,7 +17,7 @@ from martensite.control.controllers.on_off import OnOff
 from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.faults.stuck import Stuck
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Controllers, FaultTable, Observers, Sensors
 from martensite.control.loop.run import open_loop, simulate_bench
 from martensite.control.observers.inverse import InverseModel
@@ -29,7 +29,7 @@ from martensite.signals.constant import Constant
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_march, compile_system
-from martensite.simulate.driven import grid_of
+from martensite.simulate.drive_waveforms import grid_of
 from martensite.simulate.native_slopes import march_slopes
 
 PERIOD, DURATION = 0.05, 6.0

@@ -12,7 +12,7 @@ from benchmarks.sections import SECTIONS, Options
 
 from martensite.base.errors import DataError
 from martensite.identify.chains.estimate import Options as Search
-from martensite.identify.chains.residuals import Aim, Squares
+from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 
 OURS = Options(available(["ours"]), repeats=1)
 
@@ -37,7 +37,7 @@ def test_ways_to_derivatives(c_compiler, monkeypatch):
 
 def test_normal_equations_take_bounded_memory(c_compiler):
     chain, record = sections_chains.first_stage(60_000)
-    squares = Squares(chain.engine, [Aim(record)])
+    squares = ResidualSquares(chain.engine, [RecordResidual(record)])
     squares.normal(chain.theta)
     whole = 8 * len(record) * len(chain.theta)
     tracemalloc.start()

@@ -5,9 +5,9 @@ import pytest
 
 from martensite.base.errors import ParameterError
 from martensite.identify.chains.chain import Chain, build_untrained
+from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.levenberg import Normal, minimise_cost
-from martensite.identify.chains.residuals import Aim, Squares
-from martensite.identify.chains.written import parse_chain
+from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.signals.sampling.sampled import Sampled
 
 RNG = np.random.default_rng(5)
@@ -32,11 +32,11 @@ def noisy(chain: Chain) -> Sampled:
     return record(y + 0.02 * RNG.normal(size=y.shape))
 
 
-def squares(chain: Chain, *aims: Aim, ridge: float = 0.0) -> Squares:
-    return Squares(chain.engine, aims, ridge, chain.theta)
+def squares(chain: Chain, *aims: RecordResidual, ridge: float = 0.0) -> ResidualSquares:
+    return ResidualSquares(chain.engine, aims, ridge, chain.theta)
 
 
-def check(cost: Squares, theta: np.ndarray) -> None:
+def check(cost: ResidualSquares, theta: np.ndarray) -> None:
     """Gradient against differences, value against the sum of its parts."""
     normal = cost.normal(theta)
     assert normal.value == pytest.approx(cost.value(theta), rel=1e-12)
@@ -54,7 +54,7 @@ AR = np.array([1.0, -0.8, 0.2])
 @pytest.mark.parametrize("start", ["rest", "zero", "estimate"])
 @pytest.mark.parametrize("whitening", [np.ones(1), AR], ids=["white", "coloured"])
 def test_gradients(chain: Chain, noisy: Sampled, start: str, whitening: np.ndarray) -> None:
-    cost = squares(chain, Aim(noisy, 30, start=start, whitening=whitening), ridge=1e-3)
+    cost = squares(chain, RecordResidual(noisy, 30, start=start, whitening=whitening), ridge=1e-3)
     theta = cost.extend_parameters(chain.theta)
     check(cost, theta + 0.02 * RNG.normal(size=len(theta)))
 
@@ -65,7 +65,9 @@ def test_missing_and_skipped_samples_do_not_count(chain: Chain, noisy: Sampled) 
     wild = noisy.outputs.copy()
     wild[:40] = 1e3
     weights = np.array([2.0])
-    counted = [squares(chain, Aim(noisy.with_outputs(y), 40, weights)) for y in (gaps, wild)]
+    counted = [
+        squares(chain, RecordResidual(noisy.with_outputs(y), 40, weights)) for y in (gaps, wild)
+    ]
     error = 2.0 * (noisy.outputs - chain.simulate(noisy))[40:]
     assert counted[1].value(chain.theta) == pytest.approx(float(np.sum(error**2)))
     without = np.delete(error, range(60, 110), axis=0)
@@ -75,7 +77,9 @@ def test_missing_and_skipped_samples_do_not_count(chain: Chain, noisy: Sampled) 
 
 def test_records_add_up_and_estimate_states_of_their_own(chain: Chain, noisy: Sampled) -> None:
     halves = noisy.rows(0, 250), noisy.rows(250)
-    both = squares(chain, *(Aim(h, weights=np.ones(1), start="estimate") for h in halves))
+    both = squares(
+        chain, *(RecordResidual(h, weights=np.ones(1), start="estimate") for h in halves)
+    )
     assert both.size == len(chain.theta) + 2 * chain.engine.plan.states
     found = minimise_cost(both, both.extend_parameters(chain.theta))
     truth = noisy.outputs[250:]
@@ -86,14 +90,14 @@ def test_records_add_up_and_estimate_states_of_their_own(chain: Chain, noisy: Sa
 
 
 def test_parts_are_the_residuals(chain: Chain, noisy: Sampled) -> None:
-    cost = squares(chain, Aim(noisy, weights=np.ones(1)))
+    cost = squares(chain, RecordResidual(noisy, weights=np.ones(1)))
     found = np.concatenate([part.residuals for _, part in cost.parts(chain.theta)])
     np.testing.assert_allclose(found, noisy.outputs - chain.simulate(noisy), atol=1e-14)
 
 
 def test_an_unknown_start_is_refused(noisy: Sampled) -> None:
     with pytest.raises(ParameterError, match="rest, zero or estimate, not `warm`"):
-        Aim(noisy, start="warm")
+        RecordResidual(noisy, start="warm")
 
 
 class Valley:

@@ -18,7 +18,7 @@ from design_cases import (
     designs,
     differences,
     steering,
-)  # fmt: skip
+)
 from numpy.typing import NDArray
 
 from martensite.base.errors import InputError, ParameterError, UnitError
@@ -34,28 +34,49 @@ from martensite.design.optimise.search import Search
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
-from martensite.simulate.steered import Steering
+from martensite.simulate.waveform_levels import WaveformLevels
 
 ALL = (
-    "stroke >= 3 mm", "rise-time <= 1 s", "fall-time <= 1 s", "max(stress) <= 200 MPa",
-    "max(temperature) <= 120 degC", "at(position, time=1 s) >= 3 mm", "rms(current) <= 1 A",
-    "mean(power) <= 5 W", "element.count <= 4",
-)  # fmt: skip
-LIMITS = ("stroke >= 7.5 mm", "rise-time <= 0.5 s", "fall-time <= 1 s", "max(stress) <= 450 MPa",
-          "max(temperature) <= 170 degC")  # fmt: skip
+    "stroke >= 3 mm",
+    "rise-time <= 1 s",
+    "fall-time <= 1 s",
+    "max(stress) <= 200 MPa",
+    "max(temperature) <= 120 degC",
+    "at(position, time=1 s) >= 3 mm",
+    "rms(current) <= 1 A",
+    "mean(power) <= 5 W",
+    "element.count <= 4",
+)
+LIMITS = (
+    "stroke >= 7.5 mm",
+    "rise-time <= 0.5 s",
+    "fall-time <= 1 s",
+    "max(stress) <= 450 MPa",
+    "max(temperature) <= 170 degC",
+)
 QUICK = Search(sample=16, descents=1, clouds=1, iterations=30)
 pytestmark = pytest.mark.usefixtures("c_compiler")
 
 
 def found(
-    free: tuple[str, ...], *limits: str, begin: Steering | None = None, search: Search = QUICK,
+    free: tuple[str, ...],
+    *limits: str,
+    begin: WaveformLevels | None = None,
+    search: Search = QUICK,
     **options: object,
-) -> Designed:  # fmt: skip
+) -> Designed:
     given = begin or steering()
     return optimise_design(
-        given.system, given.waveforms, given.duration, free, subject=limits or LIMITS,
-        samples=SAMPLES, step=STEP, search=search, **options,  # type: ignore[arg-type]
-    )  # fmt: skip
+        given.system,
+        given.waveforms,
+        given.duration,
+        free,
+        subject=limits or LIMITS,
+        samples=SAMPLES,
+        step=STEP,
+        search=search,
+        **options,  # type: ignore[arg-type]
+    )
 
 
 # ---------------------------------------------------------------- derivatives
@@ -86,9 +107,7 @@ def test_derivatives_are_those_of_differences(all_measures: Designs, z: tuple[fl
 
 def test_without_a_compiler_differences_serve(all_measures: Designs) -> None:
     z = np.array([0.3, 0.1, 0.55, 0.3])
-    plain = Designs(
-        steering(), all_measures.question, samples=SAMPLES, step=STEP, native=False
-    )  # fmt: skip
+    plain = Designs(steering(), all_measures.question, samples=SAMPLES, step=STEP, native=False)
     exact, near = all_measures.slopes(z), plain.slopes(z)
     assert exact is not None
     assert near is not None
@@ -118,7 +137,7 @@ def test_a_steered_run_is_the_run_itself() -> None:
 
 def test_the_peak_scales_all_of_a_waveform() -> None:
     wave = Sine(low=-1.0, high=3.0, frequency=1.0)
-    given = Steering(bundle().system, wave, 2.0)
+    given = WaveformLevels(bundle().system, wave, 2.0)
     assert given.level("drive", "peak").value == pytest.approx(3.0)
     twice = given.at("drive", {"peak": 6.0})
     assert [twice.value(t) for t in (0.0, 0.3)] == pytest.approx(
@@ -138,7 +157,7 @@ class Squared(AbstractWaveform):
 
 
 def test_a_level_that_is_not_affine_is_refused() -> None:
-    given = Steering(bundle().system, Squared(), 1.0)
+    given = WaveformLevels(bundle().system, Squared(), 1.0)
     with pytest.raises(ParameterError, match="not affine in its `level`"):
         given.with_levels([given.level("drive", "level")])
 
@@ -186,8 +205,8 @@ def test_whole_numbers_are_those_of_a_grid() -> None:
 
 
 def test_it_leaves_a_start_that_does_not_move() -> None:
-    cold = Steering(bundle().system, bundle().waveform, 3.0).at("drive", {"high": 0.05})
-    begin = Steering(bundle().system, cold, 3.0)
+    cold = WaveformLevels(bundle().system, bundle().waveform, 3.0).at("drive", {"high": 0.05})
+    begin = WaveformLevels(bundle().system, cold, 3.0)
     free = DIAMETER, "drive.waveform.high=0.05..12 W"
     one = designs(free, "energy", LIMITS, begin)
     z = np.array([one.share(one.start) for one in one.question.free])
@@ -241,7 +260,7 @@ def test_life_needs_limits() -> None:
     numbers = {name: float("inf") for name in ("stress_limit", "strain_limit", "temperature_limit")}
     system = bare.system.with_values(numbers)
     with pytest.raises(ParameterError, match="No element declares a limit"):
-        life_constraints(Steering(system, bare.waveforms, 3.0), ())
+        life_constraints(WaveformLevels(system, bare.waveforms, 3.0), ())
 
 
 # ---------------------------------------------------------------- texts
@@ -269,11 +288,13 @@ def test_a_free_number_is_refused(text: str) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("stroke > ", "cannot be read|not a number"), ("stroke", "is no constraint"),
-        ("stroke >= 3 s", "cannot be converted"), ("strok >= 3 mm", "Did you mean `stroke`"),
+        ("stroke > ", "cannot be read|not a number"),
+        ("stroke", "is no constraint"),
+        ("stroke >= 3 s", "cannot be converted"),
+        ("strok >= 3 mm", "Did you mean `stroke`"),
         ("max(stres) <= 3 MPa", "Did you mean `stress`"),
     ],
-)  # fmt: skip
+)
 def test_a_constraint_is_refused(text: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         read_question(steering(), [DIAMETER], "energy", [text])
@@ -302,5 +323,7 @@ def test_scales_and_bounds_are_chosen() -> None:
     assert (stiffness.low, stiffness.high) == pytest.approx((80.0, 2000.0))
     assert stiffness.value(stiffness.share(400.0)) == pytest.approx(400.0)
     assert (stiffness.bound(0.0), stiffness.bound(0.5), stiffness.bound(1.0)) == (
-        "lower", None, "upper",
-    )  # fmt: skip
+        "lower",
+        None,
+        "upper",
+    )

@@ -14,7 +14,7 @@ from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.base.errors import ParameterError
 from martensite.control.faults.base import FAULTS
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import FaultTable, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.ideal import IdealSensor

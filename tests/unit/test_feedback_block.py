@@ -8,7 +8,7 @@ from martensite.identify.blocks.feedback import Feedback
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.engine import ChainEngine
-from martensite.identify.chains.residuals import Aim, Squares
+from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.identify.operators import sections
 from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Sampled
@@ -104,6 +104,6 @@ def test_a_run_that_grows_without_bound_has_no_finite_cost(c_compiler):
     theta = cubic(0.0, -40.0, 0.0)
     engine = ChainEngine([BLOCK, Polynomial(degree=1)], DT)
     record = Sampled("test", DT, U, np.zeros(len(U)), ("u",), ("y",))
-    cost = Squares(engine, [Aim(record, start="zero")])
+    cost = ResidualSquares(engine, [RecordResidual(record, start="zero")])
     assert cost.value(np.concatenate([theta, [0.0, 1.0]])) == np.inf
     assert np.isfinite(cost.value(np.concatenate([cubic(0.0, 0.4, 0.0), [0.0, 1.0]])))

@@ -17,10 +17,10 @@ from martensite.control.controllers.base import AbstractController
 from martensite.control.controllers.correction import Correction
 from martensite.control.controllers.feedforward import Feedforward
 from martensite.control.controllers.inverse_play import InversePlay
+from martensite.control.controllers.numbered_gains import NumberedGains
 from martensite.control.controllers.pid import PidLaw
-from martensite.control.controllers.row import NumberedGains
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.sensors.position import PositionSensor
 from martensite.design.synthesis.inverse_hysteresis import identify_hysteresis, rising_curve

@@ -15,7 +15,7 @@ import pytest
 from martensite.base.errors import InputError
 from martensite.control.checks.base import CHECKS
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Sensors
 from martensite.control.sensors.base import SENSORS
 from martensite.control.sensors.ideal import IdealSensor

@@ -8,11 +8,11 @@ from scipy.special import expit, logit
 from martensite.base.errors import InputError
 from martensite.identify.blocks.heated_duhem import MIDDLE, HeatedDuhem
 from martensite.identify.chains.chain import Chain, build_untrained
+from martensite.identify.chains.chain_text import parse_block
 from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.goals import build_aims, find_expected
 from martensite.identify.chains.starts import align_chain
-from martensite.identify.chains.written import parse_block
 from martensite.signals.sampling.sampled import Sampled
 
 BLOCK = HeatedDuhem(gain=7.0, stroke=9.0)

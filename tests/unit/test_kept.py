@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from martensite.studies import kept as module
-from martensite.studies.kept import folder, kept
+from martensite.studies import result_cache as module
+from martensite.studies.result_cache import folder, kept
 
 MADE: list[float] = []
 

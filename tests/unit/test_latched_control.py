@@ -11,7 +11,7 @@ import pytest
 from martensite.actuators.assembly import Machine
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.base.errors import ParameterError
-from martensite.control.controllers.latched import LatchedOnOff, replay_controller
+from martensite.control.controllers.latched_on_off import LatchedOnOff, replay_controller
 from martensite.signals.constant import Constant
 from martensite.simulate.controlled import simulate_controlled
 

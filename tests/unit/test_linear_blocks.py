@@ -259,7 +259,7 @@ def test_noise_model_recovers_an_autoregression_and_leaves_white_noise() -> None
 
 
 def test_text_of_state_space_goes_there_and_back() -> None:
-    from martensite.identify.chains.written import parse_chain
+    from martensite.identify.chains.chain_text import parse_chain
 
     text = StateSpace(order=3, ins=2, outs=2, nk=0).text()
     block = parse_chain(text)[0]

@@ -8,6 +8,7 @@ import pytest
 from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.identify.blocks.base import BLOCKS
 from martensite.identify.chains.chain import Chain, build_untrained
+from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.linear_system import LinearSystem
 from martensite.identify.chains.linearise import (
@@ -16,7 +17,6 @@ from martensite.identify.chains.linearise import (
     static_curve,
     static_loop,
 )
-from martensite.identify.chains.written import parse_chain
 from martensite.signals.sampling.sampled import Sampled
 
 DT = 0.05

@@ -13,10 +13,10 @@ from martensite.export.control_systems import to_control, to_state_space
 from martensite.identify.blocks.base import BLOCKS, AbstractStatic
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.linearise import linearise_chain, operating_point
 from martensite.identify.chains.plant import ModelMechanism, build_plant
-from martensite.identify.chains.written import parse_chain
 from martensite.scenario.model_files import (
     hash_record,
     model_provenance,

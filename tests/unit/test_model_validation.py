@@ -6,15 +6,15 @@ from scipy.signal import lfilter
 
 from martensite.base.errors import DataError, ParameterError
 from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.correlations import correlate_residuals
+from martensite.identify.chains.covariance_sums import sum_blocks
 from martensite.identify.chains.directions import find_rising, split_by_direction
-from martensite.identify.chains.flat import invert_normal
 from martensite.identify.chains.levenberg import minimise_cost
-from martensite.identify.chains.residuals import Aim, Squares
-from martensite.identify.chains.sandwich import sum_blocks
+from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.identify.chains.uncertainty import estimate_chain_uncertainty, measure_coverage
+from martensite.identify.chains.unidentifiable_directions import invert_normal
 from martensite.identify.chains.validation import compare_validations, validate_chain
-from martensite.identify.chains.written import parse_chain
 from martensite.show.figures.model import plot_model, plot_model_loop
 from martensite.show.figures.model_axes import thinned
 from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static_blocks
@@ -134,7 +134,7 @@ def test_it_says_in_words_what_fails(truth):
 
 def fitted(truth, rng):
     record = recorded(truth, rng, levels=75)
-    squares = Squares(truth.engine, [Aim(record)])
+    squares = ResidualSquares(truth.engine, [RecordResidual(record)])
     return truth.with_theta(minimise_cost(squares, truth.theta, 30).theta), squares
 
 
@@ -164,7 +164,7 @@ def test_bands_of_blocks_hold_under_coloured_noise_and_those_of_white_noise_do_n
 
 def test_sums_do_not_depend_on_how_the_record_is_cut(truth):
     record = recorded(truth, np.random.default_rng(6), levels=110, hold=41)  # over one chunk
-    squares = Squares(truth.engine, [Aim(record, skip=7)])
+    squares = ResidualSquares(truth.engine, [RecordResidual(record, skip=7)])
     found = sum_blocks(squares, truth.theta, [64])
     y, slopes = truth.engine.jacobian(truth.theta, record.inputs)
     scale = squares.aims[0].scale()[0]
@@ -182,7 +182,9 @@ def test_directions_that_the_records_leave_open_are_named_and_not_drawn():
     u = np.random.default_rng(7).uniform(-1.0, 1.0, 400)
     noise = 0.1 * np.random.default_rng(8).normal(size=(400, 1))
     record = Sampled("r", DT, u, chain.simulate(u) + noise, ("u",), ("y",))
-    found = estimate_chain_uncertainty(chain, Squares(chain.engine, [Aim(record)]))
+    found = estimate_chain_uncertainty(
+        chain, ResidualSquares(chain.engine, [RecordResidual(record)])
+    )
     (flat,) = found.flat
     assert set(flat.names) == {"1.c1", "2.c1", "2.c2"}
     assert "not determined separately" in flat.sentence

@@ -22,7 +22,7 @@ from martensite.control.controllers.on_off import OnOff
 from martensite.control.faults.base import AbstractFault
 from martensite.control.faults.stuck import Stuck
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import NEVER, WORST, Disturbed, MountedSensor, Sensed
+from martensite.control.loop.mounted_sensor import NEVER, WORST, Disturbed, MountedSensor, Sensed
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.current import CurrentSensor

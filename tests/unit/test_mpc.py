@@ -27,12 +27,12 @@ from martensite.control.controllers.planning import (
     SignalLimits,
     shift_plan,
 )
-from martensite.control.controllers.reach import measure_reach
+from martensite.control.controllers.time_scales import measure_reach
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.loop.run import simulate_bench
-from martensite.control.observers.hidden import list_names
+from martensite.control.observers.hidden_states import list_names
 from martensite.control.sensors.position import PositionSensor
 from martensite.kernels.c99 import find_compiler
 from martensite.physics.electrical.pwm import PwmVoltage

@@ -11,10 +11,10 @@ from martensite.base.errors import InputError
 from martensite.identify.blocks.nonlinear_state_space import FARTHEST, NonlinearStateSpace
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.chains.best_linear import linear_start
+from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.scores import fit_percent
-from martensite.identify.chains.written import parse_chain
 from martensite.identify.operators import sections
 from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Sampled

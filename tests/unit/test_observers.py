@@ -16,13 +16,13 @@ from sensing_cases import PERIOD, run, sensing_bench, sensing_plant, shaken
 from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.base.errors import InputError, ParameterError
 from martensite.control.loop.consistency import check_consistency
-from martensite.control.observers import covariance, hidden
+from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS
 from martensite.control.observers.covariance import UnknownReading
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.observers.filter import Believed
-from martensite.control.observers.going import ObserverPeriod
 from martensite.control.observers.inverse import InverseModel
+from martensite.control.observers.model_period import ObserverPeriod
 from martensite.control.observers.unscented import UnscentedKalman
 from martensite.kernels import floats
 from martensite.kernels.nested import flatten_numbers
@@ -176,7 +176,7 @@ def forecast(observer: Any, scale: float) -> Any:
 
 def ended(at: list[float]) -> np.ndarray:
     """Everything at the end of the period, from hidden values at its start."""
-    state = hidden.place_hidden(floats, PLANT, amid(PLANT), at, GOING.signals)
+    state = hidden_states.place_hidden(floats, PLANT, amid(PLANT), at, GOING.signals)
     for _ in range(GOING.turns):
         state, _ = PLANT.step(floats, state, *GOING.signals, dt=GOING.step)
     return np.array(ExtendedKalman(model=PLANT).read_model(floats, state, (), GOING.signals))
@@ -187,7 +187,7 @@ def quiet(cls: Any) -> Any:
 
 
 def test_slopes_are_those_of_the_model() -> None:
-    start = hidden.read_hidden(floats, PLANT, amid(PLANT), GOING.signals)
+    start = hidden_states.read_hidden(floats, PLANT, amid(PLANT), GOING.signals)
     assert 0.2 < start[1] < 0.8
     columns = []
     for k, step in enumerate((1e-4, 1e-6)):

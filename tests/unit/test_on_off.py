@@ -15,7 +15,7 @@ from builders import ZERO, hanging_wire
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.on_off import OnOff
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.ideal import IdealSensor

@@ -17,10 +17,10 @@ from martensite.base.errors import InputError, ParameterError
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.show.figures.law_paths import plot_point
 from martensite.show.figures.phase_diagram import Band, Line, bands, driven
-from martensite.simulate.courses import TWINNED, Choices
-from martensite.simulate.landmarks import find_isobar, find_loaded
+from martensite.simulate.path_layout import TWINNED, Choices
 from martensite.simulate.paths import PATHS, named_path
 from martensite.simulate.point import PointResult
+from martensite.simulate.transformation_points import find_isobar, find_loaded
 
 NAMES = ("A_s", "A_f", "M_s", "M_f")
 STRESSES = [0.0, 100e6, 250e6, 400e6]

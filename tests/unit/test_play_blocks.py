@@ -16,7 +16,7 @@ from martensite.identify.blocks.generalised_prandtl_ishlinskii import Generalise
 from martensite.identify.blocks.play import Play
 from martensite.identify.blocks.prandtl_ishlinskii import PrandtlIshlinskii
 from martensite.identify.blocks.preisach import Preisach
-from martensite.identify.chains.written import parse_block
+from martensite.identify.chains.chain_text import parse_block
 from martensite.identify.operators.play import PlaySum
 from martensite.kernels import floats
 

@@ -22,7 +22,7 @@ from martensite.control.controllers.on_off import OnOff
 from martensite.control.controllers.pid import Pid
 from martensite.control.faults.stuck import Stuck
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Controllers, FaultTable, Observers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.inverse import InverseModel

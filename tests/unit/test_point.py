@@ -19,10 +19,10 @@ from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.simulate import point
 from martensite.simulate.compiled_law import compile_law
-from martensite.simulate.courses import Choices
+from martensite.simulate.path_layout import Choices
+from martensite.simulate.path_stages import list_stages, residual_strain
 from martensite.simulate.paths import PATHS, named_path
 from martensite.simulate.point import PathLeg, PointResult, material_point
-from martensite.simulate.stages import list_stages, residual_strain
 
 LAW: dict[str, Any] = {
     "E_A": 60e9, "E_M": 30e9, "eps_L": 0.05, "A_s": 310.0, "A_f": 325.0, "M_s": 300.0,

@@ -12,8 +12,8 @@ from martensite.identify.blocks.base import AbstractBlock, Column
 from martensite.identify.blocks.bouc_wen import BoucWen
 from martensite.identify.blocks.duhem import Duhem
 from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.chain_text import parse_block
 from martensite.identify.chains.engine import ChainEngine
-from martensite.identify.chains.written import parse_block
 from martensite.kernels.namespace import Namespace
 
 TURNS = np.array([-1.0, 0.6, -0.2, 0.5, -0.7, 1.0, 0.1, 0.8, -1.0])

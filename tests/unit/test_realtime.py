@@ -17,7 +17,7 @@ from martensite.base.parameters import param
 from martensite.control.controllers.base import AbstractController, Readings
 from martensite.control.controllers.pid import Pid
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Controllers, Observers, Sensors
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench

@@ -19,7 +19,7 @@ import pytest
 
 from martensite.kernels import floats
 from martensite.kernels.arrays import ArrayNamespace
-from martensite.kernels.bracket import solve_bracketed
+from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.c99 import load_library
 from martensite.kernels.c99_slopes import count_constants, slopes_source
 from martensite.kernels.dual import DualNamespace, value_and_slope, values_and_slopes

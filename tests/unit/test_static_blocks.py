@@ -25,9 +25,9 @@ from martensite.identify.blocks.tanh_network import TanhNetwork
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.blocks.unit_gain import UnitGain
 from martensite.identify.blocks.wavelet_network import WaveletNetwork
+from martensite.identify.chains.chain_text import parse_block, parse_chain
 from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.estimate import Options, estimate_chain
-from martensite.identify.chains.written import parse_block, parse_chain
 from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Sampled
 

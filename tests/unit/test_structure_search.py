@@ -14,14 +14,14 @@ import pytest
 from first_order import AMBIENT, LINE, STRUCTURE, TAU, log, pulses, ramps
 
 from martensite.base.errors import DataError, InputError, SolveError
+from martensite.identify.chains.decimation import coarsen_records
 from martensite.identify.chains.estimate import Options, estimate_chain
+from martensite.identify.chains.free_run_scores import free_run, mean_fit, score_chain
 from martensite.identify.chains.goals import at_rest
-from martensite.identify.chains.patterns import MOST, expand_pattern
-from martensite.identify.chains.scored import free_run, mean_fit, score_chain
 from martensite.identify.chains.search import Searched, StructureCandidate, search
 from martensite.identify.chains.search import _decided as decided
 from martensite.identify.chains.stages import Identified, ModelStage, identify_stages
-from martensite.identify.chains.thinning import coarsen_records
+from martensite.identify.chains.structure_patterns import MOST, expand_pattern
 from martensite.signals.sampling.resampling import resample_record, select_signals
 from martensite.signals.sampling.sampled import Sampled
 

@@ -26,7 +26,7 @@ from martensite.control.checks.thermal_bound import ThermalBound
 from martensite.control.controllers.pid import Pid
 from martensite.control.faults.base import FAULTS
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Controllers, FaultTable, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.loop.supervisor import SUPERVISORS

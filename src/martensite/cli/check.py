@@ -192,7 +192,7 @@ def _list_levels(scenario: Scenario) -> Iterator[dict[str, Any]]:
     """The numbers of the waveforms; their levels are in the unit of what they drive."""
     from martensite.scenario.assemble import waveform_path
     from martensite.signals.base import DRIVE
-    from martensite.simulate.driven import by_name
+    from martensite.simulate.drive_waveforms import by_name
 
     units = {drive.name: drive.unit for drive in scenario.system.drives()}
     for name, waveform in by_name(scenario.system, scenario.waveform).items():

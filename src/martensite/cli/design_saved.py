@@ -18,11 +18,11 @@ def name_targets(scenario: Scenario) -> dict[str, str]:
     """Path in the system of every number that may be free -> its path in the scenario."""
     from martensite.design.optimise.targets import name_level
     from martensite.scenario.assemble import waveform_path
-    from martensite.simulate.steered import PEAK, Steering
+    from martensite.simulate.waveform_levels import PEAK, WaveformLevels
 
     system, places = scenario.system, scenario.places
     found = {leaf.path: places.path(leaf.path) for leaf in system.leaves()}
-    steering = Steering(system, scenario.waveform, scenario.duration)
+    steering = WaveformLevels(system, scenario.waveform, scenario.duration)
     for level in steering.available():
         before = waveform_path(system, level.drive, places.drive)
         if level.name == PEAK:
@@ -33,7 +33,7 @@ def name_targets(scenario: Scenario) -> dict[str, str]:
 
 def require_written(scenario: Scenario, free: Sequence[str]) -> None:
     """Raise `InputError` if a peak is free whose waveform the scenario does not hold itself."""
-    from martensite.simulate.steered import PEAK
+    from martensite.simulate.waveform_levels import PEAK
 
     for text in free:
         name = text.partition("=")[0].strip()
@@ -66,7 +66,7 @@ def _write_settings(
 ) -> dict[str, Any]:
     """What a number is in the scenario: by path, as text with a unit."""
     from martensite.scenario.exact_text import exact_text
-    from martensite.simulate.steered import PEAK
+    from martensite.simulate.waveform_levels import PEAK
 
     if target.level is not None and target.level.name == PEAK:
         return _scale_levels(target, value / target.value, scenario)
@@ -79,7 +79,7 @@ def _scale_levels(target: Target, factor: float, scenario: Scenario) -> dict[str
     """All levels of a waveform, scaled."""
     from martensite.base import units
     from martensite.scenario.exact_text import exact_text
-    from martensite.simulate.driven import by_name
+    from martensite.simulate.drive_waveforms import by_name
 
     before = target.name.removesuffix("peak")
     held = _find_waveform(scenario, before).get("values")

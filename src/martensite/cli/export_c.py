@@ -77,8 +77,8 @@ def _make_core(loaded: Scenario, name: str, part: str, precision: str) -> tuple[
     """The core of a part of a scenario, and the text of its example."""
     from martensite.export.c_core import build_c_core
     from martensite.export.c_example import example_text
+    from martensite.export.c_example_inputs import played_by_loop, played_by_system
     from martensite.export.c_loop import build_c_loop
-    from martensite.export.c_played import played_by_loop, played_by_system
 
     if loaded.outside and part != "plant":
         kind = next(iter(loaded.outside.values())).registered_name

@@ -13,7 +13,7 @@ from martensite.cli.options import Figure, Force, Imports, Json, Text, Texts, im
 from martensite.cli.outputs import Outputs, open_parts
 
 if TYPE_CHECKING:
-    from martensite.simulate.courses import Choices, PathRates
+    from martensite.simulate.path_layout import Choices, PathRates
 
 RATES = {"temperature": "K/s", "stress": "Pa/s", "strain": "1/s"}
 """Field of `PathRates` -> its SI unit."""
@@ -105,7 +105,7 @@ def law(
 def _read_choices(
     at: str | None, stress: str | None, strain: str | None, start: str | None, rate: str | None
 ) -> Choices:
-    from martensite.simulate.courses import STARTS, Choices
+    from martensite.simulate.path_layout import STARTS, Choices
 
     if start is not None and start not in STARTS:
         raise UnknownNameError("phase state", start, STARTS)
@@ -140,7 +140,7 @@ def _read_quantities(option: str, text: str | None, unit: str) -> tuple[float, .
 def _read_rates(text: str | None) -> PathRates:
     from dataclasses import replace
 
-    from martensite.simulate.courses import PathRates
+    from martensite.simulate.path_layout import PathRates
 
     rates = PathRates()
     for part in text.split(",") if text else ():

@@ -77,7 +77,7 @@ def _read_duration(options: TuneOptions, scenario: Scenario) -> float:
 
 def _make_runs(bench: Bench, duration: float, drive: str, scenario: Scenario) -> LoopRuns:
     from martensite.design.tuning.loop_runs import LoopRuns
-    from martensite.simulate.driven import by_name
+    from martensite.simulate.drive_waveforms import by_name
 
     waves = by_name(scenario.system, scenario.waveform)
     return LoopRuns(bench, duration, drive=drive, seed=scenario.seed, waveforms=waves)
@@ -101,7 +101,7 @@ def _choose_level(options: TuneOptions, runs: LoopRuns) -> float:
 
 def _run_tests(options: TuneOptions, runs: LoopRuns, scenario: Scenario) -> LoopTests:
     from martensite.design.rules.rule_starts import loop_tests
-    from martensite.simulate.driven import by_name
+    from martensite.simulate.drive_waveforms import by_name
 
     waves = by_name(scenario.system, scenario.waveform)
     with spinner("step and relay test"):
@@ -144,7 +144,7 @@ def _search_gains(
     from martensite.design.tuning.bench_tuning import tune_bench
     from martensite.design.tuning.gain_search import Search
     from martensite.design.tuning.goals import Goal
-    from martensite.simulate.driven import by_name
+    from martensite.simulate.drive_waveforms import by_name
 
     goal = Goal(error=options.goal or "itae")
     controller = runs.bench.controllers.members()[runs.drive]

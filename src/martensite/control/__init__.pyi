@@ -15,7 +15,7 @@ from martensite.control.controllers.correction import Correction as Correction
 from martensite.control.controllers.direct import Direct as Direct
 from martensite.control.controllers.feedforward import Feedforward as Feedforward
 from martensite.control.controllers.inverse_play import InversePlay as InversePlay
-from martensite.control.controllers.latched import LatchedOnOff as LatchedOnOff
+from martensite.control.controllers.latched_on_off import LatchedOnOff as LatchedOnOff
 from martensite.control.controllers.mpc import Mpc as Mpc
 from martensite.control.controllers.on_off import OnOff as OnOff
 from martensite.control.controllers.pid import Gains as Gains
@@ -25,12 +25,12 @@ from martensite.control.controllers.pid import PidLaw as PidLaw
 from martensite.control.controllers.pid import per_sample as per_sample
 from martensite.control.controllers.planning import PlanSearch as _PlanSearch
 from martensite.control.controllers.planning import Price as _PlanPrice
-from martensite.control.controllers.reach import measure_reach as measure_reach
 from martensite.control.controllers.scheduled_pid import GainsAt as GainsAt
 from martensite.control.controllers.scheduled_pid import GainSchedule as GainSchedule
 from martensite.control.controllers.scheduled_pid import ScheduledPid as ScheduledPid
 from martensite.control.controllers.sliding_mode import SlidingMode as SlidingMode
 from martensite.control.controllers.state_feedback import StateFeedback as StateFeedback
+from martensite.control.controllers.time_scales import measure_reach as measure_reach
 from martensite.control.controllers.two_level import TwoLevel as TwoLevel
 from martensite.control.faults.ambient_step import AmbientStep as AmbientStep
 from martensite.control.faults.draught import Draught as Draught
@@ -42,7 +42,7 @@ from martensite.control.faults.supply_sag import SupplySag as SupplySag
 from martensite.control.loop.bench import Bench as Bench
 from martensite.control.loop.consistency import Consistency as Consistency
 from martensite.control.loop.consistency import check_consistency as check_consistency
-from martensite.control.loop.mounted import MountedSensor as MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor as MountedSensor
 from martensite.control.loop.parts import Controllers as Controllers
 from martensite.control.loop.parts import FaultTable as FaultTable
 from martensite.control.loop.parts import Observers as Observers
@@ -52,7 +52,7 @@ from martensite.control.loop.run import open_loop as _open_bench
 from martensite.control.loop.run import simulate_bench as simulate_bench
 from martensite.control.observers.extended import ExtendedKalman as ExtendedKalman
 from martensite.control.observers.inverse import InverseModel as InverseModel
-from martensite.control.observers.shaken import Shaken as Shaken
+from martensite.control.observers.process_noise_plant import ProcessNoisePlant as ProcessNoisePlant
 from martensite.control.observers.unscented import UnscentedKalman as UnscentedKalman
 from martensite.control.sensors.current import CurrentSensor as CurrentSensor
 from martensite.control.sensors.encoder import EncoderSensor as EncoderSensor

@@ -24,7 +24,7 @@ from martensite.export.mjcf_platform import write_platform
 from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
 from martensite.kernels import floats
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.driven import Waveforms, arrange_waveforms
+from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
 
 TIMESTEP = 2e-3
 """MuJoCo's own default [s]."""

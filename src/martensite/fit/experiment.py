@@ -19,7 +19,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import DataError, suggest_name
 from martensite.search.batch_runner import BatchRunner
 from martensite.signals.records import Record
-from martensite.simulate.driven import Waveforms, arrange_waveforms
+from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
 from martensite.simulate.grid import TimeGrid, grid_at
 
 LEAST_ROWS = 8

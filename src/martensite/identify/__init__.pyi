@@ -8,6 +8,7 @@ from martensite.identify.blocks.prandtl_ishlinskii import PrandtlIshlinskii as P
 from martensite.identify.blocks.transfer_function import TransferFunction as TransferFunction
 from martensite.identify.chains.best_linear import best_linear as best_linear
 from martensite.identify.chains.chain import Chain as _BlockChain
+from martensite.identify.chains.chain_text import parse_chain as parse_chain
 from martensite.identify.chains.engine import ChainEngine as ChainEngine
 from martensite.identify.chains.estimate import estimate_chain as _estimate_model
 from martensite.identify.chains.linearise import linearise_chain as linearise_chain
@@ -20,7 +21,6 @@ from martensite.identify.chains.stages import ModelStage as ModelStage
 from martensite.identify.chains.stages import identify_stages as identify_stages
 from martensite.identify.chains.uncertainty import estimate_chain_uncertainty as _model_uncertainty
 from martensite.identify.chains.validation import validate_chain as _validate_model
-from martensite.identify.chains.written import parse_chain as parse_chain
 from martensite.identify.operators.play import PlaySum as PlaySum
 from martensite.scenario.model_files import model_provenance as model_provenance
 from martensite.scenario.model_files import read_model as read_model

@@ -30,7 +30,7 @@ from martensite.scenario.build import Builder, Table, as_table, name_section, re
 from martensite.scenario.law_match import law_caution
 from martensite.scenario.scales import Scales
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
-from martensite.simulate.driven import Waveforms
+from martensite.simulate.drive_waveforms import Waveforms
 from martensite.simulate.grid import require_unit
 
 if TYPE_CHECKING:

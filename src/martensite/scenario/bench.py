@@ -24,7 +24,7 @@ from martensite.base.parameters import Parametrised, option, param
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, require_readings
 from martensite.control.faults.base import FAULTS as KNOWN_FAULTS
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.names import list_readings
 from martensite.control.loop.parts import Controllers, FaultTable, Observers, Sensors
 from martensite.control.loop.supervisor import SUPERVISORS, AbstractSupervisor

@@ -13,7 +13,7 @@ from martensite.base.errors import InputError
 from martensite.scenario.scenario import Scenario, load
 
 if TYPE_CHECKING:
-    from martensite.simulate.driven import Waveforms
+    from martensite.simulate.drive_waveforms import Waveforms
     from martensite.simulate.result import Result
 
 Over = Mapping[str, Sequence[float | str]]

@@ -32,7 +32,7 @@ from martensite.scenario.recorded import Recorded
 from martensite.scenario.sections import SECTIONS as BENCH_SECTIONS
 from martensite.scenario.sections import check_sections, has_controllers, is_bench
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.driven import Waveforms
+from martensite.simulate.drive_waveforms import Waveforms
 
 if TYPE_CHECKING:
     from martensite.control.controllers.base import AbstractController
@@ -214,7 +214,7 @@ class Scenario:
         self, bench: Bench, runtime: str | None, tell: Callable[[str, float], None] | None
     ) -> Result:
         from martensite.control.loop.run import simulate_bench
-        from martensite.simulate.driven import by_name
+        from martensite.simulate.drive_waveforms import by_name
 
         return simulate_bench(
             bench,

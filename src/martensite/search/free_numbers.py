@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from martensite.simulate.steered import Level
+    from martensite.simulate.waveform_levels import Level
 
 BOX_TEMPERATURE = 50.0
 """Half the width of a box of temperatures [K]."""

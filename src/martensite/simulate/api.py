@@ -12,7 +12,7 @@ from martensite.kernels import floats
 from martensite.simulate.accuracy import bound_error, march_to
 from martensite.simulate.balance import balance_heat, balance_work
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
-from martensite.simulate.driven import Waveforms, arrange_waveforms, grid_of
+from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
 from martensite.simulate.engines import RunEngine, Tell
 from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import TimeGrid, cut_steps, steps_through

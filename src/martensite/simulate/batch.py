@@ -25,7 +25,7 @@ from martensite.simulate.api import RUNTIMES, check_run
 from martensite.simulate.arrays import build_schedule, jitted_jacobian, jitted_march
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.devices import chunk_for, devices_of, march_chunks
-from martensite.simulate.driven import Waveforms, by_name, grid_of
+from martensite.simulate.drive_waveforms import Waveforms, by_name, grid_of
 from martensite.simulate.envelope import envelope_of, varied_stops
 from martensite.simulate.grid import TimeGrid
 from martensite.simulate.march import Track, classify_step, track_of

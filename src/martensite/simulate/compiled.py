@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 from martensite.actuators.assembly import PROFILES, AbstractSystem, Feed
 from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.base.parameters import Keyed, values_at
+from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.graph import Expr
 from martensite.kernels.nested import NestedShape, flatten_numbers
-from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Program
 from martensite.physics.laws.coupling import StepReport
 from martensite.signals.moments import Moments

@@ -19,9 +19,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.base.parameters import Keyed, values_at
+from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
-from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Program
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.physics.laws.coupling import advance_memory

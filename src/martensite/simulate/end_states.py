@@ -15,7 +15,7 @@ from martensite.base.errors import SolveError
 from martensite.base.status import Status
 from martensite.signals.table import Table
 from martensite.simulate.api import longest_step, simulate
-from martensite.simulate.driven import Waveforms, by_name
+from martensite.simulate.drive_waveforms import Waveforms, by_name
 from martensite.simulate.result import Result
 
 LONG = 200.0

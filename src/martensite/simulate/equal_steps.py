@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.simulate.api import first_step, simulate
-from martensite.simulate.driven import Waveforms
+from martensite.simulate.drive_waveforms import Waveforms
 from martensite.simulate.result import Result
 
 HALVINGS = 12

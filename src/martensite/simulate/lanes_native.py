@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from martensite.kernels.c99 import c_source, load_library
 from martensite.kernels.c99_lanes import BLOCK, lanes_source
-from martensite.kernels.once import cache_answers
+from martensite.kernels.compute_once import cache_answers
 from martensite.simulate.compiled import Compiled
 
 Numbers: TypeAlias = NDArray[np.float64]

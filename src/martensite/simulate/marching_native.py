@@ -22,7 +22,7 @@ from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.base.status import Status
 from martensite.kernels.c99 import c_source, is_compiled, load_library
 from martensite.kernels.c99_lanes import lanes_source
-from martensite.kernels.once import cache_answers
+from martensite.kernels.compute_once import cache_answers
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
 from martensite.simulate.compiled import CompiledMarch

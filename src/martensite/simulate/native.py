@@ -11,7 +11,7 @@ import numpy as np
 
 from martensite.kernels.c99 import c_source, load_library
 from martensite.kernels.c99_lanes import BLOCK, lanes_source
-from martensite.kernels.once import cache_answers
+from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.program import Function
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import TimeGrid

@@ -13,7 +13,7 @@ import numpy as np
 
 from martensite.kernels.c99 import load_library
 from martensite.kernels.c99_slopes import WIDTHS, count_constants, slopes_source
-from martensite.kernels.once import cache_answers
+from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.tangent import differentiate_program
 from martensite.physics.laws.coupling import StepReport
 from martensite.simulate.compiled import CompiledMarch

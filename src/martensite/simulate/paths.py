@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from martensite.base.errors import ParameterError, UnknownNameError
 from martensite.physics.laws.base import AbstractLaw
 from martensite.simulate.compiled_law import AUSTENITE
-from martensite.simulate.courses import (
+from martensite.simulate.path_layout import (
     Choices,
     Guide,
     ThermomechanicalPath,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from martensite.kernels.c99 import c_source, load_library
-from martensite.kernels.once import cache_answers
+from martensite.kernels.compute_once import cache_answers
 from martensite.physics.laws.base import AbstractLaw
 from martensite.simulate.compiled_law import ROW, CompiledLaw
 from martensite.simulate.point_march import RampSection, Ridden

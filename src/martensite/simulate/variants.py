@@ -29,7 +29,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import first_step
 from martensite.simulate.clock import Edges, edges_of, play_waveforms, steps_of
 from martensite.simulate.compiled import CompiledMarch, compile_march
-from martensite.simulate.driven import arrange_waveforms, grid_of
+from martensite.simulate.drive_waveforms import arrange_waveforms, grid_of
 from martensite.simulate.ensembles import Ensemble, march_in_lanes, march_one_by_one
 from martensite.simulate.envelope import envelope_of, varied_stops
 from martensite.simulate.grid import Steps, TimeGrid

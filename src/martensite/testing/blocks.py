@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from martensite.identify.blocks.base import AbstractBlock, AbstractStatic
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.side_by_side import SideBySide
+from martensite.identify.chains.chain_text import parse_block
 from martensite.identify.chains.engine import ChainEngine
-from martensite.identify.chains.written import parse_block
 from martensite.kernels import floats
 from martensite.testing.conformance import Check, require_condition
 

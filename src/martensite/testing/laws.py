@@ -11,8 +11,8 @@ import numpy as np
 from martensite.base.parameters import Keyed
 from martensite.kernels import floats
 from martensite.kernels.arrays import ArrayNamespace
+from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.nested import NestedShape, flatten_numbers
-from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Program
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.testing.conformance import Check, require_condition

@@ -13,8 +13,8 @@ from martensite.actuators.elements.base import (
     StoredHeat,
     points_of,
 )
+from martensite.actuators.elements.cell_sections import AbstractCut
 from martensite.actuators.elements.columns import Cells
-from martensite.actuators.elements.cut import AbstractCut
 from martensite.actuators.elements.network import Column
 from martensite.actuators.elements.sweeps import SweepStep
 from martensite.kernels.namespace import Namespace, Scalar

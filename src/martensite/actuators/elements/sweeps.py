@@ -18,8 +18,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.actuators.elements.base import Heating, Pull
+from martensite.actuators.elements.cell_sections import AbstractCut
 from martensite.actuators.elements.columns import Cells, HeatBalanceColumns, StepStart, SweepGuess
-from martensite.actuators.elements.cut import AbstractCut
 from martensite.actuators.elements.linkage import Rest
 from martensite.actuators.elements.lumped import compute_relaxation
 from martensite.actuators.elements.network import Column, fold_others, solve_tridiagonal

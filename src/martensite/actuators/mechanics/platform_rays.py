@@ -19,7 +19,7 @@ from collections.abc import Callable
 
 from martensite.actuators.mechanics.platform_kinematics import Plates, compute_length_slopes
 from martensite.kernels import floats
-from martensite.kernels.bracket import solve_bracketed
+from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
 
 HALVINGS = 40

@@ -25,7 +25,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from martensite.actuators.elements.base import AbstractElement, Effort
-from martensite.actuators.mechanics import condensed
+from martensite.actuators.mechanics import condensed_step
 from martensite.actuators.mechanics.elimination import multiply_inner, solve_linear
 from martensite.actuators.mechanics.motion import (
     Motion,
@@ -207,7 +207,7 @@ class AbstractMultibody(AbstractMechanism):
         self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[Assembled, list[Any], StepReport]:
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
-        step = condensed.CondensedStep(self, memory, loads, signals, dt)
+        step = condensed_step.CondensedStep(self, memory, loads, signals, dt)
         course, stiffness, states, report = step.solve_position(xp)
         return Assembled(memory.home, course, tuple(stiffness)), states, report
 

@@ -19,7 +19,7 @@ from martensite.physics.materials.base import load_material, material_names
 from martensite.scenario.assemble import GROUP, MODEL, SIGNALS, scenario_path, waveform_path
 from martensite.scenario.scenario import Scenario
 from martensite.signals.base import WAVEFORMS
-from martensite.simulate.driven import by_name
+from martensite.simulate.drive_waveforms import by_name
 
 MATERIAL = "element.material"
 NO_MATERIAL = ""

@@ -15,7 +15,7 @@ from martensite.app.forms import controls, documents, words
 from martensite.app.forms.controls import Control, Spot
 from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
 from martensite.base.registry import Registry
-from martensite.control.controllers.row import NumberedGains
+from martensite.control.controllers.numbered_gains import NumberedGains
 from martensite.physics.materials.base import Material
 from martensite.physics.materials.names import NAMES
 from martensite.scenario.components import is_plain

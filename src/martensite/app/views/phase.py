@@ -14,8 +14,8 @@ from typing import Any
 from martensite.base.errors import MartensiteError
 from martensite.physics.laws.base import AbstractLaw
 from martensite.show.figures.phase_diagram import LEAST_STRESS, Band, bands
-from martensite.simulate.landmarks import find_isobar
 from martensite.simulate.result import Result
+from martensite.simulate.transformation_points import find_isobar
 
 ROOM = 1.12
 """The diagram reaches so far beyond the highest stress of the run."""

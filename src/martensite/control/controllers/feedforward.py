@@ -37,7 +37,7 @@ from martensite.control.controllers.base import CONTROLLERS, AbstractController,
 from martensite.control.controllers.correction import KEPT, Correction
 from martensite.control.controllers.pid import PidMemory
 from martensite.kernels import floats
-from martensite.kernels.bracket import solve_bracketed
+from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
 

@@ -28,8 +28,8 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import part
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
 from martensite.control.controllers.correction import KEPT, Correction
+from martensite.control.controllers.numbered_gains import NumberedGains, as_row
 from martensite.control.controllers.pid import PidMemory
-from martensite.control.controllers.row import NumberedGains, as_row
 from martensite.kernels.namespace import Namespace, Scalar
 
 

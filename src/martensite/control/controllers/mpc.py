@@ -39,9 +39,9 @@ from martensite.control.controllers.planning import (
     SignalLimits,
     shift_plan,
 )
-from martensite.control.controllers.reach import measure_reach
+from martensite.control.controllers.time_scales import measure_reach
 from martensite.control.observers.base import ESTIMATED
-from martensite.control.observers.hidden import list_names, place_hidden
+from martensite.control.observers.hidden_states import list_names, place_hidden
 from martensite.kernels import floats
 from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.signals.base import DRIVE, AbstractWaveform

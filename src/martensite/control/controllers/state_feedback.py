@@ -17,7 +17,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import param, part, text
 from martensite.base.units import LEVEL
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
-from martensite.control.controllers.row import as_row
+from martensite.control.controllers.numbered_gains import as_row
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
 

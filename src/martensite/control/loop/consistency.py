@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.run import simulate_bench
-from martensite.control.observers import hidden
+from martensite.control.observers import hidden_states
 from martensite.control.observers.base import ESTIMATED
 from martensite.control.observers.filter import CORRELATION, AbstractFilter
 from martensite.signals.base import AbstractWaveform
@@ -86,7 +86,7 @@ def check_consistency(
     Raises:
         InputError: there is no filter of that name.
     """
-    chosen, unknown = _find_filter(bench, observer), hidden.list_names(bench.plant)
+    chosen, unknown = _find_filter(bench, observer), hidden_states.list_names(bench.plant)
     found = [
         _judge_run(
             simulate_bench(bench, duration, waveforms=waveforms, seed=seed + k).require(), unknown

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from martensite.actuators.assembly import Members
 from martensite.control.controllers.base import AbstractController
 from martensite.control.faults.base import AbstractFault
-from martensite.control.loop.mounted import MountedSensor, Sensed
+from martensite.control.loop.mounted_sensor import MountedSensor, Sensed
 from martensite.control.observers.base import AbstractObserver
 from martensite.kernels.namespace import Scalar
 

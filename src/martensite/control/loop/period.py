@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.assembly.course import Piece
-from martensite.control.loop.mounted import Disturbed, Sensed
+from martensite.control.loop.mounted_sensor import Disturbed, Sensed
 from martensite.control.loop.names import AGE, AMBIENT
 from martensite.control.loop.parts import BenchState, Controlling, Inputs, Named, ObserverState
 from martensite.control.loop.supervisor import SupervisorVerdict

@@ -14,9 +14,9 @@ from martensite.control.loop.names import AGE, list_references
 from martensite.control.loop.parts import Controlling, Inputs, Named, ObserverState
 from martensite.control.observers.base import ESTIMATED
 from martensite.kernels.c99 import c_source, load_library
+from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
-from martensite.kernels.once import cache_answers
 from martensite.kernels.program import Program
 
 _STEP = """

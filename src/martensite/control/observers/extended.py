@@ -13,10 +13,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from martensite.control.observers import covariance, hidden
+from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS
 from martensite.control.observers.filter import AbstractFilter, Believed, Forecast
-from martensite.control.observers.going import ObserverPeriod
+from martensite.control.observers.model_period import ObserverPeriod
 from martensite.kernels.dual import DualNamespace
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
@@ -46,14 +46,14 @@ class ExtendedKalman(AbstractFilter):
         """The flat state at the end of the period, and its slopes: a column per unknown."""
         shape, count = NestedShape(before.state), self.unknowns()
         model = self.model_at_factors(before.drift)
-        at = [*hidden.read_hidden(xp, model, before.state, going.signals), *before.drift]
+        at = [*hidden_states.read_hidden(xp, model, before.state, going.signals), *before.drift]
         unknown = len(at) - len(before.drift)
         size = len(flatten_numbers(before.state))
 
         def start(dual: Any, x: Sequence[Any]) -> list[Any]:
             model = self.model_at_factors(x[unknown:])
             return flatten_numbers(
-                hidden.place_hidden(dual, model, before.state, x[:unknown], going.signals)
+                hidden_states.place_hidden(dual, model, before.state, x[:unknown], going.signals)
             )
 
         def turn(*numbers: Any) -> list[Any]:

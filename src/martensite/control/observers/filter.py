@@ -30,10 +30,10 @@ from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import param, text
 from martensite.base.units import DEGREES, DIFFERENCE, of_reading
-from martensite.control.observers import covariance, hidden
+from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import AbstractObserver, Column, Named
 from martensite.control.observers.covariance import Matrix, UnknownReading
-from martensite.control.observers.going import ObserverPeriod, list_required, list_several
+from martensite.control.observers.model_period import ObserverPeriod, list_required, list_several
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
@@ -117,7 +117,7 @@ class AbstractFilter(AbstractObserver):
                 raise ParameterError(
                     f"Parameter `{path}` cannot drift: it is 0, and drifts by a factor."
                 )
-        self.__dict__["_example"] = hidden.build_example(self.model)
+        self.__dict__["_example"] = hidden_states.build_example(self.model)
 
     def reads(self) -> tuple[str, ...]:
         """Readings that it uses."""
@@ -127,14 +127,14 @@ class AbstractFilter(AbstractObserver):
         """Outputs of the model that are estimated beside what is hidden."""
         own = [self.model.label(port, "strain") for port in self.model.actuators()]
         chosen = list_several(self.wanted) or (*self.model.mechanism.outputs(), *own)
-        unknown = hidden.list_names(self.model)
+        unknown = hidden_states.list_names(self.model)
         return [name for name in dict.fromkeys((*chosen, *self.reads())) if name not in unknown]
 
     def estimates(self) -> dict[str, Output]:
         """Values, standard deviations, correlations, and the NIS."""
         known = self.model.outputs()
         leaves = {leaf.path: leaf.declared for leaf in self.model.leaves()}
-        found = {name: known[name] for name in hidden.list_names(self.model)}
+        found = {name: known[name] for name in hidden_states.list_names(self.model)}
         found |= {p: Output(leaves[p].unit, leaves[p].doc, p) for p in self._paths()}
         core = list(found)
         found |= {name: known[name] for name in self.shown_outputs()}
@@ -183,11 +183,11 @@ class AbstractFilter(AbstractObserver):
         )
         for i in range(1, 2 * len(self.model.actuators()), 2):
             mean = covariance.put_unknown(xp, mean, matrix, i, xp.clip(mean[i], 0.0, 1.0))
-        unknown, count = len(hidden.list_names(self.model)), self.unknowns()
+        unknown, count = len(hidden_states.list_names(self.model)), self.unknowns()
         mean[unknown:count] = [xp.clip(x, LEAST, MOST) for x in mean[unknown:count]]
         model = self.model_at_factors(mean[unknown:count])
         at = mean[:unknown]
-        state = hidden.place_hidden(xp, model, expected.state, at, going.signals)
+        state = hidden_states.place_hidden(xp, model, expected.state, at, going.signals)
         return self._list_estimates(xp, Forecast(state, mean, matrix), nis)
 
     def _readings(
@@ -204,11 +204,11 @@ class AbstractFilter(AbstractObserver):
         return found
 
     def _rows(self) -> list[str]:
-        return [*hidden.list_names(self.model), *self._paths(), *self.shown_outputs()]
+        return [*hidden_states.list_names(self.model), *self._paths(), *self.shown_outputs()]
 
     def unknowns(self) -> int:
         """Number of hidden values and of drifting parameters."""
-        return len(hidden.list_names(self.model)) + len(self._paths())
+        return len(hidden_states.list_names(self.model)) + len(self._paths())
 
     def model_at_factors(self, drift: Sequence[Scalar]) -> Any:
         """The model with drifting parameters at factors of their values."""
@@ -219,20 +219,20 @@ class AbstractFilter(AbstractObserver):
         self, xp: Namespace, state: Any, drift: Sequence[Scalar], signals: Column
     ) -> list[Scalar]:
         """Hidden values, factors and outputs of a state."""
-        found = hidden.observe_model(xp, self.model_at_factors(drift), state, signals)
-        unknown = [found[name] for name in hidden.list_names(self.model)]
+        found = hidden_states.observe_model(xp, self.model_at_factors(drift), state, signals)
+        unknown = [found[name] for name in hidden_states.list_names(self.model)]
         return [*unknown, *drift, *(found[name] for name in self.shown_outputs())]
 
     def outlook(
         self, xp: Namespace, state: Any, drift: Sequence[Scalar], signals: Column
     ) -> tuple[list[Scalar], Matrix]:
         """The same, and its slopes with respect to hidden values and factors."""
-        at = hidden.read_hidden(xp, self.model_at_factors(drift), state, signals)
+        at = hidden_states.read_hidden(xp, self.model_at_factors(drift), state, signals)
         count = len(at)
 
         def from_unknowns(xp: Namespace, x: Sequence[Scalar]) -> Sequence[Scalar]:
             model = self.model_at_factors(x[count:])
-            there = hidden.place_hidden(xp, model, state, x[:count], signals)
+            there = hidden_states.place_hidden(xp, model, state, x[:count], signals)
             return [*x, *self.read_model(xp, there, x[count:], signals)[len(x) :]]
 
         return compute_jacobian(xp, from_unknowns, [*at, *drift])
@@ -260,7 +260,7 @@ class AbstractFilter(AbstractObserver):
     def _list_estimates(self, xp: Namespace, found: Forecast, nis: Scalar) -> tuple[Column, Column]:
         """Estimates and memory."""
         state, mean, matrix = found
-        unknown, count = len(hidden.list_names(self.model)), self.unknowns()
+        unknown, count = len(hidden_states.list_names(self.model)), self.unknowns()
         drift = mean[unknown:count]
         sizes = [self.model.value_of(path) for path in self._paths()]
         scale = [*[1.0] * unknown, *sizes, *[1.0] * len(self.shown_outputs())]

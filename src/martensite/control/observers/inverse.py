@@ -21,10 +21,10 @@ from martensite.actuators.assembly import advanced
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import param, text
-from martensite.control.observers import hidden
+from martensite.control.observers import hidden_states
 from martensite.control.observers.base import OBSERVERS, AbstractObserver, Column, Named
-from martensite.control.observers.going import list_required, list_several
-from martensite.kernels.bracket import solve_bracketed
+from martensite.control.observers.model_period import list_required, list_several
+from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.dual import value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
@@ -53,7 +53,7 @@ class InverseModel(AbstractObserver):
                     f"Observer `inverse-model`: its model has no output `{name}`. "
                     f"{suggest_name(name, known)}"
                 )
-        self.__dict__["_example"] = hidden.build_example(self.model)
+        self.__dict__["_example"] = hidden_states.build_example(self.model)
         if len(self.model.actuators()) != 1:
             raise ParameterError(
                 f"Observer `inverse-model` is for one element, but its model has "
@@ -72,7 +72,7 @@ class InverseModel(AbstractObserver):
 
     def _shown_outputs(self) -> list[str]:
         (port,) = self.model.actuators()
-        own = (*hidden.list_names(self.model), *self.model.mechanism.outputs())
+        own = (*hidden_states.list_names(self.model), *self.model.mechanism.outputs())
         chosen = list_several(self.wanted) or (
             *own,
             self.model.label(port, "strain"),
@@ -98,7 +98,7 @@ class InverseModel(AbstractObserver):
         applied = list_required(self, signals)
         before = NestedShape(self.__dict__["_example"]).rebuild(memory)
         state, _ = advanced(xp, self.model, before, [(applied, dt / turns)], turns)
-        temperature, expected = hidden.read_hidden(xp, self.model, state, applied)
+        temperature, expected = hidden_states.read_hidden(xp, self.model, state, applied)
 
         def ohms(xp: Namespace, fraction: Scalar) -> Scalar:
             return self._ohms(xp, state, (temperature, fraction), applied)
@@ -118,18 +118,18 @@ class InverseModel(AbstractObserver):
         fresh = readings[f"{self.measured}.age"] <= 1e-9 * dt
         share = xp.where(fresh, dt / (self.lag + dt), 0.0)
         fraction = xp.clip(expected + share * (root - expected), 0.0, 1.0)
-        there = hidden.place_hidden(xp, self.model, state, (temperature, fraction), applied)
+        there = hidden_states.place_hidden(xp, self.model, state, (temperature, fraction), applied)
         return self._list_estimates(xp, there, applied)
 
     def _ohms(self, xp: Namespace, state: Any, at: Column, signals: Column) -> Scalar:
         """Resistance [ohm] of a state put elsewhere."""
-        there = hidden.place_hidden(xp, self.model, state, at, signals)
-        return hidden.observe_model(xp, self.model, there, signals)[self.measured]
+        there = hidden_states.place_hidden(xp, self.model, state, at, signals)
+        return hidden_states.observe_model(xp, self.model, there, signals)[self.measured]
 
     def _list_estimates(self, xp: Namespace, state: Any, signals: Column) -> tuple[Column, Column]:
         """Estimates and memory."""
-        found = hidden.observe_model(xp, self.model, state, signals)
-        temperature, fraction = (found[name] for name in hidden.list_names(self.model))
+        found = hidden_states.observe_model(xp, self.model, state, signals)
+        temperature, fraction = (found[name] for name in hidden_states.list_names(self.model))
 
         def ohms(xp: Namespace, fraction: Scalar) -> Scalar:
             return self._ohms(xp, state, (temperature, fraction), signals)

@@ -16,11 +16,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from martensite.base.parameters import param
-from martensite.control.observers import covariance, hidden
+from martensite.control.observers import covariance, hidden_states
 from martensite.control.observers.base import OBSERVERS
 from martensite.control.observers.covariance import Matrix
 from martensite.control.observers.filter import LEAST, MOST, AbstractFilter, Believed, Forecast
-from martensite.control.observers.going import ObserverPeriod
+from martensite.control.observers.model_period import ObserverPeriod
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers, sum_column
 
@@ -50,7 +50,7 @@ class UnscentedKalman(AbstractFilter):
     def points(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Matrix:
         """Hidden values and factors of all points, the middle one first."""
         model = self.model_at_factors(before.drift)
-        middle = [*hidden.read_hidden(xp, model, before.state, going.signals), *before.drift]
+        middle = [*hidden_states.read_hidden(xp, model, before.state, going.signals), *before.drift]
         root, far = covariance.factor_cholesky(xp, before.covariance), xp.sqrt(self._square())
         found = [middle]
         for k in range(len(middle)):
@@ -59,7 +59,10 @@ class UnscentedKalman(AbstractFilter):
             found.append([x - d for x, d in zip(middle, way, strict=True)])
         count = len(middle) - len(before.drift)
         return [
-            [*hidden.limit_fractions(xp, x[:count]), *(xp.clip(f, LEAST, MOST) for f in x[count:])]
+            [
+                *hidden_states.limit_fractions(xp, x[:count]),
+                *(xp.clip(f, LEAST, MOST) for f in x[count:]),
+            ]
             for x in found
         ]
 
@@ -71,7 +74,7 @@ class UnscentedKalman(AbstractFilter):
 
         def begin(*x: Scalar) -> list[Scalar]:
             model = self.model_at_factors(x[unknown:])
-            state = hidden.place_hidden(xp, model, before.state, x[:unknown], going.signals)
+            state = hidden_states.place_hidden(xp, model, before.state, x[:unknown], going.signals)
             return [*flatten_numbers(state), *x[unknown:]]
 
         def step(*row: Scalar) -> list[Scalar]:

@@ -30,7 +30,7 @@ from martensite.control.checks.above import Overheat, OverStress
 from martensite.control.checks.base import AbstractCheck
 from martensite.control.checks.sensor_lost import SensorLost
 from martensite.control.checks.sensor_stuck import SensorStuck
-from martensite.control.loop.mounted import WORST, MountedSensor
+from martensite.control.loop.mounted_sensor import WORST, MountedSensor
 from martensite.control.sensors.base import AbstractSensor
 
 if TYPE_CHECKING:

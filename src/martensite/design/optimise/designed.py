@@ -11,7 +11,7 @@ from martensite.design.optimise.pressing import Balance
 from martensite.design.optimise.question import Question
 from martensite.design.optimise.scan import Scan
 from martensite.design.optimise.search import Mark
-from martensite.simulate.steered import Steering
+from martensite.simulate.waveform_levels import WaveformLevels
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Designed:
     """A design: the best that was found, and why it is where it is."""
 
     question: Question
-    steering: Steering
+    steering: WaveformLevels
     """System and waveforms with the numbers that were found."""
     z: tuple[float, ...]
     """Where they are between their bounds, from 0 to 1."""

@@ -26,9 +26,9 @@ from numpy.typing import NDArray
 
 from martensite.design.optimise.question import Aim, Question
 from martensite.search.batch_runner import BatchRunner
-from martensite.simulate.driven import grid_of
+from martensite.simulate.drive_waveforms import grid_of
 from martensite.simulate.measures.base import list_needed
-from martensite.simulate.steered import Level, Steering
+from martensite.simulate.waveform_levels import Level, WaveformLevels
 
 Numbers: TypeAlias = NDArray[np.float64]
 
@@ -60,7 +60,7 @@ class Designs:
     """All designs of a question, ready to be judged."""
 
     def __init__(
-        self, steering: Steering, question: Question, *, samples: int, step: float,
+        self, steering: WaveformLevels, question: Question, *, samples: int, step: float,
         also: Sequence[Aim] = (), native: bool | None = None,
     ) -> None:  # fmt: skip
         """Prepare runs.
@@ -193,7 +193,9 @@ class Designs:
         return found
 
 
-def at_levels(steering: Steering, question: Question, numbers: Sequence[float]) -> Steering:
+def at_levels(
+    steering: WaveformLevels, question: Question, numbers: Sequence[float]
+) -> WaveformLevels:
     """System and waveforms of a design, checked.
 
     Raises:

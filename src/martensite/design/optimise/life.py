@@ -19,13 +19,13 @@ from martensite.actuators.assembly import Actuator
 from martensite.base.errors import ParameterError
 from martensite.design.optimise.question import Constraint, read_aim
 from martensite.search.free_numbers import FreeNumber
-from martensite.simulate.steered import Steering
+from martensite.simulate.waveform_levels import WaveformLevels
 
 NOTE = "limit of the element"
 
 
 def life_constraints(
-    steering: Steering, freed: Sequence[FreeNumber], margin: float = 0.0
+    steering: WaveformLevels, freed: Sequence[FreeNumber], margin: float = 0.0
 ) -> list[Constraint]:
     """What keeps every element within its limits.
 

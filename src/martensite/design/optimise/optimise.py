@@ -27,8 +27,8 @@ from martensite.design.optimise.question import Aim, Question, read_aim, read_qu
 from martensite.design.optimise.search import Hunt, Mark, Point, Search, Tell
 from martensite.design.optimise.whole import Tried, rounded
 from martensite.simulate.api import longest_step
-from martensite.simulate.driven import Waveforms
-from martensite.simulate.steered import Steering
+from martensite.simulate.drive_waveforms import Waveforms
+from martensite.simulate.waveform_levels import WaveformLevels
 
 ACCURACY = 1e-3
 """Accepted change on halving the step, as a share of limits and of the goal."""
@@ -74,7 +74,7 @@ def optimise_design(
     """
     if minimise is not None and maximise is not None:
         raise ParameterError("A design has one goal: name what to minimise, or what to maximise.")
-    steering = Steering(system, waveform, duration)
+    steering = WaveformLevels(system, waveform, duration)
     question = read_question(
         steering, free, maximise or minimise or "energy", subject, most=maximise is not None,
         cases=cases, written=written,
@@ -107,7 +107,7 @@ def optimise_design(
     )  # fmt: skip
 
 
-def _longest(steering: Steering, question: Question) -> float:
+def _longest(steering: WaveformLevels, question: Question) -> float:
     """The shortest of the longest sensible steps at the corners of the box [s]."""
     ends = [[(c.path, v) for v in (one.low, one.high)]
             for one in question.free for c in one.targets if c.level is None]  # fmt: skip
@@ -155,7 +155,7 @@ def _apart(hunt: Hunt, finer: Hunt, z: Numbers) -> float:
     return float(max(goal, slack.max(initial=0.0)))
 
 
-def _answer(steering: Steering, hunt: Hunt, point: Point, apart: float) -> Designed:
+def _answer(steering: WaveformLevels, hunt: Hunt, point: Point, apart: float) -> Designed:
     """The answer, but for what was seen on the way."""
     designs, question = hunt.designs, hunt.designs.question
     numbers = tuple(designs.numbers(point.z).tolist())
@@ -192,7 +192,7 @@ def _reported(hunt: Hunt, numbers: Sequence[float]) -> tuple[Reported, ...]:
     )
 
 
-def _shown(steering: Steering, asked: set[str]) -> list[Aim]:
+def _shown(steering: WaveformLevels, asked: set[str]) -> list[Aim]:
     """Other measures of the actuators of a system."""
     system = steering.system
     found: list[Aim] = []

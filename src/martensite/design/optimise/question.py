@@ -20,7 +20,7 @@ from martensite.base.errors import ParameterError, UnitError, suggest_name
 from martensite.design.optimise.targets import find_alike, list_targets, read_design_number
 from martensite.search.free_numbers import BOX_TEMPERATURE, FreeNumber, Target
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_measure
-from martensite.simulate.steered import Steering
+from martensite.simulate.waveform_levels import WaveformLevels
 
 _CONSTRAINT = re.compile(r"^(.*?[^<>=\s])\s*(<=|>=|<|>|≤|≥)\s*(.*?)\s*$")
 _SETTING = re.compile(r"^\s*([^=\s]+)\s*=\s*(.*?)\s*$")
@@ -90,7 +90,7 @@ class Question:
 
 
 def read_question(
-    steering: Steering, free: Sequence[str], goal: str, subject: Sequence[str] = (), *,
+    steering: WaveformLevels, free: Sequence[str], goal: str, subject: Sequence[str] = (), *,
     most: bool = False, cases: Sequence[str] = (), written: Mapping[str, str] | None = None,
 ) -> Question:  # fmt: skip
     """The question that texts ask about a system.
@@ -126,7 +126,7 @@ def _refuse_twice(freed: Sequence[FreeNumber]) -> None:
         raise ParameterError(f"`{twice}` is named as free more than once.")
 
 
-def read_aim(words: str, steering: Steering, freed: Sequence[FreeNumber]) -> Aim:
+def read_aim(words: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) -> Aim:
     """A measure, or a free number by its name or path.
 
     Raises:
@@ -146,7 +146,7 @@ def read_aim(words: str, steering: Steering, freed: Sequence[FreeNumber]) -> Aim
     return Aim(words, found.unit_in(steering.system), found)
 
 
-def read_constraint(text: str, steering: Steering, freed: Sequence[FreeNumber]) -> Constraint:
+def read_constraint(text: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) -> Constraint:
     """A constraint from a text such as `max(stress) <= 200 MPa`.
 
     Raises:

@@ -21,10 +21,12 @@ from martensite.search.free_numbers import (
     parse_free,
     read_free,
 )
-from martensite.simulate.steered import PEAK, Steering
+from martensite.simulate.waveform_levels import PEAK, WaveformLevels
 
 
-def list_targets(steering: Steering, written: Mapping[str, str] | None = None) -> list[Target]:
+def list_targets(
+    steering: WaveformLevels, written: Mapping[str, str] | None = None
+) -> list[Target]:
     """All numbers of a system and levels of its waveforms.
 
     Args:

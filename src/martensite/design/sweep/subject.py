@@ -12,7 +12,7 @@ from martensite.scenario.assemble import waveform_path
 from martensite.scenario.scales import Scales
 from martensite.search.free_numbers import Target
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.driven import by_name
+from martensite.simulate.drive_waveforms import by_name
 from martensite.simulate.variants import VariantSetup
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ from martensite.control.loop.run import noise_waveforms, reference_waveforms
 from martensite.control.observers.base import ESTIMATED
 from martensite.search.batch_runner import BatchRunner
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.driven import grid_of
+from martensite.simulate.drive_waveforms import grid_of
 
 Numbers = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
-from martensite.identify.operators.curves import AbstractCurve
+from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels.namespace import Namespace, Scalar
 
 

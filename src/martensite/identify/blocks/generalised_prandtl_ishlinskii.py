@@ -23,7 +23,6 @@ import numpy as np
 from martensite.base.parameters import param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
 from martensite.identify.operators.counts import check_whole
-from martensite.identify.operators.curves import AbstractCurve
 from martensite.identify.operators.play import (
     FARTHEST,
     compute_logistic,
@@ -31,6 +30,7 @@ from martensite.identify.operators.play import (
     evaluate_hinges,
     keep_between,
 )
+from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels.namespace import Namespace, Scalar
 
 OPEN = 0.15

@@ -15,7 +15,7 @@ import numpy as np
 from martensite.base.parameters import option, param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
 from martensite.identify.operators.counts import check_whole
-from martensite.identify.operators.curves import AbstractCurve
+from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 

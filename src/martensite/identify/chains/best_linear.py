@@ -21,6 +21,7 @@ from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.chain import Chain, build_untrained
+from martensite.identify.chains.decimation import thin_records
 from martensite.identify.chains.impulse_response import Pair, impulse_response
 from martensite.identify.chains.levenberg import minimise_cost
 from martensite.identify.chains.linear_weights import LinearStart, fit_weights
@@ -31,8 +32,7 @@ from martensite.identify.chains.realisation import (
     match_poles,
     realise_responses,
 )
-from martensite.identify.chains.residuals import Aim, Squares
-from martensite.identify.chains.thinning import thin_records
+from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.identify.operators import sections
 from martensite.kernels import floats
 from martensite.signals.sampling.sampled import Sampled
@@ -123,7 +123,9 @@ def polish_linear(
     theta = found.theta
     if isinstance(line := chain.blocks[-1], Polynomial):
         theta = np.concatenate([theta, line.line(found.gain, found.offset)])
-    squares = Squares(chain.engine, [Aim(record, skip, None, start) for record in records])
+    squares = ResidualSquares(
+        chain.engine, [RecordResidual(record, skip, None, start) for record in records]
+    )
     if iterations:
         theta = minimise_cost(squares, squares.extend_parameters(theta), iterations).theta[
             : len(theta)

@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from martensite.identify.blocks.base import AbstractBlock, Numbers
-from martensite.identify.chains.native import CompiledChain
+from martensite.identify.chains.compiled_chain import CompiledChain
+from martensite.identify.chains.float_chain import FloatChain
 from martensite.identify.chains.native_columns import TILE, pad_count
 from martensite.identify.chains.native_source import Taps
-from martensite.identify.chains.plain import FloatChain
 from martensite.identify.chains.plan import ChainPlan, plan_blocks
 from martensite.kernels.c99 import find_compiler
 

@@ -15,19 +15,19 @@ import numpy as np
 
 from martensite.base.errors import InputError, SolveError
 from martensite.identify.blocks.base import AbstractBlock
-from martensite.identify.chains.begun import begin_from_chain
 from martensite.identify.chains.chain import Chain, build_untrained
+from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.checks import check_enough, check_informative, check_records
+from martensite.identify.chains.decimation import MIDDLE, coarsen_records
+from martensite.identify.chains.free_run_scores import free_run
 from martensite.identify.chains.goals import build_aims, squares_of
-from martensite.identify.chains.informed import list_informed_starts
 from martensite.identify.chains.levenberg import Found, minimise_cost
+from martensite.identify.chains.linear_start import list_informed_starts
+from martensite.identify.chains.nested_start import begin_from_chain
 from martensite.identify.chains.options import Options as Options
-from martensite.identify.chains.residuals import Aim, Squares, settle_states
-from martensite.identify.chains.scored import free_run
+from martensite.identify.chains.prediction_error import whiten_chain
+from martensite.identify.chains.residuals import RecordResidual, ResidualSquares, settle_states
 from martensite.identify.chains.scores import fit_percent
-from martensite.identify.chains.thinning import MIDDLE, coarsen_records
-from martensite.identify.chains.whitening import whiten_chain
-from martensite.identify.chains.written import parse_chain
 from martensite.signals.sampling.sampled import Sampled
 
 INTERRUPTED = "interrupted"
@@ -43,7 +43,7 @@ class ChainEstimate:
 
     chain: Chain
     records: tuple[Sampled, ...]
-    aims: tuple[Aim, ...]
+    aims: tuple[RecordResidual, ...]
     found: Found
     """Where the last search ended, which ran at the full rate."""
     fits: tuple[float, ...]
@@ -58,9 +58,9 @@ class ChainEstimate:
         """How many refined searches ended within 0.1 point of the best."""
         return sum(fit >= self.fits[0] - ALIKE for fit in self.fits)
 
-    def squares(self) -> Squares:
+    def squares(self) -> ResidualSquares:
         """The sum of squares that was minimised."""
-        return Squares(self.chain.engine, self.aims)
+        return ResidualSquares(self.chain.engine, self.aims)
 
 
 class SearchEnd(NamedTuple):

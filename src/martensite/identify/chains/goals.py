@@ -10,18 +10,18 @@ from martensite.base.errors import InputError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.options import Options
-from martensite.identify.chains.residuals import Aim, Squares
+from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.signals.sampling.sampled import Sampled
 
 
-def build_aims(records: Sequence[Sampled], options: Options) -> list[Aim]:
+def build_aims(records: Sequence[Sampled], options: Options) -> list[RecordResidual]:
     """What is fitted: the records, on one scale, and what they say of rest."""
     weights = 1.0 / _find_spread(records, options)
-    found = [Aim(r, options.skip, weights, options.start) for r in records]
+    found = [RecordResidual(r, options.skip, weights, options.start) for r in records]
     if options.anchor > 0.0:
         for record in records:
             heavy = weights * np.sqrt(options.anchor * len(record))
-            found.append(Aim(at_rest(record), 0, heavy))
+            found.append(RecordResidual(at_rest(record), 0, heavy))
     return found
 
 
@@ -57,8 +57,8 @@ def find_expected(chain: Chain, options: Options) -> tuple[Numbers, Numbers]:
     return np.where(weights > 0.0, centres, chain.theta), weights
 
 
-def squares_of(chain: Chain, records: Sequence[Sampled], options: Options) -> Squares:
+def squares_of(chain: Chain, records: Sequence[Sampled], options: Options) -> ResidualSquares:
     """The sum of squares that a search from the numbers of a chain minimises."""
-    return Squares(
+    return ResidualSquares(
         chain.engine, build_aims(records, options), options.ridge, *find_expected(chain, options)
     )

@@ -17,8 +17,8 @@ from typing import Any
 
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.kernels.adjoint import compute_gradient
+from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.graph import VARYING
-from martensite.kernels.once import cache_answers
 from martensite.kernels.partials import compute_partials
 from martensite.kernels.program import Function, Program
 

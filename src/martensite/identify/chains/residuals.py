@@ -28,7 +28,7 @@ STARTS = ("rest", "zero", "estimate")
 
 
 @dataclass(frozen=True, eq=False)
-class Aim:
+class RecordResidual:
     """A record, and how its residuals count."""
 
     record: Sampled
@@ -78,7 +78,7 @@ Memory = tuple[Numbers, Numbers]
 """What the filter remembers of residuals and of slopes."""
 
 
-class Squares:
+class ResidualSquares:
     """The sum of squares of a chain over records: what `levenberg.minimise` minimises.
 
     The numbers are θ of the chain, then the initial states of those records that estimate them,
@@ -86,7 +86,7 @@ class Squares:
     """
 
     def __init__(
-        self, engine: ChainEngine, aims: Sequence[Aim], ridge: float = 0.0,
+        self, engine: ChainEngine, aims: Sequence[RecordResidual], ridge: float = 0.0,
         reference: Numbers | None = None, priors: Numbers | None = None,
     ) -> None:  # fmt: skip
         """Take a chain and records.
@@ -165,7 +165,7 @@ class Squares:
         """State at the first sample of every record."""
         return [self._start(aim, theta, place, False).state for aim, place in self._place_states()]
 
-    def _place_states(self) -> Iterator[tuple[Aim, int | None]]:
+    def _place_states(self) -> Iterator[tuple[RecordResidual, int | None]]:
         """The records, and where their initial states are among the numbers."""
         place = self.columns
         for aim in self.aims:
@@ -180,7 +180,9 @@ class Squares:
             return theta
         return np.concatenate([np.arange(place, place + self.states), theta])
 
-    def _start(self, aim: Aim, theta: Numbers, place: int | None, slopes: bool) -> ChainStart:
+    def _start(
+        self, aim: RecordResidual, theta: Numbers, place: int | None, slopes: bool
+    ) -> ChainStart:
         own, first = theta[: self.columns], aim.record.inputs[0]
         if aim.start == "zero":
             return ChainStart(np.zeros(self.states), np.zeros((self.states, self.columns)))
@@ -189,7 +191,7 @@ class Squares:
         return start if slopes or place is None else start._replace(slopes=start.slopes[:, :0])
 
     def _parts(
-        self, aim: Aim, theta: Numbers, place: int | None, reuse: bool = False
+        self, aim: RecordResidual, theta: Numbers, place: int | None, reuse: bool = False
     ) -> Iterator[Part]:
         """Weighted residuals and slopes without weights; with `reuse` overwritten by the next."""
         start = self._start(aim, theta, place, slopes=True)
@@ -205,25 +207,25 @@ class Squares:
             yield Part(chunk.rows, residuals, slopes)
 
 
-def settle_states(squares: Squares, theta: Numbers, steps: int) -> Found:
+def settle_states(squares: ResidualSquares, theta: Numbers, steps: int) -> Found:
     """The initial states that are estimated, found for a θ of the chain that is held."""
     theta = squares.extend_parameters(theta)
     return minimise_cost(squares, theta, steps, free=np.arange(squares.size) >= squares.columns)
 
 
-def _weigh_residuals(aim: Aim, y: Numbers, rows: slice) -> Numbers:
+def _weigh_residuals(aim: RecordResidual, y: Numbers, rows: slice) -> Numbers:
     """Weighted residuals, 0 where nothing counts."""
     return np.where(_find_counted(aim, rows), (aim.record.outputs[rows] - y) * aim.scale(), 0.0)
 
 
-def _find_counted(aim: Aim, rows: slice) -> NDArray[np.bool_]:
+def _find_counted(aim: RecordResidual, rows: slice) -> NDArray[np.bool_]:
     """Which outputs of some samples count."""
     counts = np.isfinite(aim.record.outputs[rows])
     counts[: max(aim.skip - (rows.start or 0), 0)] = False
     return counts
 
 
-def _filter_residuals(aim: Aim, residuals: Numbers) -> Numbers:
+def _filter_residuals(aim: RecordResidual, residuals: Numbers) -> Numbers:
     """Residuals of a whole record through L(q)."""
     whole = len(aim.whitening) == 1
     return residuals if whole else np.asarray(lfilter(aim.whitening, [1.0], residuals, axis=0))

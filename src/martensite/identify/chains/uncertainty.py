@@ -25,11 +25,11 @@ import numpy as np
 from martensite.base.errors import DataError, ParameterError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.covariance_sums import Sums, block_lengths, sum_blocks
 from martensite.identify.chains.engine import ChainStart
-from martensite.identify.chains.flat import Flat, invert_normal
-from martensite.identify.chains.residuals import Squares
-from martensite.identify.chains.sandwich import Sums, block_lengths, sum_blocks
-from martensite.identify.chains.shown_errors import PrintedNumber, list_rows, slopes_of_shown
+from martensite.identify.chains.number_errors import PrintedNumber, list_rows, slopes_of_shown
+from martensite.identify.chains.residuals import ResidualSquares
+from martensite.identify.chains.unidentifiable_directions import Flat, invert_normal
 from martensite.search.words import number
 from martensite.signals.sampling.sampled import Sampled
 
@@ -157,7 +157,7 @@ class ChainUncertainty:
 
 
 def estimate_chain_uncertainty(
-    chain: Chain, squares: Squares, blocks: Sequence[int] | int | None = None
+    chain: Chain, squares: ResidualSquares, blocks: Sequence[int] | int | None = None
 ) -> ChainUncertainty:
     """The covariance of an estimated chain.
 
@@ -212,7 +212,7 @@ def measure_coverage(band: OutputBand, record: Sampled, skip: int = 0) -> Number
 
 
 def _choose_lengths(
-    squares: Squares, theta: Numbers, blocks: Sequence[int] | int | None
+    squares: ResidualSquares, theta: Numbers, blocks: Sequence[int] | int | None
 ) -> tuple[int, ...]:
     if blocks is None:
         return tuple(block_lengths(squares, theta))
@@ -225,7 +225,7 @@ def _choose_lengths(
     return given
 
 
-def _find_residual_deviation(squares: Squares, found: Sums) -> Numbers:
+def _find_residual_deviation(squares: ResidualSquares, found: Sums) -> Numbers:
     """Standard deviation of the residuals of every output, without records of one sample."""
     long = np.array([len(aim.record) > 1 for aim in squares.aims])
     weights = np.array([aim.scale() for aim in squares.aims])

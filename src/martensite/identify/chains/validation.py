@@ -18,7 +18,11 @@ from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.correlations import LEVEL, Crossed, correlate_residuals
 from martensite.identify.chains.directions import REVERSAL, Masks, split_by_direction
-from martensite.identify.chains.stretches import ErrorStretch, known_stretch, summarise_segments
+from martensite.identify.chains.residual_segments import (
+    ErrorStretch,
+    known_stretch,
+    summarise_segments,
+)
 from martensite.search.scores import Score, score
 from martensite.search.whiteness import FEWEST, Whiteness, whiteness
 from martensite.search.words import joined, number

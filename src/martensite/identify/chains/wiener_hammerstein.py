@@ -28,7 +28,7 @@ from martensite.identify.chains.levenberg import minimise_cost
 from martensite.identify.chains.linear_parts import Orders, find_orders, find_poles, find_zeros
 from martensite.identify.chains.linear_weights import fit_weights
 from martensite.identify.chains.realisation import match_poles
-from martensite.identify.chains.residuals import Aim, Squares
+from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.signals.sampling.sampled import Sampled
 
 DEGREE = 5
@@ -99,7 +99,7 @@ def _linear_models(both: Orders, record: Sampled) -> list[tuple[Numbers, Numbers
         line = chain.blocks[1]
         made_line = line.line(start.gain, start.offset) if isinstance(line, Polynomial) else ()
         theta = np.concatenate([start.theta, made_line])
-        squares = Squares(chain.engine, [Aim(record.rows(0, POLISHED))])
+        squares = ResidualSquares(chain.engine, [RecordResidual(record.rows(0, POLISHED))])
         for one in (theta, minimise_cost(squares, theta, 40).theta):
             own = one[: len(start.theta)]
             made.append(
@@ -202,7 +202,7 @@ def _place_poles(chain: Chain, way: Shared, static: AbstractBlock, record: Sampl
 def _with_polynomial(chain: Chain, way: Shared, record: Sampled) -> tuple[float, Chain]:
     """Cost and chain of a way, refined with a polynomial between the blocks."""
     placed = _place_poles(chain, way, Polynomial(degree=DEGREE), record)
-    squares = Squares(placed.engine, [Aim(record)])
+    squares = ResidualSquares(placed.engine, [RecordResidual(record)])
     found = minimise_cost(squares, placed.theta, 25)
     return found.value, placed.with_theta(found.theta)
 
@@ -233,5 +233,7 @@ def fit_through(block: AbstractBlock, x: Numbers, y: Numbers, points: int = 400)
     slope, offset = np.polyfit(x[order], y[order], 1)
     theta = block.line(float(slope), float(offset)) if isinstance(block, AbstractStatic) else (
         block.start())  # fmt: skip
-    squares = Squares(ChainEngine([block], 1.0), [Aim(record)], ridge=1e-6, reference=theta)
+    squares = ResidualSquares(
+        ChainEngine([block], 1.0), [RecordResidual(record)], ridge=1e-6, reference=theta
+    )
     return minimise_cost(squares, theta, 30).theta

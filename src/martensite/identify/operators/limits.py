@@ -13,7 +13,7 @@ import numpy as np
 
 from martensite.base.parameters import option
 from martensite.identify.blocks.base import Column, Numbers
-from martensite.identify.operators.curves import AbstractCurve
+from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels.namespace import Namespace, Scalar
 
 SMALLEST = 14.0

@@ -40,7 +40,7 @@ from typing import NamedTuple
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
-from martensite.kernels.bracket import solve_bracketed
+from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.diagram import WIDTHS, require_order
 from martensite.physics.kinetics.hardening import LEAST_EXPONENT, compute_hardening

@@ -23,10 +23,14 @@ from __future__ import annotations
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics import twinned
+from martensite.physics.kinetics import two_fractions
 from martensite.physics.kinetics.diagram import AbstractPhaseDiagram
 from martensite.physics.kinetics.history import Strip
-from martensite.physics.kinetics.twinned import Diagram, TwoFractionDirection, TwoFractionMemory
+from martensite.physics.kinetics.two_fractions import (
+    Diagram,
+    TwoFractionDirection,
+    TwoFractionMemory,
+)
 from martensite.physics.laws.base import LAWS, Doubt, Fractions
 
 PIECES = 3
@@ -100,14 +104,16 @@ class Brinson(AbstractPhaseDiagram):
         self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> TwoFractionMemory:
         """Memory of a wire that has no history; needs 0 ≤ ξ_S ≤ ξ ≤ 1."""
-        return twinned.start_memory(fractions, stress, temperature)
+        return two_fractions.start_memory(fractions, stress, temperature)
 
     def relocate(
         self, xp: Namespace, memory: TwoFractionMemory, fractions: Fractions, stress: Scalar,
         temperature: Scalar,
     ) -> TwoFractionMemory:  # fmt: skip
         """The branch in progress goes on from other fractions at another point."""
-        return twinned.relocate_memory(xp, self.diagram(), memory, fractions, stress, temperature)
+        return two_fractions.relocate_memory(
+            xp, self.diagram(), memory, fractions, stress, temperature
+        )
 
     def fractions(self, memory: TwoFractionMemory) -> Fractions:
         """ξ and ξ_S."""
@@ -118,8 +124,8 @@ class Brinson(AbstractPhaseDiagram):
     ) -> TwoFractionDirection:
         """The direction set off by a straight move to (stress [Pa], temperature [K])."""
         diagram = self.diagram()
-        found = twinned.follow_all_strips(xp, diagram, memory, stress, temperature)
-        return twinned.select_direction(xp, self.history, diagram, memory, found)
+        found = two_fractions.follow_all_strips(xp, diagram, memory, stress, temperature)
+        return two_fractions.select_direction(xp, self.history, diagram, memory, found)
 
     def follow(
         self,
@@ -130,7 +136,7 @@ class Brinson(AbstractPhaseDiagram):
         dt: Scalar,
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
-        return twinned.follow_direction(xp, self.diagram(), move, stress, temperature)
+        return two_fractions.follow_direction(xp, self.diagram(), move, stress, temperature)
 
     def commit(
         self,
@@ -144,7 +150,7 @@ class Brinson(AbstractPhaseDiagram):
     ) -> TwoFractionMemory:
         """The memory after the accepted move."""
         end = fractions, stress, temperature
-        return twinned.commit_move(xp, self.history, self.diagram(), memory, move, *end)
+        return two_fractions.commit_move(xp, self.history, self.diagram(), memory, move, *end)
 
     def kinetics(
         self,
@@ -157,9 +163,9 @@ class Brinson(AbstractPhaseDiagram):
         """Advance along a straight leg; both directions may act, one after the other."""
         diagram = self.diagram()
         for _ in range(PIECES - 1):
-            found = twinned.follow_all_strips(xp, diagram, memory, stress, temperature)
-            move = twinned.select_direction(xp, self.history, diagram, memory, found)
-            between = twinned.find_handover(xp, found, memory, stress, temperature)
+            found = two_fractions.follow_all_strips(xp, diagram, memory, stress, temperature)
+            move = two_fractions.select_direction(xp, self.history, diagram, memory, found)
+            between = two_fractions.find_handover(xp, found, memory, stress, temperature)
             fractions = self.follow(xp, move, *between, dt)
             memory = self.commit(xp, memory, move, fractions, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
@@ -177,4 +183,4 @@ class Brinson(AbstractPhaseDiagram):
         temperature: Scalar,
     ) -> Scalar:
         """Largest share of a strip crossed by the move [-]."""
-        return twinned.compute_crossing(xp, self.diagram(), memory, move, stress, temperature)
+        return two_fractions.compute_crossing(xp, self.diagram(), memory, move, stress, temperature)

@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from martensite.kernels.bracket import SMALL, solve_bracketed
+from martensite.kernels.bracketed_newton import SMALL, solve_bracketed
 from martensite.kernels.dual import value_and_slope, values_and_slopes
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import AbstractLaw, Fractions

@@ -31,8 +31,8 @@ from martensite.show.figures.style import (
     new_figure,
     styled,
 )
+from martensite.simulate.path_stages import list_stages
 from martensite.simulate.point import PointResult
-from martensite.simulate.stages import list_stages
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

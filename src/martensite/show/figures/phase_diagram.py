@@ -23,9 +23,9 @@ import numpy as np
 from martensite.physics.laws.base import AbstractLaw
 from martensite.show.figures.labels import Axis, around, mathematical
 from martensite.show.figures.style import COOLING, HEATING, INK, QUIET
-from martensite.simulate.courses import TWINNED
-from martensite.simulate.landmarks import Marks, find_isobar, find_loaded
+from martensite.simulate.path_layout import TWINNED
 from martensite.simulate.point import PointResult
+from martensite.simulate.transformation_points import Marks, find_isobar, find_loaded
 
 TEMPERATURE = Axis("temperature", "temperature", "T", "K", "degC")
 STRESS = Axis("stress", "stress", "σ", "Pa", "MPa")

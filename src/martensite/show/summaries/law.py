@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
-from martensite.simulate.stages import PathStage, list_stages, residual_strain
+from martensite.simulate.path_stages import PathStage, list_stages, residual_strain
 
 if TYPE_CHECKING:
     from martensite.scenario.laws import Dressed

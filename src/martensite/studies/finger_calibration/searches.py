@@ -18,7 +18,7 @@ from martensite.fit.solve import solve_problem
 from martensite.fit.watch import Note
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, FAR, NEAR, Data
-from martensite.studies.kept import kept
+from martensite.studies.result_cache import kept
 from martensite.studies.tables import Printed
 
 STARTS = (

@@ -14,7 +14,7 @@ from martensite.identify.chains.scores import fit_percent
 from martensite.signals.sampling.sampled import Sampled
 from martensite.studies.hammerstein_wiener import models, records
 from martensite.studies.hammerstein_wiener.bench import ReferenceBench, RunningBench
-from martensite.studies.kept import kept
+from martensite.studies.result_cache import kept
 
 SMOOTH = 500
 """Samples over which the course of a duty is judged."""

@@ -18,7 +18,7 @@ from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options, estimate_chain, refine_chain
 from martensite.signals.sampling.sampled import Sampled
 from martensite.studies.hammerstein_wiener import records
-from martensite.studies.kept import kept
+from martensite.studies.result_cache import kept
 
 FIRST = "poly2 | oe(3,3,1) | pwl10"
 SECOND = "wavelet88 | oe(3,3,1) | sigmoid10"

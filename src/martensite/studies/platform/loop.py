@@ -12,7 +12,7 @@ from functools import cache
 
 from martensite.control.controllers.on_off import OnOff
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted import MountedSensor
+from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.ideal import IdealSensor

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise
 
-from martensite.control.controllers.latched import LatchedOnOff, replay_controller
+from martensite.control.controllers.latched_on_off import LatchedOnOff, replay_controller
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step

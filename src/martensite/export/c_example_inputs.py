@@ -15,7 +15,7 @@ from martensite.export.c_example import Step
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import first_step
 from martensite.simulate.compiled import compile_march
-from martensite.simulate.driven import Waveforms, by_name, grid_of
+from martensite.simulate.drive_waveforms import Waveforms, by_name, grid_of
 from martensite.simulate.result import Result
 
 Played = tuple[tuple[float, ...], list[Step]]

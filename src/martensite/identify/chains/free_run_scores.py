@@ -13,7 +13,7 @@ import numpy as np
 
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.residuals import Aim, Squares, settle_states
+from martensite.identify.chains.residuals import RecordResidual, ResidualSquares, settle_states
 from martensite.identify.chains.scores import compute_rms, fit_percent
 from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Sampled
@@ -57,7 +57,7 @@ def free_run(chain: Chain, record: Sampled, start: str = "rest", skip: int = 0) 
         return chain.simulate(record)
     if start == "zero":
         return chain.simulate(record, np.zeros(states))
-    squares = Squares(chain.engine, [Aim(record, skip, start=start)])
+    squares = ResidualSquares(chain.engine, [RecordResidual(record, skip, start=start)])
     found = settle_states(squares, chain.theta, 20)
     return chain.simulate(record, squares.initial(found.theta)[0])
 

@@ -17,14 +17,14 @@ from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.actuators.assembly.base import DriveSignal
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Output
 from martensite.base.parameters import param, part
-from martensite.control.observers import hidden
+from martensite.control.observers import hidden_states
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
 
 NOISE = "noise."
 
 
-class Shaken(AbstractSystem):
+class ProcessNoisePlant(AbstractSystem):
     """A system whose temperatures and fractions do a random walk besides."""
 
     plant: AbstractSystem = part("what is shaken")
@@ -34,7 +34,7 @@ class Shaken(AbstractSystem):
 
     def check(self) -> None:
         """Raise `ParameterError` if its elements have no single temperature."""
-        hidden.build_example(self.plant)
+        hidden_states.build_example(self.plant)
 
     @property
     def mechanism(self) -> AbstractMechanism:  # type: ignore[override]
@@ -47,7 +47,9 @@ class Shaken(AbstractSystem):
 
     def drives(self) -> list[DriveSignal]:
         """Those of the plant, then the numbers."""
-        own = [DriveSignal(NOISE + name, "1", False) for name in hidden.list_names(self.plant)]
+        own = [
+            DriveSignal(NOISE + name, "1", False) for name in hidden_states.list_names(self.plant)
+        ]
         return [*self.plant.drives(), *own]
 
     def label(self, port: str, name: str) -> str:
@@ -82,10 +84,10 @@ class Shaken(AbstractSystem):
         after, report = self.plant.step(xp, state, *signals, dt=dt)
         share = dt / xp.sqrt(self.held)
         sizes = [self.temperature_noise, self.fraction_noise] * len(self.plant.actuators())
-        at = hidden.read_hidden(xp, self.plant, after, signals)
+        at = hidden_states.read_hidden(xp, self.plant, after, signals)
         moved = [x + q * n * share for x, q, n in zip(at, sizes, numbers, strict=True)]
-        return hidden.place_hidden(
-            xp, self.plant, after, hidden.limit_fractions(xp, moved), signals
+        return hidden_states.place_hidden(
+            xp, self.plant, after, hidden_states.limit_fractions(xp, moved), signals
         ), report
 
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:

@@ -30,7 +30,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.signals.moments import Moments, Segment, Tone, add_segments
-from martensite.simulate.driven import Waveforms, arrange_waveforms
+from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
 
 PEAK = "peak"
 LOOKED_AT = 2001
@@ -96,7 +96,7 @@ def pair_name(first: int, second: int) -> str:
     return f"q{second} with {'the rest' if first < 0 else f'q{first}'}"
 
 
-class Steered(AbstractSystem, init=False):
+class WaveformLevelSystem(AbstractSystem, init=False):
     """A system whose signals are put together from fixed ones and levels."""
 
     system: AbstractSystem = part("what is driven")
@@ -228,7 +228,7 @@ class Steered(AbstractSystem, init=False):
 
 
 @dataclass(frozen=True)
-class Steering:
+class WaveformLevels:
     """The waveforms of a system, and which of their levels are parameters."""
 
     system: AbstractSystem
@@ -243,13 +243,13 @@ class Steering:
         names = [drive.name for drive in self.system.drives()]
         return dict(zip(names, arrange_waveforms(self.system, self.waveforms), strict=True))
 
-    def with_levels(self, levels: Sequence[Level]) -> Steering:
+    def with_levels(self, levels: Sequence[Level]) -> WaveformLevels:
         """With these levels as parameters.
 
         Raises:
             ParameterError: a signal is not affine in its levels.
         """
-        found = Steering(self.system, self.waveforms, self.duration, tuple(levels))
+        found = WaveformLevels(self.system, self.waveforms, self.duration, tuple(levels))
         for drive in found.own:
             found.require_affine(drive)
         return found
@@ -289,7 +289,7 @@ class Steering:
             return self.system
         numbers = {f"q{k}": level.value for k, level in enumerate(self.levels)}
         owners = tuple(level.drive for level in self.levels)
-        return Steered(system=self.system, levels=Levels(**numbers), owners=owners)
+        return WaveformLevelSystem(system=self.system, levels=Levels(**numbers), owners=owners)
 
     def path(self, path: str) -> str:
         """The path in `whole` of a parameter of the system."""
@@ -307,7 +307,7 @@ class Steering:
         shapes = {f"q{k}": self._shape(level) for k, level in enumerate(self.levels)}
         found: dict[str, AbstractWaveform] = {**rests, **shapes}
         whole = self.whole
-        for j, k in whole.pairs() if isinstance(whole, Steered) else ():
+        for j, k in whole.pairs() if isinstance(whole, WaveformLevelSystem) else ():
             first = rests[self.levels[k].drive] if j < 0 else shapes[f"q{j}"]
             found[pair_name(j, k)] = Combined(terms=((1.0, first), (1.0, shapes[f"q{k}"])))
         return found

@@ -16,9 +16,9 @@ from martensite.identify.blocks.base import AbstractBlock, AbstractStatic, Numbe
 from martensite.identify.chains.best_linear import polish_linear
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import ChainEngine
-from martensite.identify.chains.informed import linear_twin
 from martensite.identify.chains.levenberg import minimise_cost
-from martensite.identify.chains.residuals import Aim, Squares
+from martensite.identify.chains.linear_start import linear_twin
+from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.identify.chains.wiener_hammerstein import fit_through
 from martensite.signals.sampling.sampled import Sampled
 
@@ -81,5 +81,7 @@ def _follow_block(
     if (twin := linear_twin(block)) is not None:
         linear = polish_linear(twin, records).split()[0]
         block, theta = block.as_linear(twin, linear, x, dt)
-    squares = Squares(ChainEngine([block], dt), [Aim(record) for record in records])
+    squares = ResidualSquares(
+        ChainEngine([block], dt), [RecordResidual(record) for record in records]
+    )
     return block, minimise_cost(squares, theta, STEPS).theta

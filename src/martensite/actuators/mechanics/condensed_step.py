@@ -24,8 +24,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from martensite.actuators.mechanics.alike import LoadLineEquation, answer_loads
 from martensite.actuators.mechanics.elimination import multiply_inner, solve_linear
+from martensite.actuators.mechanics.equal_elements import LoadLineEquation, answer_loads
 from martensite.actuators.mechanics.motion import MotionHistory, Numbers, Scheme, predict_position
 from martensite.actuators.mechanisms.base import Column, Load
 from martensite.kernels.dual import compute_jacobian

@@ -12,7 +12,7 @@ from martensite.identify.chains.native_columns import TILE, count_room
 from martensite.identify.chains.native_source import Taps, chain_source
 from martensite.identify.chains.plan import ChainPlan
 from martensite.kernels.c99 import load_library
-from martensite.kernels.once import cache_answers
+from martensite.kernels.compute_once import cache_answers
 
 FLAGS = ("-O2",)
 """Kernels of hundreds of numbers compile sooner than with more, and run as fast."""

@@ -15,8 +15,8 @@ from martensite.base.errors import ParameterError
 from martensite.kernels import floats
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import AUSTENITE
-from martensite.simulate.landmarks import LoadingPoint, Marks, find_isobar, find_loaded
 from martensite.simulate.point import PathLeg, PointResult, material_point
+from martensite.simulate.transformation_points import LoadingPoint, Marks, find_isobar, find_loaded
 
 TWINNED, ORIENTED = Fractions(1.0, 0.0), Fractions(1.0, 1.0)
 STARTS = {"austenite": AUSTENITE, "martensite": ORIENTED, "twinned": TWINNED}

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from martensite.identify.blocks.base import Numbers
-from martensite.identify.chains.residuals import Squares
+from martensite.identify.chains.residuals import ResidualSquares
 from martensite.search.autocorrelation import effective_samples
 
 TIMES = 3.0
@@ -38,7 +38,7 @@ class Sums:
     blocks: int
 
 
-def block_lengths(squares: Squares, theta: Numbers) -> list[int]:
+def block_lengths(squares: ResidualSquares, theta: Numbers) -> list[int]:
     """Samples of a block of every record, from how long its residuals are alike.
 
     Raises:
@@ -61,7 +61,7 @@ def block_lengths(squares: Squares, theta: Numbers) -> list[int]:
     return found
 
 
-def sum_blocks(squares: Squares, theta: Numbers, blocks: Sequence[int]) -> Sums:
+def sum_blocks(squares: ResidualSquares, theta: Numbers, blocks: Sequence[int]) -> Sums:
     """One pass over all records, with blocks of so many samples in each."""
     p, outputs = squares.columns, len(squares.engine.taps)
     square, middle = np.diag(squares.pull.astype(float)), np.zeros((p, p))
