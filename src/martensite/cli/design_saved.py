@@ -93,8 +93,9 @@ def _scale_levels(target: Target, factor: float, scenario: Scenario) -> dict[str
     wave = by_name(scenario.system, scenario.waveform)[drive]
     return {
         f"{before}waveform.{leaf.path}": exact_text(factor * leaf.value, target.unit)
-        for leaf in wave.leaves() if leaf.declared.unit == "drive"
-    }  # fmt: skip
+        for leaf in wave.leaves()
+        if leaf.declared.unit == "drive"
+    }
 
 
 def _find_waveform(scenario: Scenario, before: str) -> dict[str, Any]:

@@ -88,9 +88,14 @@ def _figure(result: Result, panels: Sequence[Panel], title: str | None) -> Figur
     height = HEAD + foot + PANEL_HEIGHT * len(panels)
     figure = new_figure(WIDTH, height)
     grid = figure.add_gridspec(
-        len(panels), 1, left=0.09, right=0.98, top=1.0 - HEAD / height, bottom=foot / height,
+        len(panels),
+        1,
+        left=0.09,
+        right=0.98,
+        top=1.0 - HEAD / height,
+        bottom=foot / height,
         hspace=0.42,
-    )  # fmt: skip
+    )
     stack = list(grid.subplots(sharex=True, squeeze=False)[:, 0])
     for axes, panel in zip(stack, panels, strict=True):
         panel.draw(axes)
@@ -113,9 +118,13 @@ def _finish(axes: Any, result: Result, title: str, last: bool) -> None:
         axes.axvspan(begin, end, color=HEATING, alpha=0.12, linewidth=0.0, label=label)
     if axes.get_legend_handles_labels()[1]:
         axes.legend(
-            loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=6, borderpad=0.0,
-            borderaxespad=0.2, columnspacing=1.2,
-        )  # fmt: skip
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.0),
+            ncols=6,
+            borderpad=0.0,
+            borderaxespad=0.2,
+            columnspacing=1.2,
+        )
 
 
 def _write(figure: Any, result: Result, title: str | None, warnings: Sequence[str]) -> None:

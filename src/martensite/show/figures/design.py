@@ -8,7 +8,8 @@ import numpy as np
 
 from martensite.base import units
 from martensite.design.optimise.designed import Designed
-from martensite.show.figures.style import HEATING, INK, QUIET, new_figure, styled
+from martensite.show.figures.panels import make_panels
+from martensite.show.figures.style import HEATING, INK, QUIET, styled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,9 +26,7 @@ def plot_design(found: Designed, title: str = "") -> Figure:
         title: above the figure.
     """
     with styled():
-        figure = new_figure(WIDTH, HEIGHT)
-        figure.set_layout_engine("constrained")
-        left, right = figure.subplots(1, 2)
+        figure, ((left, right),) = make_panels(WIDTH, HEIGHT, 1, 2)
         figure.suptitle(title)
         _history(found, left)
         _motion(found, right)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.design.analysis.energy import CycleEnergies
-from martensite.show.figures.fit import headline
+from martensite.show.figures.panels import write_headline
 from martensite.show.figures.style import (
     COOLING,
     FAINT,
@@ -37,7 +37,7 @@ def plot_energy(found: CycleEnergies, title: str = "") -> Figure:
             1, 3, left=0.065, right=0.985, top=0.77, bottom=0.155, wspace=0.27
         )
         heat, work, share = (figure.add_subplot(grid[0, k]) for k in range(3))
-        headline(figure, title or f"Energy per cycle of {found.period:.4g} s")
+        write_headline(figure, title or f"Energy per cycle of {found.period:.4g} s")
         _bars(heat, (("electrical", found.electrical, HEATING), ("heat", found.lost, COOLING)), 1.0)
         heat.set_title("into and out of the elements [J]")
         pair = (("given", found.work, SIMULATED), ("returned", found.returned, FAINT))

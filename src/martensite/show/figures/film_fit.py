@@ -52,9 +52,14 @@ def plot_film(report: FilmReport, forms: Sequence[str] | None = None, title: str
     with styled():
         figure = new_figure(10.5 if ambient else 6.0, 4.2)
         grid = figure.add_gridspec(
-            1, 2 if ambient else 1, left=0.065 if ambient else 0.11, right=0.985, top=0.82,
-            bottom=0.12, wspace=0.16,
-        )  # fmt: skip
+            1,
+            2 if ambient else 1,
+            left=0.065 if ambient else 0.11,
+            right=0.985,
+            top=0.82,
+            bottom=0.12,
+            wspace=0.16,
+        )
         figure.text(
             0.02, 0.945, title or "Film coefficient", fontsize=11.5, fontweight="bold", va="center"
         )
@@ -94,9 +99,14 @@ def _ambient(axes: Any, report: FilmReport, shifts: Sequence[AtAmbient]) -> None
         shade = 1.0 if abs(over) < 2.0 else 0.55
         axes.plot(at, [shift.line.film(t) for t in at], color=colour, alpha=shade, linewidth=1.0)
         axes.plot(
-            shift.points.temperatures_degC, shift.points.h, "o", color=colour, alpha=shade,
-            markersize=4.0, label=f"{shift.points.ambient:g} °C ({over:+g} K)",
-        )  # fmt: skip
+            shift.points.temperatures_degC,
+            shift.points.h,
+            "o",
+            color=colour,
+            alpha=shade,
+            markersize=4.0,
+            label=f"{shift.points.ambient:g} °C ({over:+g} K)",
+        )
     axes.set_title("the same powers with another ambient temperature; straight lines")
     axes.set_ylim(0.0, 1.1 * max(max(shift.points.h) for shift in shifts))
     axes.axhline(0.0, color=QUIET, linewidth=0.7)

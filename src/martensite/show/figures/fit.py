@@ -5,7 +5,6 @@ What was kept back from the fit is tinted, and the model is drawn there in anoth
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +16,8 @@ from martensite.base.errors import InputError
 from martensite.fit.fit_rows import HELD_OUT, TRAINING, Compared, compared
 from martensite.fit.fit_verdicts import amount
 from martensite.show.figures.labels import Axis, around
-from martensite.show.figures.style import QUIET, SIMULATED, new_figure, styled
+from martensite.show.figures.panels import add_key, make_grid, pick_evenly, shorten_name
+from martensite.show.figures.style import QUIET, SIMULATED, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -46,9 +46,9 @@ def plot_fit(fit: Fit, title: str = "") -> Figure:
         fit: a finished fit.
         title: headline.
     """
-    rows = spread(compared(fit))
+    rows = pick_evenly(compared(fit), MOST)
     with styled():
-        figure, panels = grid(len(rows), title or "Measured and fitted")
+        figure, panels = make_grid(len(rows), title or "Measured and fitted")
         for axes, one in zip(panels, rows, strict=True):
             shown = output_axis(one.output, one.description)
             _panel(axes, one, TIME, one.times, shown)
@@ -68,14 +68,14 @@ def plot_fit_loops(fit: Fit, title: str = "") -> Figure:
         InputError: no record holds both.
     """
     found = [(one, across(one)) for one in compared(fit)]
-    rows = spread([one for one, column in found if column is not None])
+    rows = pick_evenly([one for one, column in found if column is not None], MOST)
     if not rows:
         raise InputError(
             "No record holds a temperature that varies, or both stress and strain: there is no "
             "loop to draw."
         )
     with styled():
-        figure, panels = grid(len(rows), title or "Measured and fitted, as loops")
+        figure, panels = make_grid(len(rows), title or "Measured and fitted, as loops")
         for axes, one in zip(panels, rows, strict=True):
             column = across(one) or ""
             record = one.experiment.record
@@ -92,52 +92,10 @@ def has_loops(fit: Fit) -> bool:
     return any(across(one) is not None for one in compared(fit))
 
 
-# ---------------------------------------------------------------- shared with other figures
-
-
 def output_axis(name: str, described: Output) -> Axis:
     """How an output is shown."""
     shown = units.of_column(name, described.unit)
     return Axis(name, described.long_name, described.symbol, described.unit, shown)
-
-
-def spread(rows: Sequence[Compared], most: int = MOST) -> list[Compared]:
-    """At most so many, evenly spread."""
-    if len(rows) <= most:
-        return list(rows)
-    return [rows[k] for k in np.linspace(0, len(rows) - 1, most).round().astype(int)]
-
-
-def grid(count: int, title: str) -> tuple[Figure, list[Any]]:
-    """A figure of so many panels, with room for a headline and a key above."""
-    columns = {1: 1, 2: 2, 4: 2}.get(count, 3)
-    rows = math.ceil(count / columns)
-    width, height = {1: 6.4, 2: 9.2, 3: 11.5}[columns], 1.0 + (2.95 if columns < 3 else 2.6) * rows
-    figure = new_figure(width, height)
-    specs = figure.add_gridspec(
-        rows, columns, left=0.62 / width, right=1.0 - 0.15 / width, top=1.0 - 1.0 / height,
-        bottom=0.48 / height, wspace=0.62 / (width / columns - 0.4), hspace=0.42,
-    )  # fmt: skip
-    headline(figure, title)
-    return figure, [figure.add_subplot(specs[k // columns, k % columns]) for k in range(count)]
-
-
-def headline(figure: Figure, title: str) -> None:
-    """The title of a figure, at the upper left."""
-    height = figure.get_size_inches()[1]
-    place = 0.2 / figure.get_size_inches()[0]
-    text = figure.text(
-        place, 1.0 - 0.22 / height, title, fontsize=11.5, fontweight="bold", va="center"
-    )
-    text.set_parse_math(False)
-
-
-def plain_title(axes: Any, text: str, **look: Any) -> None:
-    """A title of a panel in which nothing is mathematics."""
-    axes.set_title(text, **look).set_parse_math(False)
-
-
-# ---------------------------------------------------------------- one panel
 
 
 def across(one: Compared) -> str | None:
@@ -191,24 +149,21 @@ def _joined(rows: Any) -> Any:
 
 def _name(axes: Any, one: Compared) -> None:
     """The record above a panel, and below its name the errors."""
-    axes.set_title(short(one.record), fontweight="bold", pad=14.0).set_parse_math(False)
+    axes.set_title(shorten_name(one.record), fontweight="bold", pad=14.0).set_parse_math(False)
     errors = [
         f"{amount(one.output, one.rms(part), one.description.unit)}{word}"
-        for part, word in ((TRAINING, ""), (HELD_OUT, " held out")) if _any(one, part)
-    ]  # fmt: skip
+        for part, word in ((TRAINING, ""), (HELD_OUT, " held out"))
+        if _any(one, part)
+    ]
     axes.annotate(
-        f"rms {', '.join(errors)}".replace("ohm", "Ω"), (0.0, 1.0), (0.0, 3.5),
-        xycoords="axes fraction", textcoords="offset points", fontsize=8.0,
+        f"rms {', '.join(errors)}".replace("ohm", "Ω"),
+        (0.0, 1.0),
+        (0.0, 3.5),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        fontsize=8.0,
         color=HELD if one.held.any() and not one.used.any() else QUIET,
-    )  # fmt: skip
-
-
-def short(name: str, most: int = 34) -> str:
-    """A name, or its beginning and end: members of a series differ in either."""
-    if len(name) <= most:
-        return name
-    kept = (most - 1) // 2
-    return f"{name[: most - 1 - kept]}…{name[-kept:]}"
+    )
 
 
 def _any(one: Compared, part: str) -> bool:
@@ -234,8 +189,4 @@ def _key(figure: Figure, rows: Sequence[Compared]) -> None:
         lines["model, fitted to it"] = Line2D([], [], color=SIMULATED)
     if any(one.held.any() for one in rows):
         lines["model, not fitted to it: held out"] = Line2D([], [], color=HELD)
-    width, height = figure.get_size_inches()
-    figure.legend(
-        list(lines.values()), list(lines), loc="upper left", ncols=len(lines), borderpad=0.0,
-        borderaxespad=0.0, columnspacing=1.6, bbox_to_anchor=(0.2 / width, 1.0 - 0.4 / height),
-    )  # fmt: skip
+    add_key(figure, list(lines.values()), list(lines))

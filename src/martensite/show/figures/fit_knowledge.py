@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.search.words import number
-from martensite.show.figures.fit import headline, plain_title, short
+from martensite.show.figures.panels import shorten_name, write_headline, write_title
 from martensite.show.figures.style import (
     COOLING,
     FAINT,
@@ -46,7 +46,7 @@ def plot_correlation(fit: Fit, title: str = "") -> Figure:
         title: headline.
     """
     names, matrix = (
-        [short(name) for name in fit.uncertainty.names],
+        [shorten_name(name) for name in fit.uncertainty.names],
         np.asarray(fit.uncertainty.correlation),
     )
     count = len(names)
@@ -57,11 +57,14 @@ def plot_correlation(fit: Fit, title: str = "") -> Figure:
         figure = new_figure(width, height)
         box = (margin / width, margin / height, cell * count / width, cell * count / height)
         axes = figure.add_axes(box)
-        headline(figure, title or "Correlations of the parameters")
+        write_headline(figure, title or "Correlations of the parameters")
         shown = axes.imshow(
-            np.ma.array(matrix, mask=~np.tril(np.ones_like(matrix, bool))), cmap=_diverging(),
-            vmin=-1.0, vmax=1.0, aspect="auto",
-        )  # fmt: skip
+            np.ma.array(matrix, mask=~np.tril(np.ones_like(matrix, bool))),
+            cmap=_diverging(),
+            vmin=-1.0,
+            vmax=1.0,
+            aspect="auto",
+        )
         _cells(axes, matrix, count <= NUMBERED)
         _names(axes, names)
         scale = figure.add_axes(
@@ -85,17 +88,17 @@ def plot_singular_values(fit: Fit, title: str = "") -> Figure:
         title: headline.
     """
     longer, moves, how = _weakest(fit)
-    names = [short(name) for name in longer]
+    names = [shorten_name(name) for name in longer]
     margin = 0.35 + LETTER * max(map(len, names))
     with styled():
         width = 4.55 + margin + 3.2
         figure = new_figure(width, 3.6)
         left = figure.add_axes((0.72 / width, 0.14, 3.7 / width, 0.67))
         right = figure.add_axes(((4.55 + margin) / width, 0.14, 3.0 / width, 0.67))
-        headline(figure, title or "What the data determine")
+        write_headline(figure, title or "What the data determine")
         _values(left, fit)
         _direction(right, names, moves)
-        plain_title(right, how, color=QUIET, fontsize=8.0)
+        write_title(right, how, color=QUIET, fontsize=8.0)
         return figure
 
 
@@ -111,7 +114,7 @@ def plot_search(fit: Fit, title: str = "") -> Figure:
     with styled():
         figure = new_figure(6.4, 3.4)
         axes = figure.add_axes((0.13, 0.14, 0.84, 0.68))
-        headline(figure, title or "Search")
+        write_headline(figure, title or "Search")
         axes.step([*runs, total], [*costs, costs[-1]], where="post", color=SIMULATED)
         axes.plot(runs, costs, "o", color=SIMULATED, markersize=3.2)
         axes.set_yscale("log")
@@ -120,7 +123,7 @@ def plot_search(fit: Fit, title: str = "") -> Figure:
         axes.set_xlabel("runs of single records, with and without derivatives")
         axes.set_ylabel("cost")
         ended = f"{fit.method}: {fit.reason}; cost {number(fit.cost, 3)}"
-        plain_title(axes, ended, color=QUIET, fontsize=8.0)
+        write_title(axes, ended, color=QUIET, fontsize=8.0)
         return figure
 
 
@@ -144,15 +147,26 @@ def _cells(axes: Any, matrix: Any, numbered: bool) -> None:
             corner = (column - 0.5, row - 0.5)
             if math.isnan(value):
                 axes.add_patch(
-                    Rectangle(corner, 1.0, 1.0, facecolor="white", edgecolor=FAINT, hatch="////",
-                              linewidth=0.0)
-                )  # fmt: skip
+                    Rectangle(
+                        corner,
+                        1.0,
+                        1.0,
+                        facecolor="white",
+                        edgecolor=FAINT,
+                        hatch="////",
+                        linewidth=0.0,
+                    )
+                )
             elif numbered and row != column:
                 axes.text(
-                    column, row, f"{value:.2f}".replace("0.", ".").replace("-.00", ".00"),
-                    ha="center", va="center", fontsize=7.0,
+                    column,
+                    row,
+                    f"{value:.2f}".replace("0.", ".").replace("-.00", ".00"),
+                    ha="center",
+                    va="center",
+                    fontsize=7.0,
                     color="white" if abs(value) > 0.7 else INK,
-                )  # fmt: skip
+                )
             own: dict[str, Any] = {"facecolor": FAINT} if row == column else {"fill": False}
             axes.add_patch(Rectangle(corner, 1.0, 1.0, edgecolor="white", linewidth=1.0, **own))
 
@@ -182,16 +196,27 @@ def _values(axes: Any, fit: Fit) -> None:
     axes.set_yscale("log")
     axes.axhline(1.0, color=HEATING, linewidth=1.0, linestyle=(0, (4, 2)), zorder=1.4)
     axes.annotate(
-        "below: uncertain by more than the search range", (1.0, 1.0), (-2, -3),
-        xycoords=("axes fraction", "data"), textcoords="offset points", ha="right", va="top",
-        fontsize=7.5, color=HEATING,
-    )  # fmt: skip
+        "below: uncertain by more than the search range",
+        (1.0, 1.0),
+        (-2, -3),
+        xycoords=("axes fraction", "data"),
+        textcoords="offset points",
+        ha="right",
+        va="top",
+        fontsize=7.5,
+        color=HEATING,
+    )
     axes.vlines(places, bottom, heights, color=FAINT, linewidth=1.2, zorder=1.5)
     for some, fill in ((heights > 2.0 * bottom, SIMULATED), (heights <= 2.0 * bottom, "white")):
         axes.plot(
-            places[some], heights[some], "o", color=SIMULATED, markerfacecolor=fill, markersize=5.0,
+            places[some],
+            heights[some],
+            "o",
+            color=SIMULATED,
+            markerfacecolor=fill,
+            markersize=5.0,
             zorder=2.2,
-        )  # fmt: skip
+        )
     _decades(axes, np.asarray([bottom, 1.0, *heights]))
     axes.set_ylim(bottom, 2.5 * max([*seen, 1.0]))
     axes.set_xlim(0.4, len(found) + 0.6)
@@ -199,7 +224,7 @@ def _values(axes: Any, fit: Fit) -> None:
     axes.set_xlabel("direction of the parameters")
     axes.set_ylabel("singular value / noise")
     if 0.0 in found:
-        plain_title(axes, "open: 0, nothing is seen at all", color=QUIET, fontsize=8.0)
+        write_title(axes, "open: 0, nothing is seen at all", color=QUIET, fontsize=8.0)
 
 
 def _decades(axes: Any, values: Any) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 
 from martensite.base import units
 from martensite.base.errors import InputError
-from martensite.show.figures.fit import grid, plain_title
 from martensite.show.figures.labels import Axis
+from martensite.show.figures.panels import add_key, make_grid, write_title
 from martensite.show.figures.style import HEATING, INK, QUIET, SIMULATED, styled
 
 if TYPE_CHECKING:
@@ -39,15 +39,10 @@ def plot_likelihood(profiles: Sequence[Profile], fit: Fit | None = None, title: 
     if not profiles:
         raise InputError("There is no profile likelihood to draw.")
     with styled():
-        figure, panels = grid(len(profiles), title or "Profile likelihoods")
+        figure, panels = make_grid(len(profiles), title or "Profile likelihoods")
         for axes, one in zip(panels, profiles, strict=True):
             _panel(axes, one, fit)
-        width, height = figure.get_size_inches()
-        figure.legend(
-            *panels[0].get_legend_handles_labels(), loc="upper left", ncols=3, borderpad=0.0,
-            borderaxespad=0.0, columnspacing=1.6,
-            bbox_to_anchor=(0.2 / width, 1.0 - 0.4 / height),
-        )  # fmt: skip
+        add_key(figure, *panels[0].get_legend_handles_labels())
         return figure
 
 
@@ -58,14 +53,23 @@ def _panel(axes: Any, one: Profile, fit: Fit | None) -> None:
     at = shown.values([point.at for point in one.points])
     excess = np.asarray([point.excess for point in one.points]) / one.limit
     axes.axhline(
-        1.0, color=HEATING, linewidth=1.0, linestyle=(0, (4, 2)), zorder=1.4,
+        1.0,
+        color=HEATING,
+        linewidth=1.0,
+        linestyle=(0, (4, 2)),
+        zorder=1.4,
         label=f"{100.0 * one.level:g} % limit",
-    )  # fmt: skip
+    )
     axes.plot(at, excess, "o", color=SIMULATED, markersize=3.2, zorder=2.2)
     axes.plot(
-        *_between(at, excess, shown.values([one.value])[0]), color=SIMULATED, zorder=2.1,
-        marker="o", markevery=[], markersize=3.2, label="refitted",
-    )  # fmt: skip
+        *_between(at, excess, shown.values([one.value])[0]),
+        color=SIMULATED,
+        zorder=2.1,
+        marker="o",
+        markevery=[],
+        markersize=3.2,
+        label="refitted",
+    )
     seen = at[excess <= TOP]
     low, high = float(seen.min()), float(seen.max())
     room = 0.06 * (high - low) or 1.0
@@ -78,8 +82,8 @@ def _panel(axes: Any, one: Profile, fit: Fit | None) -> None:
     axes.set_ylim(min(-0.08, 1.1 * float(excess.min())), TOP)
     axes.set_xlabel(f"[{shown.label.partition('[')[2]}")
     axes.set_ylabel("cost above the least / limit")
-    plain_title(axes, one.name, fontweight="bold", color=INK)
-    plain_title(axes, _interval(one), loc="right", color=QUIET, fontsize=8.0)
+    write_title(axes, one.name, fontweight="bold", color=INK)
+    write_title(axes, _interval(one), loc="right", color=QUIET, fontsize=8.0)
 
 
 def _between(at: Any, excess: Any, best: float) -> tuple[Any, Any]:
@@ -101,9 +105,14 @@ def _parabola(axes: Any, one: Profile, fit: Fit, shown: Axis) -> None:
     moved = (at * factor + offset - one.value) / error
     curve = (moved * unsure.noise) ** 2 / one.limit
     axes.plot(
-        at, np.where(curve <= TOP, curve, np.nan), color=QUIET, linewidth=1.0,
-        linestyle=(0, (1, 1.4)), zorder=1.8, label="from the Jacobian",
-    )  # fmt: skip
+        at,
+        np.where(curve <= TOP, curve, np.nan),
+        color=QUIET,
+        linewidth=1.0,
+        linestyle=(0, (1, 1.4)),
+        zorder=1.8,
+        label="from the Jacobian",
+    )
 
 
 def _interval(one: Profile) -> str:

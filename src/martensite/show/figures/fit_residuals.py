@@ -12,18 +12,16 @@ import numpy as np
 
 from martensite.fit.fit_rows import Compared, compared
 from martensite.search.words import difference
-from martensite.show.figures.fit import (
-    HELD,
-    TIME,
-    TINT,
-    headline,
-    output_axis,
-    plain_title,
-    short,
-    spread,
-)
+from martensite.show.figures.fit import HELD, TIME, TINT, output_axis
 from martensite.show.figures.labels import Axis
-from martensite.show.figures.style import FAINT, INK, QUIET, SIMULATED, new_figure, styled
+from martensite.show.figures.panels import (
+    draw_autocorrelation,
+    pick_evenly,
+    shorten_name,
+    write_headline,
+    write_title,
+)
+from martensite.show.figures.style import INK, QUIET, SIMULATED, new_figure, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,16 +42,23 @@ def plot_fit_residuals(fit: Fit, title: str = "") -> Figure:
         fit: a finished fit.
         title: headline.
     """
-    rows = spread(compared(fit), MOST)
+    rows = pick_evenly(compared(fit), MOST)
     tests = {one.record: one for one in fit.whiteness}
     with styled():
         height = 0.55 + 1.75 * len(rows)
         figure = new_figure(9.2, height)
         specs = figure.add_gridspec(
-            len(rows), 2, left=0.08, right=0.985, top=1.0 - 0.75 / height, bottom=0.48 / height,
-            wspace=0.17, hspace=0.62, width_ratios=(1.7, 1.0),
-        )  # fmt: skip
-        headline(figure, title or "Residuals: modelled less measured")
+            len(rows),
+            2,
+            left=0.08,
+            right=0.985,
+            top=1.0 - 0.75 / height,
+            bottom=0.48 / height,
+            wspace=0.17,
+            hspace=0.62,
+            width_ratios=(1.7, 1.0),
+        )
+        write_headline(figure, title or "Residuals: modelled less measured")
         reach = _reach(rows)
         for k, one in enumerate(rows):
             last = k == len(rows) - 1
@@ -86,7 +91,9 @@ def _over_time(axes: Any, one: Compared, reach: float, last: bool) -> None:
     axes.set_ylabel(f"{one.output} [{shown.difference_unit or '–'}]")
     axes.set_xlabel(TIME.label if last else "")
     held = " (held out)" if one.held.any() and not one.used.any() else ""
-    plain_title(axes, short(one.record) + held, fontweight="bold", color=HELD if held else INK)
+    write_title(
+        axes, shorten_name(one.record) + held, fontweight="bold", color=HELD if held else INK
+    )
 
 
 def _factor(shown: Axis) -> float:
@@ -99,15 +106,10 @@ def _memory(axes: Any, test: Whiteness | None, last: bool) -> None:
     if test is None:
         axes.set_axis_off()
         return
-    lags = np.arange(1, len(test.autocorrelation) + 1)
-    axes.axhspan(-test.band, test.band, color=FAINT, linewidth=0.0, zorder=0.6)
-    axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
-    axes.vlines(lags, 0.0, test.autocorrelation, color=SIMULATED, linewidth=1.6, zorder=2.0)
-    axes.set_ylim(-1.08, 1.08)
-    axes.set_xlim(0.0, len(lags) + 1.0)
+    draw_autocorrelation(axes, test)
     axes.xaxis.get_major_locator().set_params(integer=True)
     axes.set_xlabel("lag [samples]" if last else "")
     axes.set_ylabel("autocorrelation")
     verdict = "white" if test.white else "not white"
     probability = "p < 0.0001" if test.p_value < 1e-4 else f"p = {test.p_value:.2g}"
-    plain_title(axes, f"{verdict} ({probability})", color=QUIET, fontsize=8.0)
+    write_title(axes, f"{verdict} ({probability})", color=QUIET, fontsize=8.0)

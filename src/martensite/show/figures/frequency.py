@@ -8,9 +8,9 @@ import numpy as np
 
 from martensite.base import units
 from martensite.design.analysis.frequency import FrequencyResponse
-from martensite.show.figures.differences import ratio
-from martensite.show.figures.fit import headline
+from martensite.show.figures.labels import label_ratio
 from martensite.show.figures.machine import colours
+from martensite.show.figures.panels import write_headline
 from martensite.show.figures.style import QUIET, new_figure, styled
 
 if TYPE_CHECKING:
@@ -37,8 +37,8 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
             1, 3, left=0.075, right=0.985, top=0.77, bottom=0.145, wspace=0.28
         )
         axes = [figure.add_subplot(grid[0, k]) for k in range(3)]
-        headline(figure, title or f"From {found.drive} to {found.output.replace('_', ' ')}")
-        unit, size = ratio(found.units[1], found.units[0])
+        write_headline(figure, title or f"From {found.drive} to {found.output.replace('_', ' ')}")
+        unit, size = label_ratio(found.units[1], found.units[0])
         seen = np.where(found.gain > LEAST * np.max(found.gain), 1.0, np.nan)
         rows = (found.gain / size, seen * np.degrees(found.phase), seen * 100.0 * found.distortion)
         for one, values in zip(axes, rows, strict=True):
@@ -51,9 +51,13 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
             one.set_title(words)
         axes[2].set_ylim(bottom=0.0)
         figure.legend(
-            *axes[0].get_legend_handles_labels(), loc="upper right", ncols=6,
-            bbox_to_anchor=(0.99, 0.985), title=_words(found), title_fontsize=8.0,
-        )  # fmt: skip
+            *axes[0].get_legend_handles_labels(),
+            loc="upper right",
+            ncols=6,
+            bbox_to_anchor=(0.99, 0.985),
+            title=_words(found),
+            title_fontsize=8.0,
+        )
         return figure
 
 

@@ -27,9 +27,7 @@ from martensite.simulate.result import Result
 
 LOOPS = (("temperature", "martensite_fraction"), ("temperature", "strain"), ("strain", "stress"))
 """What is drawn over what: (horizontal, vertical)."""
-SENSES = (
-    (1, "heating", HEATING, 2.0), (-1, "cooling", COOLING, 1.1), (0, "isothermal", INK, 1.3),
-)  # fmt: skip
+SENSES = ((1, "heating", HEATING, 2.0), (-1, "cooling", COOLING, 1.1), (0, "isothermal", INK, 1.3))
 """Sign of the change of temperature, name, colour, line width; the thin line lies on top."""
 RIPPLE = 0.04
 """Share of the range of temperature below which a change is no turn."""
@@ -148,9 +146,14 @@ def draw_strips(axes: Any, result: Result, *, named: bool = True) -> None:
         _name_strips(axes, marks)
         mean = np.mean(column(result, "stress"))
         _above(
-            axes, 1.0, ROWS[2], f"strips at the mean stress of {mean:.3g} MPa", color=QUIET,
-            ha="right", fontsize=8.0,
-        )  # fmt: skip
+            axes,
+            1.0,
+            ROWS[2],
+            f"strips at the mean stress of {mean:.3g} MPa",
+            color=QUIET,
+            ha="right",
+            fontsize=8.0,
+        )
 
 
 def _joined(points: tuple[Any, Any], own: Sequence[tuple[int, int]]) -> list[Any]:
@@ -194,13 +197,19 @@ def _name_strips(axes: Any, marks: Sequence[StripMark]) -> None:
     for row, mark in enumerate(marks):
         narrow = mark.high - mark.low < width
         for place, name, side in (
-            (mark.low, mark.low_name, "right"), (mark.high, mark.high_name, "left"),
-        ):  # fmt: skip
+            (mark.low, mark.low_name, "right"),
+            (mark.high, mark.high_name, "left"),
+        ):
             share = (place - left) / (right - left)
             _above(
-                axes, share, ROWS[row if clash else 0], mathematical(name), color=mark.colour,
-                ha=side if narrow else "center", fontsize=8.5,
-            )  # fmt: skip
+                axes,
+                share,
+                ROWS[row if clash else 0],
+                mathematical(name),
+                color=mark.colour,
+                ha=side if narrow else "center",
+                fontsize=8.5,
+            )
 
 
 def _ends(mark: StripMark) -> tuple[float, float]:
@@ -210,15 +219,25 @@ def _ends(mark: StripMark) -> tuple[float, float]:
 def _above(axes: Any, x: float, points: float, text: str, **properties: Any) -> None:
     """Write at a share of the width and some points above the axes."""
     axes.annotate(
-        text, (x, 1.0), (0.0, points), xycoords="axes fraction", textcoords="offset points",
-        va="bottom", annotation_clip=False, **properties,
-    )  # fmt: skip
+        text,
+        (x, 1.0),
+        (0.0, points),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        va="bottom",
+        annotation_clip=False,
+        **properties,
+    )
 
 
 def _legend(axes: Any) -> None:
     """Heating and cooling, above the axes on the left."""
     height = axes.get_position().height * axes.figure.get_figheight() * 72.0
     axes.legend(
-        loc="lower left", bbox_to_anchor=(0.0, 1.0 + ROWS[2] / height), ncols=4, borderpad=0.0,
-        borderaxespad=0.0, columnspacing=1.2,
-    )  # fmt: skip
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0 + ROWS[2] / height),
+        ncols=4,
+        borderpad=0.0,
+        borderaxespad=0.0,
+        columnspacing=1.2,
+    )

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from martensite.show.figures.style import MEASURED, SIMULATED, new_figure, styled
+from martensite.base.formats import typeset_unit
+from martensite.show.figures.panels import make_panels
+from martensite.show.figures.style import MEASURED, SIMULATED, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,7 +19,6 @@ MOST_PANELS = 6
 """Records drawn at most."""
 MOST_POINTS = 4000
 """Samples of a record drawn at most."""
-_PRINTED = {"degC": "°C", "ohm": "Ω", "1": "–"}
 
 
 def plot_identified(found: Identified, records: Sequence[Sampled], title: str = "") -> Figure:
@@ -30,9 +31,8 @@ def plot_identified(found: Identified, records: Sequence[Sampled], title: str = 
     """
     shown = list(records)[:MOST_PANELS]
     with styled():
-        figure = new_figure(7.5, 1.0 + 2.0 * len(shown))
-        figure.set_layout_engine("constrained")
-        panels = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
+        figure, grid = make_panels(7.5, 1.0 + 2.0 * len(shown), len(shown), 1)
+        panels = grid[:, 0]
         for panel, record in zip(panels, shown, strict=True):
             _panel(panel, found, record)
         panels[-1].set_xlabel("time [s]")
@@ -57,4 +57,4 @@ def _panel(panel: Any, found: Identified, record: Sampled) -> None:
     panel.plot(times, own.outputs[kept, -1], color=MEASURED[0], label="measured")
     panel.plot(times, computed[kept, -1], color=SIMULATED, linewidth=1.0, label="free run")
     panel.set_title(f"{record.name}: fit {fit:.1f} %")
-    panel.set_ylabel(f"{names[-1]} [{_PRINTED.get(unit, unit)}]")
+    panel.set_ylabel(f"{names[-1]} [{typeset_unit(unit, '–')}]")

@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.base import units
+from martensite.base.formats import choose_difference_unit, typeset_unit
 from martensite.simulate.result import Result
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 FRACTIONS = ("martensite_fraction",)
-_PRINTED = {"degC": "°C", "ohm": "Ω", "1": "–"}
-_DIFFERENCE = {"degC": "K", "1": ""}
 
 
 @dataclass(frozen=True)
@@ -34,12 +33,12 @@ class Axis:
     @property
     def label(self) -> str:
         """Symbol and unit, such as T [°C]."""
-        return f"{mathematical(self.symbol)} [{_PRINTED.get(self.shown, self.shown)}]"
+        return f"{mathematical(self.symbol)} [{typeset_unit(self.shown, '–')}]"
 
     @property
     def difference_unit(self) -> str:
         """Unit of a difference of two values, for running text."""
-        return _DIFFERENCE.get(self.shown, _PRINTED.get(self.shown, self.shown))
+        return "K" if self.shown == "degC" else typeset_unit(self.shown)
 
     def values(self, column: ArrayLike) -> Any:
         """A column in SI as an array in the shown unit."""
@@ -91,3 +90,17 @@ def around(*columns: Any, least: float = 1e-3) -> tuple[float, float]:
         return low - room, high + room
     room = 0.07 * (high - low)
     return low - room, high + room
+
+
+def label_difference(unit: str) -> tuple[str, float]:
+    """The unit in which a difference is read, as it is printed, and its size in the SI `unit`."""
+    shown, size = choose_difference_unit(unit)
+    return typeset_unit(shown, "1"), size
+
+
+def label_ratio(above: str, below: str) -> tuple[str, float]:
+    """The same for one unit over another; `–` where they cancel."""
+    (top, over), (bottom, under) = label_difference(above), label_difference(below)
+    if top == bottom:
+        return "–", 1.0
+    return top if bottom == "1" else f"{top}/{bottom}", over / under

@@ -40,9 +40,13 @@ if TYPE_CHECKING:
 CASES = (SIMULATED, "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#6f6f6f")
 """Colours of several paths."""
 KINDS = {
-    "loading": SIMULATED, "stretching": SIMULATED, "unloading": "#009e73", "releasing": "#009e73",
-    "heating": HEATING, "cooling": COOLING,
-}  # fmt: skip
+    "loading": SIMULATED,
+    "stretching": SIMULATED,
+    "unloading": "#009e73",
+    "releasing": "#009e73",
+    "heating": HEATING,
+    "cooling": COOLING,
+}
 """Colours of the legs of a single path."""
 AXES = {
     "strain": Axis("strain", "strain", "ε", "1", "%"),
@@ -195,9 +199,15 @@ def _panels(rows: int, columns: int, width: float, height: float) -> tuple[Figur
     size = 0.5 + columns * width, HEAD + rows * height
     figure = new_figure(*size)
     grid = figure.add_gridspec(
-        rows, columns, left=0.75 / size[0], right=1.0 - 0.2 / size[0],
-        top=1.0 - HEAD / size[1], bottom=0.5 / size[1], wspace=0.9 / width, hspace=0.75 / height,
-    )  # fmt: skip
+        rows,
+        columns,
+        left=0.75 / size[0],
+        right=1.0 - 0.2 / size[0],
+        top=1.0 - HEAD / size[1],
+        bottom=0.5 / size[1],
+        wspace=0.9 / width,
+        hspace=0.75 / height,
+    )
     return figure, grid.subplots(squeeze=False)
 
 
@@ -219,10 +229,15 @@ def _write(figure: Figure, title: str, legend: dict[str, str]) -> None:
     if not legend:
         return
     figure.legend(
-        _samples(legend), list(legend), loc="upper left", ncols=min(len(legend), 7),
-        bbox_to_anchor=(0.015, 1.0 - 0.38 / height), borderpad=0.0, columnspacing=1.4,
+        _samples(legend),
+        list(legend),
+        loc="upper left",
+        ncols=min(len(legend), 7),
+        bbox_to_anchor=(0.015, 1.0 - 0.38 / height),
+        borderpad=0.0,
+        columnspacing=1.4,
         labelcolor=QUIET,
-    )  # fmt: skip
+    )
 
 
 def _samples(legend: dict[str, str]) -> list[Any]:

@@ -36,9 +36,15 @@ def draw_machine(result: Result) -> Figure:
     height = HEAD + FOOT + PANEL_HEIGHT * max(rows, 3)
     figure = new_figure(WIDTH, height)
     left, right = figure.add_gridspec(
-        1, 2, left=0.07, right=0.985, top=1.0 - HEAD / height, bottom=FOOT / height,
-        width_ratios=(1.3, 1.0), wspace=0.17,
-    )  # fmt: skip
+        1,
+        2,
+        left=0.07,
+        right=0.985,
+        top=1.0 - HEAD / height,
+        bottom=FOOT / height,
+        width_ratios=(1.3, 1.0),
+        wspace=0.17,
+    )
     over_time = left.subgridspec(rows, 1, hspace=0.42).subplots(sharex=True, squeeze=False)[:, 0]
     for axes, names in zip(over_time, own, strict=False):
         _lines(axes, result, names, list(names), colours(len(names)))
@@ -144,6 +150,9 @@ def _key(figure: Figure, ports: Sequence[str], height: float) -> None:
     ]
     if handles:
         figure.legend(
-            handles=handles, loc="center left", bbox_to_anchor=(0.015, height),
-            ncols=min(len(handles), WIDE), labelcolor=QUIET,
-        )  # fmt: skip
+            handles=handles,
+            loc="center left",
+            bbox_to_anchor=(0.015, height),
+            ncols=min(len(handles), WIDE),
+            labelcolor=QUIET,
+        )

@@ -127,9 +127,15 @@ def draw_key(figure: Any, left: float, top: float, records: Sequence[Record]) ->
     names = ["simulated", *(_short(r.name) for r in records)]
     shown = min(len(names), KEYED)
     key = figure.legend(
-        lines[:shown], names[:shown], loc="upper left", bbox_to_anchor=(left, top),
-        ncols=shown, borderpad=0.0, borderaxespad=0.0, columnspacing=1.4,
-    )  # fmt: skip
+        lines[:shown],
+        names[:shown],
+        loc="upper left",
+        bbox_to_anchor=(left, top),
+        ncols=shown,
+        borderpad=0.0,
+        borderaxespad=0.0,
+        columnspacing=1.4,
+    )
     for text in key.get_texts():
         text.set_parse_math(False)
 
@@ -140,9 +146,13 @@ def look(record: Record, i: int) -> dict[str, Any]:
     if len(record.columns["time"]) > DOTS:
         return {"color": colour, "linewidth": 0.9, "alpha": 0.9, "zorder": 1.8}
     return {
-        "color": colour, "linestyle": "none", "marker": "o", "markersize": 2.8,
-        "markeredgewidth": 0.0, "zorder": 2.5,
-    }  # fmt: skip
+        "color": colour,
+        "linestyle": "none",
+        "marker": "o",
+        "markersize": 2.8,
+        "markeredgewidth": 0.0,
+        "zorder": 2.5,
+    }
 
 
 def _short(name: str, most: int = 36) -> str:

@@ -8,9 +8,10 @@ import numpy as np
 
 from martensite.identify.chains.directions import find_rising
 from martensite.identify.chains.validation import Validation
-from martensite.show.figures.fit import SEEN, headline, plain_title
+from martensite.show.figures.fit import SEEN
 from martensite.show.figures.labels import around
 from martensite.show.figures.model_axes import signal_label, thinned
+from martensite.show.figures.panels import write_headline, write_title
 from martensite.show.figures.style import (
     COOLING,
     FAINT,
@@ -48,10 +49,16 @@ def plot_model(validation: Validation, band: OutputBand | None = None, title: st
         height = 1.0 + 0.92 * sum(heights)
         figure = new_figure(9.2, height)
         specs = figure.add_gridspec(
-            len(heights), 1, left=0.085, right=0.985, top=1.0 - 0.5 / height,
-            bottom=0.48 / height, hspace=0.36, height_ratios=heights,
-        )  # fmt: skip
-        headline(figure, title or f"{validation.chain.name} on {record.name}: free run")
+            len(heights),
+            1,
+            left=0.085,
+            right=0.985,
+            top=1.0 - 0.5 / height,
+            bottom=0.48 / height,
+            hspace=0.36,
+            height_ratios=heights,
+        )
+        write_headline(figure, title or f"{validation.chain.name} on {record.name}: free run")
         panels: list[Any] = []
         for place in range(len(heights)):
             share = panels[0] if panels else None
@@ -83,10 +90,18 @@ def plot_model_loop(validation: Validation, number: int = 0, title: str = "") ->
         figure = new_figure(9.2, 0.75 + 3.4 * outputs)
         height = figure.get_figheight()
         specs = figure.add_gridspec(
-            outputs, 2, left=0.085, right=0.985, top=1.0 - 0.68 / height, bottom=0.55 / height,
-            hspace=0.4, wspace=0.14,
-        )  # fmt: skip
-        headline(figure, title or f"{validation.chain.name} on {record.name}: output over input")
+            outputs,
+            2,
+            left=0.085,
+            right=0.985,
+            top=1.0 - 0.68 / height,
+            bottom=0.55 / height,
+            hspace=0.4,
+            wspace=0.14,
+        )
+        write_headline(
+            figure, title or f"{validation.chain.name} on {record.name}: output over input"
+        )
         for k in range(outputs):
             left = figure.add_subplot(specs[k, 0])
             right = figure.add_subplot(specs[k, 1], sharex=left, sharey=left)
@@ -121,7 +136,7 @@ def _output(axes: Any, validation: Validation, k: int, band: OutputBand | None) 
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=3)
     fit = validation.score(name).fit_percent
     words = f"{name}: fit {fit:.2f} % (NRMSE, free run)"
-    plain_title(axes, words, fontweight="bold", color=INK)
+    write_title(axes, words, fontweight="bold", color=INK)
 
 
 def _error(axes: Any, validation: Validation, k: int, band: OutputBand | None) -> None:
@@ -150,4 +165,4 @@ def _loop(axes: Any, validation: Validation, y: Any, number: int, k: int, words:
         axes.plot(u, path, color=colour, linewidth=0.9, alpha=0.8, label=name)
     axes.set_xlabel(signal_label(record.input_names[number], record.units))
     axes.set_ylabel(signal_label(record.output_names[k], record.units))
-    plain_title(axes, words, fontweight="bold", color=INK)
+    write_title(axes, words, fontweight="bold", color=INK)

@@ -7,15 +7,16 @@ from typing import Any
 
 import numpy as np
 
+from martensite.base.formats import typeset_unit
+
 MOST = 4000
 """Points of a line beyond which it is drawn by its extremes."""
-PRINTED = {"degC": "°C", "ohm": "Ω", "1": "–", "": "–", "um": "µm"}
 
 
 def signal_label(name: str, units: Mapping[str, str]) -> str:
     """Name and unit of a signal, such as position [mm]."""
     unit = units.get(name, "")
-    return f"{name.replace('_', ' ')} [{PRINTED.get(unit, unit)}]"
+    return f"{name.replace('_', ' ')} [{typeset_unit(unit, '–')}]"
 
 
 def thinned(values: Any, most: int = MOST) -> Any:
@@ -27,8 +28,12 @@ def thinned(values: Any, most: int = MOST) -> Any:
     whole = count // size * size
     rows = np.nan_to_num(np.asarray(values[:whole], dtype=float)).reshape(-1, size)
     first = np.arange(len(rows)) * size
-    places = np.concatenate([
-        first, first + np.argmin(rows, axis=1), first + np.argmax(rows, axis=1),
-        np.arange(whole, count),
-    ])  # fmt: skip
+    places = np.concatenate(
+        [
+            first,
+            first + np.argmin(rows, axis=1),
+            first + np.argmax(rows, axis=1),
+            np.arange(whole, count),
+        ]
+    )
     return np.unique(places)

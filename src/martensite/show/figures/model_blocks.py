@@ -15,7 +15,8 @@ from martensite.identify.blocks.base import AbstractStatic
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.linear_system import LinearSystem
 from martensite.identify.chains.linearise import linearise_chain
-from martensite.show.figures.fit import SEEN, headline, plain_title
+from martensite.show.figures.fit import SEEN
+from martensite.show.figures.panels import write_headline, write_title
 from martensite.show.figures.style import FAINT, INK, SIMULATED, new_figure, styled
 from martensite.signals.sampling.sampled import Sampled
 
@@ -45,10 +46,17 @@ def plot_static_blocks(chain: Chain, record: Sampled, title: str = "") -> Figure
     with styled():
         figure = new_figure(max(3.3 * len(places), 4.6), 3.5)
         specs = figure.add_gridspec(
-            2, len(places), left=0.15 / len(places) + 0.02, right=0.98, top=0.83, bottom=0.14,
-            wspace=0.3, hspace=0.08, height_ratios=(4.0, 1.0),
-        )  # fmt: skip
-        headline(figure, title or f"Static blocks of {chain.name}")
+            2,
+            len(places),
+            left=0.15 / len(places) + 0.02,
+            right=0.98,
+            top=0.83,
+            bottom=0.14,
+            wspace=0.3,
+            hspace=0.08,
+            height_ratios=(4.0, 1.0),
+        )
+        write_headline(figure, title or f"Static blocks of {chain.name}")
         for i, place in enumerate(places):
             curve = figure.add_subplot(specs[0, i])
             counts = figure.add_subplot(specs[1, i], sharex=curve)
@@ -80,10 +88,16 @@ def plot_linear(systems: list[tuple[str, LinearSystem]], title: str = "") -> Fig
         height = 0.85 + 2.1 * len(systems)
         figure = new_figure(9.6, height)
         specs = figure.add_gridspec(
-            len(systems), 3, left=0.065, right=0.985, top=1.0 - 0.62 / height,
-            bottom=0.48 / height, wspace=0.24, hspace=0.55,
-        )  # fmt: skip
-        headline(figure, title)
+            len(systems),
+            3,
+            left=0.065,
+            right=0.985,
+            top=1.0 - 0.62 / height,
+            bottom=0.48 / height,
+            wspace=0.24,
+            hspace=0.55,
+        )
+        write_headline(figure, title)
         for row, (name, linear) in enumerate(systems):
             axes = [figure.add_subplot(specs[row, i]) for i in range(3)]
             _step(axes[0], name, linear)
@@ -97,9 +111,12 @@ def _alone(chain: Chain, place: int) -> LinearSystem:
     """One block as a linear system."""
     block = chain.blocks[place]
     own = Chain(
-        (block,), chain.split()[place], chain.interval,
-        tuple(f"x{i}" for i in range(block.inputs)), tuple(f"y{i}" for i in range(block.outputs)),
-    )  # fmt: skip
+        (block,),
+        chain.split()[place],
+        chain.interval,
+        tuple(f"x{i}" for i in range(block.inputs)),
+        tuple(f"y{i}" for i in range(block.outputs)),
+    )
     return linearise_chain(own, np.zeros(block.inputs))
 
 
@@ -117,7 +134,7 @@ def _static(curve: Any, counts: Any, chain: Chain, place: int, record: Sampled) 
     curve.plot(levels[inside], y[inside], color=SIMULATED, linewidth=1.6)
     curve.tick_params(labelbottom=False)
     curve.set_ylabel("output")
-    plain_title(curve, f"{place + 1}: {block.text()}", fontweight="bold", color=INK)
+    write_title(curve, f"{place + 1}: {block.text()}", fontweight="bold", color=INK)
     counts.hist(x, bins=60, color=SEEN)
     counts.set_yticks([])
     counts.set_xlabel("input (seen: shaded)")
@@ -131,7 +148,7 @@ def _step(axes: Any, name: str, linear: LinearSystem) -> None:
     axes.step(times, y[:, 0], where="post", color=SIMULATED)
     axes.set_xlabel("$t$ [s]")
     axes.set_ylabel("step response")
-    plain_title(axes, name, fontweight="bold", color=INK)
+    write_title(axes, name, fontweight="bold", color=INK)
 
 
 def _bode(gain: Any, phase: Any, linear: LinearSystem) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from martensite.identify.chains.correlations import LEVELS, Crossed
 from martensite.identify.chains.validation import Validation
 from martensite.search.whiteness import Whiteness
-from martensite.show.figures.fit import headline, plain_title
+from martensite.show.figures.panels import draw_autocorrelation, write_headline, write_title
 from martensite.show.figures.style import FAINT, HEATING, INK, QUIET, SIMULATED, new_figure, styled
 
 if TYPE_CHECKING:
@@ -38,10 +38,16 @@ def plot_model_tests(validation: Validation, title: str = "") -> Figure:
         height = 0.95 + 2.3 * len(outputs)
         figure = new_figure(3.1 * max(columns, 2), height)
         specs = figure.add_gridspec(
-            len(outputs), columns, left=0.065, right=0.985, top=1.0 - 0.65 / height,
-            bottom=0.5 / height, wspace=0.26, hspace=0.6,
-        )  # fmt: skip
-        headline(
+            len(outputs),
+            columns,
+            left=0.065,
+            right=0.985,
+            top=1.0 - 0.65 / height,
+            bottom=0.5 / height,
+            wspace=0.26,
+            hspace=0.6,
+        )
+        write_headline(
             figure, title or f"Residuals of {validation.chain.name} on {validation.record.name}"
         )
         white = {one.record: one for one in validation.whiteness}
@@ -55,16 +61,11 @@ def plot_model_tests(validation: Validation, title: str = "") -> Figure:
 
 
 def _memory(axes: Any, output: str, test: Whiteness) -> None:
-    lags = np.arange(1, len(test.autocorrelation) + 1)
-    axes.axhspan(-test.band, test.band, color=FAINT, linewidth=0.0, zorder=0.6)
-    axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
-    axes.vlines(lags, 0.0, test.autocorrelation, color=SIMULATED, linewidth=1.6, zorder=2.0)
-    axes.set_ylim(-1.08, 1.08)
-    axes.set_xlim(0.0, len(lags) + 1.0)
+    draw_autocorrelation(axes, test)
     axes.set_xlabel("lag [samples]")
     axes.set_ylabel("autocorrelation")
     words = "white" if test.white else "not white"
-    plain_title(axes, f"{output} with itself: {words}", color=INK, fontsize=8.0)
+    write_title(axes, f"{output} with itself: {words}", color=INK, fontsize=8.0)
 
 
 def _crossed(axes: Any, one: Crossed) -> None:
@@ -84,4 +85,4 @@ def _crossed(axes: Any, one: Crossed) -> None:
     axes.set_xlabel("lag [s]")
     words = "nothing left" if one.explained else "something left"
     signal = one.signal.replace("`", "")
-    plain_title(axes, f"{one.output} with {signal}: {words}", color=INK, fontsize=8.0)
+    write_title(axes, f"{one.output} with {signal}: {words}", color=INK, fontsize=8.0)

@@ -95,9 +95,15 @@ def _figure(result: Result, records: Sequence[Record], title: str | None) -> Fig
     height = head + foot + PANEL_HEIGHT * len(names)
     figure = new_figure(WIDTH, height)
     left, right = figure.add_gridspec(
-        1, 2, left=LEFT, right=0.985, top=1.0 - head / height, bottom=foot / height,
-        width_ratios=(1.15, 1.0), wspace=0.17,
-    )  # fmt: skip
+        1,
+        2,
+        left=LEFT,
+        right=0.985,
+        top=1.0 - head / height,
+        bottom=foot / height,
+        width_ratios=(1.15, 1.0),
+        wspace=0.17,
+    )
     stack = left.subgridspec(len(names), 1, hspace=0.42)
     over_time = list(stack.subplots(sharex=True, squeeze=False)[:, 0])
     stack = right.subgridspec(len(LOOPS), 1, hspace=0.3)
@@ -120,9 +126,14 @@ def _batch(result: Result, title: str | None) -> Figure:
     height = HEAD + FOOT + 2.0 * PANEL_HEIGHT * len(names)
     figure = new_figure(0.75 * WIDTH, height)
     grid = figure.add_gridspec(
-        len(names), 1, left=0.1, right=0.97, top=1.0 - HEAD / height, bottom=FOOT / height,
+        len(names),
+        1,
+        left=0.1,
+        right=0.97,
+        top=1.0 - HEAD / height,
+        bottom=FOOT / height,
         hspace=0.3,
-    )  # fmt: skip
+    )
     panels = list(grid.subplots(sharex=True, squeeze=False)[:, 0])
     colours: Any = matplotlib.colormaps["viridis"]
     for axes, name in zip(panels, names, strict=True):

@@ -78,21 +78,40 @@ def _pair(
     if len(usable) > MOST_POINTS:
         usable = np.random.default_rng(0).choice(usable, MOST_POINTS, replace=False)
     axes.plot(
-        x[usable], y[usable], ".", color=QUIET, alpha=0.45, ms=3.0, mew=0.0, label="runs",
+        x[usable],
+        y[usable],
+        ".",
+        color=QUIET,
+        alpha=0.45,
+        ms=3.0,
+        mew=0.0,
+        label="runs",
         rasterized=True,
-    )  # fmt: skip
+    )
     line = "-" if len(front.goals) == 2 else "none"
     axes.plot(
-        x[front.runs], y[front.runs], color=HEATING, marker="o", ms=3.5, ls=line, lw=0.8,
+        x[front.runs],
+        y[front.runs],
+        color=HEATING,
+        marker="o",
+        ms=3.5,
+        ls=line,
+        lw=0.8,
         label=f"front ({len(front.runs):,})",
-    )  # fmt: skip
+    )
     halo = withStroke(linewidth=2.0, foreground="white")
     axes.plot(x[named], y[named], "o", color=INK, ms=4.0, zorder=3.0)
     for letter, run in zip(ascii_uppercase, named, strict=False):
         axes.annotate(
-            letter, (x[run], y[run]), (4.0, 4.0), textcoords="offset points", color=INK,
-            fontweight="bold", fontsize=8.0, path_effects=[halo],
-        )  # fmt: skip
+            letter,
+            (x[run], y[run]),
+            (4.0, 4.0),
+            textcoords="offset points",
+            color=INK,
+            fontweight="bold",
+            fontsize=8.0,
+            path_effects=[halo],
+        )
     aims = ["max" if front.most[k] else "min" for k in pair]
     axes.set(xlabel=f"{label(a)}, {aims[0]}", ylabel=f"{label(b)}, {aims[1]}")
 

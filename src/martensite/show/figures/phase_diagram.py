@@ -39,9 +39,12 @@ CRITICAL = ("sigma_s", "sigma_f")
 ARROWS = 4
 """Legs that get an arrow; on more they would cover one another."""
 _ARROW = {
-    "arrowstyle": "-|>,head_width=0.22,head_length=0.6", "mutation_scale": 16.0, "lw": 0.0,
-    "shrinkA": 0.0, "shrinkB": 0.0,
-}  # fmt: skip
+    "arrowstyle": "-|>,head_width=0.22,head_length=0.6",
+    "mutation_scale": 16.0,
+    "lw": 0.0,
+    "shrinkA": 0.0,
+    "shrinkB": 0.0,
+}
 
 
 @dataclass(frozen=True)
@@ -126,9 +129,10 @@ def _detwinning(values: dict[str, float], highest: float, coldest: float) -> lis
     start, finish = loading("sigma_s"), loading("sigma_f")
     cooling = Line("M_s", (M_s, M_s), (0.0, sigma_s)), Line("M_f", (M_f, M_f), (0.0, sigma_f))
     return [
-        Band("loading", start, finish), Band("cooling", *cooling),
+        Band("loading", start, finish),
+        Band("cooling", *cooling),
         _shifted(values, highest, *_STRIPS[1]),
-    ]  # fmt: skip
+    ]
 
 
 def driven(law: AbstractLaw, stresses: Sequence[float], coldest: float) -> list[Band]:
@@ -245,16 +249,23 @@ def _name_lines(axes: Any, found: Sequence[Band]) -> None:
             else:
                 level = 0.06 * top
                 place = float(np.interp(level, y, x)), level
-            if any(abs(place[0] - a) < 0.05 * (right - left) and abs(place[1] - b) < 0.05 * top
-                   for a, b in taken):  # fmt: skip
+            if any(
+                abs(place[0] - a) < 0.05 * (right - left) and abs(place[1] - b) < 0.05 * top
+                for a, b in taken
+            ):
                 place = place[0], place[1] + 0.07 * top
             taken.append(place)
             inside = left <= place[0] <= right and place[1] < top
             symbol = line.name.replace("sigma", "σ")
             if inside:
                 axes.text(
-                    *place, mathematical(symbol), color=band.colour, fontsize=8.5, zorder=2.0,
-                    ha="left", va="bottom",
-                )  # fmt: skip
+                    *place,
+                    mathematical(symbol),
+                    color=band.colour,
+                    fontsize=8.5,
+                    zorder=2.0,
+                    ha="left",
+                    va="bottom",
+                )
     if not found:
         axes.text(0.5, 0.95, "no band in view", color=QUIET, transform=axes.transAxes, ha="center")

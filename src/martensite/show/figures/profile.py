@@ -55,9 +55,15 @@ def _map(figure: Any, panel: Any, result: Result, name: str) -> None:
     (actuator,) = result.system.actuators().values()
     places = 1e3 * np.asarray(actuator.element.places())
     drawn = panel.pcolormesh(
-        np.asarray(result.times), places, values, shading="nearest", cmap=COLOURS[name],
-        vmin=low, vmax=high, rasterized=True,
-    )  # fmt: skip
+        np.asarray(result.times),
+        places,
+        values,
+        shading="nearest",
+        cmap=COLOURS[name],
+        vmin=low,
+        vmax=high,
+        rasterized=True,
+    )
     label = {"degC": "°C", "1": "–"}.get(shown, shown)
     bar = figure.colorbar(drawn, ax=panel, pad=0.02)
     bar.set_label(f"{mathematical(symbol)} [{label}]", color=INK)

@@ -9,7 +9,8 @@ import numpy as np
 
 from martensite.design.sweep.indices import Sensitivity
 from martensite.design.sweep.table import short_names
-from martensite.show.figures.style import COOLING, HEATING, INK, MEASURED, QUIET, new_figure, styled
+from martensite.show.figures.panels import make_panels
+from martensite.show.figures.style import COOLING, HEATING, INK, MEASURED, QUIET, styled
 from martensite.show.figures.sweep_names import layout
 
 if TYPE_CHECKING:
@@ -35,9 +36,9 @@ def plot_sensitivity(found: Sequence[Sensitivity], title: str = "") -> Figure:
     names = min(max(len(one.names) for one in found), MOST)
     height = names * (BAR * len(kinds) + 0.12) + HEAD
     with styled():
-        figure = new_figure(WIDTH * max(columns, 1.2), rows * height + 0.4)
-        figure.set_layout_engine("constrained")
-        panels = figure.subplots(rows, columns, squeeze=False).ravel()
+        width = WIDTH * max(columns, 1.2)
+        figure, panels = make_panels(width, rows * height + 0.4, rows, columns)
+        panels = panels.ravel()
         for panel, one in zip(panels, found, strict=False):
             _bars(panel, one, kinds)
         for panel in panels[len(found) :]:

@@ -8,9 +8,9 @@ import numpy as np
 
 from martensite.base import units
 from martensite.design.analysis.speed import Speeds
-from martensite.show.figures.differences import difference
-from martensite.show.figures.fit import headline
+from martensite.show.figures.labels import label_difference
 from martensite.show.figures.machine import colours
+from martensite.show.figures.panels import write_headline
 from martensite.show.figures.style import COOLING, HEATING, QUIET, new_figure, styled
 
 if TYPE_CHECKING:
@@ -32,9 +32,9 @@ def plot_speeds(found: Speeds, title: str = "") -> Figure:
         figure = new_figure(WIDTH, HEIGHT)
         grid = figure.add_gridspec(1, 3, left=0.06, right=0.985, top=0.79, bottom=0.15, wspace=0.26)
         course, times, rates = (figure.add_subplot(grid[0, k]) for k in range(3))
-        headline(figure, title or f"Steps of {found.drive}: heating against cooling")
+        write_headline(figure, title or f"Steps of {found.drive}: heating against cooling")
         _courses(course, found)
-        unit, size = difference(found.units[1])
+        unit, size = label_difference(found.units[1])
         _both(times, found, found.rise, found.fall)
         times.set_title("time to 90 % of the way [s]")
         _both(rates, found, found.fastest_up / size, found.fastest_down / size)
@@ -43,15 +43,18 @@ def plot_speeds(found: Speeds, title: str = "") -> Figure:
             axes.set_xlabel(_axis(found.drive, found.units[0]))
             axes.set_ylim(0.0, 1.06 * axes.get_ylim()[1])
         figure.legend(
-            *times.get_legend_handles_labels(), loc="upper right", bbox_to_anchor=(0.99, 1.0),
-            ncols=min(len(found.loads), 6), columnspacing=1.4,
-        )  # fmt: skip
+            *times.get_legend_handles_labels(),
+            loc="upper right",
+            bbox_to_anchor=(0.99, 1.0),
+            ncols=min(len(found.loads), 6),
+            columnspacing=1.4,
+        )
         return figure
 
 
 def _courses(axes: Any, found: Speeds) -> None:
     """The output over time; colours are signals, dashes loads."""
-    unit, size = difference(found.units[1])
+    unit, size = label_difference(found.units[1])
     drive = units.choose_readable_unit(found.units[0])
     for rows, dash, load in _loads(found, found.courses):
         for row, signal, tint in zip(rows, found.signals, colours(len(found.signals)), strict=True):

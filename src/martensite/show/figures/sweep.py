@@ -25,9 +25,7 @@ PANEL = 3.4, 2.7
 MAP = "viridis"
 
 
-def plot_sweep(
-    found: SweepTable, measures: Sequence[str] | None = None, title: str = ""
-) -> Figure:  # fmt: skip
+def plot_sweep(found: SweepTable, measures: Sequence[str] | None = None, title: str = "") -> Figure:
     """Draw what a sweep found.
 
     One varied number: measures over it. Two: a map of each measure. More: a matrix of scatter of

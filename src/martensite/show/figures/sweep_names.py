@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from martensite.base.formats import typeset_unit
 from martensite.design.sweep.table import Column, SweepTable, short_names
 
 if TYPE_CHECKING:
@@ -13,15 +14,11 @@ if TYPE_CHECKING:
 
 NARROW = 30.0
 """Ratio of the ends of a logarithmic axis below which it has numbers between powers of ten."""
-_PRINTED = (("degC", "°C"), ("ohm", "Ω"), ("^2", "²"), ("^3", "³"), ("*", " "))
 
 
 def label(one: Column, short: str = "") -> str:
     """Name and unit of a column, for an axis."""
-    unit = one.shown
-    for spelling, printed in _PRINTED:
-        unit = unit.replace(spelling, printed)
-    return f"{short or one.name} [{'–' if unit == '1' else unit}]"
+    return f"{short or one.name} [{typeset_unit(one.shown, '–')}]"
 
 
 def varied_labels(found: SweepTable) -> list[str]:

@@ -50,9 +50,14 @@ def draw_matrix(figure: Figure, found: SweepTable, one: Column) -> None:
         x = columns[shown[j]]
         y = one if below else columns[shown[i + 1]]
         drawn = panel.scatter(
-            x.readable()[rows], y.readable()[rows], c=colours[rows], s=4.0, lw=0.0, cmap=MAP,
+            x.readable()[rows],
+            y.readable()[rows],
+            c=colours[rows],
+            s=4.0,
+            lw=0.0,
+            cmap=MAP,
             rasterized=True,
-        )  # fmt: skip
+        )
         if not below:
             panel.plot(x.readable()[failed], y.readable()[failed], "x", color=HEATING, ms=3.5)
         put_on(panel, x, y)

@@ -70,9 +70,15 @@ def _several(found: TangentFit) -> Figure:
     rows = -(-len(shown) // columns)
     figure = new_figure(11.5, max(2.3 * rows, 5.6))
     whole = figure.add_gridspec(
-        1, 2, left=0.06, right=0.985, top=0.89, bottom=0.09, wspace=0.15,
+        1,
+        2,
+        left=0.06,
+        right=0.985,
+        top=0.89,
+        bottom=0.09,
+        wspace=0.15,
         width_ratios=(0.85 * columns, 1.0),
-    )  # fmt: skip
+    )
     left = whole[0, 0].subgridspec(rows, columns, hspace=0.32, wspace=0.16)
     first: Any = None
     for k, points in enumerate(shown):
@@ -119,15 +125,19 @@ def _branch(
     low, high = found.low, found.high
     beyond = 0.18 * (high - low)
     pieces = (
-        (found.cold, found.span[0], low + beyond), (found.steep, low - beyond, high + beyond),
+        (found.cold, found.span[0], low + beyond),
+        (found.steep, low - beyond, high + beyond),
         (found.hot, high - beyond, found.span[1]),
-    )  # fmt: skip
+    )
     for line, begin, end in pieces:
         at = [begin, end]
         axes.plot(
-            TEMPERATURE.values(at), STRAIN.values([line.value(t) for t in at]), color=INK,
-            linewidth=0.7, zorder=2.2,
-        )  # fmt: skip
+            TEMPERATURE.values(at),
+            STRAIN.values([line.value(t) for t in at]),
+            color=INK,
+            linewidth=0.7,
+            zorder=2.2,
+        )
     for name, at, line in zip(names, (low, high), (found.cold, found.hot), strict=True):
         _point(axes, name, at, float(line.value(at)), colour)
 
@@ -136,15 +146,27 @@ def _point(axes: Any, name: str, kelvin: float, strain: float, colour: str) -> N
     """A mark where two lines meet, named on the side away from the rows."""
     x, y = TEMPERATURE.values([kelvin])[0], STRAIN.values([strain])[0]
     axes.plot(
-        [x], [y], _MARKS[name], color=colour, markersize=4.2, markeredgecolor="white",
-        markeredgewidth=0.6, zorder=3.0,
-    )  # fmt: skip
+        [x],
+        [y],
+        _MARKS[name],
+        color=colour,
+        markersize=4.2,
+        markeredgecolor="white",
+        markeredgewidth=0.6,
+        zorder=3.0,
+    )
     right, above = name.startswith("A"), name in ("A_s", "M_f")
     axes.annotate(
-        mathematical(name), (x, y), (5 if right else -5, 4 if above else -4),
-        textcoords="offset points", color=colour, fontsize=8.0,
-        ha="left" if right else "right", va="bottom" if above else "top", zorder=3.0,
-    )  # fmt: skip
+        mathematical(name),
+        (x, y),
+        (5 if right else -5, 4 if above else -4),
+        textcoords="offset points",
+        color=colour,
+        fontsize=8.0,
+        ha="left" if right else "right",
+        va="bottom" if above else "top",
+        zorder=3.0,
+    )
 
 
 # ---------------------------------------------------------------- over stress
@@ -160,9 +182,15 @@ def _diagram(axes: Any, found: TangentFit) -> None:
             y = STRESS.values([points.stress for points in found.levels])
             filled = colour if name in ("A_f", "M_f") else "white"
             axes.plot(
-                x, y, _MARKS[name], color=colour, markerfacecolor=filled, markersize=4.4,
-                linestyle="none", zorder=3.0,
-            )  # fmt: skip
+                x,
+                y,
+                _MARKS[name],
+                color=colour,
+                markerfacecolor=filled,
+                markersize=4.4,
+                linestyle="none",
+                zorder=3.0,
+            )
     low, high = axes.get_xlim()
     axes.set_xlim(low - 0.05 * (high - low), high)
     axes.set_ylim(0.0, STRESS.values([top])[0])
@@ -195,9 +223,14 @@ def _lines(axes: Any, found: TangentFit, one: Direction, top: float, colour: str
         axes.plot(x, y, style, color=colour, linewidth=1.0, zorder=1.5)
         left = name in ("A_s", "M_f")
         axes.annotate(
-            mathematical(name), (x[0], y[0]), (-4 if left else 8, 4), textcoords="offset points",
-            ha="right" if left else "left", color=colour, fontsize=8.5,
-        )  # fmt: skip
+            mathematical(name),
+            (x[0], y[0]),
+            (-4 if left else 8, 4),
+            textcoords="offset points",
+            ha="right" if left else "left",
+            color=colour,
+            fontsize=8.5,
+        )
 
 
 def _strain(axes: Any, found: TangentFit) -> None:

@@ -11,8 +11,14 @@ from martensite.show.figures.style import SIMULATED
 from martensite.simulate.result import Result
 
 PANELS = (
-    "drive", "temperature", "martensite_fraction", "strain", "stress", "mechanism", "resistance",
-)  # fmt: skip
+    "drive",
+    "temperature",
+    "martensite_fraction",
+    "strain",
+    "stress",
+    "mechanism",
+    "resistance",
+)
 """Quantities shown of every result, from top to bottom; all that the mechanism has for itself."""
 
 
@@ -26,9 +32,10 @@ def panel_names(result: Result, records: Sequence[Record] = ()) -> list[str]:
     own = list(result.system.of_mechanism())
     usual = [
         shown
-        for name in PANELS if not (twice and name == "drive")
+        for name in PANELS
+        if not (twice and name == "drive")
         for shown in (own if name == "mechanism" else [name])
-    ]  # fmt: skip
+    ]
     return usual + [name for name in recorded(result, records) if name not in usual]
 
 
@@ -55,6 +62,10 @@ def draw_panel(axes: Any, result: Result, name: str, records: Sequence[Record] =
     axes.locator_params(axis="y", nbins=4)
     if found:
         axes.legend(
-            loc="lower right", bbox_to_anchor=(1.0, 1.03), ncols=3, borderpad=0.0,
-            borderaxespad=0.0, columnspacing=1.2,
-        )  # fmt: skip
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.03),
+            ncols=3,
+            borderpad=0.0,
+            borderaxespad=0.0,
+            columnspacing=1.2,
+        )

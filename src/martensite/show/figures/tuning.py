@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 from martensite.base import units
 from martensite.design.tuning.bench_tuning import TunedBench
 from martensite.design.tuning.loop_runs import judged_output
-from martensite.show.figures.style import HEATING, INK, QUIET, new_figure, styled
+from martensite.show.figures.panels import make_panels
+from martensite.show.figures.style import HEATING, INK, QUIET, styled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,8 +17,11 @@ WIDTH, HEIGHT = 7.0, 5.2
 BEFORE: dict[str, Any] = {"color": QUIET, "linewidth": 1.1, "label": "before"}
 AFTER: dict[str, Any] = {"color": HEATING, "linewidth": 1.4, "label": "after"}
 WANTED: dict[str, Any] = {
-    "color": INK, "linewidth": 0.9, "linestyle": (0, (4, 2)), "label": "reference",
-}  # fmt: skip
+    "color": INK,
+    "linewidth": 0.9,
+    "linestyle": (0, (4, 2)),
+    "label": "reference",
+}
 
 
 def plot_tuning(found: TunedBench, drive: str, title: str = "") -> Figure:
@@ -35,9 +39,9 @@ def plot_tuning(found: TunedBench, drive: str, title: str = "") -> Figure:
     label = {"1": "", "degC": " [K]"}.get(shown, f" [{shown}]")
     runs = ((found.seen_before, BEFORE), (found.seen, AFTER))
     with styled():
-        figure = new_figure(WIDTH, HEIGHT)
-        figure.set_layout_engine("constrained")
-        panels = figure.subplots(3, 1, sharex=True, height_ratios=(2.0, 1.0, 1.2))
+        ratios = (2.0, 1.0, 1.2)
+        figure, panels = make_panels(WIDTH, HEIGHT, 3, 1, sharex=True, height_ratios=ratios)
+        panels = panels[:, 0]
         for seen, look in runs:
             values = [units.from_si(v, shown, output.unit) for v in seen.output.tolist()]
             panels[0].plot(found.times, values, **look)

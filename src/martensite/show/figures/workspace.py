@@ -52,16 +52,24 @@ def plot_workspace(workspace: Workspace, title: str = "") -> Figure:
         figure = new_figure(6.4, 6.9)
         axes = figure.add_axes((0.115, 0.075, 0.865, 0.79))
         figure.text(
-            0.02, 0.968, title or "Reachable angles of the platform", fontsize=11.5,
-            fontweight="bold", va="center",
-        )  # fmt: skip
+            0.02,
+            0.968,
+            title or "Reachable angles of the platform",
+            fontsize=11.5,
+            fontweight="bold",
+            va="center",
+        )
         _frame(axes, workspace)
         _contours(axes, workspace, _region(axes, workspace))
         _rays(axes, workspace)
         figure.legend(
-            *axes.get_legend_handles_labels(), loc="upper left", bbox_to_anchor=(0.01, 0.953),
-            ncols=2, columnspacing=1.8, handlelength=2.2,
-        )  # fmt: skip
+            *axes.get_legend_handles_labels(),
+            loc="upper left",
+            bbox_to_anchor=(0.01, 0.953),
+            ncols=2,
+            columnspacing=1.8,
+            handlelength=2.2,
+        )
         return figure
 
 
@@ -166,9 +174,16 @@ def _contours(axes: Any, workspace: Workspace, outline: Any) -> None:
     for level in levels:
         for place in _crossings(x, along - level):
             axes.text(
-                place, y[row], f"{level:g}", color=QUIET, fontsize=7.5, ha="center", va="center",
-                bbox={"facecolor": REGION, "linewidth": 0.0, "pad": 1.2}, zorder=1.3,
-            )  # fmt: skip
+                place,
+                y[row],
+                f"{level:g}",
+                color=QUIET,
+                fontsize=7.5,
+                ha="center",
+                va="center",
+                bbox={"facecolor": REGION, "linewidth": 0.0, "pad": 1.2},
+                zorder=1.3,
+            )
     axes.plot([], [], color=QUIET, linewidth=0.7, label="length of leg 0 [mm]")
 
 
@@ -197,8 +212,15 @@ def _rays(axes: Any, workspace: Workspace) -> None:
         way = 13.0 * way / max(float(np.hypot(*way)), 1e-300)
         sides = {"ha": "left" if way[0] > 0 else "right", "va": "center"}
         axes.annotate(
-            f"leg {leg}", points[-1], way, textcoords="offset points", color=HEATING,
-            fontsize=8.0, zorder=2.9, path_effects=halo, **sides,
-        )  # fmt: skip
+            f"leg {leg}",
+            points[-1],
+            way,
+            textcoords="offset points",
+            color=HEATING,
+            fontsize=8.0,
+            zorder=2.9,
+            path_effects=halo,
+            **sides,
+        )
         label = None
     axes.plot([0.0], [0.0], "o", color=INK, markersize=4.5, zorder=2.8)
