@@ -12,7 +12,7 @@ import math
 import numpy as np
 import pytest
 
-from martensite.fit.profiled import profile_likelihood
+from martensite.fit.profiling import profile_likelihood
 from martensite.studies.base import Claim
 from martensite.studies.electrothermal import heating_fit as heating
 from martensite.studies.electrothermal import model, record, resistance_numbers

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.fit.identifiability import assess_identifiability
-from martensite.search.weak_sets import weak_directions
+from martensite.search.identifiability import assess_identifiability
+from martensite.search.weak_directions import find_weak_directions
 
 AT = np.linspace(280.0, 400.0, 150)
 NAMES = ["k_s", "s", "Delta_sigma", "sigma_L", "E", "V", "T_L"]
@@ -226,7 +226,7 @@ def test_a_small_mover_is_named_only_if_it_is_needed():
         nearly, ["a", "b", "c"], values=[1, 2, 3], scales=[1, 1, 1], noise=0.1
     )  # fmt: skip
     assert [set(one.names) for one in named.weak] == [{"a", "b"}]
-    assert np.count_nonzero(weak_directions(nearly, 0.1)[0]) == 3
+    assert np.count_nonzero(find_weak_directions(nearly, 0.1)[0]) == 3
 
 
 @pytest.mark.parametrize("count", [5, 30])
@@ -249,11 +249,11 @@ def test_singular_values_and_the_number_of_weak_directions(count: int):
 @pytest.mark.parametrize("seed", range(6))
 def test_many_parameters_are_covered_by_leaving_columns_out(seed: int, monkeypatch):
     """Directions found one by one span the same space as the singular vectors."""
-    monkeypatch.setattr("martensite.search.weak_sets.MANY", 0)
+    monkeypatch.setattr("martensite.search.weak_directions.MANY", 0)
     random = np.random.default_rng(seed)
     columns = random.normal(size=(40, 9))
     columns[:, [1, 4, 7]] = columns[:, [0, 2, 3]] @ random.normal(size=(3, 3))
-    found = weak_directions(columns, 1e-9)
+    found = find_weak_directions(columns, 1e-9)
     assert len(found) == 3
     null = np.linalg.svd(columns)[2][-3:]
     inside = np.stack(found) @ null.T

@@ -13,8 +13,8 @@ import pytest
 from scipy import stats
 
 from martensite.base.errors import ParameterError, SolveError
-from martensite.fit.uncertainty import estimate_uncertainty
 from martensite.search.profile import walk_profile
+from martensite.search.uncertainty import estimate_uncertainty
 
 X = np.linspace(0.0, 3.0, 20)
 COLUMNS = np.stack([X**0, X, X**2], axis=1)

@@ -7,8 +7,8 @@ import pytest
 from scipy import integrate, optimize, stats
 
 from martensite.base.errors import DataError, ParameterError, UnknownNameError
-from martensite.fit.losses import LOSSES, loss_named, robust_scale
-from martensite.search.scores import score
+from martensite.fit.losses import LOSSES, estimate_scale, find_loss
+from martensite.search.model_score import score_model
 
 TIMES = np.linspace(0.0, 2.0, 5)
 MEASURED = np.asarray([0.0, 1.0, 2.0, 1.0, 0.0])
@@ -16,7 +16,7 @@ MEASURED = np.asarray([0.0, 1.0, 2.0, 1.0, 0.0])
 
 def scored(modelled, measured=MEASURED, **changes):
     given = {"record": "sine", "output": "angle", "unit": "rad"} | changes
-    return score(TIMES, measured, modelled, **given)
+    return score_model(TIMES, measured, modelled, **given)
 
 
 # ---------------------------------------------------------------- scores
@@ -54,7 +54,7 @@ def test_scores_refuse_what_cannot_be_compared():
         with pytest.raises(DataError, match="`angle`"):
             scored(bad)
     with pytest.raises(DataError):
-        score([], [], [], record="a", output="b")
+        score_model([], [], [], record="a", output="b")
 
 
 # ---------------------------------------------------------------- losses
@@ -63,7 +63,7 @@ def test_scores_refuse_what_cannot_be_compared():
 @pytest.mark.parametrize("name", LOSSES)
 def test_losses_are_those_of_scipy(name: str):
     """The cost that SciPy's solver reports, at the minimum that it finds."""
-    loss = loss_named(name)
+    loss = find_loss(name)
     y = np.asarray([0.1, 0.0, -0.2, 0.15, 9.0])
     found = optimize.least_squares(
         lambda p: p[0] - y, [0.0], loss=loss.scipy_name, f_scale=loss.tuning * 0.3
@@ -73,7 +73,7 @@ def test_losses_are_those_of_scipy(name: str):
 
 @pytest.mark.parametrize("name", LOSSES)
 def test_weights_are_the_slope_of_the_cost(name: str):
-    loss = loss_named(name)
+    loss = find_loss(name)
     for r in (-7.0, -1.0, 1e-3, 0.4, 3.0):
         slope = (loss.cost([r + 1e-5], 0.8) - loss.cost([r - 1e-5], 0.8)) / 2e-5
         assert slope == pytest.approx(float(loss.weights([r], 0.8)[0]) * r, rel=1e-6, abs=1e-9)
@@ -82,7 +82,7 @@ def test_weights_are_the_slope_of_the_cost(name: str):
 @pytest.mark.parametrize("name", LOSSES)
 def test_tunings_are_95_percent_as_efficient_in_normal_noise(name: str):
     """Efficiency of an M-estimate of a mean: E[ψ']²/E[ψ²], and E[ψ'] = E[r ψ]."""
-    loss = loss_named(name)
+    loss = find_loss(name)
 
     def psi(r: float) -> float:
         return float(loss.weights([r])[0]) * r
@@ -100,28 +100,28 @@ def test_outliers_move_only_the_linear_loss(name: str, robust: bool):
     """Reweighted means of 100 numbers about 5, a tenth of them 1000."""
     y = np.random.default_rng(0).normal(5.0, 1.0, 100)
     y[::10] = 1000.0
-    loss, mean = loss_named(name), float(np.median(y))
+    loss, mean = find_loss(name), float(np.median(y))
     for _ in range(100):
-        weights = loss.weights(y - mean, robust_scale(y - mean))
+        weights = loss.weights(y - mean, estimate_scale(y - mean))
         mean = float(np.sum(weights * y) / np.sum(weights))
     assert (abs(mean - 5.0) < 0.5) is robust
 
 
 def test_the_scale_is_that_of_normal_noise_whatever_the_outliers():
     r = np.random.default_rng(1).normal(3.0, 2.0, 20_001)
-    assert robust_scale(r) == pytest.approx(2.0, rel=0.03)
-    assert robust_scale([1.0, 2.0, 3.0, 4.0, 1e9]) == pytest.approx(1.4826, rel=1e-4)
-    assert pytest.approx(1.0 / stats.norm.ppf(0.75), rel=1e-12) == robust_scale([-1.0, 0.0, 1.0])
+    assert estimate_scale(r) == pytest.approx(2.0, rel=0.03)
+    assert estimate_scale([1.0, 2.0, 3.0, 4.0, 1e9]) == pytest.approx(1.4826, rel=1e-4)
+    assert pytest.approx(1.0 / stats.norm.ppf(0.75), rel=1e-12) == estimate_scale([-1.0, 0.0, 1.0])
     r[::4] = 1e6
-    assert robust_scale(r) < 4.0
+    assert estimate_scale(r) < 4.0
     assert np.std(r) > 1e5
 
 
 def test_losses_refuse_bad_input():
     with pytest.raises(UnknownNameError, match="`huber`"):
-        loss_named("Hubert")
+        find_loss("Hubert")
     with pytest.raises(ParameterError, match="scale"):
-        loss_named("huber").weights([1.0], 0.0)
+        find_loss("huber").weights([1.0], 0.0)
     for bad in ([], [math.nan]):
         with pytest.raises(DataError):
-            robust_scale(bad)
+            estimate_scale(bad)

@@ -13,9 +13,9 @@ from scipy import stats
 from martensite.base.confidence import EVERYTHING
 from martensite.base.errors import DataError, ParameterError, UnknownNameError
 from martensite.characterise.polynomial_regression import fit_powers
-from martensite.fit.uncertainty import estimate_uncertainty
-from martensite.search.autocorrelation import autocorrelation, effective_samples
-from martensite.search.whiteness import whiteness
+from martensite.search.autocorrelation import compute_autocorrelation, count_effective_samples
+from martensite.search.uncertainty import estimate_uncertainty
+from martensite.search.whiteness import assess_whiteness
 
 X = np.linspace(0.0, 3.0, 25)
 SCALES = [4.0, -2.0, 0.5]
@@ -136,38 +136,38 @@ def test_bad_input_is_refused():
 
 def test_autocorrelation_is_the_sum_over_products():
     r = np.random.default_rng(0).normal(size=37)
-    found = autocorrelation(r)
+    found = compute_autocorrelation(r)
     expected = [float(r[: 37 - k] @ r[k:] / (r @ r)) for k in range(37)]
     assert found == pytest.approx(expected, abs=1e-13)
-    parts = autocorrelation(r, [20, 17])
+    parts = compute_autocorrelation(r, [20, 17])
     across = float(r[:19] @ r[1:20] + r[20:36] @ r[21:37]) / float(r @ r)
     assert parts[1] == pytest.approx(across)
     assert len(parts) == 20
-    assert autocorrelation([0.0, 0.0]).tolist() == [0.0, 0.0]
+    assert compute_autocorrelation([0.0, 0.0]).tolist() == [0.0, 0.0]
 
 
 @pytest.mark.parametrize("phi", [0.0, 0.5, 0.9])
 def test_effective_samples_of_a_long_series_with_memory(phi: float):
     """AR(1): n (1 - φ)/(1 + φ)."""
     n = 200_000
-    found = effective_samples(remembering(n, phi, seed=4)) / n
+    found = count_effective_samples(remembering(n, phi, seed=4)) / n
     assert found == pytest.approx((1.0 - phi) / (1.0 + phi), rel=0.15)
 
 
 def test_effective_samples_in_their_limits():
     alternating = np.tile([1.0, -1.0], 50)
-    assert effective_samples(alternating) == 100.0
-    assert effective_samples(np.ones(100)) < 2.0
-    assert effective_samples(np.zeros(10)) == 10.0
-    assert effective_samples([0.3]) == 1.0
-    tiny, huge = (effective_samples(f * remembering(500, 0.8)) for f in (1e-200, 1e200))
+    assert count_effective_samples(alternating) == 100.0
+    assert count_effective_samples(np.ones(100)) < 2.0
+    assert count_effective_samples(np.zeros(10)) == 10.0
+    assert count_effective_samples([0.3]) == 1.0
+    tiny, huge = (count_effective_samples(f * remembering(500, 0.8)) for f in (1e-200, 1e200))
     assert tiny == pytest.approx(huge)
 
 
 def test_lengths_must_add_up():
     for lengths in ([3], [5, 0], []):
         with pytest.raises(DataError, match="records"):
-            autocorrelation(np.ones(5), lengths)
+            compute_autocorrelation(np.ones(5), lengths)
 
 
 def remembering(n: int, phi: float, seed: int = 0) -> np.ndarray:
@@ -184,7 +184,7 @@ def remembering(n: int, phi: float, seed: int = 0) -> np.ndarray:
 
 def test_the_statistic_of_ljung_and_box_by_its_formula():
     r = np.random.default_rng(5).normal(size=60)
-    found = whiteness(r, "bench")
+    found = assess_whiteness(r, "bench")
     rho = np.asarray(found.autocorrelation)
     assert len(rho) == 12
     q = 60 * 62 * sum(rho[k - 1] ** 2 / (60 - k) for k in range(1, 13))
@@ -194,7 +194,7 @@ def test_the_statistic_of_ljung_and_box_by_its_formula():
 
 
 def test_noise_with_memory_is_not_white_and_its_memory_is_told():
-    found = whiteness(remembering(2000, 0.6), "bench")
+    found = assess_whiteness(remembering(2000, 0.6), "bench")
     assert not found.white
     assert found.p_value < 1e-100
     assert found.autocorrelation[:2] == pytest.approx((0.6, 0.36), abs=0.06)
@@ -204,22 +204,22 @@ def test_noise_with_memory_is_not_white_and_its_memory_is_told():
 
 
 def test_an_error_that_is_everywhere_alike_is_not_white():
-    found = whiteness(np.random.default_rng(6).normal(1.0, 1.0, 500), "bench")
+    found = assess_whiteness(np.random.default_rng(6).normal(1.0, 1.0, 500), "bench")
     assert not found.white
     assert found.memory is None
     assert "past lag 20" in found.sentence
 
 
 def test_white_noise_is_called_white():
-    found = whiteness(np.random.default_rng(7).normal(size=500), "bench")
+    found = assess_whiteness(np.random.default_rng(7).normal(size=500), "bench")
     assert found.white
     assert found.sentence.endswith("nothing is left to explain.")
-    assert whiteness(np.zeros(20)).white
+    assert assess_whiteness(np.zeros(20)).white
 
 
 def test_whiteness_refuses_short_records_and_odd_lags():
     with pytest.raises(DataError, match="at least 10"):
-        whiteness(np.ones(9))
+        assess_whiteness(np.ones(9))
     for lags, level in ((0, 0.95), (20, 0.95), (None, 1.0)):
         with pytest.raises(ParameterError):
-            whiteness(np.ones(20), lags=lags, level=level)
+            assess_whiteness(np.ones(20), lags=lags, level=level)

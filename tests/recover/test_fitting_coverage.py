@@ -14,8 +14,8 @@ import pytest
 from scipy import stats
 
 from martensite.base.confidence import Interval, interval_contains
-from martensite.fit.uncertainty import Uncertainty, estimate_uncertainty
-from martensite.search.whiteness import whiteness
+from martensite.search.uncertainty import Uncertainty, estimate_uncertainty
+from martensite.search.whiteness import assess_whiteness
 
 REPETITIONS = 400
 ALLOWED = stats.binom.interval(0.9999, REPETITIONS, 0.95)
@@ -87,10 +87,10 @@ def test_wrong_intervals_are_noticed(factor: float) -> None:
 
 @pytest.mark.parametrize("count", [60, 500])
 def test_white_noise_is_called_white_in_nineteen_of_twenty(count: int) -> None:
-    white = sum(whiteness(noise(s, count, 0.0)).white for s in range(REPETITIONS))
+    white = sum(assess_whiteness(noise(s, count, 0.0)).white for s in range(REPETITIONS))
     assert ALLOWED[0] <= white <= ALLOWED[1]
 
 
 def test_noise_with_memory_is_hardly_ever_called_white() -> None:
-    white = sum(whiteness(noise(s, 200, PHI)).white for s in range(REPETITIONS))
+    white = sum(assess_whiteness(noise(s, 200, PHI)).white for s in range(REPETITIONS))
     assert white == 0

@@ -10,7 +10,7 @@ import pytest
 from martensite.base.errors import ParameterError
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
-from martensite.fit.posterior import SPLIT, Posterior, posterior
+from martensite.fit.posterior import SPLIT, Posterior, sample_posterior
 from martensite.fit.problem import build_problem
 from martensite.fit.solve import solve_problem
 from martensite.scenario.scenario import read_scenario
@@ -56,7 +56,7 @@ def fit(c_compiler: str) -> Fit:
 
 @pytest.fixture(scope="module")
 def sampled(fit: Fit) -> Posterior:
-    return posterior(fit, draws=150, warmup=100, chains=2)
+    return sample_posterior(fit, draws=150, warmup=100, chains=2)
 
 
 @pytest.mark.slow
@@ -77,7 +77,7 @@ def test_half_the_interval_would_not_agree(fit: Fit, sampled: Posterior) -> None
 
 
 def test_a_few_draws_are_drawn(fit: Fit) -> None:
-    found = posterior(fit, draws=4, warmup=4, chains=1)
+    found = sample_posterior(fit, draws=4, warmup=4, chains=1)
     assert all(len(draws) == 4 for draws in found.samples.values())
     low, high = fit.problem.free[0].low, fit.problem.free[0].high
     assert all(low < value < high for value in found.samples["eps_L"])
@@ -91,5 +91,5 @@ def test_chains_that_have_not_met_are_told() -> None:
 
 def test_no_draw_is_refused(fit: Fit) -> None:
     with pytest.raises(ParameterError, match="at least 1"):
-        posterior(fit, draws=0)
+        sample_posterior(fit, draws=0)
     assert math.isfinite(fit.cost)

@@ -18,7 +18,7 @@ from command import Command
 from fit_cases import HEATED, ISOBARIC, Rows, edited, heated, isobaric, read_rows, write_log
 
 from martensite.cli import fit_logs
-from martensite.fit.watch import Note, Tell
+from martensite.fit.search_monitor import SearchNote, Tell
 from martensite.scenario.scenario import load
 
 FIT = Command("fit")
@@ -226,17 +226,17 @@ def test_files_are_checked_before_the_search(option: str, file: str, words: str)
 # ---------------------------------------------------------------- interrupts
 
 
-def interrupting(after: int, monkeypatch: pytest.MonkeyPatch) -> list[Note]:
+def interrupting(after: int, monkeypatch: pytest.MonkeyPatch) -> list[SearchNote]:
     """Let the search be interrupted, as by Ctrl-C, after so many notes; gives all notes."""
-    notes: list[Note] = []
+    notes: list[SearchNote] = []
 
-    def tell(note: Note) -> None:
+    def tell(note: SearchNote) -> None:
         notes.append(note)
         if len(notes) == after:
             raise KeyboardInterrupt
 
     @contextmanager
-    def bar(describe: Callable[[Note], str]) -> Iterator[Tell | None]:
+    def bar(describe: Callable[[SearchNote], str]) -> Iterator[Tell | None]:
         yield tell
 
     monkeypatch.setattr(fit_logs, "search_bar", bar)
@@ -265,12 +265,12 @@ def test_interrupted_search_keeps_the_best_and_is_taken_up_again(
 
 
 def test_interrupted_profile_does_not_lose_the_fit(monkeypatch: pytest.MonkeyPatch) -> None:
-    from martensite.fit import profiled
+    from martensite.fit import profiling
 
     def interrupted(*_: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(profiled, "profile_likelihood", interrupted)
+    monkeypatch.setattr(profiling, "profile_likelihood", interrupted)
     done = FIT(*SMALL, "--profile", "A_s", "--json")
     assert done.exit_code == 1
     found = json.loads(done.stdout)

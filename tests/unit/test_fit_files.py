@@ -17,12 +17,12 @@ from fit_cases import HEATED, ISOBARIC, TRUE, cycle, heated, isobaric, pulse, wr
 
 from martensite.base.errors import DataError, InputError, UnitError
 from martensite.fit.api import fit_logs, read_problem
+from martensite.fit.column_matching import list_echoes, match_columns
 from martensite.fit.columns import ComparedColumn, read_columns, read_noise
-from martensite.fit.compared import columns_of, echoes
-from martensite.fit.documents import read_fit_file
+from martensite.fit.fit_file import read_fit_file
 from martensite.fit.free_parameters import read_ranges
-from martensite.fit.hold_out import ALL, held_out
-from martensite.fit.steps import halved, with_step
+from martensite.fit.hold_out import ALL, choose_held_out
+from martensite.fit.step_choice import choose_step, halve_step
 from martensite.scenario.compare import compare_with_record
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.scenario.tables import read_table
@@ -285,10 +285,10 @@ def test_everything_is_compared_but_what_drives_and_what_never_changes() -> None
         units=log.units | {"temperature": "K", "ambient": "K"},
     )
     scenario = load("heated.toml", log=log)
-    columns, _, notes = columns_of(still, scenario.system, [], scenario.follows)
+    columns, _, notes = match_columns(still, scenario.system, [], scenario.follows)
     assert columns == {"position": "position", "resistance": "resistance"}
     assert notes == ["Column `temperature` of record `pulse` never changes and is not compared."]
-    assert {"drive", "current"} <= echoes(scenario.system)
+    assert {"drive", "current"} <= list_echoes(scenario.system)
 
 
 def test_column_of_another_name_is_scaled() -> None:
@@ -299,7 +299,7 @@ def test_column_of_another_name_is_scaled() -> None:
         {"time": "s", "laser_pos": "1"},
     )
     system = systems()[0]
-    columns, record, _ = columns_of(odd, system, read_columns("position=Laser Pos*2e-3"), {})
+    columns, record, _ = match_columns(odd, system, read_columns("position=Laser Pos*2e-3"), {})
     assert columns == {"position": "position"}
     assert record.units["position"] == "m"
     assert record["position"] == pytest.approx(log["position"])
@@ -307,7 +307,7 @@ def test_column_of_another_name_is_scaled() -> None:
 
 def test_nothing_in_common_is_told_with_what_there_is() -> None:
     with pytest.raises(DataError, match=r"`current`, of which `current` say what drives"):
-        columns_of(pulse(), systems()[0], [], {"drive": "current"})
+        match_columns(pulse(), systems()[0], [], {"drive": "current"})
 
 
 def test_angles_and_ports_are_known_columns() -> None:
@@ -327,22 +327,22 @@ TIMES = [float(k) for k in range(101)]
 
 
 def test_middle_record_is_held_out_of_three_and_more() -> None:
-    assert held_out("auto", ["a", "b", "c"], [TIMES] * 3) == [(), ALL, ()]
-    assert held_out("auto", ["a", "b", "c", "d"], [TIMES] * 4) == [(), (), ALL, ()]
+    assert choose_held_out("auto", ["a", "b", "c"], [TIMES] * 3) == [(), ALL, ()]
+    assert choose_held_out("auto", ["a", "b", "c", "d"], [TIMES] * 4) == [(), (), ALL, ()]
 
 
 def test_every_fifth_of_twenty_stretches_is_held_out_of_fewer() -> None:
-    found = held_out("auto", ["a", "b"], [TIMES, [50.0, 150.0]])
+    found = choose_held_out("auto", ["a", "b"], [TIMES, [50.0, 150.0]])
     ends = [end for stretch in found[0] for end in stretch]
     assert ends == pytest.approx([20.0, 25.0, 45.0, 50.0, 70.0, 75.0, 95.0, 100.0])
     assert found[1][0] == pytest.approx((70.0, 75.0))
 
 
 def test_hold_out_takes_names_shares_and_none() -> None:
-    assert held_out("none", ["a"], [TIMES]) == [()]
-    assert held_out("25 %", ["a"], [TIMES]) == [((75.0, math.inf),)]
-    assert held_out("b, c", ["a", "b", "c"], [TIMES] * 3) == [(), ALL, ALL]
-    assert held_out(["c"], ["a", "b", "c"], [TIMES] * 3) == [(), (), ALL]
+    assert choose_held_out("none", ["a"], [TIMES]) == [()]
+    assert choose_held_out("25 %", ["a"], [TIMES]) == [((75.0, math.inf),)]
+    assert choose_held_out("b, c", ["a", "b", "c"], [TIMES] * 3) == [(), ALL, ALL]
+    assert choose_held_out(["c"], ["a", "b", "c"], [TIMES] * 3) == [(), (), ALL]
 
 
 @pytest.mark.parametrize(
@@ -356,7 +356,7 @@ def test_hold_out_takes_names_shares_and_none() -> None:
 )
 def test_hold_out_that_cannot_be_is_refused(rule: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        held_out(rule, ["a", "b"], [TIMES] * 2)
+        choose_held_out(rule, ["a", "b"], [TIMES] * 2)
 
 
 # ---------------------------------------------------------------- problems and fits
@@ -443,7 +443,7 @@ def test_step_to_the_tolerance_where_the_wire_is_heated() -> None:
     assert 0.0 < one.step < 1.0
     (coarse,) = read_problem("heated.toml", heated(), "h", step=0.05).experiments
     assert coarse.step == 0.05
-    tight, notes = with_step(replace(one, step=math.inf), 1e-5)
+    tight, notes = choose_step(replace(one, step=math.inf), 1e-5)
     assert tight.step < one.step
     assert notes == []
 
@@ -453,12 +453,12 @@ def test_steps_that_are_too_long_are_told_after_the_fit(monkeypatch: pytest.Monk
     log = heated()
     short = fit_logs("heated.toml", log, "h", hold_out="none", step=0.02)
     assert short.cautions == ()
-    monkeypatch.setattr("martensite.fit.steps.NOTICEABLE", 1e-5)
+    monkeypatch.setattr("martensite.fit.step_choice.NOTICEABLE", 1e-5)
     (caution,) = fit_logs("heated.toml", log, "h", hold_out="none", step=0.1).cautions
     assert "would move `h` by about" in caution
     assert "too long" in caution
     (one,) = short.problem.experiments
-    assert halved(one).grid().longest == pytest.approx(0.5 * one.grid().longest)
+    assert halve_step(one).grid().longest == pytest.approx(0.5 * one.grid().longest)
 
 
 # ---------------------------------------------------------------- fit files

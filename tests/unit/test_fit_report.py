@@ -23,9 +23,15 @@ from finished_fits import FREE, Sample, poor_sample, sample
 from matplotlib.figure import Figure
 
 from martensite.base.errors import InputError
+from martensite.fit.compared_outputs import (
+    HELD_OUT,
+    TRAINING,
+    compute_rms,
+    find_covered_range,
+    list_compared,
+)
 from martensite.fit.fit import Fit
-from martensite.fit.fit_rows import HELD_OUT, TRAINING, compared, covered, rms
-from martensite.fit.fit_verdicts import predictions, warnings
+from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
 from martensite.search.profile import Profile, ProfileEnd, ProfilePoint
 from martensite.show.figures.fit import HELD, SEEN, plot_fit, plot_fit_loops
 from martensite.show.figures.fit_knowledge import (
@@ -243,26 +249,26 @@ def test_warnings_come_before_every_number(poor: Sample) -> None:
 
 
 def test_a_good_fit_has_no_warning(plain: Sample) -> None:
-    assert warnings(plain.fit) == []
+    assert list_fit_warnings(plain.fit) == []
     read = page(plain)
     assert read.parts[0] == "notice"
     assert "Nothing speaks against these numbers" in read.text
 
 
 def test_predictions_compare_what_was_seen_with_what_was_not(plain: Sample) -> None:
-    rows = compared(plain.fit)
-    seen, kept = rms(rows, TRAINING), rms(rows, HELD_OUT)
+    rows = list_compared(plain.fit)
+    seen, kept = compute_rms(rows, TRAINING), compute_rms(rows, HELD_OUT)
     errors = np.concatenate([one.residuals[one.used] for one in rows])
     assert seen == pytest.approx(float(np.sqrt(np.mean(errors**2))), rel=1e-12)
-    first, own = predictions(plain.fit)
+    first, own = describe_predictions(plain.fit)
     assert f"{100 * seen:.3g} % in the rows that were fitted" in first
     assert f"{100 * kept:.3g} % in those kept back" in first
     assert "`offset.strain`" in own
-    assert math.isnan(rms([rows[0]], HELD_OUT))
+    assert math.isnan(compute_rms([rows[0]], HELD_OUT))
 
 
 def warned(fit: Fit) -> str:
-    return " ".join(warnings(fit))
+    return " ".join(list_fit_warnings(fit))
 
 
 def test_what_was_not_kept_back_or_is_predicted_badly_is_said(plain: Sample) -> None:
@@ -293,7 +299,7 @@ def test_coloured_residuals_are_named(plain: Sample) -> None:
 
 def test_covered_is_what_the_elements_went_through(plain: Sample) -> None:
     section = math.pi / 4 * 0.381e-3**2
-    found = covered(plain.fit)
+    found = find_covered_range(plain.fit)
     assert found["stress"] == pytest.approx((0.6 * 9.80665 / section, 1.6 * 9.80665 / section))
     assert found["temperature"] == pytest.approx((293.15, 413.15), abs=0.5)
 
@@ -367,7 +373,7 @@ def drawn(axes: Any, colour: str) -> Any:
 
 def test_panels_show_measured_and_modelled_percent(plain: Sample) -> None:
     figure = plot_fit(plain.fit)
-    rows = {one.record: one for one in compared(plain.fit)}
+    rows = {one.record: one for one in list_compared(plain.fit)}
     for name, one in rows.items():
         axes = panel(figure, name)
         np.testing.assert_allclose(drawn(axes, SEEN), 100.0 * one.measured, rtol=1e-12)
@@ -377,7 +383,7 @@ def test_panels_show_measured_and_modelled_percent(plain: Sample) -> None:
 
 def test_what_was_held_out_is_drawn_apart(plain: Sample) -> None:
     figure = plot_fit(plain.fit)
-    middle, times = panel(figure, "middle"), compared(plain.fit)[1].times
+    middle, times = panel(figure, "middle"), list_compared(plain.fit)[1].times
     assert np.isfinite(drawn(middle, HELD)).tolist() == (times >= 69.0).tolist()  # they meet
     assert np.isfinite(drawn(middle, SIMULATED)).tolist() == (times < 70.0).tolist()
     errors = {name: panel(figure, name).texts[0].get_text() for name in ("light", "kept")}
@@ -402,7 +408,7 @@ def test_loops_run_over_the_measured_temperature(plain: Sample) -> None:
 
 def test_residuals_and_their_memory_are_those_of_the_fit(plain: Sample) -> None:
     figure = plot_fit_residuals(plain.fit)
-    one = compared(plain.fit)[2]
+    one = list_compared(plain.fit)[2]
     np.testing.assert_allclose(drawn(panel(figure, "heavy"), SIMULATED), 100 * one.residuals)
     everything: list[Any] = list(figure.axes)
     tests = [axes for axes in everything if axes.get_ylabel() == "autocorrelation"]

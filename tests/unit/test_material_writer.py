@@ -25,7 +25,7 @@ from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.base import units
 from martensite.base.errors import InputError
-from martensite.fit.canonical import canonical, one_law
+from martensite.fit.canonical_names import find_law, name_canonically
 from martensite.fit.material_files import write_material
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.materials.base import load_material
@@ -410,23 +410,23 @@ def two_wires(law: LiangRogers) -> Machine:
 def test_actuators_that_differ_are_no_single_material() -> None:
     same, other = two_wires(plain_law()), two_wires(plain_law(eps_L=0.035))
     ports = list(same.actuators())
-    assert canonical([same])["eps_L"].value == 0.04
+    assert name_canonically([same])["eps_L"].value == 0.04
     with pytest.raises(InputError, match=r"`eps_L` \(0\.04 and 0\.035\)"):
-        canonical([other])
-    assert [canonical([other], port)["eps_L"].value for port in ports] == [0.04, 0.035]
+        name_canonically([other])
+    assert [name_canonically([other], port)["eps_L"].value for port in ports] == [0.04, 0.035]
 
 
 def test_laws_that_differ_are_no_single_material() -> None:
     other = two_wires(LiangRogers(**PLAIN_LAW, history="restart"))
     ports = list(other.actuators())
     with pytest.raises(InputError, match="different laws, or one law with different options"):
-        one_law([other])
-    found = [law_words(one_law([other], port))["history"] for port in ports]
+        find_law([other])
+    found = [law_words(find_law([other], port))["history"] for port in ports]
     assert found == ["resume", "restart"]
 
 
 def test_records_that_differ_are_no_single_material() -> None:
     systems = [plain_system(), plain_system(plain_law(E_A=60e9))]
     with pytest.raises(InputError, match=r"systems of the records differ in `E_A`"):
-        canonical(systems)
-    assert canonical(systems, None, lambda path: path.endswith("E_A"))["E_A"].value == 75e9
+        name_canonically(systems)
+    assert name_canonically(systems, None, lambda path: path.endswith("E_A"))["E_A"].value == 75e9

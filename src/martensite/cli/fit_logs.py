@@ -31,9 +31,9 @@ from martensite.cli.waiting import search_bar, spinner
 
 if TYPE_CHECKING:
     from martensite.base.summary import Summary
+    from martensite.fit.fit_task import ArrangedFit, FitTask, LogFit
     from martensite.fit.posterior import Posterior
-    from martensite.fit.task import Arranged, LogFit, Task
-    from martensite.fit.watch import Note
+    from martensite.fit.search_monitor import SearchNote
     from martensite.search.profile import Profile
 
 REPORTS, MATERIAL = (".md", ".html"), (".toml",)
@@ -89,13 +89,13 @@ class FitOptions:
         Text, Option(help='Time between rows of logs without times, e.g. "0.1 s".')
     ] = None
 
-    def read_task(self, logs: Sequence[str], settings: list[str] | None) -> Task:
+    def read_task(self, logs: Sequence[str], settings: list[str] | None) -> FitTask:
         """The task; options go over what a fit file says.
 
         Raises:
             InputError: something is missing, or contradicts a fit file.
         """
-        from martensite.fit.documents import is_fit_file, read_fit_file
+        from martensite.fit.fit_file import is_fit_file, read_fit_file
         from martensite.fit.free_parameters import split_list
         from martensite.scenario.overrides import read_settings
 
@@ -114,8 +114,8 @@ class FitOptions:
             search={"method": self.method, "loss": self.loss, "starts": self.starts},
         )
 
-    def _make_task(self, logs: Sequence[str]) -> Task:
-        from martensite.fit.api import task_of
+    def _make_task(self, logs: Sequence[str]) -> FitTask:
+        from martensite.fit.api import build_task
 
         if not self.scenario:
             raise InputError("A fit needs --scenario, the file of one; none given.")
@@ -123,7 +123,7 @@ class FitOptions:
             raise InputError(
                 "A fit needs --free, what is to be found, such as `--free A_s,A_f`; none given."
             )
-        task = task_of(self.scenario, logs, self.free)
+        task = build_task(self.scenario, logs, self.free)
         interval = read_quantity("interval", self.interval, "s")
         headings = None if self.columns is None else tuple(self.columns.split(","))
         read = (replace(one, columns=headings, interval=interval) for one in task.logs)
@@ -164,7 +164,7 @@ class FitExtras:
         Path | None, Option(metavar="MATERIAL", help="Material file to write: .toml.")
     ] = None
 
-    def check(self, arranged: Arranged) -> None:
+    def check(self, arranged: ArrangedFit) -> None:
         """Refuse before the search what would fail after it."""
         names = arranged.problem.names
         unknown = next((name for name in self.profile or () if name not in names), None)
@@ -243,7 +243,7 @@ def fit_logs(
         raise typer.Exit(1)
 
 
-def run_fit(task: Task, extras: FitExtras, json: bool) -> bool:
+def run_fit(task: FitTask, extras: FitExtras, json: bool) -> bool:
     """Do what a task says and show what there is of it; False if it was interrupted."""
     names = extras.profile or []
     with spinner("reading logs, choosing steps"):
@@ -270,17 +270,17 @@ def run_fit(task: Task, extras: FitExtras, json: bool) -> bool:
 
 def _draw_posterior(fit: LogFit, draws: int) -> Posterior | None:
     """Samples; None if they were interrupted."""
-    from martensite.fit.posterior import posterior
+    from martensite.fit.posterior import sample_posterior
 
     try:
-        return posterior(fit, draws=draws, progress=sys.stderr.isatty())
+        return sample_posterior(fit, draws=draws, progress=sys.stderr.isatty())
     except KeyboardInterrupt:
         return None
 
 
 def _walk_profiles(fit: LogFit, names: Sequence[str]) -> list[Profile]:
     """Profiles; fewer if they were interrupted."""
-    from martensite.fit.profiled import profile_likelihood
+    from martensite.fit.profiling import profile_likelihood
 
     walked: list[Profile] = []
     try:
@@ -292,7 +292,7 @@ def _walk_profiles(fit: LogFit, names: Sequence[str]) -> list[Profile]:
     return walked
 
 
-def _describe_note(note: Note, noise: Mapping[str, Any]) -> str:
+def _describe_note(note: SearchNote, noise: Mapping[str, Any]) -> str:
     """What a search tells, for its bar."""
     root = math.sqrt(note.cost)
     size = f"{root:.3g} of noise" if noise else f"{100.0 * root:.3g} % of range"

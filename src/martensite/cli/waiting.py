@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from martensite.design.sweep.running import Progress as Swept
-    from martensite.fit.watch import Note, Tell
+    from martensite.fit.search_monitor import SearchNote, Tell
 
 
 @contextmanager
@@ -65,7 +65,7 @@ def run_bar(label: str, quiet: bool) -> Iterator[Callable[[str, float], None] | 
 
 
 @contextmanager
-def search_bar(describe: Callable[[Note], str]) -> Iterator[Tell | None]:
+def search_bar(describe: Callable[[SearchNote], str]) -> Iterator[Tell | None]:
     """A bar for a search, with the words that `describe` finds for what it tells.
 
     The time left is shown once a search can say how much of it is done.
@@ -81,7 +81,7 @@ def search_bar(describe: Callable[[Note], str]) -> Iterator[Tell | None]:
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("fitting", total=None)
 
-        def tell(note: Note) -> None:
+        def tell(note: SearchNote) -> None:
             total = 1.0 if note.share > 0.0 else None
             bar.update(task, description=describe(note), completed=note.share, total=total)
 

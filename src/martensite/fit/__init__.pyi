@@ -2,12 +2,12 @@ from martensite.fit.api import fit_logs as fit_logs
 from martensite.fit.api import read_problem as read_problem
 from martensite.fit.experiment import Experiment as Experiment
 from martensite.fit.fit import Fit as Fit
-from martensite.fit.identifiability import assess_identifiability as assess_identifiability
 from martensite.fit.material_files import write_material as write_material
 from martensite.fit.problem import Problem as Problem
 from martensite.fit.problem import build_problem as build_problem
-from martensite.fit.profiled import profile_likelihood as profile_likelihood
+from martensite.fit.profiling import profile_likelihood as profile_likelihood
 from martensite.fit.solve import solve_problem as solve_problem
-from martensite.fit.uncertainty import estimate_uncertainty as estimate_uncertainty
 from martensite.search.free_numbers import SearchRange as SearchRange
+from martensite.search.identifiability import assess_identifiability as assess_identifiability
+from martensite.search.uncertainty import estimate_uncertainty as estimate_uncertainty
 from martensite.show.pages import write_report as write_report

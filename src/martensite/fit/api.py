@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from martensite.base.errors import InputError
-from martensite.fit.documents import read_fit_file
+from martensite.fit.fit_file import read_fit_file
+from martensite.fit.fit_task import Columns, FitTask, LogFit
 from martensite.fit.free_parameters import split_list
 from martensite.fit.logs import Log, Model, Source, check_matching
 from martensite.fit.problem import Problem
-from martensite.fit.task import Columns, LogFit, Task
-from martensite.fit.watch import Tell
+from martensite.fit.search_monitor import Tell
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
@@ -51,10 +51,14 @@ def read_problem(
         InputError: something is unknown, missing, or does not fit; one sentence says what.
         SolveError: a run at the start values fails.
     """
-    task = task_of(scenario, logs, free).changed(
-        each=_list_ranges(each), hold_out=hold_out, columns=columns, noise=noise, step=step,
+    task = build_task(scenario, logs, free).changed(
+        each=_list_ranges(each),
+        hold_out=hold_out,
+        columns=columns,
+        noise=noise,
+        step=step,
         settings=overrides,
-    )  # fmt: skip
+    )
     return task.arranged().problem
 
 
@@ -79,7 +83,7 @@ def fit_logs(
     """Fit parameters of scenarios to logs.
 
     With the path of a fit file in place of all three it does what that says, but for what is
-    given beside it; see `martensite.fit.documents`.
+    given beside it; see `martensite.fit.fit_file`.
 
     Args:
         scenario: as in `read_problem`, or a fit file.
@@ -102,18 +106,24 @@ def fit_logs(
         InputError: something is unknown, missing, or does not fit; one sentence says what.
         SolveError: the runs fail at the start, and at every point tried.
     """
-    task = _of_file(scenario) if logs is None or free is None else task_of(scenario, logs, free)
+    task = (
+        _read_task(scenario) if logs is None or free is None else build_task(scenario, logs, free)
+    )
     task = task.changed(
-        each=_list_ranges(each), hold_out=hold_out, columns=columns, noise=noise, step=step,
+        each=_list_ranges(each),
+        hold_out=hold_out,
+        columns=columns,
+        noise=noise,
+        step=step,
         settings=overrides,
         search={"method": method, "loss": loss, "starts": starts, "seed": seed},
-    )  # fmt: skip
+    )
     return task.arranged().solved(tell, None if state is None else Path(state))
 
 
-def task_of(
+def build_task(
     scenario: Model | Sequence[Model], logs: Source | Sequence[Source], free: Ranges
-) -> Task:
+) -> FitTask:
     """The task of some logs, one scenario or one for each, and free parameters.
 
     Raises:
@@ -122,7 +132,7 @@ def task_of(
     sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
     models = [scenario] if isinstance(scenario, (str, Path, Scenario)) else list(scenario)
     pairs = zip(sources, check_matching(sources, models), strict=True)
-    return Task(tuple(Log(source, model) for source, model in pairs), _list_ranges(free))
+    return FitTask(tuple(Log(source, model) for source, model in pairs), _list_ranges(free))
 
 
 def _list_ranges(given: Ranges) -> list[str | SearchRange]:
@@ -132,7 +142,7 @@ def _list_ranges(given: Ranges) -> list[str | SearchRange]:
     return [one for x in given for one in (split_list(x) if isinstance(x, str) else [x])]
 
 
-def _of_file(path: Model | Sequence[Model]) -> Task:
+def _read_task(path: Model | Sequence[Model]) -> FitTask:
     if not isinstance(path, (str, Path)):
         raise InputError("A fit needs `logs` and `free`; only a fit file stands alone.")
     return read_fit_file(path)

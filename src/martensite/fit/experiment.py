@@ -49,7 +49,7 @@ class Experiment:
     state in which the record begins."""
 
     def __post_init__(self) -> None:
-        check(self)
+        check_experiment(self)
 
     @cached_property
     def rows(self) -> Any:
@@ -111,7 +111,7 @@ class Experiment:
         return BatchRunner(self.system, grid, outputs or self.outputs, first=first)
 
 
-def check(experiment: Experiment) -> None:
+def check_experiment(experiment: Experiment) -> None:
     """Refuse a record that cannot be compared with its system.
 
     Raises:
@@ -121,7 +121,7 @@ def check(experiment: Experiment) -> None:
     if not experiment.columns:
         raise DataError(
             f"Record `{record.name}` and the system have no column in common; the record holds "
-            f"{_listed(record.columns)}, the system gives {_listed(known)}."
+            f"{_list_columns(record.columns)}, the system gives {_list_columns(known)}."
         )
     if record.times[0] + experiment.lead < 0.0:
         raise DataError(
@@ -154,5 +154,5 @@ def _check_numbers(record: str, column: str, numbers: Sequence[float]) -> None:
         )
 
 
-def _listed(names: Mapping[str, Any]) -> str:
+def _list_columns(names: Mapping[str, Any]) -> str:
     return ", ".join(f"`{name}`" for name in names if name != "time") or "none but `time`"

@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 
 from martensite.fit.experiment import Experiment
-from martensite.fit.identifiability import Identifiability, assess_identifiability
-from martensite.fit.losses import loss_named, robust_scale
+from martensite.fit.losses import estimate_scale, find_loss
 from martensite.fit.problem import Evaluation, Problem
-from martensite.fit.uncertainty import Uncertainty, estimate_uncertainty
-from martensite.search.scores import Score, score
-from martensite.search.whiteness import FEWEST, Whiteness, whiteness
+from martensite.search.identifiability import Identifiability, assess_identifiability
+from martensite.search.model_score import Score, score_model
+from martensite.search.uncertainty import Uncertainty, estimate_uncertainty
+from martensite.search.whiteness import FEWEST, Whiteness, assess_whiteness
 
 
 @dataclass(frozen=True)
-class Kept:
+class HeldOutRecord:
     """A record that was kept back, and what the fit predicts for it."""
 
     experiment: Experiment
@@ -49,7 +49,7 @@ class Fit:
     seconds: float
     history: tuple[tuple[int, float], ...]
     """(runs, cost) at each improvement."""
-    kept: tuple[Kept, ...] = ()
+    kept: tuple[HeldOutRecord, ...] = ()
     """Records that the search did not see."""
 
     @property
@@ -80,9 +80,11 @@ class Fit:
         """Errors per record and output, those of held-out rows apart."""
         found: list[Score] = []
         for one, fitted, used in self._rows():
-            found += _scores(one, fitted.model, used)
+            found += _score_experiment(one, fitted.model, used)
         for kept in self.kept:
-            found += _scores(kept.experiment, kept.model, np.zeros(kept.model.shape, bool))
+            found += _score_experiment(
+                kept.experiment, kept.model, np.zeros(kept.model.shape, bool)
+            )
         return tuple(found)
 
     @cached_property
@@ -90,10 +92,13 @@ class Fit:
         """Errors and correlations of the parameters, from the Jacobian at the optimum."""
         weights = self._weights
         return estimate_uncertainty(
-            weights * self.evaluation.residuals, weights[:, None] * self.evaluation.jacobian,
-            self.problem.names, values=list(self.numbers.values()), scales=self._scales,
+            weights * self.evaluation.residuals,
+            weights[:, None] * self.evaluation.jacobian,
+            self.problem.names,
+            values=list(self.numbers.values()),
+            scales=self._scales,
             lengths=self.problem.lengths,
-        )  # fmt: skip
+        )
 
     @property
     def _weights(self) -> Any:
@@ -101,26 +106,30 @@ class Fit:
         residuals = self.evaluation.residuals
         if self.loss == "linear":
             return np.ones_like(residuals)
-        return np.sqrt(loss_named(self.loss).weights(residuals, robust_scale(residuals)))
+        return np.sqrt(find_loss(self.loss).weights(residuals, estimate_scale(residuals)))
 
     @cached_property
     def identifiability(self) -> Identifiability:
         """Which combinations of the parameters the data leave open."""
         noise = self.uncertainty.noise
         return assess_identifiability(
-            self.evaluation.jacobian, self.problem.names, values=list(self.numbers.values()),
-            scales=self._scales, units=[free.unit for free in self.problem.free],
+            self.evaluation.jacobian,
+            self.problem.names,
+            values=list(self.numbers.values()),
+            scales=self._scales,
+            units=[free.unit for free in self.problem.free],
             noise=noise if noise > 0.0 else 1.0,
-        )  # fmt: skip
+        )
 
     @cached_property
     def whiteness(self) -> tuple[Whiteness, ...]:
         """Whether the residuals of every record and output look like noise."""
         return tuple(
-            whiteness(fitted.residuals[used[:, k], k], f"{one.name}, {output}")
-            for one, fitted, used in self._rows() for k, output in enumerate(one.outputs)
+            assess_whiteness(fitted.residuals[used[:, k], k], f"{one.name}, {output}")
+            for one, fitted, used in self._rows()
+            for k, output in enumerate(one.outputs)
             if used[:, k].sum() >= FEWEST
-        )  # fmt: skip
+        )
 
     @property
     def _scales(self) -> list[float]:
@@ -133,15 +142,20 @@ class Fit:
         return zip(problem.experiments, self.evaluation.fitted, problem.used, strict=True)
 
 
-def _scores(one: Experiment, model: Any, used: Any) -> list[Score]:
+def _score_experiment(one: Experiment, model: Any, used: Any) -> list[Score]:
     """Errors of a model in an experiment; `used` says what the fit saw."""
     seen, outputs = np.isfinite(one.measured), one.system.outputs()
     return [
-        score(
-            one.times[rows], one.measured[rows, k], model[rows, k], record=one.name,
-            output=output, part=part, unit=outputs[output].unit,
+        score_model(
+            one.times[rows],
+            one.measured[rows, k],
+            model[rows, k],
+            record=one.name,
+            output=output,
+            part=part,
+            unit=outputs[output].unit,
         )
         for k, output in enumerate(one.outputs)
         for part, rows in (("training", used[:, k]), ("held-out", seen[:, k] & ~used[:, k]))
         if rows.any()
-    ]  # fmt: skip
+    ]

@@ -12,10 +12,10 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from martensite.base.confidence import EVERYTHING, Interval
+from martensite.fit.compared_outputs import HELD_OUT, TRAINING, ComparedOutput, list_compared
 from martensite.fit.fit import Fit
-from martensite.fit.fit_rows import HELD_OUT, TRAINING, Compared, compared
-from martensite.fit.fit_verdicts import amount
-from martensite.fit.task import LogFit
+from martensite.fit.fit_task import LogFit
+from martensite.fit.fit_verdicts import format_error
 from martensite.scenario.datasets import dataset_names, describe_dataset
 from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
 from martensite.scenario.scenario import Scenario
@@ -26,7 +26,7 @@ PACKAGE = "martensite"
 NOT_DETERMINED = "not determined by the data"
 
 
-def program() -> str:
+def describe_program() -> str:
     """This package with its version."""
     try:
         return f"{PACKAGE} {version(PACKAGE)}"
@@ -34,17 +34,17 @@ def program() -> str:
         return PACKAGE
 
 
-def scenario_of(fit: Fit) -> Scenario | None:
+def find_scenario(fit: Fit) -> Scenario | None:
     """The scenario that a fit carries with it, if it does."""
     return fit.scenario if isinstance(fit, LogFit) else None
 
 
-def cautions_of(fit: Fit) -> tuple[str, ...]:
+def list_cautions(fit: Fit) -> tuple[str, ...]:
     """What was found about the steps of its runs, if it was looked for."""
     return fit.cautions if isinstance(fit, LogFit) else ()
 
 
-def digest(record: Record) -> dict[str, str]:
+def compute_digest(record: Record) -> dict[str, str]:
     """The SHA-256 of the file of a record, or of its columns if there is no file.
 
     Returns:
@@ -63,38 +63,38 @@ def digest(record: Record) -> dict[str, str]:
     return {"sha256_of_columns": total.hexdigest()}
 
 
-def published(fit: Fit) -> list[str]:
+def list_published(fit: Fit) -> list[str]:
     """Bibliography keys of the published data sets that the records of a fit come from."""
     known = dataset_names()
-    sets = (one.experiment.record.name.partition("/")[0] for one in compared(fit))
+    sets = (one.experiment.record.name.partition("/")[0] for one in list_compared(fit))
     return list(dict.fromkeys(describe_dataset(name).cite for name in sets if name in known))
 
 
-def provenance(fit: Fit) -> dict[str, Any]:
+def build_provenance(fit: Fit) -> dict[str, Any]:
     """The whole table: how it was searched, what was free, and which records it was fitted to."""
     return {
-        "by": program(),
+        "by": describe_program(),
         "method": fit.method,
         "loss": fit.loss,
         "ended": fit.reason,
         "cost": fit.cost,
         "simulations": fit.simulations,
         "jacobians": fit.jacobians,
-        "free": {free.name: _free(fit, free) for free in fit.problem.free},
-        "records": list(_records(fit)),
+        "free": {free.name: _describe_free(fit, free) for free in fit.problem.free},
+        "records": list(_describe_records(fit)),
     }
 
 
-def interval_words(interval: Interval, unit: str) -> str:
+def format_interval(interval: Interval, unit: str) -> str:
     """`62.5 to 63.9 degC`, or that there is none."""
     return NOT_DETERMINED if interval == EVERYTHING else shown_range(interval, unit)
 
 
-def _free(fit: Fit, free: FreeNumber) -> dict[str, Any]:
+def _describe_free(fit: Fit, free: FreeNumber) -> dict[str, Any]:
     found: dict[str, Any] = {
         "value": exact_text(fit[free.name], free.unit),
-        "interval": interval_words(fit.uncertainty.interval(free.name), free.unit),
-        "widened": interval_words(fit.uncertainty.widened(free.name), free.unit),
+        "interval": format_interval(fit.uncertainty.interval(free.name), free.unit),
+        "widened": format_interval(fit.uncertainty.widened(free.name), free.unit),
         "start": format_quantity(free.start, free.unit),
         "low": format_quantity(free.low, free.unit),
         "high": format_quantity(free.high, free.unit),
@@ -102,28 +102,28 @@ def _free(fit: Fit, free: FreeNumber) -> dict[str, Any]:
     return found | ({"at_bound": True} if free.name in fit.at_bound() else {})
 
 
-def _records(fit: Fit) -> Iterator[dict[str, Any]]:
+def _describe_records(fit: Fit) -> Iterator[dict[str, Any]]:
     """One table per record, those kept back last."""
-    rows = compared(fit)
+    rows = list_compared(fit)
     own = {kept.experiment.name: kept for kept in fit.kept}
     for name in dict.fromkeys(one.record for one in rows):
         outputs = [one for one in rows if one.record == name]
         record = outputs[0].experiment.record
-        found = {"name": name, **digest(record), "rows": len(outputs[0].times)}
+        found = {"name": name, **compute_digest(record), "rows": len(outputs[0].times)}
         if record.dropped:
             found["rows_left_out_on_reading"] = record.dropped
-        found["outputs"] = {one.output: _output(one) for one in outputs}
+        found["outputs"] = {one.output: _describe_output(one) for one in outputs}
         if name in own and own[name].numbers:
             found["fitted_to_it_alone"] = dict(own[name].numbers)
         yield found
 
 
-def _output(one: Compared) -> dict[str, Any]:
+def _describe_output(one: ComparedOutput) -> dict[str, Any]:
     """What was compared in one output, and how well it is met."""
     found: dict[str, Any] = {"column": one.column}
     for part, rows in ((TRAINING, one.used), (HELD_OUT, one.held)):
         if rows.any():
             key, unit = part.replace("-", "_"), one.description.unit
             found[f"{key}_rows"] = int(rows.sum())
-            found[f"{key}_rms"] = amount(one.output, one.rms(part), unit)
+            found[f"{key}_rms"] = format_error(one.output, one.rms(part), unit)
     return found | ({"missing": one.missing} if one.missing else {})

@@ -11,9 +11,21 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from martensite.base import units
+from martensite.fit.compared_outputs import (
+    HELD_OUT,
+    TRAINING,
+    ComparedOutput,
+    compute_rms,
+    list_compared,
+)
 from martensite.fit.fit import Fit
-from martensite.fit.fit_rows import HELD_OUT, TRAINING, Compared, compared, rms
-from martensite.search.words import change, joined, listed, number, quantity
+from martensite.search.quantity_text import (
+    format_change,
+    format_number,
+    format_quantity,
+    join_phrases,
+    list_names,
+)
 
 WORSE = 1.5
 """Held-out error over training error from which on a fit is said to predict less than it fits."""
@@ -23,51 +35,57 @@ NOTABLE = 0.05
 """Error over the whole range of an output below which a model is not said to miss it."""
 
 
-def amount(output: str, value: float, unit: str, digits: int = 3) -> str:
+def format_error(output: str, value: float, unit: str, digits: int = 3) -> str:
     """An error of an output in everyday units: `0.17 %` of strain, `1.2 K`."""
     if units.of_column(output, unit) == "%":
-        return f"{number(100.0 * value, digits)} %"
-    return change(value, unit, digits)
+        return f"{format_number(100.0 * value, digits)} %"
+    return format_change(value, unit, digits)
 
 
-def predictions(fit: Fit) -> list[str]:
+def describe_predictions(fit: Fit) -> list[str]:
     """One sentence per output: its error in what the fit saw, and in what was kept back."""
-    rows = compared(fit)
+    rows = list_compared(fit)
     names = dict.fromkeys(one.output for one in rows)
     return [
-        *(_prediction([one for one in rows if one.output == name]) for name in names),
-        *_own_numbers(fit),
+        *(_describe_prediction([one for one in rows if one.output == name]) for name in names),
+        *_describe_own_numbers(fit),
     ]
 
 
-def warnings(fit: Fit) -> list[str]:
+def list_fit_warnings(fit: Fit) -> list[str]:
     """What speaks against trusting the numbers; empty if nothing does."""
-    return [*_search(fit), *_prediction_warnings(fit), *_directions(fit), *_residuals(fit)]
+    return [
+        *_warn_of_search(fit),
+        *_warn_of_predictions(fit),
+        *_warn_of_directions(fit),
+        *_warn_of_residuals(fit),
+    ]
 
 
-def _prediction(rows: list[Compared]) -> str:
+def _describe_prediction(rows: list[ComparedOutput]) -> str:
     name, unit = rows[0].output, rows[0].description.unit
-    seen, kept = (rms(rows, part) for part in (TRAINING, HELD_OUT))
-    fitted = f"`{name}`: rms error {amount(name, seen, unit)} in the rows that were fitted"
+    seen, kept = (compute_rms(rows, part) for part in (TRAINING, HELD_OUT))
+    fitted = f"`{name}`: rms error {format_error(name, seen, unit)} in the rows that were fitted"
     if math.isnan(seen):
-        return f"`{name}`: rms error {amount(name, kept, unit)} in rows kept back; none was fitted."
+        error = format_error(name, kept, unit)
+        return f"`{name}`: rms error {error} in rows kept back; none was fitted."
     if math.isnan(kept):
         return f"{fitted}; none were kept back."
-    times = f" ({number(kept / seen, 3)} times)" if seen > 0.0 else ""
-    return f"{fitted}, {amount(name, kept, unit)} in those kept back{times}."
+    times = f" ({format_number(kept / seen, 3)} times)" if seen > 0.0 else ""
+    return f"{fitted}, {format_error(name, kept, unit)} in those kept back{times}."
 
 
-def _own_numbers(fit: Fit) -> Iterator[str]:
+def _describe_own_numbers(fit: Fit) -> Iterator[str]:
     """What is not predicted in a record that was kept back."""
     own = dict.fromkeys(name.partition("@")[0] for kept in fit.kept for name in kept.numbers)
     if own:
         yield (
-            f"What every record has for itself ({listed(list(own))}) was fitted to the records "
+            f"What every record has for itself ({list_names(list(own))}) was fitted to the records "
             "kept back, too; everything else is predicted."
         )
 
 
-def _search(fit: Fit) -> Iterator[str]:
+def _warn_of_search(fit: Fit) -> Iterator[str]:
     """How the search ended, and where."""
     if fit.reason != "converged":
         yield (
@@ -77,14 +95,14 @@ def _search(fit: Fit) -> Iterator[str]:
         if free.name in fit.at_bound():
             side, bound = ("lower", free.low) if u < 0.5 else ("upper", free.high)
             yield (
-                f"`{free.name}` ended on its {side} bound, {quantity(bound, free.unit)}: the "
-                "bound decides and not the data. Widen it, or fix the number."
+                f"`{free.name}` ended on its {side} bound, {format_quantity(bound, free.unit)}: "
+                "the bound decides and not the data. Widen it, or fix the number."
             )
 
 
-def _prediction_warnings(fit: Fit) -> Iterator[str]:
+def _warn_of_predictions(fit: Fit) -> Iterator[str]:
     """What was kept back, and how much worse it is met."""
-    rows = compared(fit)
+    rows = list_compared(fit)
     if not any(one.held.any() for one in rows):
         yield (
             "Nothing was kept back: how well the model predicts what it was not fitted to is not "
@@ -92,45 +110,50 @@ def _prediction_warnings(fit: Fit) -> Iterator[str]:
         )
     for name in dict.fromkeys(one.output for one in rows):
         own = [one for one in rows if one.output == name]
-        seen, kept = (rms(own, part) for part in (TRAINING, HELD_OUT))
+        seen, kept = (compute_rms(own, part) for part in (TRAINING, HELD_OUT))
         if kept > WORSE * seen:
             yield (
                 f"`{name}` is predicted worse than it is fitted: its error in what was kept back "
-                f"is {number(kept / seen, 3)} times that in what was fitted."
+                f"is {format_number(kept / seen, 3)} times that in what was fitted."
                 if seen > 0.0
                 else f"`{name}` is met exactly where it was fitted, but not in what was kept back."
             )
     poor = [
-        score for score in fit.scores
-        if score.fit_percent < POOR and score.rms > NOTABLE * _reach(rows, score.output)
-    ]  # fmt: skip
+        score
+        for score in fit.scores
+        if score.fit_percent < POOR and score.rms > NOTABLE * _measure_range(rows, score.output)
+    ]
     if poor:
-        met = (f"`{one.output}` of {one.record} ({number(one.fit_percent, 3)} %)" for one in poor)
-        yield f"The model explains less than half of what varies: {joined(list(met))}."
+        met = (
+            f"`{one.output}` of {one.record} ({format_number(one.fit_percent, 3)} %)"
+            for one in poor
+        )
+        yield f"The model explains less than half of what varies: {join_phrases(list(met))}."
 
 
-def _reach(rows: list[Compared], output: str) -> float:
+def _measure_range(rows: list[ComparedOutput], output: str) -> float:
     """Range over which an output was measured in all records."""
     values = [one.measured for one in rows if one.output == output]
     ends = [(float(np.nanmin(column)), float(np.nanmax(column))) for column in values]
     return max(high for _, high in ends) - min(low for low, _ in ends)
 
 
-def _directions(fit: Fit) -> Iterator[str]:
+def _warn_of_directions(fit: Fit) -> Iterator[str]:
     """Parameters that the data do not hold, or not apart."""
     yield from (one.sentence for one in fit.identifiability.weak)
     pairs = fit.uncertainty.confounded()
-    for group in _groups([{one, other} for one, other, _ in pairs]):
+    for group in _group_pairs([{one, other} for one, other, _ in pairs]):
         names = [name for name in fit.problem.names if name in group]
         most = max(abs(value) for one, _, value in pairs if one in group)
         yield (
-            f"{listed(names)} are hardly told apart (correlation{'s up to' if names[2:] else ''} "
+            f"{list_names(names)} are hardly told apart "
+            f"(correlation{'s up to' if names[2:] else ''} "
             f"{most:.3f}): the interval of each holds with all others free to follow, and not for "
             "several at once."
         )
 
 
-def _groups(pairs: Sequence[set[str]]) -> list[set[str]]:
+def _group_pairs(pairs: Sequence[set[str]]) -> list[set[str]]:
     """Sets of names that are connected by pairs."""
     found: list[set[str]] = []
     for pair in pairs:
@@ -139,14 +162,15 @@ def _groups(pairs: Sequence[set[str]]) -> list[set[str]]:
     return found
 
 
-def _residuals(fit: Fit) -> Iterator[str]:
+def _warn_of_residuals(fit: Fit) -> Iterator[str]:
     """Whether something is left to explain."""
-    rows = {f"{one.record}, {one.output}": one for one in compared(fit)}
+    rows = {f"{one.record}, {one.output}": one for one in list_compared(fit)}
     found = [rows[one.record] for one in fit.whiteness if not one.white]
     names = [f"`{one.output}` of {one.record}" for one in found]
     if names:
         yield (
-            f"Residuals are not white ({joined(names)}): the model misses something, or the noise "
+            f"Residuals are not white ({join_phrases(names)}): the model misses something, or the "
+            "noise "
             "has a memory. Take the widened intervals, and read them as those of this model: they "
             "do not tell what the model itself gets wrong."
         )

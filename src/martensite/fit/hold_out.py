@@ -23,7 +23,7 @@ MANY = 3
 STRETCHES, KEPT = 20, (4, 9, 14, 19)
 
 
-def held_out(
+def choose_held_out(
     hold_out: str | Sequence[str], names: Sequence[str], times: Sequence[Sequence[float]]
 ) -> list[Stretches]:
     """Stretches of time that are kept back, for every record.
@@ -39,11 +39,11 @@ def held_out(
     if hold_out == AUTO:
         if len(names) >= MANY:
             return [ALL if k == len(names) // 2 else () for k in range(len(names))]
-        return [_stretches(rows) for rows in times]
+        return [_choose_stretches(rows) for rows in times]
     if hold_out == NONE:
         return [() for _ in names]
     if isinstance(hold_out, str) and hold_out.strip().endswith("%"):
-        share = _share(hold_out)
+        share = _read_share(hold_out)
         return [((rows[-1] - share * (rows[-1] - rows[0]), math.inf),) for rows in times]
     asked = split_list(hold_out)
     for name in asked:
@@ -54,14 +54,14 @@ def held_out(
     return [ALL if name in asked else () for name in names]
 
 
-def _stretches(times: Sequence[float]) -> Stretches:
+def _choose_stretches(times: Sequence[float]) -> Stretches:
     first, length = times[0], times[-1] - times[0]
     return tuple(
         (first + k / STRETCHES * length, first + (k + 1) / STRETCHES * length) for k in KEPT
     )
 
 
-def _share(text: str) -> float:
+def _read_share(text: str) -> float:
     try:
         share = float(text.strip().removesuffix("%")) / 100.0
     except ValueError:

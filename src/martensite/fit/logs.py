@@ -12,7 +12,7 @@ from martensite.base.errors import DataError
 from martensite.scenario.recorded import from_zero
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.scenario.tables import UNTIMED, read_table
-from martensite.search.words import listed
+from martensite.search.quantity_text import list_names
 from martensite.signals.records import Record
 
 Source = str | Path | Record
@@ -56,7 +56,7 @@ class Log:
 
 
 @dataclass(frozen=True)
-class Loaded:
+class LoadedLog:
     """A log that has been read."""
 
     log: Log
@@ -65,19 +65,19 @@ class Loaded:
     scenario: Scenario
 
 
-def read_logs(logs: Sequence[Log]) -> list[Loaded]:
+def read_logs(logs: Sequence[Log]) -> list[LoadedLog]:
     """Read logs and build their scenarios; records of one name are numbered.
 
     Raises:
         InputError: a file is missing or malformed, or does not fit its scenario.
     """
-    found: list[Loaded] = []
+    found: list[LoadedLog] = []
     for log in logs:
         record = log.read()
         scenario = log.model(record)
         if scenario.follows:
             record = from_zero(record)
-        found.append(Loaded(log, log.name or _name(record), record, scenario))
+        found.append(LoadedLog(log, log.name or _shorten_name(record), record, scenario))
     names = [one.name for one in found]
     return [
         replace(one, name=f"{one.name}-{names[:k].count(one.name) + 1}")
@@ -87,22 +87,22 @@ def read_logs(logs: Sequence[Log]) -> list[Loaded]:
     ]
 
 
-def _name(record: Record) -> str:
+def _shorten_name(record: Record) -> str:
     """A short name: that of the file."""
     last = record.name.rpartition("/")[2]
     return last.rpartition(".")[0] or last if "/" in record.name else last
 
 
-def untimed(found: Sequence[Loaded]) -> list[str]:
+def describe_untimed(found: Sequence[LoadedLog]) -> list[str]:
     """A sentence about files whose rows are as far apart as nobody has said."""
     given = [one for one in found if not isinstance(one.log.source, Record)]
     names = [one.name for one in given if one.log.interval is None and one.record.interval]
     if not names:
         return []
-    return [f"{listed(names)} without times: rows are taken as {UNTIMED:g} s apart."]
+    return [f"{list_names(names)} without times: rows are taken as {UNTIMED:g} s apart."]
 
 
-def gaps(one: Loaded, columns: Iterable[str]) -> list[str]:
+def describe_gaps(one: LoadedLog, columns: Iterable[str]) -> list[str]:
     """Sentences about samples that a log misses."""
     follows, record = one.scenario.follows.values(), one.record
     notes: list[str] = []

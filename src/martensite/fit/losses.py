@@ -75,55 +75,55 @@ class Loss:
         return (np.asarray(residuals, np.float64) / (self.tuning * scale)) ** 2
 
 
-def _ones(z: Vector) -> Vector:
+def _weigh_linear(z: Vector) -> Vector:
     return 0.0 * z + 1.0
 
 
-def _soft_l1(z: Vector) -> Vector:
+def _rho_soft_l1(z: Vector) -> Vector:
     import numpy as np
 
     return 2.0 * (np.sqrt(1.0 + z) - 1.0)
 
 
-def _soft_l1_weight(z: Vector) -> Vector:
+def _weigh_soft_l1(z: Vector) -> Vector:
     return (1.0 + z) ** -0.5
 
 
-def _huber(z: Vector) -> Vector:
+def _rho_huber(z: Vector) -> Vector:
     import numpy as np
 
     return np.where(z <= 1.0, z, 2.0 * np.sqrt(z) - 1.0)
 
 
-def _huber_weight(z: Vector) -> Vector:
+def _weigh_huber(z: Vector) -> Vector:
     import numpy as np
 
     return np.maximum(z, 1.0) ** -0.5
 
 
-def _cauchy(z: Vector) -> Vector:
+def _rho_cauchy(z: Vector) -> Vector:
     import numpy as np
 
     return np.log1p(z)
 
 
-def _cauchy_weight(z: Vector) -> Vector:
+def _weigh_cauchy(z: Vector) -> Vector:
     return 1.0 / (1.0 + z)
 
 
 LOSSES = {
     one.name: one
     for one in (
-        Loss("linear", 1.0, lambda z: z, _ones),
-        Loss("soft-l1", 1.2870992, _soft_l1, _soft_l1_weight),
-        Loss("huber", 1.3449975, _huber, _huber_weight),
-        Loss("cauchy", 2.3849471, _cauchy, _cauchy_weight),
+        Loss("linear", 1.0, lambda z: z, _weigh_linear),
+        Loss("soft-l1", 1.2870992, _rho_soft_l1, _weigh_soft_l1),
+        Loss("huber", 1.3449975, _rho_huber, _weigh_huber),
+        Loss("cauchy", 2.3849471, _rho_cauchy, _weigh_cauchy),
     )
 }
 """All losses by name."""
 
 
-def loss_named(name: str) -> Loss:
+def find_loss(name: str) -> Loss:
     """The loss of a name.
 
     Raises:
@@ -134,7 +134,7 @@ def loss_named(name: str) -> Loss:
     return LOSSES[name]
 
 
-def robust_scale(residuals: Any) -> float:
+def estimate_scale(residuals: Any) -> float:
     """Standard deviation by the median absolute deviation, 1.4826 median(abs(r - median(r))).
 
     Up to half of the residuals may be outliers. 0 if more than half are equal.

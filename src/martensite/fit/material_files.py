@@ -13,22 +13,22 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import DataError
 from martensite.base.files import replace_file
+from martensite.fit.compared_outputs import find_covered_range, list_compared
 from martensite.fit.fit_provenance import (
     PACKAGE,
-    cautions_of,
-    program,
-    provenance,
-    published,
-    scenario_of,
+    build_provenance,
+    describe_program,
+    find_scenario,
+    list_cautions,
+    list_published,
 )
-from martensite.fit.fit_rows import compared, covered
-from martensite.fit.fit_verdicts import predictions, warnings
-from martensite.fit.material_numbers import FIT, Numbers
+from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
+from martensite.fit.material_numbers import FIT, MaterialNumbers
 from martensite.physics.materials.base import MaterialNumber, Source
 from martensite.scenario.citations import list_entries
 from martensite.scenario.exact_text import format_quantity, shown_range
 from martensite.scenario.overrides import toml_key, toml_value
-from martensite.search.words import joined
+from martensite.search.quantity_text import join_phrases
 
 if TYPE_CHECKING:
     from martensite.fit.fit import Fit
@@ -71,35 +71,39 @@ def write_material(
     path = Path(path)
     if path.suffix.lower() != ".toml":
         raise DataError(f"A material file ends in .toml, but this is `{path}`.")
-    numbers = Numbers(fit, scenario or scenario_of(fit), port, digits)
-    text = material_text(numbers, title, cite)
+    numbers = MaterialNumbers(fit, scenario or find_scenario(fit), port, digits)
+    text = format_material(numbers, title, cite)
     with replace_file(path) as part:
         part.write_text(text, encoding="utf-8")
 
 
-def material_text(numbers: Numbers, title: str = "", cite: str = "") -> str:
+def format_material(numbers: MaterialNumbers, title: str = "", cite: str = "") -> str:
     """The text of a material file; arguments as of `write_material`."""
     fit = numbers.fit
-    key = cite or next(iter(published(fit)), PACKAGE)
+    key = cite or next(iter(list_published(fit)), PACKAGE)
     list_entries([key])
     values = numbers.values()
     law = numbers.law_table()
-    what = f"law {law['kind']} to {_outputs(fit)} of {_records(fit)}"
-    sources = {FIT: Source(key, f"Fit by {program()}: {what}"), **numbers.sources}
-    found = provenance(fit)
+    what = f"law {law['kind']} to {_format_outputs(fit)} of {_format_records(fit)}"
+    sources = {FIT: Source(key, f"Fit by {describe_program()}: {what}"), **numbers.sources}
+    found = build_provenance(fit)
     if numbers.scenario:
         found = {"scenario": numbers.scenario.title, **found}
     free, records = found.pop("free"), found.pop("records")
     return "\n".join(
         [
-            *_entries({"title": title or f"Fit of {what}"}),
-            *_entries({"summary": _summary(numbers, values), "limits": _limits(numbers)}),
-            *_section("law", law),
-            *_sources(sources),
-            *_section("values", {name: _value(number) for name, number in values.items()}),
-            *_section("fit", found),
-            *_section("fit.free", free),
-            *(line for one in records for line in _section("fit.records", one, "[[{}]]")),
+            *_format_entries({"title": title or f"Fit of {what}"}),
+            *_format_entries(
+                {"summary": _summarise_fit(numbers, values), "limits": _describe_limits(numbers)}
+            ),
+            *_format_section("law", law),
+            *_list_sources(sources),
+            *_format_section(
+                "values", {name: _format_value(number) for name, number in values.items()}
+            ),
+            *_format_section("fit", found),
+            *_format_section("fit.free", free),
+            *(line for one in records for line in _format_section("fit.records", one, "[[{}]]")),
             "",
         ]
     )
@@ -108,70 +112,82 @@ def material_text(numbers: Numbers, title: str = "", cite: str = "") -> str:
 # ---------------------------------------------------------------- words
 
 
-def _records(fit: Fit) -> str:
+def _format_records(fit: Fit) -> str:
     names = [one.name for one in fit.problem.experiments]
-    return joined(names) if len(names) <= MANY else f"{len(names)} records"
+    return join_phrases(names) if len(names) <= MANY else f"{len(names)} records"
 
 
-def _outputs(fit: Fit) -> str:
-    return joined(list(dict.fromkeys(n for one in fit.problem.experiments for n in one.outputs)))
+def _format_outputs(fit: Fit) -> str:
+    return join_phrases(
+        list(dict.fromkeys(n for one in fit.problem.experiments for n in one.outputs))
+    )
 
 
-def _summary(numbers: Numbers, values: dict[str, MaterialNumber]) -> str:
+def _summarise_fit(numbers: MaterialNumbers, values: dict[str, MaterialNumber]) -> str:
     """What is fitted, and where the rest comes from."""
     fit, law = numbers.fit, numbers.law_table()
-    fitted = [name for name, number in values.items() if number.kind == "fitted" and
-              number.source == FIT]  # fmt: skip
-    options = joined([f"{name} {word}" for name, word in law.items() if name != "kind"])
+    fitted = [
+        name for name, number in values.items() if number.kind == "fitted" and number.source == FIT
+    ]
+    options = join_phrases([f"{name} {word}" for name, word in law.items() if name != "kind"])
     words = [
         f"Numbers of law {law['kind']}{f' ({options})' if options else ''}, fitted to "
-        f"{_outputs(fit)} of {_records(fit)}.",
-        f"Fitted: {joined(fitted) or 'none of them'}.",
+        f"{_format_outputs(fit)} of {_format_records(fit)}.",
+        f"Fitted: {join_phrases(fitted) or 'none of them'}.",
     ]
     if numbers.material:
         words.append(
             f"Where another source is named, the number is that of {numbers.material.name}."
         )
     if others := numbers.others():
-        found = joined(
+        found = join_phrases(
             [f"{free.name} = {format_quantity(fit[free.name], free.unit)}" for free in others]
         )
         words.append(f"Fitted with them, but no numbers of a material: {found}.")
     return " ".join(words)
 
 
-def _limits(numbers: Numbers) -> str:
+def _describe_limits(numbers: MaterialNumbers) -> str:
     """Where the numbers were fitted, how well, and what speaks against them."""
     fit = numbers.fit
     units = {"temperature": "K", "stress": "Pa"}
-    ranges = [f"{name} {shown_range(r, units[name])}" for name, r in covered(fit).items()]
-    kept = [one.record for one in compared(fit) if not one.used.any()]
-    words = [f"They hold for this law, and were fitted at {joined(ranges)}."]
+    ranges = [
+        f"{name} {shown_range(r, units[name])}" for name, r in find_covered_range(fit).items()
+    ]
+    kept = [one.record for one in list_compared(fit) if not one.used.any()]
+    words = [f"They hold for this law, and were fitted at {join_phrases(ranges)}."]
     if kept:
-        words.append(f"Kept back: {joined(list(dict.fromkeys(kept)))}.")
-    return " ".join([*words, *predictions(fit), *warnings(fit), *cautions_of(fit)]).replace("`", "")
+        words.append(f"Kept back: {join_phrases(list(dict.fromkeys(kept)))}.")
+    return " ".join(
+        [*words, *describe_predictions(fit), *list_fit_warnings(fit), *list_cautions(fit)]
+    ).replace("`", "")
 
 
 # ---------------------------------------------------------------- TOML
 
 
-def _entries(table: dict[str, Any]) -> Iterator[str]:
+def _format_entries(table: dict[str, Any]) -> Iterator[str]:
     yield from (f"{toml_key(key)} = {toml_value(value)}" for key, value in table.items())
 
 
-def _section(name: str, table: dict[str, Any], heading: str = "[{}]") -> Iterator[str]:
+def _format_section(name: str, table: dict[str, Any], heading: str = "[{}]") -> Iterator[str]:
     yield from ("", heading.format(name))
-    yield from _entries(table)
+    yield from _format_entries(table)
 
 
-def _sources(sources: dict[str, Source]) -> Iterator[str]:
+def _list_sources(sources: dict[str, Source]) -> Iterator[str]:
     for key, source in sources.items():
-        yield from _section(f"sources.{toml_key(key)}", {"cite": source.cite, "text": source.text})
+        yield from _format_section(
+            f"sources.{toml_key(key)}", {"cite": source.cite, "text": source.text}
+        )
 
 
-def _value(number: MaterialNumber) -> dict[str, str]:
+def _format_value(number: MaterialNumber) -> dict[str, str]:
     entries = {
-        "value": number.text, "kind": number.kind, "source": number.source,
-        "where": number.where, "note": number.note,
-    }  # fmt: skip
+        "value": number.text,
+        "kind": number.kind,
+        "source": number.source,
+        "where": number.where,
+        "note": number.note,
+    }
     return {key: text for key, text in entries.items() if text}

@@ -13,9 +13,9 @@ from dataclasses import dataclass, field, replace
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.parameters import Leaf
-from martensite.fit.canonical import Leaves, canonical, one_law
+from martensite.fit.canonical_names import Leaves, find_law, name_canonically
 from martensite.fit.fit import Fit
-from martensite.fit.fit_provenance import NOT_DETERMINED, PACKAGE, interval_words
+from martensite.fit.fit_provenance import NOT_DETERMINED, PACKAGE, format_interval
 from martensite.fit.free_parameters import is_nuisance
 from martensite.physics.laws.base import AbstractLaw
 from martensite.physics.materials.base import Material, MaterialNumber, Source
@@ -31,7 +31,7 @@ FIT, SCENARIO, DEFAULT = "fit", "scenario", "default"
 
 
 @dataclass(frozen=True)
-class Numbers:
+class MaterialNumbers:
     """What a fit says about a material, gathered from the fitted system and its scenario."""
 
     fit: Fit
@@ -48,7 +48,7 @@ class Numbers:
         Raises:
             InputError: actuators, or the systems of several records, have different laws.
         """
-        return one_law(self._systems(), self.port)
+        return find_law(self._systems(), self.port)
 
     @property
     def material(self) -> Material | None:
@@ -86,7 +86,7 @@ class Numbers:
     def _leaves(self) -> Leaves:
         """The canonical numbers of the actuator, with all numbers fitted."""
         own = [free for free in self.fit.problem.free if free.record is not None]
-        return canonical(
+        return name_canonically(
             self._systems(), self.port, lambda path: any(free.moves(path) for free in own)
         )
 
@@ -102,7 +102,7 @@ class Numbers:
             return self._idle(name, leaf, moving[0])
         if moving[0].record is None:
             text = exact_text(leaf.value, leaf.declared.unit, self.digits)
-            return _number(leaf, text, "fitted", FIT, trust(self.fit, moving[0]))
+            return _build_number(leaf, text, "fitted", FIT, describe_trust(self.fit, moving[0]))
         return self._each(moving, leaf)
 
     def _each(self, moving: list[FreeNumber], leaf: Leaf) -> MaterialNumber:
@@ -112,7 +112,7 @@ class Numbers:
         )
         text = exact_text(moving[0].start, leaf.declared.unit)
         note = f"where the fit began; fitted to every record for itself: {fitted}"
-        return _number(leaf, text, "assumed", self._scenario_source(), note)
+        return _build_number(leaf, text, "assumed", self._scenario_source(), note)
 
     def _idle(self, name: str, leaf: Leaf, free: FreeNumber) -> MaterialNumber:
         """A number that the records say nothing about is not fitted, wherever it ended."""
@@ -130,8 +130,10 @@ class Numbers:
         origins = self.scenario.origins if self.scenario else {}
         if origins.get(scenario_path(leaf.path)) == DEFAULT:
             self.sources[DEFAULT] = Source(PACKAGE, "Default of the parameter")
-            return _number(leaf, text, "assumed", DEFAULT, "")
-        return _number(leaf, text, "assumed", self._scenario_source(), "held fixed in the fit")
+            return _build_number(leaf, text, "assumed", DEFAULT, "")
+        return _build_number(
+            leaf, text, "assumed", self._scenario_source(), "held fixed in the fit"
+        )
 
     def _carried(self, leaves: Leaves) -> Iterator[tuple[str, MaterialNumber]]:
         """Numbers of the scenario's material that the fitted system does not use."""
@@ -154,11 +156,11 @@ class Numbers:
         return SCENARIO
 
 
-def trust(fit: Fit, free: FreeNumber) -> str:
+def describe_trust(fit: Fit, free: FreeNumber) -> str:
     """Interval and bounds of a fitted number, and what is wrong with them, in words."""
     found = fit.uncertainty
-    wide = interval_words(found.widened(free.name), free.unit)
-    plain = interval_words(found.interval(free.name), free.unit)
+    wide = format_interval(found.widened(free.name), free.unit)
+    plain = format_interval(found.interval(free.name), free.unit)
     words = [wide if wide == NOT_DETERMINED else f"95 % interval {wide}"]
     if plain != wide:
         words.append(f"{plain} if all samples were independent")
@@ -172,5 +174,5 @@ def trust(fit: Fit, free: FreeNumber) -> str:
     return "; ".join(words)
 
 
-def _number(leaf: Leaf, text: str, kind: str, source: str, note: str) -> MaterialNumber:
+def _build_number(leaf: Leaf, text: str, kind: str, source: str, note: str) -> MaterialNumber:
     return MaterialNumber(leaf.value, text, leaf.declared.unit, kind, source, "", note)

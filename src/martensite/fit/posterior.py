@@ -69,10 +69,15 @@ class Posterior:
         return found if self.settled else f"{found} Not settled: draw more, or free less."
 
 
-def posterior(
-    fit: Fit, *, draws: int = 500, warmup: int = 300, chains: int = 2, seed: int = 0,
+def sample_posterior(
+    fit: Fit,
+    *,
+    draws: int = 500,
+    warmup: int = 300,
+    chains: int = 2,
+    seed: int = 0,
     progress: bool = False,
-) -> Posterior:  # fmt: skip
+) -> Posterior:
     """Sample the parameters around a fit.
 
     Args:
@@ -99,26 +104,31 @@ def posterior(
         raise MartensiteError(
             "Posterior samples need NumPyro; install it with `pip install martensite[posterior]`."
         ) from None
-    potential = _potential(xp.jax, fit, 1.0 / (noise * fit.uncertainty.widening) ** 2)
+    potential = _build_potential(xp.jax, fit, 1.0 / (noise * fit.uncertainty.widening) ** 2)
     kernel = infer.NUTS(potential_fn=potential, dense_mass=True)
     sampler = infer.MCMC(
-        kernel, num_warmup=warmup, num_samples=draws, num_chains=chains,
-        chain_method="sequential", progress_bar=progress,
-    )  # fmt: skip
+        kernel,
+        num_warmup=warmup,
+        num_samples=draws,
+        num_chains=chains,
+        chain_method="sequential",
+        progress_bar=progress,
+    )
     sampler.run(
-        xp.jax.random.PRNGKey(seed), init_params=_starts(fit, chains, seed),
+        xp.jax.random.PRNGKey(seed),
+        init_params=_draw_starts(fit, chains, seed),
         extra_fields=("diverging",),
-    )  # fmt: skip
-    return _posterior(fit, sampler, chains)
+    )
+    return _collect_samples(fit, sampler, chains)
 
 
-def _potential(jax: Any, fit: Fit, weight: float) -> Callable[[Any], Any]:
+def _build_potential(jax: Any, fit: Fit, weight: float) -> Callable[[Any], Any]:
     """The negative log density over logits z, with its exact gradient."""
     problem, count = fit.problem, len(fit.values)
 
     def value_and_slope(z: Any) -> tuple[Any, Any]:
         logits = np.asarray(z)
-        u = _shares(logits)
+        u = _compute_shares(logits)
         found = problem.evaluate(u.tolist(), slopes=True)
         if found is None:
             return np.float64(FORBIDDEN), np.zeros(count)
@@ -147,12 +157,12 @@ def _potential(jax: Any, fit: Fit, weight: float) -> Callable[[Any], Any]:
     return potential
 
 
-def _shares(logits: Any) -> Any:
+def _compute_shares(logits: Any) -> Any:
     """u = 1/(1 + exp(-z)), of any z."""
     return np.exp(-np.logaddexp(0.0, -logits))
 
 
-def _starts(fit: Fit, chains: int, seed: int) -> Any:
+def _draw_starts(fit: Fit, chains: int, seed: int) -> Any:
     """Logits to start from, (chains, free), or (free,) for one chain."""
     u = np.clip(np.array(fit.values), 0.01, 0.99)
     z = np.log(u / (1.0 - u))
@@ -163,10 +173,10 @@ def _starts(fit: Fit, chains: int, seed: int) -> Any:
     return z + jitter
 
 
-def _posterior(fit: Fit, sampler: Any, chains: int) -> Posterior:
+def _collect_samples(fit: Fit, sampler: Any, chains: int) -> Posterior:
     diagnostics: Any = import_module("numpyro.diagnostics")
     z = np.asarray(sampler.get_samples(group_by_chain=True)).reshape(chains, -1, len(fit.values))
-    u = _shares(z)
+    u = _compute_shares(z)
     samples: dict[str, Any] = {}
     r_hat: dict[str, float] = {}
     effective: dict[str, float] = {}

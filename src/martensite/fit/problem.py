@@ -22,14 +22,14 @@ import numpy as np
 from martensite.base.errors import InputError
 from martensite.fit.experiment import Experiment
 from martensite.fit.free_parameters import DELAY, OFFSET, build_free_numbers, is_nuisance
-from martensite.fit.nuisance import build_own_parameters, delayed
+from martensite.fit.nuisance_parameters import build_own_parameters, delay_model
 from martensite.fit.problem_checks import check_problem
 from martensite.search.batch_runner import BatchRunner
 from martensite.search.free_numbers import FreeNumber, SearchRange
 
 
 @dataclass(frozen=True)
-class Fitted:
+class FittedRecord:
     """One experiment at some parameters."""
 
     model: Any
@@ -44,7 +44,7 @@ class Fitted:
 class Evaluation:
     """The whole problem at some parameters."""
 
-    fitted: tuple[Fitted, ...]
+    fitted: tuple[FittedRecord, ...]
     """One per experiment."""
     residuals: Any
     """(n,): those that count, one output of one experiment after the other."""
@@ -163,7 +163,7 @@ class Problem:
             counts += int(self.used[k].sum())
         return totals / counts
 
-    def _sum(self, k: int, fitted: Fitted) -> float:
+    def _sum(self, k: int, fitted: FittedRecord) -> float:
         total = float(np.sum(fitted.residuals[self.used[k]] ** 2))
         return total if math.isfinite(total) else math.inf
 
@@ -194,9 +194,10 @@ class Problem:
         """
         paths = self.runners[k].paths
         changed = {
-            paths[j]: self.free[i].value(float(u[i])) for i, places in self._moving[k]
+            paths[j]: self.free[i].value(float(u[i]))
+            for i, places in self._moving[k]
             for j in places
-        }  # fmt: skip
+        }
         return self.experiments[k].system.with_values(changed)
 
     def _moved(self, k: int, u: Sequence[float]) -> Any:
@@ -206,7 +207,7 @@ class Problem:
         except InputError:
             return None
 
-    def _one(self, k: int, values: Any, u: Sequence[float], slopes: bool) -> Fitted | None:
+    def _one(self, k: int, values: Any, u: Sequence[float], slopes: bool) -> FittedRecord | None:
         if not slopes:
             return self._compared(k, self.runners[k].run_one(values), u, None)
         seeds = np.zeros((len(values), len(self.free)))
@@ -220,7 +221,7 @@ class Problem:
         spread[:, :, moving] = found[1]
         return self._compared(k, found[0], u, spread)
 
-    def _compared(self, k: int, model: Any, u: Sequence[float], slopes: Any) -> Fitted | None:
+    def _compared(self, k: int, model: Any, u: Sequence[float], slopes: Any) -> FittedRecord | None:
         """Residuals of a run, with the offsets and the delay of its record."""
         if model is None:
             return None
@@ -229,7 +230,7 @@ class Problem:
             if free.record == one.name and is_nuisance(free.path):
                 value, slope = free.value(float(u[i])), free.slope(float(u[i]))
                 if free.path == DELAY:
-                    model, slopes = delayed(one.times, model, slopes, value, slope, i)
+                    model, slopes = delay_model(one.times, model, slopes, value, slope, i)
                 else:
                     place = one.outputs.index(free.path.removeprefix(OFFSET + "."))
                     model = model.copy()
@@ -241,7 +242,7 @@ class Problem:
         ]
         residuals = (model - one.measured) * sizes
         jacobian = None if slopes is None else slopes * np.array(sizes)[:, None]
-        return Fitted(model, residuals, jacobian)
+        return FittedRecord(model, residuals, jacobian)
 
 
 def build_problem(
@@ -265,12 +266,12 @@ def build_problem(
         InputError: a name is unknown, double, or has impossible bounds.
     """
     systems = [one.system for one in experiments]
-    shared = build_free_numbers([_as_range(x) for x in free], systems)
-    ranges = [_as_range(x) for x in each]
+    shared = build_free_numbers([_read_name(x) for x in free], systems)
+    ranges = [_read_name(x) for x in each]
     fitted, kept = ([x for x in experiments if x.held_out is flag] for flag in (False, True))
     own, later = build_own_parameters(ranges, fitted), build_own_parameters(ranges, kept)
     return Problem(tuple(experiments), (*shared, *own), noise or {}, step, tuple(later))
 
 
-def _as_range(name: SearchRange | str) -> SearchRange:
+def _read_name(name: SearchRange | str) -> SearchRange:
     return SearchRange(name) if isinstance(name, str) else name

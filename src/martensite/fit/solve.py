@@ -22,10 +22,10 @@ import numpy as np
 
 from martensite.base.errors import InputError, SolveError, UnknownNameError
 from martensite.fit.experiment import Experiment
-from martensite.fit.fit import Fit, Kept
-from martensite.fit.losses import Loss, loss_named, robust_scale
+from martensite.fit.fit import Fit, HeldOutRecord
+from martensite.fit.losses import Loss, estimate_scale, find_loss
 from martensite.fit.problem import Evaluation, Problem
-from martensite.fit.watch import Tell, Watch
+from martensite.fit.search_monitor import SearchMonitor, Tell
 from martensite.search.coordinate_search import search_coordinates
 from martensite.search.least_squares import Descended, descend_squares
 from martensite.search.starts import evolve_start, find_starts
@@ -72,12 +72,12 @@ def solve_problem(
     if starts < 0:
         raise InputError(f"Argument `starts` must be at least 0, but is {starts}.")
     training = problem.training
-    chosen, watch = loss_named(loss), Watch(training, tell, state)
+    chosen, watch = find_loss(loss), SearchMonitor(training, tell, state)
     begun = time.monotonic()
     reason = "converged"
     try:
         watch.resume()
-        reason = _search(watch, method, chosen, starts, seed, most)
+        reason = _run_search(watch, method, chosen, starts, seed, most)
     except KeyboardInterrupt:
         if watch.best is None:
             raise
@@ -93,13 +93,21 @@ def solve_problem(
     if evaluation is None:
         raise SolveError("The run at the best point fails when it is repeated.")
     return Fit(
-        training, tuple(map(float, end)), evaluation, method, loss, reason, watch.simulations,
-        watch.jacobians, time.monotonic() - begun, tuple(watch.history),
-        tuple(_kept(problem, one, end) for one in problem.experiments if one.held_out),
-    )  # fmt: skip
+        training,
+        tuple(map(float, end)),
+        evaluation,
+        method,
+        loss,
+        reason,
+        watch.simulations,
+        watch.jacobians,
+        time.monotonic() - begun,
+        tuple(watch.history),
+        tuple(_predict_held_out(problem, one, end) for one in problem.experiments if one.held_out),
+    )
 
 
-def _kept(problem: Problem, one: Experiment, end: Any) -> Kept:
+def _predict_held_out(problem: Problem, one: Experiment, end: Any) -> HeldOutRecord:
     """What is predicted for a record that the search did not see."""
     free = tuple(f for f in problem.free if f.record is None)
     whole = replace(problem, experiments=(replace(one, held=()),), free=free, later=())
@@ -108,14 +116,16 @@ def _kept(problem: Problem, one: Experiment, end: Any) -> Kept:
     if own:  # fitted to it, everything else as found
         alone = replace(one, held=(), system=whole.system(0, at))
         fit = solve_problem(replace(problem, experiments=(alone,), free=own, later=()))
-        return Kept(one, fit.evaluation.fitted[0].model, fit.numbers)
+        return HeldOutRecord(one, fit.evaluation.fitted[0].model, fit.numbers)
     found = whole.evaluate(at)
     if found is None:
         raise SolveError(f"The run of record `{one.name}`, which was kept back, fails.")
-    return Kept(one, found.fitted[0].model, {})
+    return HeldOutRecord(one, found.fitted[0].model, {})
 
 
-def _search(watch: Watch, method: str, loss: Loss, starts: int, seed: int, most: int) -> str:
+def _run_search(
+    watch: SearchMonitor, method: str, loss: Loss, starts: int, seed: int, most: int
+) -> str:
     problem = watch.problem
     size = len(problem.free)
     if method == "coordinate":
@@ -140,17 +150,19 @@ def _search(watch: Watch, method: str, loss: Loss, starts: int, seed: int, most:
         watch.stage = f"{SPREAD * starts} points"
         spread = find_starts(watch.costs, size, count=SPREAD * starts, keep=starts, seed=seed)
         begins += [(f"start {k}", np.array(s.values)) for k, s in enumerate(spread, start=1)]
-    return _locals(watch, begins, loss, most)
+    return _run_descents(watch, begins, loss, most)
 
 
-def _locals(watch: Watch, begins: Sequence[tuple[str, Any]], loss: Loss, most: int) -> str:
+def _run_descents(
+    watch: SearchMonitor, begins: Sequence[tuple[str, Any]], loss: Loss, most: int
+) -> str:
     """A local search from every start; how the best of them ended."""
     reason, least = "failed at the start", math.inf
     for k, (stage, begin) in enumerate(begins):
         if stage in watch.done:
             continue
         watch.stage, watch.share = stage, k / len(begins)
-        ended = local(watch, begin, loss, most)
+        ended = descend_from(watch, begin, loss, most)
         if stage != RESUMED:  # which is never far from its end
             watch.finished(stage)
         if watch.cost < least:
@@ -158,7 +170,7 @@ def _locals(watch: Watch, begins: Sequence[tuple[str, Any]], loss: Loss, most: i
     return reason
 
 
-def local(watch: Watch, begin: Any, loss: Loss, most: int = MOST) -> str:
+def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST) -> str:
     """One trust-region search; its points and costs are kept by the watch."""
     first = watch.evaluate(begin, slopes=True)
     if first is None:
@@ -169,7 +181,7 @@ def local(watch: Watch, begin: Any, loss: Loss, most: int = MOST) -> str:
     if loss.name != "linear":
         _descend(watch, begin, first, most, "linear", scale)
         now = watch.evaluate(watch.best or begin)
-        scale = loss.tuning * max(robust_scale((now or first).residuals), 1e-12)
+        scale = loss.tuning * max(estimate_scale((now or first).residuals), 1e-12)
         begin = np.array(watch.best)
         watch.cost = math.inf  # what counts is another cost from here on
     found = _descend(watch, begin, first, most, loss.scipy_name, scale)
@@ -177,7 +189,7 @@ def local(watch: Watch, begin: Any, loss: Loss, most: int = MOST) -> str:
 
 
 def _descend(
-    watch: Watch, begin: Any, first: Evaluation, most: int, loss: str, scale: float
+    watch: SearchMonitor, begin: Any, first: Evaluation, most: int, loss: str, scale: float
 ) -> Descended:
     return descend_squares(
         lambda u, slopes: watch.evaluate(u.tolist(), slopes=slopes),

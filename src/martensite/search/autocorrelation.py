@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     Vector = NDArray[np.float64]
 
 
-def autocorrelation(residuals: Any, lengths: Sequence[int] | None = None) -> Vector:
+def compute_autocorrelation(residuals: Any, lengths: Sequence[int] | None = None) -> Vector:
     """ρ_0 = 1, ρ_1, … up to the longest lag, from one or several records in a row.
 
     Args:
@@ -37,7 +37,7 @@ def autocorrelation(residuals: Any, lengths: Sequence[int] | None = None) -> Vec
     """
     import numpy as np
 
-    errors = checked(residuals)
+    errors = require_residuals(residuals)
     parts = [len(errors)] if lengths is None else list(lengths)
     if sum(parts) != len(errors) or min(parts, default=0) < 1:
         raise DataError(f"There are {len(errors)} residuals, but records of {parts} samples.")
@@ -48,7 +48,7 @@ def autocorrelation(residuals: Any, lengths: Sequence[int] | None = None) -> Vec
     return total / total[0] if total[0] > 0.0 else np.zeros(max(parts))
 
 
-def effective_samples(residuals: Any, lengths: Sequence[int] | None = None) -> float:
+def count_effective_samples(residuals: Any, lengths: Sequence[int] | None = None) -> float:
     """Number of independent samples with as much to say; at most the number of samples.
 
     Args:
@@ -60,7 +60,7 @@ def effective_samples(residuals: Any, lengths: Sequence[int] | None = None) -> f
     """
     import numpy as np
 
-    rho = autocorrelation(residuals, lengths)
+    rho = compute_autocorrelation(residuals, lengths)
     count = len(residuals)
     even = rho[: 2 * (len(rho) // 2)].reshape(-1, 2).sum(axis=1)
     ends = np.flatnonzero(even <= 0.0)
@@ -69,7 +69,7 @@ def effective_samples(residuals: Any, lengths: Sequence[int] | None = None) -> f
     return min(count / max(time, 1.0), float(count))
 
 
-def checked(residuals: Any) -> Vector:
+def require_residuals(residuals: Any) -> Vector:
     """The residuals as an array, scaled to at most 1 so that no square over- or underflows.
 
     Raises:

@@ -23,7 +23,7 @@ from typing import Any, Literal
 
 from martensite.base.confidence import LEVEL, Interval, student_quantile
 from martensite.base.errors import ParameterError, SolveError
-from martensite.search.words import quantity
+from martensite.search.quantity_text import format_quantity
 
 Solve = Callable[[dict[int, float], Sequence[float]], tuple[Sequence[float], float]]
 """Refit with some parameters held: (held by place, start) -> (all parameters, cost C)."""
@@ -91,8 +91,8 @@ class Profile:
     @property
     def sentence(self) -> str:
         """The interval, or why it is open, in everyday units."""
-        share, shown = f"{100.0 * self.level:g} %", quantity(self.value, self.unit)
-        low, high = (quantity(end.at, self.unit) for end in (self.below, self.above))
+        share, shown = f"{100.0 * self.level:g} %", format_quantity(self.value, self.unit)
+        low, high = (format_quantity(end.at, self.unit) for end in (self.below, self.above))
         below, above = self.below.reason == "limit", self.above.reason == "limit"
         if below and above:
             words = f"{share} interval {low} to {high}"
@@ -104,7 +104,7 @@ class Profile:
             words = f"open: {self._open('lower')}, and {self._open('upper')}"
         warning = ""
         if self.better is not None:
-            at = quantity(self.better.at, self.unit)
+            at = format_quantity(self.better.at, self.unit)
             warning = f" A better fit was found at {at}: the fit was not at its optimum; repeat it."
         return f"`{self.name}` = {shown}, {words}.{warning}"
 
@@ -114,7 +114,7 @@ class Profile:
 
     def _open(self, side: Literal["lower", "upper"]) -> str:
         end = self.below if side == "lower" else self.above
-        at = quantity(end.at, self.unit)
+        at = format_quantity(end.at, self.unit)
         if end.reason == "bound":
             return f"the data give no {side} limit within the bounds (to {at})"
         why = "fits beyond it fail" if end.reason == "failed" else "the walk was stopped there"
@@ -160,8 +160,8 @@ def walk_profile(
         ParameterError: neither `freedom` nor `noise` is given, or both, or the optimum is not
             within the bounds, or an estimated noise is 0.
     """
-    _check(values, place, low, high, step, most)
-    limit = _limit(cost, freedom, noise, level)
+    _check_walk(values, place, low, high, step, most)
+    limit = _compute_limit(cost, freedom, noise, level)
     size = 0.02 * (high - low) if step is None else step
     walk = _Walk(solve, tuple(values), cost, place, limit, most)
     below, above = walk.outward(low, -size), walk.outward(high, size)
@@ -174,10 +174,10 @@ def walk_profile(
     better = least if least.excess < -_IMPROVED * limit else None
     return Profile(
         name, unit, to_value(values[place]), level, limit, points, low_end, high_end, better
-    )  # fmt: skip
+    )
 
 
-def _limit(cost: float, freedom: int | None, noise: float | None, level: float) -> float:
+def _compute_limit(cost: float, freedom: int | None, noise: float | None, level: float) -> float:
     """How much larger C may be."""
     if (freedom is None) == (noise is None):
         raise ParameterError("A profile takes either `freedom` or `noise`, not both or neither.")
@@ -261,7 +261,7 @@ class _Walk:
         return self.points[-1]
 
 
-def _check(
+def _check_walk(
     values: Sequence[float], place: int, low: float, high: float, step: float | None, most: int
 ) -> None:
     if not 0 <= place < len(values):

@@ -35,7 +35,7 @@ class Start:
     cost: float
 
 
-def sobol_sequence(size: int, seed: int = 0) -> Any:
+def start_sobol(size: int, seed: int = 0) -> Any:
     """A sequence of points in `size` numbers; its `random(n)` gives the next n, (n, size)."""
     return import_module("scipy.stats.qmc").Sobol(size, seed=seed)
 
@@ -48,7 +48,7 @@ def draw_points(size: int, count: int, seed: int = 0) -> Numbers:
     """
     if count < 1:
         raise ParameterError(f"Argument `count` must be at least 1, but is {count}.")
-    points = sobol_sequence(size, seed).random_base2(math.ceil(math.log2(count)))
+    points = start_sobol(size, seed).random_base2(math.ceil(math.log2(count)))
     return np.asarray(points[:count], np.float64)
 
 

@@ -19,8 +19,8 @@ from typing import Any
 
 from martensite.base.confidence import LEVEL
 from martensite.base.errors import DataError, ParameterError
-from martensite.search.autocorrelation import autocorrelation
-from martensite.search.words import number
+from martensite.search.autocorrelation import compute_autocorrelation
+from martensite.search.quantity_text import format_number
 
 FEWEST = 10
 """Samples below which whiteness is not tested."""
@@ -61,10 +61,10 @@ class Whiteness:
         outside = sum(abs(rho) > self.band for rho in self.autocorrelation)
         test = "p < 0.0001" if self.p_value < 1e-4 else f"p = {self.p_value:.2g}"
         counted = f"{outside} of {len(self.autocorrelation)} autocorrelations outside"
-        numbers = f"(Ljung–Box {test}; {counted} ±{number(self.band, 2)})"
+        numbers = f"(Ljung–Box {test}; {counted} ±{format_number(self.band, 2)})"
         if self.white:
             return f"`{self.record}`: residuals are white {numbers}; nothing is left to explain."
-        first = number(self.autocorrelation[0], 2)
+        first = format_number(self.autocorrelation[0], 2)
         lasting = f"past lag {len(self.autocorrelation)}"
         if self.memory is not None:
             lasting = f"until lag {self.memory}"
@@ -79,7 +79,7 @@ class Whiteness:
         return asdict(self) | {"white": self.white, "sentence": self.sentence}
 
 
-def whiteness(
+def assess_whiteness(
     residuals: Any, record: str = "record", *, lags: int | None = None, level: float = LEVEL
 ) -> Whiteness:
     """Test the residuals of one record.
@@ -102,7 +102,7 @@ def whiteness(
         raise ParameterError(f"Argument `lags` must be 1 to {count - 1}, but is {most}.")
     if not 0.0 < level < 1.0:
         raise ParameterError(f"Argument `level` must be between 0 and 1, but is {level:g}.")
-    rho = [float(one) for one in autocorrelation(residuals)[1 : most + 1]]
+    rho = [float(one) for one in compute_autocorrelation(residuals)[1 : most + 1]]
     weighted = sum(r * r / (count - k) for k, r in enumerate(rho, 1))
     statistic = count * (count + 2) * weighted
     chi2: Any = import_module("scipy.stats").chi2

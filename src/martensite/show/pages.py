@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from martensite.base.errors import DataError
 from martensite.base.files import replace_file
 from martensite.base.summary import Picture, Summary
-from martensite.fit.fit_provenance import program
+from martensite.fit.fit_provenance import describe_program
 from martensite.show.figures.files import write_figure
 from martensite.show.html import render_page
 from martensite.show.markdown import render_markdown
@@ -86,7 +86,7 @@ def write_page(summary: Summary, path: str | Path) -> list[Path]:
     Raises:
         DataError: the path ends in neither .html nor .md, or a file cannot be written.
     """
-    path, by = check_page_path(path), f"Written by {program()}."
+    path, by = check_page_path(path), f"Written by {describe_program()}."
     if path.suffix.lower() in HTML:
         _write_text(path, render_page(summary, by))
     else:

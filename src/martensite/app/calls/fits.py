@@ -18,8 +18,8 @@ from martensite.app.identify.watching import Watching, measured, parameter
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, SolveError
+from martensite.fit.fit_task import ArrangedFit, LogFit
 from martensite.fit.material_files import write_material
-from martensite.fit.task import Arranged, LogFit
 
 ENDED = ("reason", "simulations", "jacobians", "seconds", "history")
 """What cannot be computed again from the numbers found."""
@@ -58,7 +58,7 @@ def run_fit(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     return {**outcome(fit), "fit": _keep_fit(request, fit, desk, key)}
 
 
-def search_parameters(arranged: Arranged, watching: Watching, path: Path) -> LogFit:
+def search_parameters(arranged: ArrangedFit, watching: Watching, path: Path) -> LogFit:
     """The fit, kept in a file.
 
     Raises:

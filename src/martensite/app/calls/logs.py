@@ -19,7 +19,7 @@ from martensite.app.messages import wanted
 from martensite.app.worker import Desk
 from martensite.base.errors import MartensiteError
 from martensite.base.files import toml_document
-from martensite.fit.compared import columns_of, echoes
+from martensite.fit.column_matching import list_echoes, match_columns
 from martensite.fit.losses import LOSSES
 from martensite.fit.solve import METHODS
 from martensite.scenario.assemble import waveform_path
@@ -208,7 +208,7 @@ def _describe_built(scenario: Scenario, record: Record) -> dict[str, Any]:
     system = scenario.system
     outputs, refused = list[dict[str, Any]](), ""
     try:
-        found, _, notes = columns_of(record, system, (), scenario.follows)
+        found, _, notes = match_columns(record, system, (), scenario.follows)
         outputs = [{"name": name, **shown(name, system.outputs()[name].unit)} for name in found]
     except MartensiteError as error:
         refused, notes = str(error), []
@@ -217,7 +217,7 @@ def _describe_built(scenario: Scenario, record: Record) -> dict[str, Any]:
         "described": system.description(),
         "refused": refused,
         "follows": scenario.follows,
-        "echoes": sorted(echoes(system)),
+        "echoes": sorted(list_echoes(system)),
         "numbers": numbers_of(scenario),
         "outputs": [
             {**one, "difference": shown_difference(one["name"], one["unit"])} for one in outputs

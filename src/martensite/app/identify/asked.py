@@ -18,9 +18,9 @@ from martensite.app.identify.mapped import records_of
 from martensite.app.messages import BadMessageError, wanted
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError, ParameterError
+from martensite.fit.fit_task import FitSearch, FitTask
 from martensite.fit.hold_out import AUTO
 from martensite.fit.logs import Log
-from martensite.fit.task import Search, Task
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
@@ -41,7 +41,7 @@ def scenario_for(request: Mapping[str, Any], record: Record) -> Scenario:
     return built(text, log=record)
 
 
-def task_of_request(request: Mapping[str, Any], desk: Desk) -> Task:
+def task_of_request(request: Mapping[str, Any], desk: Desk) -> FitTask:
     """The task of a request.
 
     Raises:
@@ -57,7 +57,7 @@ def task_of_request(request: Mapping[str, Any], desk: Desk) -> Task:
     free = _list_ranges(request, "free")
     if not free:
         raise ParameterError("Nothing is free; choose at least one parameter to be found.")
-    return Task(
+    return FitTask(
         logs=logs,
         free=free,
         each=_list_ranges(request, "each"),
@@ -96,12 +96,12 @@ def _noise(request: Mapping[str, Any]) -> dict[str, float]:
     return {str(name): wanted(given, name, float) for name in given}
 
 
-def _search(request: Mapping[str, Any]) -> Search:
-    usual = Search()
+def _search(request: Mapping[str, Any]) -> FitSearch:
+    usual = FitSearch()
     starts = wanted(request, "starts", int, usual.starts)
     if not 0 <= starts <= MOST_STARTS:
         raise InputError(f"Further starts must be 0 to {MOST_STARTS}, but are {starts}.")
-    return Search(
+    return FitSearch(
         wanted(request, "method", str, usual.method),
         wanted(request, "loss", str, usual.loss),
         starts,

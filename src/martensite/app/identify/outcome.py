@@ -11,10 +11,10 @@ from martensite.app.identify.shown import shown, shown_difference
 from martensite.app.identify.thin import DRAWN as FEW
 from martensite.app.identify.watching import parameter, rounded
 from martensite.app.views.columns import kept_rows
-from martensite.fit.fit_rows import Compared, compared
-from martensite.fit.fit_verdicts import predictions, warnings
+from martensite.fit.compared_outputs import ComparedOutput, list_compared
+from martensite.fit.fit_task import LogFit
+from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
 from martensite.fit.free_parameters import is_nuisance
-from martensite.fit.task import LogFit
 from martensite.scenario.exact_text import exact_text
 from martensite.search.free_numbers import FreeNumber
 
@@ -44,11 +44,11 @@ def outcome(fit: LogFit) -> dict[str, Any]:
         "uncertainty": list(fit.uncertainty.sentences),
         "correlation": [list(row) for row in fit.uncertainty.correlation],
         "whiteness": [one.sentence for one in fit.whiteness],
-        "predictions": predictions(fit),
+        "predictions": describe_predictions(fit),
         "warnings": list(dict.fromkeys([*fit.cautions, *_others(fit)])),
         "notes": list(fit.notes),
         "history": [list(pair) for pair in _thinned(fit.history)],
-        "rows": [_curves(one) for one in compared(fit)],
+        "rows": [_curves(one) for one in list_compared(fit)],
         "scenario": fitted_text(fit),
     }
 
@@ -56,7 +56,7 @@ def outcome(fit: LogFit) -> dict[str, Any]:
 def _others(fit: LogFit) -> list[str]:
     """Warnings but those that say what the data leave open, which is told by itself."""
     told = {one.sentence for one in fit.identifiability.weak}
-    return [sentence for sentence in warnings(fit) if sentence not in told]
+    return [sentence for sentence in list_fit_warnings(fit) if sentence not in told]
 
 
 def _parameter(fit: LogFit, free: FreeNumber) -> dict[str, Any]:
@@ -84,7 +84,7 @@ def _thinned(history: tuple[tuple[int, float], ...]) -> list[tuple[int, float]]:
     return [history[row] for row in kept_rows(len(history), FEW)]
 
 
-def _curves(one: Compared) -> dict[str, Any]:
+def _curves(one: ComparedOutput) -> dict[str, Any]:
     """A record and output, measured and modelled; what was kept back is flagged."""
     rows = kept_rows(len(one.times), DRAWN)
     return {

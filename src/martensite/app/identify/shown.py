@@ -6,7 +6,7 @@ from typing import Any
 
 from martensite.app.views.columns import converted
 from martensite.base import units
-from martensite.search.words import difference
+from martensite.search.quantity_text import find_difference_unit
 
 
 def shown(name: str, unit: str) -> dict[str, Any]:
@@ -23,7 +23,7 @@ def shown_difference(name: str, unit: str) -> dict[str, Any]:
     """How an error or an offset is shown, which has no zero to be shifted."""
     if units.of_column(name, unit) == "%":
         return converted(unit, "%")
-    factor, spelling = difference(unit)
+    factor, spelling = find_difference_unit(unit)
     return {
         "unit": unit,
         "shown": "" if spelling == "1" else spelling,

@@ -15,7 +15,7 @@ from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.free_parameters import is_nuisance
 from martensite.fit.problem import Problem
-from martensite.fit.watch import Note
+from martensite.fit.search_monitor import SearchNote
 from martensite.search.free_numbers import FreeNumber
 
 EVERY = 0.4
@@ -38,7 +38,7 @@ class Watching:
     _next_curves: float = 0.0
     _drawn: tuple[float, ...] = ()
 
-    def __call__(self, note: Note) -> None:
+    def __call__(self, note: SearchNote) -> None:
         """Tell, at most every so often.
 
         Raises:

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from martensite.base.errors import SolveError
 from martensite.design.optimise.evaluate import Designs
 from martensite.design.optimise.judged import FAR, WORST, Gradient, Judged, Scales
-from martensite.search.starts import choose_apart, sobol_sequence
+from martensite.search.starts import choose_apart, start_sobol
 
 Numbers: TypeAlias = NDArray[np.float64]
 Tell = Callable[[str, float], None]
@@ -159,7 +159,7 @@ class Hunt:
 
     def _sample(self, begin: Numbers) -> list[Point]:
         """The sample, until one of its points keeps all constraints; the scenario first."""
-        sobol = sobol_sequence(self.size, self.search.seed)
+        sobol = start_sobol(self.size, self.search.seed)
         self.tell("sampling", 0.0)
         first = np.concatenate([begin[None], sobol.random(self.search.sample)])
         values = self.designs.values(first)

@@ -26,8 +26,8 @@ import numpy as np
 
 from martensite.base.errors import DataError
 from martensite.identify.blocks.base import Numbers
-from martensite.search.autocorrelation import autocorrelation
-from martensite.search.words import number
+from martensite.search.autocorrelation import compute_autocorrelation
+from martensite.search.quantity_text import format_number
 
 LAGS = 25
 """Lags tested on either side."""
@@ -83,8 +83,8 @@ class Crossed:
         """The verdict with its numbers."""
         lag, value = self.following
         what = f"residuals of `{self.output}` and {self.signal}"
-        size = f"{number(value, 2)} after {number(lag * self.interval, 3)} s"
-        within = f"±{number(self.limit, 2)} of chance"
+        size = f"{format_number(value, 2)} after {format_number(lag * self.interval, 3)} s"
+        within = f"±{format_number(self.limit, 2)} of chance"
         if self.explained:
             return f"The {what} are not correlated (at most {size}, within {within})."
         square = "bend of a static block" if "²" in self.signal else "dynamics"
@@ -136,7 +136,7 @@ def correlate_residuals(
     size = math.sqrt(float(e @ e) * float(w @ w))
     if size == 0.0:
         return None
-    rho_e, rho_w = autocorrelation(e), autocorrelation(w)
+    rho_e, rho_w = compute_autocorrelation(e), compute_autocorrelation(w)
     chosen = spread_lags(rho_e, rho_w) if lags is None else list(lags)
     if any(abs(lag) >= len(e) for lag in chosen):
         raise DataError(f"A lag of {max(map(abs, chosen))} is beyond {len(e)} samples.")

@@ -15,7 +15,7 @@ import numpy as np
 
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.residuals import ResidualSquares
-from martensite.search.autocorrelation import effective_samples
+from martensite.search.autocorrelation import count_effective_samples
 
 TIMES = 3.0
 """Length of a block over the time that the residuals remember, τ of `effective_samples`."""
@@ -55,7 +55,7 @@ def block_lengths(squares: ResidualSquares, theta: Numbers) -> list[int]:
             own = np.nan_to_num(column, nan=0.0)
             known = max(int(np.isfinite(column).sum()), 1)
             if np.any(own != 0.0):
-                longest = max(longest, known / min(effective_samples(own), known))
+                longest = max(longest, known / min(count_effective_samples(own), known))
         most = max(len(errors) // FEWEST, 1)
         found.append(int(min(max(round(TIMES * longest), 1), most)) if longest > 1.5 else 1)
     return found

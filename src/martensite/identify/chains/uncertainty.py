@@ -30,7 +30,7 @@ from martensite.identify.chains.engine import ChainStart
 from martensite.identify.chains.number_errors import PrintedNumber, list_rows, slopes_of_shown
 from martensite.identify.chains.residuals import ResidualSquares
 from martensite.identify.chains.unidentifiable_directions import Flat, invert_normal
-from martensite.search.words import number
+from martensite.search.quantity_text import format_number
 from martensite.signals.sampling.sampled import Sampled
 
 LEVEL = 0.95
@@ -81,7 +81,7 @@ class ChainUncertainty:
     def sentences(self) -> tuple[str, ...]:
         """What was assumed and found."""
         count = len(self.chain.theta)
-        longest = number(max(self.blocks) * self.chain.interval, 3)
+        longest = format_number(max(self.blocks) * self.chain.interval, 3)
         rank = count - self.null.shape[1]
         first = f"The records determine {rank} directions of {count} free numbers."
         if max(self.blocks) == 1:
@@ -89,7 +89,8 @@ class ChainUncertainty:
         else:
             kind = (
                 f"The residuals are coloured; they count in blocks of {longest} s. Taken as "
-                f"independent they would give errors {number(self.inflation, 2)} times smaller."
+                f"independent they would give errors {format_number(self.inflation, 2)} times "
+                "smaller."
             )
         return (first, kind, *(one.sentence for one in self.flat))
 

@@ -16,8 +16,8 @@ import numpy as np
 from scipy.linalg import qr
 
 from martensite.identify.blocks.base import Numbers
-from martensite.search.weak_sets import weak_directions
-from martensite.search.words import listed
+from martensite.search.quantity_text import list_names
+from martensite.search.weak_directions import find_weak_directions
 
 CUT = 1e-9
 """Eigenvalue of the scaled JᵀJ, over the largest, below which a direction is not determined."""
@@ -49,13 +49,13 @@ class Flat:
         """What is not determined."""
         if len(self.names) == 1 and not self.more:
             return (
-                f"{listed(self.names)} is not determined: it has no effect on these records, like "
-                "a knot that no sample visits or a unit that is idle."
+                f"{list_names(self.names)} is not determined: it has no effect on these records, "
+                "like a knot that no sample visits or a unit that is idle."
             )
         others = f" and {self.more} others a little" if self.more else ""
         return (
-            f"{listed(self.names)}{others} are not determined separately: they can move together "
-            "without any effect on these records."
+            f"{list_names(self.names)}{others} are not determined separately: they can move "
+            "together without any effect on these records."
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -109,7 +109,9 @@ def _find_flat(
     """Directions that are cut, in the fewest numbers where these are few enough to try."""
     if not lost.shape[1]:
         return []
-    found = list(_part_directions(lost).T) if len(names) > MANY else weak_directions(root, limit)
+    found = (
+        list(_part_directions(lost).T) if len(names) > MANY else find_weak_directions(root, limit)
+    )
     return [_describe_direction(direction / scale, direction, names) for direction in found]
 
 

@@ -23,9 +23,9 @@ from martensite.identify.chains.residual_segments import (
     known_stretch,
     summarise_segments,
 )
-from martensite.search.scores import Score, score
-from martensite.search.whiteness import FEWEST, Whiteness, whiteness
-from martensite.search.words import joined, number
+from martensite.search.model_score import Score, score_model
+from martensite.search.quantity_text import format_number, join_phrases
+from martensite.search.whiteness import FEWEST, Whiteness, assess_whiteness
 from martensite.signals.sampling.sampled import Sampled
 
 WHOLE = "whole"
@@ -136,8 +136,8 @@ class Validation:
         unit = self._unit(one.output)
         return (
             f"`{one.record}`, `{one.output}` ({one.part}, free run): fit {one.fit_percent:.2f} %, "
-            f"rms error {number(one.rms, 3)}{unit}, at most {number(one.maximum, 3)}{unit} at "
-            f"{number(one.maximum_at)} s."
+            f"rms error {format_number(one.rms, 3)}{unit}, at most "
+            f"{format_number(one.maximum, 3)}{unit} at {format_number(one.maximum_at)} s."
         )
 
     def _offset(self, output: str) -> list[str]:
@@ -146,9 +146,9 @@ class Validation:
             return []
         unit = self._unit(output)
         return [
-            f"`{output}` is off by a constant {number(one.bias, 2)}{unit} (computed less "
-            f"measured), most of its rms error of {number(one.rms, 2)}{unit}; check the output "
-            "at rest and the operating range."
+            f"`{output}` is off by a constant {format_number(one.bias, 2)}{unit} (computed less "
+            f"measured), most of its rms error of {format_number(one.rms, 2)}{unit}; check the "
+            "output at rest and the operating range."
         ]
 
     def _unequal(self, output: str) -> list[str]:
@@ -160,8 +160,8 @@ class Validation:
             return []
         unit = self._unit(output)
         return [
-            f"The error of `{output}` is uneven: rms {number(bad.rms, 2)}{unit} while "
-            f"{bad.part}, {number(good.rms, 2)}{unit} while {good.part}; a model whose two "
+            f"The error of `{output}` is uneven: rms {format_number(bad.rms, 2)}{unit} while "
+            f"{bad.part}, {format_number(good.rms, 2)}{unit} while {good.part}; a model whose two "
             "directions differ needs a block with hysteresis."
         ]
 
@@ -231,7 +231,7 @@ def _score_parts(
         for part, mask in parts.items():
             kept = counted & mask
             if kept.any():
-                yield score(
+                yield score_model(
                     record.times[kept], y[kept], computed[kept, k], record=record.name,
                     output=output, unit=record.units.get(output, "1"), part=part,
                 )  # fmt: skip
@@ -241,7 +241,7 @@ def _test_whiteness(record: Sampled, residuals: Numbers) -> Iterable[Whiteness]:
     for k, output in enumerate(record.output_names):
         piece = residuals[known_stretch(residuals[:, k]), k]
         if len(piece) >= FEWEST:
-            yield whiteness(piece, f"{record.name}, {output}")
+            yield assess_whiteness(piece, f"{record.name}, {output}")
 
 
 def _test_correlation(record: Sampled, residuals: Numbers, level: float) -> Iterable[Crossed]:
@@ -268,5 +268,7 @@ def compare_validations(validations: Iterable[Validation]) -> str:
     if not ranked:
         raise DataError("There are no validations to compare.")
     fits = [one.fit for one in ranked]
-    names = joined([f"`{one.record.name}` {one.fit:.2f} %" for one in (ranked[-1], ranked[0])])
+    names = join_phrases(
+        [f"`{one.record.name}` {one.fit:.2f} %" for one in (ranked[-1], ranked[0])]
+    )
     return f"{len(ranked)} records: median fit {np.median(fits):.2f} %; best and worst {names}."

@@ -13,8 +13,8 @@ import numpy as np
 from martensite.actuators.mechanisms.base import Output
 from martensite.base import units
 from martensite.base.errors import InputError
-from martensite.fit.fit_rows import HELD_OUT, TRAINING, Compared, compared
-from martensite.fit.fit_verdicts import amount
+from martensite.fit.compared_outputs import HELD_OUT, TRAINING, ComparedOutput, list_compared
+from martensite.fit.fit_verdicts import format_error
 from martensite.show.figures.labels import Axis, around
 from martensite.show.figures.panels import add_key, make_grid, pick_evenly, shorten_name
 from martensite.show.figures.style import QUIET, SIMULATED, styled
@@ -46,7 +46,7 @@ def plot_fit(fit: Fit, title: str = "") -> Figure:
         fit: a finished fit.
         title: headline.
     """
-    rows = pick_evenly(compared(fit), MOST)
+    rows = pick_evenly(list_compared(fit), MOST)
     with styled():
         figure, panels = make_grid(len(rows), title or "Measured and fitted")
         for axes, one in zip(panels, rows, strict=True):
@@ -67,7 +67,7 @@ def plot_fit_loops(fit: Fit, title: str = "") -> Figure:
     Raises:
         InputError: no record holds both.
     """
-    found = [(one, across(one)) for one in compared(fit)]
+    found = [(one, across(one)) for one in list_compared(fit)]
     rows = pick_evenly([one for one, column in found if column is not None], MOST)
     if not rows:
         raise InputError(
@@ -89,7 +89,7 @@ def plot_fit_loops(fit: Fit, title: str = "") -> Figure:
 
 def has_loops(fit: Fit) -> bool:
     """Whether `plot_fit_loops` has something to draw."""
-    return any(across(one) is not None for one in compared(fit))
+    return any(across(one) is not None for one in list_compared(fit))
 
 
 def output_axis(name: str, described: Output) -> Axis:
@@ -98,7 +98,7 @@ def output_axis(name: str, described: Output) -> Axis:
     return Axis(name, described.long_name, described.symbol, described.unit, shown)
 
 
-def across(one: Compared) -> str | None:
+def across(one: ComparedOutput) -> str | None:
     """Column of a record over which an output makes a loop; None if there is none."""
     record, last = one.experiment.record, one.output.rpartition(".")[2]
     partner = {"stress": "strain", "force": "position"}.get(last)
@@ -116,7 +116,7 @@ def _column_axis(column: str, unit: str) -> Axis:
     return Axis(column, column, symbol, unit, units.of_column(column, unit))
 
 
-def _panel(axes: Any, one: Compared, horizontal: Axis, x: Any, shown: Axis) -> None:
+def _panel(axes: Any, one: ComparedOutput, horizontal: Axis, x: Any, shown: Axis) -> None:
     """Measured and modelled values over a quantity."""
     across, measured = horizontal.values(x), shown.values(one.measured)
     dots = {"marker": "o", "markersize": 2.6, "markeredgewidth": 0.0, "linestyle": "none"}
@@ -147,11 +147,11 @@ def _joined(rows: Any) -> Any:
     return wide
 
 
-def _name(axes: Any, one: Compared) -> None:
+def _name(axes: Any, one: ComparedOutput) -> None:
     """The record above a panel, and below its name the errors."""
     axes.set_title(shorten_name(one.record), fontweight="bold", pad=14.0).set_parse_math(False)
     errors = [
-        f"{amount(one.output, one.rms(part), one.description.unit)}{word}"
+        f"{format_error(one.output, one.rms(part), one.description.unit)}{word}"
         for part, word in ((TRAINING, ""), (HELD_OUT, " held out"))
         if _any(one, part)
     ]
@@ -166,11 +166,11 @@ def _name(axes: Any, one: Compared) -> None:
     )
 
 
-def _any(one: Compared, part: str) -> bool:
+def _any(one: ComparedOutput, part: str) -> bool:
     return bool((one.used if part == TRAINING else one.held).any())
 
 
-def _common_scales(panels: Sequence[Any], rows: Sequence[Compared]) -> None:
+def _common_scales(panels: Sequence[Any], rows: Sequence[ComparedOutput]) -> None:
     """The same vertical scale for the same output, so that panels compare at a glance."""
     for name in dict.fromkeys(one.output for one in rows):
         own = [(axes, one) for axes, one in zip(panels, rows, strict=True) if one.output == name]
@@ -180,7 +180,7 @@ def _common_scales(panels: Sequence[Any], rows: Sequence[Compared]) -> None:
             axes.set_ylim(*around(*values))
 
 
-def _key(figure: Figure, rows: Sequence[Compared]) -> None:
+def _key(figure: Figure, rows: Sequence[ComparedOutput]) -> None:
     """What the lines are, below the headline."""
     from matplotlib.lines import Line2D
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.search.words import number
+from martensite.search.quantity_text import format_number
 from martensite.show.figures.panels import shorten_name, write_headline, write_title
 from martensite.show.figures.style import (
     COOLING,
@@ -122,7 +122,7 @@ def plot_search(fit: Fit, title: str = "") -> Figure:
         _decades(axes, costs)
         axes.set_xlabel("runs of single records, with and without derivatives")
         axes.set_ylabel("cost")
-        ended = f"{fit.method}: {fit.reason}; cost {number(fit.cost, 3)}"
+        ended = f"{fit.method}: {fit.reason}; cost {format_number(fit.cost, 3)}"
         write_title(axes, ended, color=QUIET, fontsize=8.0)
         return figure
 
@@ -251,7 +251,7 @@ def _weakest(fit: Fit) -> tuple[list[str], list[float], str]:
     else:
         right = np.linalg.svd(fit.evaluation.jacobian, full_matrices=False)[2]
         moves = dict(zip(names, map(float, right[-1]), strict=True))
-        how = f"to {number(100.0 * found.uncertainties[-1], 2)} % of the search range"
+        how = f"to {format_number(100.0 * found.uncertainties[-1], 2)} % of the search range"
     size = math.sqrt(sum(move**2 for move in moves.values())) or 1.0
     order = sorted(moves, key=lambda name: -abs(moves[name]))[:MOVERS]
     sign = math.copysign(1.0, moves[order[0]]) / size

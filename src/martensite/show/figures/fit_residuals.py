@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.fit.fit_rows import Compared, compared
-from martensite.search.words import difference
+from martensite.fit.compared_outputs import ComparedOutput, list_compared
+from martensite.search.quantity_text import find_difference_unit
 from martensite.show.figures.fit import HELD, TIME, TINT, output_axis
 from martensite.show.figures.labels import Axis
 from martensite.show.figures.panels import (
@@ -42,7 +42,7 @@ def plot_fit_residuals(fit: Fit, title: str = "") -> Figure:
         fit: a finished fit.
         title: headline.
     """
-    rows = pick_evenly(compared(fit), MOST)
+    rows = pick_evenly(list_compared(fit), MOST)
     tests = {one.record: one for one in fit.whiteness}
     with styled():
         height = 0.55 + 1.75 * len(rows)
@@ -68,7 +68,7 @@ def plot_fit_residuals(fit: Fit, title: str = "") -> Figure:
         return figure
 
 
-def _reach(rows: list[Compared]) -> dict[str, float]:
+def _reach(rows: list[ComparedOutput]) -> dict[str, float]:
     """Largest residual of every output, in SI."""
     found: dict[str, float] = {}
     for one in rows:
@@ -77,7 +77,7 @@ def _reach(rows: list[Compared]) -> dict[str, float]:
     return found
 
 
-def _over_time(axes: Any, one: Compared, reach: float, last: bool) -> None:
+def _over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) -> None:
     shown = output_axis(one.output, one.description)
     factor = _factor(shown)
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
@@ -98,7 +98,7 @@ def _over_time(axes: Any, one: Compared, reach: float, last: bool) -> None:
 
 def _factor(shown: Axis) -> float:
     """SI per unit of a difference."""
-    return 0.01 if shown.shown == "%" else difference(shown.unit)[0]
+    return 0.01 if shown.shown == "%" else find_difference_unit(shown.unit)[0]
 
 
 def _memory(axes: Any, test: Whiteness | None, last: bool) -> None:

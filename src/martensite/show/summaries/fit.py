@@ -19,16 +19,16 @@ from martensite.base.summary import (
     Sentence,
     Summary,
 )
+from martensite.fit.compared_outputs import list_compared
 from martensite.fit.fit import Fit
-from martensite.fit.fit_provenance import cautions_of, scenario_of
-from martensite.fit.fit_rows import compared
-from martensite.fit.fit_verdicts import amount, predictions, warnings
+from martensite.fit.fit_provenance import find_scenario, list_cautions
+from martensite.fit.fit_task import LogFit
+from martensite.fit.fit_verdicts import describe_predictions, format_error, list_fit_warnings
 from martensite.fit.posterior import Posterior
-from martensite.fit.task import LogFit
 from martensite.scenario.law_match import KIND, law_words
 from martensite.search.free_numbers import FreeNumber
 from martensite.search.profile import Profile
-from martensite.search.words import joined, listed, number
+from martensite.search.quantity_text import format_number, join_phrases, list_names
 from martensite.show.figures.fit import MOST as PANELS
 from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops
 from martensite.show.figures.fit_knowledge import (
@@ -70,7 +70,7 @@ def summarise_fit(
         _describe_verdict(fit),
         *_describe_parameters(fit),
         *_describe_agreement(fit),
-        *_describe_problem(fit, scenario or scenario_of(fit)),
+        *_describe_problem(fit, scenario or find_scenario(fit)),
         *_describe_knowledge(fit, profiles, posterior),
         *_describe_residuals(fit),
         *_describe_search(fit),
@@ -85,13 +85,13 @@ def summarise_fit(
 def _make_title(fit: Fit) -> str:
     """A headline from the law and the records."""
     names = [one.name for one in fit.problem.experiments]
-    which = joined(names) if len(names) <= MANY else f"{len(names)} records"
+    which = join_phrases(names) if len(names) <= MANY else f"{len(names)} records"
     return f"Fit of {_law(fit)[KIND]} to {which}"
 
 
 def _make_lead(fit: Fit) -> str:
     """What was fitted to how much, in one line."""
-    rows = compared(fit)
+    rows = list_compared(fit)
     fitted = sum(int(row.used.sum()) for row in rows)
     kept = sum(int(row.held.sum()) for row in rows)
     return (
@@ -102,7 +102,7 @@ def _make_lead(fit: Fit) -> str:
 
 def _list_pictures(fit: Fit, profiles: Sequence[Profile]) -> dict[str, tuple[DrawFit, str]]:
     """Name of each figure that there is -> how to draw it, and its caption."""
-    rows = len(compared(fit))
+    rows = len(list_compared(fit))
     found: dict[str, tuple[DrawFit, str]] = {
         "measured": (
             plot_fit,
@@ -158,16 +158,16 @@ def _describe_verdict(fit: Fit) -> Block:
     """What must be known before a number is used."""
     found = collect_warnings(fit)
     title = "Read this first" if found else "Nothing speaks against these numbers"
-    return Notice(title, _typeset([*predictions(fit), *found]), warning=bool(found))
+    return Notice(title, _typeset([*describe_predictions(fit), *found]), warning=bool(found))
 
 
 def collect_warnings(fit: Fit) -> list[str]:
     """What a reader must know before the numbers are used."""
     weak = list(dict.fromkeys(name for one in fit.identifiability.weak for name in one.names))
-    found = list(dict.fromkeys([*cautions_of(fit), *warnings(fit)]))
+    found = list(dict.fromkeys([*list_cautions(fit), *list_fit_warnings(fit)]))
     if weak:
         found.append(
-            f"The fitted values of {listed(weak)} rest on a direction that the data do not "
+            f"The fitted values of {list_names(weak)} rest on a direction that the data do not "
             "determine; use them together only, near what was measured."
         )
     return found
@@ -206,12 +206,12 @@ def _facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
             yield f"Numbers that are not fitted: material `{scenario.material.name}`, or scenario."
     yield f"System: {fit.system().description()}."
     law = _law(fit)
-    options = joined([f"`{name} = {word}`" for name, word in law.items() if name != KIND])
+    options = join_phrases([f"`{name} = {word}`" for name, word in law.items() if name != KIND])
     yield f"Law: `{law[KIND]}`{f' with {options}' if options else ''}."
-    for output in dict.fromkeys(one.output for one in compared(fit)):
+    for output in dict.fromkeys(one.output for one in list_compared(fit)):
         known = output in fit.problem.noise
         unit = fit.system().outputs()[output].unit
-        size = amount(output, fit.problem.scale(output), unit, 4)
+        size = format_error(output, fit.problem.scale(output), unit, 4)
         what = "its known noise" if known else "the range over which it was measured"
         yield f"Residuals of `{output}` are divided by {what}, {size}."
     yield f"Loss: {fit.loss}."
@@ -256,8 +256,8 @@ def _describe_search(fit: Fit) -> Iterator[Block]:
     yield Heading("Search")
     yield Sentence(
         f"Method `{fit.method}`, ended: {fit.reason}; {fit.simulations} runs, {fit.jacobians} with "
-        f"derivatives in all directions, {number(fit.seconds, 3)} s. Cost (mean squared residual) "
-        f"{number(fit.cost, 4)}."
+        f"derivatives in all directions, {format_number(fit.seconds, 3)} s. Cost (mean squared "
+        f"residual) {format_number(fit.cost, 4)}."
     )
     yield from _show_picture(fit, "search")
 

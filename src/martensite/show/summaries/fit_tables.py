@@ -8,15 +8,15 @@ from martensite.base import units
 from martensite.base.confidence import Interval
 from martensite.base.formats import typeset_unit
 from martensite.base.summary import DataTable
+from martensite.fit.compared_outputs import HELD_OUT, ComparedOutput, list_compared
 from martensite.fit.fit import Fit
-from martensite.fit.fit_provenance import digest
-from martensite.fit.fit_rows import HELD_OUT, Compared, compared
-from martensite.fit.fit_verdicts import amount
+from martensite.fit.fit_provenance import compute_digest
+from martensite.fit.fit_verdicts import format_error
 from martensite.fit.free_parameters import is_nuisance
 from martensite.scenario.exact_text import format_quantity
 from martensite.search.free_numbers import FreeNumber
-from martensite.search.scores import Score
-from martensite.search.words import difference, number
+from martensite.search.model_score import Score
+from martensite.search.quantity_text import find_difference_unit, format_number
 
 DIGITS = 4
 """Digits of a number without an error."""
@@ -25,7 +25,7 @@ TAG = "held out"
 
 def tabulate_records(fit: Fit) -> DataTable:
     """Which records, from which data, and how many of their rows."""
-    rows = compared(fit)
+    rows = list_compared(fit)
     return DataTable(
         ("record", "data", "compared", "rows", "fitted", "kept back", "missing"),
         [_record_row(one) for one in rows],
@@ -36,9 +36,9 @@ def tabulate_records(fit: Fit) -> DataTable:
     )
 
 
-def _record_row(one: Compared) -> tuple[str, ...]:
+def _record_row(one: ComparedOutput) -> tuple[str, ...]:
     record = one.experiment.record
-    found = digest(record)
+    found = compute_digest(record)
     name = f"`{found['file']}` " if "file" in found else "columns "
     data = name + f"`{found.get('sha256') or found['sha256_of_columns']}`"
     if record.dropped:
@@ -95,7 +95,7 @@ def _parameter_row(fit: Fit, free: FreeNumber) -> tuple[str, ...]:
 def choose_parameter_unit(free: FreeNumber, value: float) -> str:
     """The unit in which a parameter is read: an offset is a difference."""
     if is_nuisance(free.path):
-        return difference(free.unit)[1]
+        return find_difference_unit(free.unit)[1]
     return units.choose_familiar_unit(value, free.unit)
 
 
@@ -158,9 +158,9 @@ def tabulate_errors(fit: Fit) -> DataTable:
 
 def _error_row(score: Score) -> tuple[str, ...]:
     fit = "–" if math.isnan(score.fit_percent) else f"{score.fit_percent:.1f} %"
-    rms, largest = (amount(score.output, v, score.unit) for v in (score.rms, score.maximum))
-    bias = amount(score.output, _small(score.bias, score.rms), score.unit)
-    at = f"{number(score.maximum_at)} s"
+    rms, largest = (format_error(score.output, v, score.unit) for v in (score.rms, score.maximum))
+    bias = format_error(score.output, _small(score.bias, score.rms), score.unit)
+    at = f"{format_number(score.maximum_at)} s"
     return score.record, f"`{score.output}`", rms, fit, largest, at, bias, str(score.samples)
 
 

@@ -23,7 +23,7 @@ from martensite.base.summary import (
 from martensite.identify.blocks.base import AbstractStatic
 from martensite.identify.chains.uncertainty import ChainUncertainty, measure_coverage
 from martensite.identify.chains.validation import Validation, compare_validations
-from martensite.search.words import number
+from martensite.search.quantity_text import format_number
 from martensite.show.figures.model import plot_model, plot_model_loop
 from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static_blocks
 from martensite.show.figures.model_tests import plot_model_tests
@@ -80,7 +80,9 @@ def _describe_model(
 def _score_rows(one: Validation) -> Iterator[tuple[str, ...]]:
     for score in one.scores:
         unit = one.record.units.get(score.output, "")
-        sizes = (f"{number(v, 3)} {unit}".strip() for v in (score.rms, score.maximum, score.bias))
+        sizes = (
+            f"{format_number(v, 3)} {unit}".strip() for v in (score.rms, score.maximum, score.bias)
+        )
         yield score.record, score.output, score.part, f"{score.fit_percent:.2f}", *sizes
 
 
@@ -91,8 +93,8 @@ def _describe_record(k: int, one: Validation, found: ChainUncertainty | None) ->
     yield Notice(title, faults or one.sentences[-2:-1], bool(faults))
     worst = one.worst()
     yield Sentence(
-        f"The worst tenth is from {number(worst.begin)} to {number(worst.end)} s, with an rms "
-        f"error of {number(worst.rms, 3)}."
+        f"The worst tenth is from {format_number(worst.begin)} to {format_number(worst.end)} s, "
+        f"with an rms error of {format_number(worst.rms, 3)}."
     )
     band = None if found is None else found.band(one.record)
     if band is not None:
@@ -112,7 +114,7 @@ def _describe_numbers(found: ChainUncertainty) -> Iterator[Block]:
     yield Heading("Numbers")
     yield BulletList(found.sentences)
     rows = [
-        (str(one.block), one.name, number(one.value), number(one.error, 2), one.unit)
+        (str(one.block), one.name, format_number(one.value), format_number(one.error, 2), one.unit)
         for one in found.describe_numbers()
     ]
     yield DataTable(("block", "number", "value", "standard error", "unit"), rows, right=(2, 3))

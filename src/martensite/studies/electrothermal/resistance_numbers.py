@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from martensite.fit.profiled import profile_likelihood
+from martensite.fit.profiling import profile_likelihood
 from martensite.search.profile import Profile
 from martensite.studies.electrothermal import heating_fit as heating
 from martensite.studies.electrothermal import model, record

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from martensite.fit.identifiability import Identifiability, assess_identifiability
-from martensite.fit.uncertainty import Uncertainty, estimate_uncertainty
+from martensite.search.identifiability import Identifiability, assess_identifiability
+from martensite.search.uncertainty import Uncertainty, estimate_uncertainty
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, JOINT, NEAR, Data
 from martensite.studies.finger_calibration.searches import best

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from martensite.fit.identifiability import Identifiability, assess_identifiability
 from martensite.fit.problem import Problem, build_problem
 from martensite.fit.solve import solve_problem
 from martensite.search.free_numbers import SearchRange
+from martensite.search.identifiability import Identifiability, assess_identifiability
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import NEAR
 from martensite.studies.finger_calibration.data_numbers import SURE, errors, table_numbers, width

@@ -14,8 +14,8 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 from martensite.fit.fit import Fit
+from martensite.fit.search_monitor import SearchNote
 from martensite.fit.solve import solve_problem
-from martensite.fit.watch import Note
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, FAR, NEAR, Data
 from martensite.studies.result_cache import kept
@@ -78,9 +78,9 @@ def search(
     """A search from one of the starts, and from as many more as `spread` says."""
     records = bench.table_problem(data, printed).experiments
     problem = bench.fitting(records, printed, STARTS[start])
-    told: list[Note] = []
+    told: list[SearchNote] = []
 
-    def tell(note: Note) -> None:
+    def tell(note: SearchNote) -> None:
         if not told or note.cost < told[-1].cost:
             told.append(note)
 

@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from martensite.base.errors import DataError
-from martensite.search.words import change, number
+from martensite.search.quantity_text import format_change, format_number
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Score:
         return (
             f"`{self.record}`, `{self.output}` ({self.part}): "
             f"{fit or f'fit {self.fit_percent:.1f} %'}, rms error {self._amount(self.rms)}, "
-            f"at most {self._amount(self.maximum)} at {number(self.maximum_at)} s, "
+            f"at most {self._amount(self.maximum)} at {format_number(self.maximum_at)} s, "
             f"bias {self._amount(self.bias)}."
         )
 
@@ -56,10 +56,10 @@ class Score:
         return asdict(self)
 
     def _amount(self, value: float) -> str:
-        return change(value, self.unit, 3)
+        return format_change(value, self.unit, 3)
 
 
-def score(
+def score_model(
     times: Any,
     measured: Any,
     modelled: Any,
@@ -98,11 +98,14 @@ def score(
     varied = float(np.linalg.norm(y - y.mean()))
     size = float(np.linalg.norm(error))
     return Score(
-        record, output, part, unit,
+        record,
+        output,
+        part,
+        unit,
         rms=size / math.sqrt(y.size),
         fit_percent=100.0 * (1.0 - size / varied) if varied else math.nan,
         maximum=float(abs(error[worst])),
         maximum_at=float(t[worst]),
         bias=float(error.mean()),
         samples=y.size,
-    )  # fmt: skip
+    )

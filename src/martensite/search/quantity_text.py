@@ -8,42 +8,42 @@ from collections.abc import Sequence
 from martensite.base.units import choose_readable_unit, find_conversion, from_si
 
 
-def number(value: float, digits: int = 4) -> str:
+def format_number(value: float, digits: int = 4) -> str:
     """A number of so many digits; without an exponent as long as it is easily read."""
     return f"{float(f'{value:.{digits}g}'):g}"
 
 
-def quantity(value: float, unit: str) -> str:
+def format_quantity(value: float, unit: str) -> str:
     """A value given in the SI `unit`: `47.5 degC`."""
     spelling = choose_readable_unit(unit)
-    return _with_unit(from_si(value, spelling, unit), spelling)
+    return _append_unit(from_si(value, spelling, unit), spelling)
 
 
-def change(amount: float, unit: str, digits: int = 4) -> str:
+def format_change(amount: float, unit: str, digits: int = 4) -> str:
     """A difference given in the SI `unit`: `5 K`, where the value itself is read in degC."""
-    factor, spelling = difference(unit)
-    return _with_unit(amount / factor, spelling, digits)
+    factor, spelling = find_difference_unit(unit)
+    return _append_unit(amount / factor, spelling, digits)
 
 
-def difference(unit: str) -> tuple[float, str]:
+def find_difference_unit(unit: str) -> tuple[float, str]:
     """Factor to the SI `unit`, and name, of the unit in which a difference is read."""
     factor, offset = find_conversion(choose_readable_unit(unit), unit)
     return (1.0, unit) if offset else (factor, choose_readable_unit(unit))
 
 
-def quotient(above: str, below: str) -> str:
+def format_quotient(above: str, below: str) -> str:
     """Unit of a ratio: `K/MPa`, `MPa/(MPa/K)`; empty for two plain numbers."""
     if above == below or below == "1":
         return "" if above in ("1", below) else above
     return f"{above}/({below})" if "/" in below else f"{above}/{below}"
 
 
-def listed(names: Sequence[str]) -> str:
+def list_names(names: Sequence[str]) -> str:
     """Names in backquotes: "`a`, `b` and `c`"."""
-    return joined([f"`{name}`" for name in names])
+    return join_phrases([f"`{name}`" for name in names])
 
 
-def joined(phrases: Sequence[str]) -> str:
+def join_phrases(phrases: Sequence[str]) -> str:
     """Phrases as a list: "this, that and the other"."""
     if len(phrases) < 2:
         return "".join(phrases)
@@ -56,5 +56,5 @@ def round_below(value: float) -> float:
     return max((m * decade for m in (1.0, 2.0, 5.0) if m * decade <= value), default=decade)
 
 
-def _with_unit(value: float, spelling: str, digits: int = 4) -> str:
-    return number(value, digits) + (f" {spelling}" if spelling != "1" else "")
+def _append_unit(value: float, spelling: str, digits: int = 4) -> str:
+    return format_number(value, digits) + (f" {spelling}" if spelling != "1" else "")

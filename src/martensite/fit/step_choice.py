@@ -22,7 +22,7 @@ LEAST = 1e-6
 """Change of a parameter, as a share of its search range, that never matters."""
 
 
-def with_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, list[str]]:
+def choose_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, list[str]]:
     """An experiment with a step to the tolerance (share of range), and what to say of it.
 
     Raises:
@@ -32,18 +32,20 @@ def with_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, lis
 
     sources = [one.source for one in experiment.system.actuators().values()]
     if all(source.sets_temperature for source in sources):
-        apart = _apart(*(_run(one) for one in (experiment, halved(experiment))))
+        apart = _compare_runs(
+            *(_run_experiment(one) for one in (experiment, halve_step(experiment)))
+        )
         if np.all(apart <= tolerance):
             return experiment, []
-    return _simulated(experiment, tolerance)
+    return _find_step(experiment, tolerance)
 
 
-def halved(experiment: Experiment) -> Experiment:
+def halve_step(experiment: Experiment) -> Experiment:
     """The experiment with half the longest step that it takes."""
     return replace(experiment, step=0.5 * experiment.grid().longest)
 
 
-def _simulated(experiment: Experiment, tolerance: float) -> tuple[Experiment, list[str]]:
+def _find_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, list[str]]:
     from martensite.simulate.equal_steps import find_step
 
     duration = float(experiment.times[-1] + experiment.lead)
@@ -57,7 +59,7 @@ def _simulated(experiment: Experiment, tolerance: float) -> tuple[Experiment, li
     return replace(experiment, step=found.step), notes
 
 
-def _run(experiment: Experiment) -> Any:
+def _run_experiment(experiment: Experiment) -> Any:
     runner = experiment.runner()
     found = runner.run_one(runner.base)
     if found is None:
@@ -65,7 +67,7 @@ def _run(experiment: Experiment) -> Any:
     return found
 
 
-def _apart(coarse: Any, fine: Any) -> Any:
+def _compare_runs(coarse: Any, fine: Any) -> Any:
     """Largest change of each output as a share of its range."""
     import numpy as np
 
@@ -75,7 +77,7 @@ def _apart(coarse: Any, fine: Any) -> Any:
     return np.where(reach > 0.0, share, math.inf)
 
 
-def remarks_on_step(fit: Fit) -> list[str]:
+def describe_step_error(fit: Fit) -> list[str]:
     """What halving all steps would change, if that is noticeable beside the noise.
 
     The parameters would move by about the least-squares solution of J dz = dr, where dr is the
@@ -84,9 +86,11 @@ def remarks_on_step(fit: Fit) -> list[str]:
     import numpy as np
 
     problem = fit.problem
-    fixed = [one if problem.step is None else replace(one, step=problem.step)
-             for one in problem.experiments]  # fmt: skip
-    fine = replace(problem, experiments=tuple(map(halved, fixed)), step=None)
+    fixed = [
+        one if problem.step is None else replace(one, step=problem.step)
+        for one in problem.experiments
+    ]
+    fine = replace(problem, experiments=tuple(map(halve_step, fixed)), step=None)
     after = fine.evaluate(fit.values)
     if after is None:
         return ["The runs fail at the optimum with halved steps; the fit is not to be trusted."]

@@ -21,7 +21,7 @@ _ROUNDING = 1e-15
 
 
 @dataclass(frozen=True)
-class Axes:
+class ScaledParameters:
     """Free parameters at the point where a Jacobian was taken."""
 
     names: tuple[str, ...]
@@ -62,12 +62,12 @@ class Axes:
         return matrix
 
 
-def axes(
+def scale_parameters(
     names: Sequence[str],
     values: Sequence[float],
     scales: Sequence[float],
     units: Sequence[str] | None = None,
-) -> Axes:
+) -> ScaledParameters:
     """Free parameters by their names, values, scales and units (plain numbers if left out).
 
     Raises:
@@ -82,18 +82,18 @@ def axes(
     for name, scale in zip(names, scales, strict=True):
         if scale == 0.0 or not math.isfinite(scale):
             raise ParameterError(f"The scale of `{name}` must not be 0, but is {scale:g}.")
-    return Axes(
+    return ScaledParameters(
         tuple(names), tuple(map(float, values)), tuple(map(float, scales)), tuple(given)
-    )  # fmt: skip
+    )
 
 
-def proportional(relative: Sequence[float]) -> bool:
+def is_gauge(relative: Sequence[float]) -> bool:
     """Whether relative changes of two or more parameters are all equal up to sign."""
     sizes = [abs(one) for one in relative]
     return len(sizes) > 1 and all(abs(s - sizes[0]) <= _PROPORTIONAL * sizes[0] for s in sizes)
 
 
-def balanced(jacobian: Matrix) -> tuple[Matrix, Vector]:
+def balance_columns(jacobian: Matrix) -> tuple[Matrix, Vector]:
     """Columns scaled to norm 1, or zeros where only rounding is left of them, and their norms.
 
     Whether columns depend on each other must not depend on the search ranges.
@@ -106,7 +106,7 @@ def balanced(jacobian: Matrix) -> tuple[Matrix, Vector]:
     return np.where(seen, jacobian / sizes, 0.0), sizes
 
 
-def squared(jacobian: Matrix) -> Matrix:
+def reduce_rows(jacobian: Matrix) -> Matrix:
     """A square matrix with the same singular values and right vectors."""
     import numpy as np
 

@@ -24,19 +24,29 @@ from typing import Any, cast
 from martensite.base import units
 from martensite.base.errors import DataError, ParameterError, UnitError, suggest_name
 from martensite.base.files import toml_document
+from martensite.fit.fit_task import FitSearch, FitTask
 from martensite.fit.hold_out import AUTO
 from martensite.fit.logs import Log
-from martensite.fit.task import Search, Task
 from martensite.scenario.build import as_table, refuse_unknown
 from martensite.scenario.tables import PREFIX
 
 KEYS = (
-    "title", "scenario", "free", "each", "hold_out", "column", "noise", "step", "set", "method",
-    "loss", "starts", "seed", "record",
-)  # fmt: skip
-RECORD = (
-    "file", "name", "scenario", "columns", "interval", "set", "weight", "hold_out",
-)  # fmt: skip
+    "title",
+    "scenario",
+    "free",
+    "each",
+    "hold_out",
+    "column",
+    "noise",
+    "step",
+    "set",
+    "method",
+    "loss",
+    "starts",
+    "seed",
+    "record",
+)
+RECORD = ("file", "name", "scenario", "columns", "interval", "set", "weight", "hold_out")
 
 
 def is_fit_file(path: str | Path) -> bool:
@@ -44,14 +54,14 @@ def is_fit_file(path: str | Path) -> bool:
     return Path(path).suffix.lower() == ".toml" and not str(path).startswith(PREFIX)
 
 
-def read_fit_file(path: str | Path) -> Task:
+def read_fit_file(path: str | Path) -> FitTask:
     """The task that a fit file describes.
 
     Raises:
         InputError: the file is missing or malformed, a key is unknown, a value has no unit.
     """
     path = Path(path)
-    document, where = _document(path), f"Fit file `{path.name}`"
+    document, where = _read_document(path), f"Fit file `{path.name}`"
     refuse_unknown(document, KEYS, where)
     for name in ("free", "record"):
         if not document.get(name):
@@ -59,19 +69,19 @@ def read_fit_file(path: str | Path) -> Task:
     records = document["record"]
     if not isinstance(records, list):
         raise DataError(f"{where}: every record is a section `[[record]]` of its own.")
-    return Task(
-        logs=tuple(_log(document, one, path) for one in cast("list[Any]", records)),
-        free=_texts(document, "free", where),
-        each=_texts(document, "each", where),
-        hold_out=_hold_out(document.get("hold_out", AUTO)),
-        columns=_texts(document, "column", where) or None,
+    return FitTask(
+        logs=tuple(_read_log(document, one, path) for one in cast("list[Any]", records)),
+        free=_read_texts(document, "free", where),
+        each=_read_texts(document, "each", where),
+        hold_out=_read_hold_out(document.get("hold_out", AUTO)),
+        columns=_read_texts(document, "column", where) or None,
         noise=as_table(document.get("noise", {}), "noise"),
-        step=_seconds(document, "step", where),
-        search=_search(document, where),
+        step=_read_seconds(document, "step", where),
+        search=_read_search(document, where),
     )
 
 
-def _document(path: Path) -> dict[str, Any]:
+def _read_document(path: Path) -> dict[str, Any]:
     try:
         text = path.read_text(encoding="utf-8")
     except FileNotFoundError:
@@ -84,80 +94,85 @@ def _document(path: Path) -> dict[str, Any]:
     return toml_document(text, f"`{path}`")
 
 
-def _log(document: Mapping[str, Any], entry: Any, path: Path) -> Log:
+def _read_log(document: Mapping[str, Any], entry: Any, path: Path) -> Log:
     table, where = as_table(entry, "record"), f"[[record]] of `{path.name}`"
     refuse_unknown(table, RECORD, where)
-    file, scenario = _text(table, "file", where), table.get("scenario", document.get("scenario"))
+    file, scenario = (
+        _read_text(table, "file", where),
+        table.get("scenario", document.get("scenario")),
+    )
     if not isinstance(scenario, str):
         raise DataError(f"Fit file `{path.name}` needs `scenario`, the file of one; none given.")
-    columns, weight = _texts(table, "columns", where), table.get("weight", 1.0)
+    columns, weight = _read_texts(table, "columns", where), table.get("weight", 1.0)
     if isinstance(weight, bool) or not isinstance(weight, (int, float)) or not weight > 0.0:
         raise ParameterError(f"{where}: `weight` must be a number above 0, but is {weight!r}.")
     return Log(
         source=file if file.startswith(PREFIX) else path.parent / file,
         scenario=path.parent / scenario,
         columns=tuple(columns) or None,
-        interval=_seconds(table, "interval", where),
-        settings={**_settings(document, where), **_settings(table, where)},
+        interval=_read_seconds(table, "interval", where),
+        settings={**_read_settings(document, where), **_read_settings(table, where)},
         weight=float(weight),
-        held=_flag(table, "hold_out", where),
+        held=_read_flag(table, "hold_out", where),
         name=str(table.get("name", "")),
     )
 
 
-def _search(document: Mapping[str, Any], where: str) -> Search:
-    usual = Search()
+def _read_search(document: Mapping[str, Any], where: str) -> FitSearch:
+    usual = FitSearch()
     for name in ("starts", "seed"):
         if not isinstance(document.get(name, 0), int):
             raise ParameterError(f"{where}: `{name}` must be a whole number.")
-    return Search(
-        str(document.get("method", usual.method)), str(document.get("loss", usual.loss)),
-        int(document.get("starts", usual.starts)), int(document.get("seed", usual.seed)),
-    )  # fmt: skip
+    return FitSearch(
+        str(document.get("method", usual.method)),
+        str(document.get("loss", usual.loss)),
+        int(document.get("starts", usual.starts)),
+        int(document.get("seed", usual.seed)),
+    )
 
 
-def _hold_out(given: Any) -> str | list[str]:
+def _read_hold_out(given: Any) -> str | list[str]:
     return (
         [str(name) for name in cast("list[Any]", given)] if isinstance(given, list) else str(given)
     )
 
 
-def _settings(table: Mapping[str, Any], where: str) -> dict[str, Any]:
+def _read_settings(table: Mapping[str, Any], where: str) -> dict[str, Any]:
     given = table.get("set", {})
     if not isinstance(given, dict):
         raise ParameterError(
             f'{where}: `set` must be a table such as {{ "mechanism.mass" = "400 g" }}, '
             f"but is {given!r}."
         )
-    return _flat(cast("dict[str, Any]", given))
+    return _flatten_table(cast("dict[str, Any]", given))
 
 
-def _flat(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
+def _flatten_table(table: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     """Values by dotted path, whether the path was quoted or written as tables."""
     found: dict[str, Any] = {}
     for key, value in table.items():
         path = f"{above}{key}"
         if isinstance(value, dict) and "kind" not in value:
-            found |= _flat(cast("dict[str, Any]", value), f"{path}.")
+            found |= _flatten_table(cast("dict[str, Any]", value), f"{path}.")
         else:
             found[path] = value
     return found
 
 
-def _flag(table: Mapping[str, Any], name: str, where: str) -> bool:
+def _read_flag(table: Mapping[str, Any], name: str, where: str) -> bool:
     given = table.get(name, False)
     if not isinstance(given, bool):
         raise ParameterError(f"{where}: `{name}` must be true or false, but is {given!r}.")
     return given
 
 
-def _text(table: Mapping[str, Any], name: str, where: str) -> str:
+def _read_text(table: Mapping[str, Any], name: str, where: str) -> str:
     if not isinstance(table.get(name), str):
         raise DataError(f"{where} needs `{name}`, a text.")
     return str(table[name])
 
 
-def _texts(table: Mapping[str, Any], name: str, where: str) -> list[str]:
+def _read_texts(table: Mapping[str, Any], name: str, where: str) -> list[str]:
     given = table.get(name, [])
     items = cast("list[Any]", given if isinstance(given, list) else [given])
     wrong = next((item for item in items if not isinstance(item, str)), None)
@@ -166,7 +181,7 @@ def _texts(table: Mapping[str, Any], name: str, where: str) -> list[str]:
     return [str(item) for item in items]
 
 
-def _seconds(table: Mapping[str, Any], name: str, where: str) -> float | None:
+def _read_seconds(table: Mapping[str, Any], name: str, where: str) -> float | None:
     if name not in table:
         return None
     given = table[name]

@@ -6,8 +6,15 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from martensite.search.axes import proportional
-from martensite.search.words import change, difference, joined, listed, number, quotient
+from martensite.search.quantity_text import (
+    find_difference_unit,
+    format_change,
+    format_number,
+    format_quotient,
+    join_phrases,
+    list_names,
+)
+from martensite.search.scaled_jacobian import is_gauge
 
 UNSEEN = 1e-6
 """Change of the error, as a share of its noise, below which no number is given."""
@@ -36,7 +43,7 @@ class WeakDirection:
     @property
     def gauge(self) -> bool:
         """Whether two or more parameters all move in proportion to their own values."""
-        return proportional(self.relative)
+        return is_gauge(self.relative)
 
     @property
     def sentence(self) -> str:
@@ -53,38 +60,44 @@ class WeakDirection:
         name = self.names[0]
         if self.exact:
             return f"`{name}` is not determined: it has no effect on the error."
-        move = f"its whole range, {change(abs(self.changes[0]), self.units[0])},"
+        move = f"its whole range, {format_change(abs(self.changes[0]), self.units[0])},"
         return f"`{name}` is not determined: {move} {self._outcome()}."
 
     def _determined(self) -> str:
         first, second, *others = self.names
         if others:
-            return f"{listed(self.names)} are not determined separately"
+            return f"{list_names(self.names)} are not determined separately"
         if self.gauge:
             ratio = self.relative[0] * self.relative[1] > 0.0
-            kind = f"ratio of {listed(self.names)}" if ratio else f"product of {listed(self.names)}"
+            kind = (
+                f"ratio of {list_names(self.names)}"
+                if ratio
+                else f"product of {list_names(self.names)}"
+            )
             return f"Only the {kind} is determined"
-        (one, top), (other, bottom) = map(difference, self.units)
+        (one, top), (other, bottom) = map(find_difference_unit, self.units)
         slope = -(self.changes[0] / one) / (self.changes[1] / other)
-        factor = f"{number(abs(slope))} {quotient(top, bottom)}".strip()
+        factor = f"{format_number(abs(slope))} {format_quotient(top, bottom)}".strip()
         sign = "+" if slope > 0.0 else "-"
         return f"Only the combination `{first}` {sign} {factor} × `{second}` is determined"
 
     def _moves(self) -> str:
         if self.gauge:
             up, down = self._parted(list(self.names), [r / self.relative[0] for r in self.relative])
-            dividing = f" and dividing {listed(down)}" if down else ""
-            return f"multiplying {listed(up)}{dividing} by the same factor"
+            dividing = f" and dividing {list_names(down)}" if down else ""
+            return f"multiplying {list_names(up)}{dividing} by the same factor"
         amounts = zip(self.names, self.changes, self.units, strict=True)
-        phrases = [f"`{name}` by {change(abs(move), unit)}" for name, move, unit in amounts]
+        phrases = [f"`{name}` by {format_change(abs(move), unit)}" for name, move, unit in amounts]
         up, down = self._parted(phrases, self.changes)
         if not down:
-            return f"raising {up[0]} together with {joined(up[1:])}"
-        return f"raising {joined(up)} while lowering {joined(down)}"
+            return f"raising {up[0]} together with {join_phrases(up[1:])}"
+        return f"raising {join_phrases(up)} while lowering {join_phrases(down)}"
 
     def _outcome(self) -> str:
-        share = "less than a millionth" if self.effect < UNSEEN else number(self.effect, 2)
-        factor = f" for a factor of {number(1.0 + abs(self.relative[0]))}" if self.gauge else ""
+        share = "less than a millionth" if self.effect < UNSEEN else format_number(self.effect, 2)
+        factor = (
+            f" for a factor of {format_number(1.0 + abs(self.relative[0]))}" if self.gauge else ""
+        )
         if not self.exact:
             return f"changes the error by only {share} of its noise{factor}"
         return f"changes nothing (the error changes by {share} of its noise{factor})"

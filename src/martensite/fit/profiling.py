@@ -14,7 +14,7 @@ import numpy as np
 from martensite.base.confidence import LEVEL
 from martensite.base.errors import DataError, SolveError, UnknownNameError
 from martensite.fit.fit import Fit
-from martensite.fit.losses import loss_named, robust_scale
+from martensite.fit.losses import estimate_scale, find_loss
 from martensite.search.least_squares import descend_squares
 from martensite.search.profile import MOST, Profile, walk_profile
 
@@ -47,13 +47,23 @@ def profile_likelihood(fit: Fit, name: str, *, level: float = LEVEL, most: int =
         )
     free, refit = fit.problem.free[place], _Refit(fit)
     return walk_profile(
-        refit, fit.values, refit.cost(fit.evaluation.residuals), place, low=0.0, high=1.0,
-        freedom=freedom, level=level, step=_first(fit, place), most=most,
-        to_value=free.value, name=name, unit=free.unit,
-    )  # fmt: skip
+        refit,
+        fit.values,
+        refit.cost(fit.evaluation.residuals),
+        place,
+        low=0.0,
+        high=1.0,
+        freedom=freedom,
+        level=level,
+        step=_choose_first_step(fit, place),
+        most=most,
+        to_value=free.value,
+        name=name,
+        unit=free.unit,
+    )
 
 
-def _first(fit: Fit, place: int) -> float | None:
+def _choose_first_step(fit: Fit, place: int) -> float | None:
     """Half a standard error, as a share of the search range; None where there is none."""
     error = fit.uncertainty.errors[place] * fit.uncertainty.widening
     slope = abs(fit.problem.free[place].slope(fit.values[place]))
@@ -69,7 +79,7 @@ class _Refit:
         residuals = fit.evaluation.residuals
         self.weights = np.ones_like(residuals)
         if fit.loss != "linear":
-            given = loss_named(fit.loss).weights(residuals, robust_scale(residuals))
+            given = find_loss(fit.loss).weights(residuals, estimate_scale(residuals))
             self.weights = np.sqrt(given)
 
     def cost(self, residuals: Any) -> float:

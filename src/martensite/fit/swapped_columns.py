@@ -43,13 +43,13 @@ def refuse_swapped(fit: Fit, models: dict[str, tuple[Scenario, Model]]) -> None:
             if not useless[one.name, output].fit_percent < 0.0:
                 continue
             for drive in dict.fromkeys(scenario.follows.values()):
-                for record in _exchanged(one.record, drive, column):
-                    found = _fit_percent(fit.problem, one, record, model, output)
+                for record in _exchange_columns(one.record, drive, column):
+                    found = _fit_exchanged(fit.problem, one, record, model, output)
                     if found > BETTER:
-                        raise DataError(_sentence(one, output, drive, column, found))
+                        raise DataError(_describe_swap(one, output, drive, column, found))
 
 
-def _sentence(one: Experiment, output: str, drive: str, column: str, found: float) -> str:
+def _describe_swap(one: Experiment, output: str, drive: str, column: str, found: float) -> str:
     return (
         f"Record `{one.record.name}` makes far more sense with its columns `{drive}` and "
         f"`{column}` exchanged: as they are, the best fit follows `{output}` worse than a constant "
@@ -57,7 +57,7 @@ def _sentence(one: Experiment, output: str, drive: str, column: str, found: floa
     )
 
 
-def _fit_percent(
+def _fit_exchanged(
     problem: Problem, one: Experiment, record: Record, model: Model, output: str
 ) -> float:
     """How well an output is met with another record; -inf where that cannot be fitted."""
@@ -72,18 +72,18 @@ def _fit_percent(
     return min(s.fit_percent for s in scores if s.output == output and s.part == "training")
 
 
-def _exchanged(record: Record, one: str, other: str) -> Iterator[Record]:
+def _exchange_columns(record: Record, one: str, other: str) -> Iterator[Record]:
     """The record with the cells of two columns exchanged, in the units they may be written in."""
     for first in SPELLINGS.get(record.units[one], (record.units[one],)):
         for second in SPELLINGS.get(record.units[other], (record.units[other],)):
             columns = record.columns | {
-                one: _respelt(record, other, second, one, first),
-                other: _respelt(record, one, first, other, second),
+                one: _convert_column(record, other, second, one, first),
+                other: _convert_column(record, one, first, other, second),
             }
             yield replace(record, columns=columns)
 
 
-def _respelt(record: Record, column: str, spelling: str, to: str, new: str) -> list[float]:
+def _convert_column(record: Record, column: str, spelling: str, to: str, new: str) -> list[float]:
     """The numbers of a column in one unit, read as those of another column in another unit."""
     factor, offset = units.find_conversion(spelling, record.units[column])
     new_factor, new_offset = units.find_conversion(new, record.units[to])

@@ -19,7 +19,7 @@ COVERED = ("temperature", "stress")
 
 
 @dataclass(frozen=True)
-class Compared:
+class ComparedOutput:
     """One output of one record beside the fitted model, all in SI."""
 
     experiment: Experiment
@@ -62,39 +62,39 @@ class Compared:
 
     def rms(self, part: str) -> float:
         """Root-mean-square error of `training` or `held-out` rows; NaN if there are none."""
-        return rms([self], part)
+        return compute_rms([self], part)
 
 
-def compared(fit: Fit) -> list[Compared]:
+def list_compared(fit: Fit) -> list[ComparedOutput]:
     """All records and outputs of a fit: those that were fitted, then those kept back."""
-    return list(_compared(fit))
+    return list(_iterate_compared(fit))
 
 
-def rms(rows: Iterable[Compared], part: str) -> float:
+def compute_rms(rows: Iterable[ComparedOutput], part: str) -> float:
     """Root-mean-square error of all `training` or `held-out` rows together; NaN for none."""
     pieces = [one.residuals[one.used if part == TRAINING else one.held] for one in rows]
     errors = np.concatenate(pieces) if pieces else np.zeros(0)
     return math.sqrt(float(np.mean(errors**2))) if errors.size else math.nan
 
 
-def _compared(fit: Fit) -> Iterator[Compared]:
+def _iterate_compared(fit: Fit) -> Iterator[ComparedOutput]:
     problem = fit.problem
     found = zip(problem.experiments, fit.evaluation.fitted, problem.used, strict=True)
     for one, fitted, used in found:
-        yield from _outputs(one, fitted.model, used)
+        yield from _split_outputs(one, fitted.model, used)
     for kept in fit.kept:
-        yield from _outputs(kept.experiment, kept.model, np.zeros(kept.model.shape, bool))
+        yield from _split_outputs(kept.experiment, kept.model, np.zeros(kept.model.shape, bool))
 
 
-def _outputs(one: Experiment, model: Any, used: Any) -> Iterator[Compared]:
+def _split_outputs(one: Experiment, model: Any, used: Any) -> Iterator[ComparedOutput]:
     outputs = one.system.outputs()
     for k, name in enumerate(one.outputs):
-        yield Compared(
+        yield ComparedOutput(
             one, name, outputs[name], one.times, one.measured[:, k], model[:, k], used[:, k]
         )
 
 
-def covered(fit: Fit) -> dict[str, tuple[float, float]]:
+def find_covered_range(fit: Fit) -> dict[str, tuple[float, float]]:
     """Least and largest temperature [K] and stress [Pa] of the elements while they were fitted."""
     found: dict[str, tuple[float, float]] = {}
     for k, one in enumerate(fit.problem.experiments):

@@ -75,22 +75,22 @@ def _build_own(
     return FreeNumber(f"{path}@{record}", path, unit, start, low, high, record=record, doc=doc)
 
 
-def delayed(
+def delay_model(
     times: Any, model: Any, slopes: Any, delay: float, slope: float, place: int
 ) -> tuple[Any, Any]:
     """What is seen `delay` [s] late, and its derivatives."""
     first, last = times[0], times[-1]
     at = np.clip(times - delay, first, last)
-    curve = _curve(times, model)
+    curve = _interpolate_rows(times, model)
     if slopes is not None:
-        turned = _curve(times, slopes)(at)
+        turned = _interpolate_rows(times, slopes)(at)
         inside = (at > first) & (at < last)
         turned[:, :, place] -= slope * np.where(inside[:, None], curve(at, 1), 0.0)
         slopes = turned
     return curve(at), slopes
 
 
-def _curve(times: Any, rows: Any) -> Any:
+def _interpolate_rows(times: Any, rows: Any) -> Any:
     """Smooth columns through rows: cubic Hermite pieces, so that their slopes are exact."""
     made = import_module("scipy.interpolate").CubicHermiteSpline
     return made(times, rows, np.gradient(rows, times, axis=0))

@@ -21,10 +21,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import ParameterError
-from martensite.fit.directions import WeakDirection
-from martensite.search.axes import Axes, axes, balanced, proportional
-from martensite.search.weak_sets import weak_directions
-from martensite.search.words import difference, listed, number, round_below
+from martensite.search.quantity_text import (
+    find_difference_unit,
+    format_number,
+    list_names,
+    round_below,
+)
+from martensite.search.scaled_jacobian import (
+    ScaledParameters,
+    balance_columns,
+    is_gauge,
+    scale_parameters,
+)
+from martensite.search.weak_direction import WeakDirection
+from martensite.search.weak_directions import find_weak_directions
 
 if TYPE_CHECKING:
     import numpy as np
@@ -72,8 +82,8 @@ class Identifiability:
         """What is not determined, one sentence for each direction; else that all are."""
         if self.weak:
             return tuple(one.sentence for one in self.weak)
-        worst = number(100.0 * max(self.uncertainties), 2)
-        held = f"{listed(self.names)} {'is' if len(self.names) == 1 else 'are'} determined"
+        worst = format_number(100.0 * max(self.uncertainties), 2)
+        held = f"{list_names(self.names)} {'is' if len(self.names) == 1 else 'are'} determined"
         return (f"{held}, in the least certain direction to {worst} % of the search range.",)
 
     def to_dict(self) -> dict[str, Any]:
@@ -115,14 +125,14 @@ def assess_identifiability(
     """
     import numpy as np
 
-    free = axes(names, values, scales, units)
+    free = scale_parameters(names, values, scales, units)
     matrix = free.jacobian(jacobian)
     if not 0.0 < noise < math.inf:
         raise ParameterError(f"Argument `noise` must be above 0, but is {noise:g}.")
     sizes = np.zeros(len(free))
     found = np.linalg.svd(matrix, compute_uv=False)
     sizes[: len(found)] = found
-    directions = _directions(matrix, free, noise, precision)
+    directions = _find_directions(matrix, free, noise, precision)
     seen = len(free) - sum(one.exact for one in directions)
     spread = np.linalg.norm(matrix, axis=0) / (noise * math.sqrt(len(matrix)))
     return Identifiability(
@@ -135,27 +145,30 @@ def assess_identifiability(
     )
 
 
-def _directions(
-    matrix: Matrix, free: Axes, noise: float, precision: float
+def _find_directions(
+    matrix: Matrix, free: ScaledParameters, noise: float, precision: float
 ) -> tuple[WeakDirection, ...]:
     """Redundant directions, then weak ones, of the fewest parameters each."""
     import numpy as np
 
     def gauge(direction: Vector) -> bool:
         moves = [i for i in range(len(free)) if direction[i] != 0.0]
-        return proportional([free.relative(i, direction) for i in moves])
+        return is_gauge([free.relative(i, direction) for i in moves])
 
-    columns, norms = balanced(matrix)
+    columns, norms = balance_columns(matrix)
     nothing = precision * float(np.linalg.norm(columns, 2))
-    exact = weak_directions(columns, nothing, prefer=lambda v: gauge(v / norms))
+    exact = find_weak_directions(columns, nothing, prefer=lambda v: gauge(v / norms))
     exact = [v / norms / np.linalg.norm(v / norms) for v in exact]
-    weak = weak_directions(matrix, noise, exact, gauge)
-    told = [_told(matrix, free, v, noise, True) for v in exact]
-    told += [_told(matrix, free, _kept(matrix, v, noise), noise, False) for v in weak]
+    weak = find_weak_directions(matrix, noise, exact, gauge)
+    told = [_describe_direction(matrix, free, v, noise, True) for v in exact]
+    told += [
+        _describe_direction(matrix, free, _drop_negligible(matrix, v, noise), noise, False)
+        for v in weak
+    ]
     return tuple(told)
 
 
-def _kept(matrix: Matrix, direction: Vector, limit: float) -> Vector:
+def _drop_negligible(matrix: Matrix, direction: Vector, limit: float) -> Vector:
     """The direction less its negligible components, unless it needs them."""
     import numpy as np
 
@@ -164,14 +177,14 @@ def _kept(matrix: Matrix, direction: Vector, limit: float) -> Vector:
     return short if np.linalg.norm(matrix @ short) <= 2.0 * limit else direction
 
 
-def _told(
-    matrix: Matrix, free: Axes, direction: Vector, noise: float, exact: bool
+def _describe_direction(
+    matrix: Matrix, free: ScaledParameters, direction: Vector, noise: float, exact: bool
 ) -> WeakDirection:
     """A unit vector per search range as parameters and amounts."""
     import numpy as np
 
     order = sorted(np.flatnonzero(direction).tolist(), key=lambda i: -abs(float(direction[i])))
-    moved = direction * _stretch(free, direction, order)
+    moved = direction * _choose_stretch(free, direction, order)
     seen = float(np.linalg.norm(matrix @ direction))
     return WeakDirection(
         tuple(free.names[i] for i in order),
@@ -184,7 +197,7 @@ def _told(
     )
 
 
-def _stretch(free: Axes, direction: Vector, order: Sequence[int]) -> float:
+def _choose_stretch(free: ScaledParameters, direction: Vector, order: Sequence[int]) -> float:
     """Factor that makes the largest mover rise by a round amount, up to half its range.
 
     A single parameter rises by its whole range; the values of a gauge change by a tenth.
@@ -193,7 +206,7 @@ def _stretch(free: Axes, direction: Vector, order: Sequence[int]) -> float:
     rise = float(direction[first]) * free.scales[first]
     if len(order) == 1:
         return abs(free.scales[first]) / rise
-    if proportional([free.relative(i, direction) for i in order]):
+    if is_gauge([free.relative(i, direction) for i in order]):
         return _TENTH / free.relative(first, direction)
-    factor, _ = difference(free.units[first])
+    factor, _ = find_difference_unit(free.units[first])
     return round_below(0.5 * abs(free.scales[first]) / factor) * factor / rise

@@ -15,7 +15,7 @@ from collections.abc import Callable, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from martensite.search.axes import squared
+from martensite.search.scaled_jacobian import reduce_rows
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,7 +29,7 @@ MANY = 20_000
 _INDEPENDENT = 1e-3
 
 
-def weak_directions(
+def find_weak_directions(
     jacobian: Matrix,
     limit: float,
     known: Sequence[Vector] = (),
@@ -45,22 +45,22 @@ def weak_directions(
     """
     import numpy as np
 
-    square = squared(jacobian)
+    square = reduce_rows(jacobian)
     wanted = int(np.sum(np.linalg.svd(square, compute_uv=False) <= limit))
     chosen = list(known)
     sets: list[tuple[int, ...]] = []
     for size in range(1, square.shape[1] + 1):
         if len(chosen) >= wanted or math.comb(square.shape[1], size) > MANY:
             break
-        found = _of_size(square, limit, size, sets)
+        found = _search_sets(square, limit, size, sets)
         sets += [tuple(np.flatnonzero(v).tolist()) for v in found]
         for direction in sorted(found, key=lambda v: not prefer(v)):
-            if len(chosen) < wanted and _independent(direction, chosen):
+            if len(chosen) < wanted and _is_independent(direction, chosen):
                 chosen.append(direction)
-    return (chosen + _by_leaving_out(square, limit, chosen, wanted))[len(known) :]
+    return (chosen + _search_by_elimination(square, limit, chosen, wanted))[len(known) :]
 
 
-def _of_size(
+def _search_sets(
     square: Matrix, limit: float, size: int, smaller: Sequence[tuple[int, ...]]
 ) -> list[Vector]:
     """Weak directions of all sets of one size that hold no smaller one; the weakest first."""
@@ -77,10 +77,10 @@ def _of_size(
     columns = np.moveaxis(square[:, np.asarray(sets)], 0, 1)
     _, sizes, right = np.linalg.svd(columns, full_matrices=False)
     weak = [int(i) for i in np.argsort(sizes[:, -1], kind="stable") if sizes[i, -1] <= limit]
-    return [_spread(right[i, -1], sets[i], square.shape[1]) for i in weak]
+    return [_embed_vector(right[i, -1], sets[i], square.shape[1]) for i in weak]
 
 
-def _by_leaving_out(
+def _search_by_elimination(
     square: Matrix, limit: float, chosen: Sequence[Vector], wanted: int
 ) -> list[Vector]:
     """The directions still missing, of as few components as leaving columns out one by one finds.
@@ -93,38 +93,38 @@ def _by_leaving_out(
     found: list[Vector] = []
     for direction in chosen:
         kept.remove(max(kept, key=lambda i: abs(float(direction[i]))))
-    while len(chosen) + len(found) < wanted and _weakest(square, kept)[0] <= limit:
-        direction = _thinned(square, kept, limit)
-        found += [direction] if _independent(direction, [*chosen, *found]) else []
+    while len(chosen) + len(found) < wanted and _find_weakest(square, kept)[0] <= limit:
+        direction = _eliminate_columns(square, kept, limit)
+        found += [direction] if _is_independent(direction, [*chosen, *found]) else []
         kept.remove(int(np.argmax(np.abs(direction))))
     return found
 
 
-def _thinned(square: Matrix, columns: Sequence[int], limit: float) -> Vector:
+def _eliminate_columns(square: Matrix, columns: Sequence[int], limit: float) -> Vector:
     """A weak direction of which no component can be left out."""
     left = list(columns)
     while True:
-        _, direction = _weakest(square, left)
+        _, direction = _find_weakest(square, left)
         for place in sorted(left, key=lambda i: abs(float(direction[i]))):
             fewer = [i for i in left if i != place]
-            if fewer and _weakest(square, fewer)[0] <= limit:
+            if fewer and _find_weakest(square, fewer)[0] <= limit:
                 left = fewer
                 break
         else:
             return direction
 
 
-def _weakest(square: Matrix, columns: Sequence[int]) -> tuple[float, Vector]:
+def _find_weakest(square: Matrix, columns: Sequence[int]) -> tuple[float, Vector]:
     """Smallest singular value of some columns, and its vector among all parameters."""
     import numpy as np
 
     if not columns:
-        return math.inf, _spread(np.zeros(0), columns, square.shape[1])
+        return math.inf, _embed_vector(np.zeros(0), columns, square.shape[1])
     _, sizes, right = np.linalg.svd(square[:, np.asarray(columns)], full_matrices=False)
-    return float(sizes[-1]), _spread(right[-1], columns, square.shape[1])
+    return float(sizes[-1]), _embed_vector(right[-1], columns, square.shape[1])
 
 
-def _spread(part: Vector, columns: Sequence[int], count: int) -> Vector:
+def _embed_vector(part: Vector, columns: Sequence[int], count: int) -> Vector:
     """A vector over some columns as one over all."""
     import numpy as np
 
@@ -133,7 +133,7 @@ def _spread(part: Vector, columns: Sequence[int], count: int) -> Vector:
     return whole
 
 
-def _independent(direction: Vector, others: Sequence[Vector]) -> bool:
+def _is_independent(direction: Vector, others: Sequence[Vector]) -> bool:
     import numpy as np
 
     if not others:

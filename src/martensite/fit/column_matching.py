@@ -20,7 +20,7 @@ ECHOES = {"K": ("temperature", "hottest"), "V": ("voltage",), "A": ("current",),
 """Unit of a drive -> outputs that only say what drives."""
 
 
-def echoes(system: AbstractSystem) -> set[str]:
+def list_echoes(system: AbstractSystem) -> set[str]:
     """Outputs that repeat what drives a system."""
     found = set(system.mechanism.signals())
     for port, one in system.actuators().items():
@@ -29,7 +29,7 @@ def echoes(system: AbstractSystem) -> set[str]:
     return found
 
 
-def columns_of(
+def match_columns(
     record: Record,
     system: AbstractSystem,
     wanted: Sequence[ComparedColumn],
@@ -47,34 +47,35 @@ def columns_of(
         DataError: a column is missing, or there is none to compare.
     """
     if wanted:
-        return _asked(record, wanted, system)
-    driven = echoes(system) | set(follows.values())
+        return _match_asked(record, wanted, system)
+    driven = list_echoes(system) | set(follows.values())
     common = [n for n in record.columns if n in system.outputs() and n not in driven]
     if not common:
-        raise DataError(_nothing(record, system, driven))
-    varied = [name for name in common if not _constant(record[name])]
+        raise DataError(_refuse_nothing(record, system, driven))
+    varied = [name for name in common if not _is_constant(record[name])]
     notes = [
-        f"Column `{name}` of record `{record.name}` {_why(record[name])} and is not compared."
+        f"Column `{name}` of record `{record.name}` {_explain_mismatch(record[name])} and is not "
+        "compared."
         for name in common
         if name not in varied and varied
     ]
     return {name: name for name in varied or common}, record, notes
 
 
-def _asked(
+def _match_asked(
     record: Record, wanted: Sequence[ComparedColumn], system: AbstractSystem
 ) -> tuple[dict[str, str], Record, list[str]]:
     columns, known = {}, system.outputs()
     for one in wanted:
-        column = _named(record, one.column)
+        column = _find_column(record, one.column)
         columns[one.output] = column
         if one.factor != 1.0 and one.output in known:
-            record = _scaled(record, column, one, known[one.output].unit)
+            record = _scale_column(record, column, one, known[one.output].unit)
             columns[one.output] = one.output
     return columns, record, []
 
 
-def _named(record: Record, name: str) -> str:
+def _find_column(record: Record, name: str) -> str:
     """A column by its name in the file, or as the reader spells that."""
     spelt = re.sub(r"[\s-]+", "_", name.strip().lower())
     if name not in record.columns and spelt not in record.columns:
@@ -85,7 +86,7 @@ def _named(record: Record, name: str) -> str:
     return name if name in record.columns else spelt
 
 
-def _scaled(record: Record, column: str, one: ComparedColumn, unit: str) -> Record:
+def _scale_column(record: Record, column: str, one: ComparedColumn, unit: str) -> Record:
     """The record with a column for an output, in its unit."""
     numbers = [one.factor * number for number in record[column]]
     return replace(
@@ -95,16 +96,16 @@ def _scaled(record: Record, column: str, one: ComparedColumn, unit: str) -> Reco
     )
 
 
-def _constant(numbers: Sequence[float]) -> bool:
+def _is_constant(numbers: Sequence[float]) -> bool:
     known = [number for number in numbers if math.isfinite(number)]
     return not known or max(known) == min(known)
 
 
-def _why(numbers: Sequence[float]) -> str:
+def _explain_mismatch(numbers: Sequence[float]) -> str:
     return "never changes" if any(map(math.isfinite, numbers)) else "holds no numbers"
 
 
-def _nothing(record: Record, system: AbstractSystem, driven: set[str]) -> str:
+def _refuse_nothing(record: Record, system: AbstractSystem, driven: set[str]) -> str:
     held = [name for name in record.columns if name != "time"]
     listed = ", ".join(f"`{name}`" for name in held) or "none but `time`"
     drives = ", ".join(f"`{name}`" for name in held if name in driven)

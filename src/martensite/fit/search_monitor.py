@@ -24,7 +24,7 @@ EVERY = 2.0
 
 
 @dataclass(frozen=True)
-class Note:
+class SearchNote:
     """What is told after every evaluation."""
 
     stage: str
@@ -37,11 +37,11 @@ class Note:
     """How much of the search is done, from 0 to 1, as far as can be told."""
 
 
-Tell = Callable[[Note], None]
+Tell = Callable[[SearchNote], None]
 
 
 @dataclass
-class Watch:
+class SearchMonitor:
     """Evaluates a problem, counts, and remembers the best point."""
 
     problem: Problem
@@ -88,7 +88,7 @@ class Watch:
                 self.save()
         if self.tell is not None:
             shown = self.best or tuple(map(float, u))
-            self.tell(Note(self.stage, self.cost, shown, self.simulations, self.share))
+            self.tell(SearchNote(self.stage, self.cost, shown, self.simulations, self.share))
 
     def finished(self, stage: str) -> None:
         """Note that a stage need not be repeated."""
@@ -100,7 +100,11 @@ class Watch:
         if self.path is None or self.best is None:
             return
         self._written = time.monotonic()
-        document = {"problem": key(self.problem), "values": self.best, "done": self.done}
+        document = {
+            "problem": identify_problem(self.problem),
+            "values": self.best,
+            "done": self.done,
+        }
         with replace_file(self.path) as part:
             part.write_text(json.dumps(document), encoding="utf-8")
 
@@ -114,7 +118,7 @@ class Watch:
             return
         try:
             document = json.loads(self.path.read_text(encoding="utf-8"))
-            same = document["problem"] == key(self.problem)
+            same = document["problem"] == identify_problem(self.problem)
             values, done = tuple(map(float, document["values"])), list(map(str, document["done"]))
         except (OSError, ValueError, KeyError, TypeError):
             raise DataError(f"`{self.path}` does not hold the state of a search.") from None
@@ -127,7 +131,7 @@ class Watch:
         self.evaluate(values)
 
 
-def key(problem: Problem) -> str:
+def identify_problem(problem: Problem) -> str:
     """A short text that differs between problems."""
     parts: list[Any] = [repr(problem.free), sorted(problem.noise.items()), problem.step]
     for one in problem.experiments:

@@ -18,8 +18,14 @@ from martensite.base.errors import DataError, ParameterError
 from martensite.fit.free_parameters import is_nuisance
 from martensite.fit.problem import Evaluation, Problem
 from martensite.search.free_numbers import FreeNumber
+from martensite.search.quantity_text import (
+    format_change,
+    format_number,
+    format_quantity,
+    join_phrases,
+    list_names,
+)
 from martensite.search.starts import draw_points
-from martensite.search.words import change, joined, listed, number, quantity
 
 POINTS = 8
 """Points over the bounds that are tried before anything is refused."""
@@ -29,7 +35,7 @@ NOTHING = 1e-9
 """Derivative, per search range and as a share of range, that is none."""
 
 
-def look(problem: Problem, follows: Sequence[str] = ()) -> list[str]:
+def check_start(problem: Problem, follows: Sequence[str] = ()) -> list[str]:
     """Refuse what cannot be fitted; what is doubtful comes back as sentences.
 
     Args:
@@ -40,12 +46,12 @@ def look(problem: Problem, follows: Sequence[str] = ()) -> list[str]:
         DataError: too few samples, a unit that is wrong by orders of magnitude.
         ParameterError: a free parameter without effect.
     """
-    _enough(problem)
+    _require_rows(problem)
     first = problem.evaluate(problem.start, slopes=True)
     if first is None:
         return ["The runs fail at the start of the fit; other starts are tried if asked for."]
-    idle = _idle(problem, first)
-    doubtful = _doubtful(problem, first)
+    idle = _find_idle(problem, first)
+    doubtful = _find_doubtful(problem, first)
     if not idle and not doubtful:
         return []
     n = len(problem.free)
@@ -56,7 +62,7 @@ def look(problem: Problem, follows: Sequence[str] = ()) -> list[str]:
     return notes + _refuse_units(problem, first, doubtful, others, follows)
 
 
-def silent(problem: Problem) -> list[tuple[str, str]]:
+def find_silent_outputs(problem: Problem) -> list[tuple[str, str]]:
     """Record and output of all that no free parameter moves, at the start."""
     found = problem.evaluate(problem.start, slopes=True)
     if found is None:
@@ -70,7 +76,7 @@ def silent(problem: Problem) -> list[tuple[str, str]]:
     ]
 
 
-def _enough(problem: Problem) -> None:
+def _require_rows(problem: Problem) -> None:
     samples, wanted = sum(problem.lengths), len(problem.free)
     if samples <= wanted:
         raise DataError(
@@ -79,20 +85,22 @@ def _enough(problem: Problem) -> None:
         )
 
 
-def _idle(problem: Problem, found: Evaluation) -> list[int]:
+def _find_idle(problem: Problem, found: Evaluation) -> list[int]:
     """Free parameters whose derivatives are zero in all that is compared."""
     largest = np.max(np.abs(found.jacobian), axis=0)
     return [i for i in range(len(problem.free)) if not largest[i] > NOTHING]
 
 
 def _refuse_idle(
-    problem: Problem, idle: Sequence[int], others: Sequence[tuple[Any, Evaluation]],
+    problem: Problem,
+    idle: Sequence[int],
+    others: Sequence[tuple[Any, Evaluation]],
     follows: Sequence[str],
-) -> list[str]:  # fmt: skip
+) -> list[str]:
     notes: list[str] = []
     dead: list[int] = []
     for i in idle:
-        if any(i not in _idle(problem, one) for _, one in others):
+        if any(i not in _find_idle(problem, one) for _, one in others):
             notes.append(
                 f"`{problem.names[i]}` changes nothing at the start of the fit, but does "
                 "elsewhere within the bounds: start from other values, or ask for more starts."
@@ -101,31 +109,31 @@ def _refuse_idle(
             dead.append(i)
     if not dead:
         return notes
-    names = listed([problem.names[i] for i in dead])
-    outputs = listed(list(dict.fromkeys(n for one in problem.experiments for n in one.outputs)))
+    names = list_names([problem.names[i] for i in dead])
+    outputs = list_names(list(dict.fromkeys(n for one in problem.experiments for n in one.outputs)))
     one = len(dead) == 1
     raise ParameterError(
         f"Free parameter{'' if one else 's'} {names} change{'s' if one else ''} nothing in what is "
         f"compared ({outputs}), neither at the start nor at {len(others)} points within the "
-        f"bounds; {_remedy(problem, dead, follows)}"
+        f"bounds; {_suggest_remedy(problem, dead, follows)}"
     )
 
 
-def _remedy(problem: Problem, dead: Sequence[int], follows: Sequence[str]) -> str:
+def _suggest_remedy(problem: Problem, dead: Sequence[int], follows: Sequence[str]) -> str:
     """What a parameter without effect would need."""
-    acted = _acted(problem, problem.free[dead[0]])
+    acted = _find_moved_outputs(problem, problem.free[dead[0]])
     if acted:
         it = "it moves" if len(dead) == 1 else f"`{problem.names[dead[0]]}` moves"
-        remedy = f"{it} {listed(acted)}: compare such a column, or keep the parameter fixed."
+        remedy = f"{it} {list_names(acted)}: compare such a column, or keep the parameter fixed."
     else:
         remedy = "such a parameter needs a log in which it comes to bear, or is to be kept fixed."
-    ranges = _ranges(problem, follows)
+    ranges = _describe_ranges(problem, follows)
     if ranges and len(dead) == len(problem.free):
         remedy += f" In the first record {ranges}: are columns swapped, or units wrong?"
     return remedy
 
 
-def _acted(problem: Problem, free: FreeNumber) -> list[str]:
+def _find_moved_outputs(problem: Problem, free: FreeNumber) -> list[str]:
     """Outputs that a parameter moves at the start, compared or not."""
     found: list[str] = []
     if is_nuisance(free.path):
@@ -144,28 +152,28 @@ def _acted(problem: Problem, free: FreeNumber) -> list[str]:
     return list(dict.fromkeys(found))
 
 
-def _ranges(problem: Problem, follows: Sequence[str]) -> str:
+def _describe_ranges(problem: Problem, follows: Sequence[str]) -> str:
     """From where to where the columns that drive go."""
     record = problem.experiments[0].record
     phrases: list[str] = []
     for name in follows:
         known = [x for x in record[name] if math.isfinite(x)]
-        low, high = (quantity(end, record.units[name]) for end in (min(known), max(known)))
+        low, high = (format_quantity(end, record.units[name]) for end in (min(known), max(known)))
         phrases.append(f"`{name}` goes from {low} to {high}")
-    return joined(phrases)
+    return join_phrases(phrases)
 
 
-def _doubtful(problem: Problem, found: Evaluation) -> list[tuple[int, int]]:
+def _find_doubtful(problem: Problem, found: Evaluation) -> list[tuple[int, int]]:
     """Experiment and output whose measured range is far from what the model gives."""
     return [
         (e, k)
         for e, one in enumerate(problem.experiments)
         for k in range(len(one.outputs))
-        if not 1.0 / FAR <= _ratio(problem, found, e, k) <= FAR
+        if not 1.0 / FAR <= _compare_ranges(problem, found, e, k) <= FAR
     ]
 
 
-def _ratio(problem: Problem, found: Evaluation, e: int, k: int) -> float:
+def _compare_ranges(problem: Problem, found: Evaluation, e: int, k: int) -> float:
     """Measured over modelled range of an output of an experiment."""
     used = problem.used[e][:, k]
     measured = np.ptp(problem.experiments[e].measured[used, k])
@@ -174,40 +182,43 @@ def _ratio(problem: Problem, found: Evaluation, e: int, k: int) -> float:
 
 
 def _refuse_units(
-    problem: Problem, first: Evaluation, doubtful: Sequence[tuple[int, int]],
-    others: Sequence[tuple[Any, Evaluation]], follows: Sequence[str],
-) -> list[str]:  # fmt: skip
+    problem: Problem,
+    first: Evaluation,
+    doubtful: Sequence[tuple[int, int]],
+    others: Sequence[tuple[Any, Evaluation]],
+    follows: Sequence[str],
+) -> list[str]:
     notes: list[str] = []
     for e, k in doubtful:
-        one, ratio = problem.experiments[e], _ratio(problem, first, e, k)
-        output, elsewhere = one.outputs[k], [_ratio(problem, f, e, k) for _, f in others]
+        one, ratio = problem.experiments[e], _compare_ranges(problem, first, e, k)
+        output, elsewhere = one.outputs[k], [_compare_ranges(problem, f, e, k) for _, f in others]
         measured = float(np.ptp(one.measured[problem.used[e][:, k], k]))
         modelled = float(np.ptp(first.fitted[e].model[problem.used[e][:, k], k]))
         unit = one.system.outputs()[output].unit
         seen = (
             f"Column `{one.columns[output]}` of record `{one.record.name}` ranges over "
-            f"{change(measured, unit, 3)}, the scenario at its start over "
-            f"{change(modelled, unit, 3)}"
+            f"{format_change(measured, unit, 3)}, the scenario at its start over "
+            f"{format_change(modelled, unit, 3)}"
         )
         if any(1.0 / NEARER <= r <= NEARER for r in elsewhere):
             notes.append(f"{seen}: the start is far off.")
             continue
-        doubt = _doubt(ratio, 2 if unit == "1" else 3, follows)
+        doubt = _describe_doubt(ratio, 2 if unit == "1" else 3, follows)
         raise DataError(f"{seen}, and nowhere within the bounds much nearer: {doubt}")
     return notes
 
 
-def _doubt(ratio: float, decades: int, follows: Sequence[str]) -> str:
+def _describe_doubt(ratio: float, decades: int, follows: Sequence[str]) -> str:
     """What may be wrong with a column whose range is `ratio` times that of the model.
 
     Units of its kind differ by multiples of so many decades: 3, or 2 for shares and per cent.
     """
-    drive = f", and that of {listed(list(follows))}, which drives," if follows else ""
+    drive = f", and that of {list_names(list(follows))}, which drives," if follows else ""
     swapped = "Or were columns swapped?"
     if not 0.0 < ratio < math.inf:
         return f"is its unit{drive} right? {swapped}"
     steps = abs(math.log10(ratio)) / decades
-    factor = number(10.0 ** (decades * max(1, round(steps))))
+    factor = format_number(10.0 ** (decades * max(1, round(steps))))
     size = "large" if ratio > 1.0 else "small"
     return (
         f"is its unit{drive} right? It looks {factor} times too {size}: a factor of {factor} "

@@ -23,10 +23,10 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.base.confidence import EVERYTHING, LEVEL, Interval, student_quantile
 from martensite.base.errors import DataError, UnknownNameError
-from martensite.fit.identifiability import PRECISION
-from martensite.search.autocorrelation import effective_samples
-from martensite.search.axes import axes, balanced, squared
-from martensite.search.words import listed, number
+from martensite.search.autocorrelation import count_effective_samples
+from martensite.search.identifiability import PRECISION
+from martensite.search.quantity_text import format_number, list_names
+from martensite.search.scaled_jacobian import balance_columns, reduce_rows, scale_parameters
 
 if TYPE_CHECKING:
     import numpy as np
@@ -104,7 +104,7 @@ class Uncertainty:
         """What limits the errors: undetermined, confounded, too few independent samples."""
         found: list[str] = []
         if lost := [n for n, e in zip(self.names, self.errors, strict=True) if e == math.inf]:
-            found.append(f"The data do not determine {listed(lost)}.")
+            found.append(f"The data do not determine {list_names(lost)}.")
         for one, other, value in self.confounded():
             together = "rise together" if value > 0.0 else "make up for each other"
             found.append(
@@ -114,8 +114,8 @@ class Uncertainty:
         if self.widening > 1.1:
             found.append(
                 f"The residuals are autocorrelated: {self.samples} samples say as much as "
-                f"{number(self.effective, 2)} independent ones, so that errors are about "
-                f"{number(self.widening, 2)} times as large."
+                f"{format_number(self.effective, 2)} independent ones, so that errors are about "
+                f"{format_number(self.widening, 2)} times as large."
             )
         return tuple(found)
 
@@ -178,12 +178,12 @@ def estimate_uncertainty(
     """
     import numpy as np
 
-    free = axes(names, values, scales)
+    free = scale_parameters(names, values, scales)
     matrix, errors = free.jacobian(jacobian), np.asarray(residuals, np.float64)
     if errors.shape != (len(matrix),):
         raise DataError(f"{errors.shape} residuals have a Jacobian of {len(matrix)} rows.")
-    effective = effective_samples(errors, lengths)
-    spread, rank = _unit_covariance(matrix, precision)
+    effective = count_effective_samples(errors, lengths)
+    spread, rank = _compute_unit_covariance(matrix, precision)
     spare = len(errors) - rank
     noise = math.sqrt(float(errors @ errors) / spare) if spare > 0 else math.nan
     deviations = np.sqrt(np.diag(spread))
@@ -204,7 +204,7 @@ def estimate_uncertainty(
     )
 
 
-def _unit_covariance(matrix: Matrix, precision: float) -> tuple[Matrix, int]:
+def _compute_unit_covariance(matrix: Matrix, precision: float) -> tuple[Matrix, int]:
     """(JᵀJ)⁻¹ with infinite variance of what is not determined, and the rank of J.
 
     A parameter counts as undetermined if its share in the directions left out is more than the
@@ -212,8 +212,8 @@ def _unit_covariance(matrix: Matrix, precision: float) -> tuple[Matrix, int]:
     """
     import numpy as np
 
-    columns, norms = balanced(matrix)
-    _, sizes, right = np.linalg.svd(squared(columns))
+    columns, norms = balance_columns(matrix)
+    _, sizes, right = np.linalg.svd(reduce_rows(columns))
     rank = int(np.sum(sizes > precision * sizes[0]))
     half = right[:rank].T / sizes[:rank] / norms[:, None]
     spread = half @ half.T

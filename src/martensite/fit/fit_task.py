@@ -11,10 +11,10 @@ from martensite.fit.fit import Fit
 from martensite.fit.hold_out import AUTO
 from martensite.fit.logs import Log
 from martensite.fit.problem import Problem
+from martensite.fit.search_monitor import Tell
 from martensite.fit.solve import MOST, solve_problem
-from martensite.fit.steps import remarks_on_step
-from martensite.fit.swapped import refuse_swapped
-from martensite.fit.watch import Tell
+from martensite.fit.step_choice import describe_step_error
+from martensite.fit.swapped_columns import refuse_swapped
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
@@ -24,7 +24,7 @@ Columns = str | Sequence[str] | Mapping[str, str]
 
 
 @dataclass(frozen=True)
-class Search:
+class FitSearch:
     """How the optimum is looked for; see `solve`."""
 
     method: str = "trf"
@@ -47,7 +47,7 @@ class LogFit(Fit):
 
 
 @dataclass(frozen=True)
-class Task:
+class FitTask:
     """What is to be fitted to what, and how."""
 
     logs: tuple[Log, ...]
@@ -59,18 +59,18 @@ class Task:
     noise: Mapping[str, str | float] = field(default_factory=dict[str, str | float])
     step: float | None = None
     """Longest step of all runs [s]; that of the scenario, or one to its tolerance, if None."""
-    search: Search = Search()
+    search: FitSearch = FitSearch()
 
-    def arranged(self) -> Arranged:
+    def arranged(self) -> ArrangedFit:
         """The problem, ready to be solved.
 
         Raises:
             InputError: logs, scenario and free parameters do not fit each other.
             SolveError: a run that is to show the step fails.
         """
-        from martensite.fit.arranging import arranged
+        from martensite.fit.arrangement import arrange_task
 
-        return arranged(self)
+        return arrange_task(self)
 
     def changed(
         self,
@@ -82,7 +82,7 @@ class Task:
         step: float | None = None,
         settings: Mapping[str, Any] | None = None,
         search: Mapping[str, Any] | None = None,
-    ) -> Task:
+    ) -> FitTask:
         """The task with what is given in place of its own; the rest stays as it is."""
         logs = (replace(x, settings={**x.settings, **(settings or {})}) for x in self.logs)
         given = {name: value for name, value in (search or {}).items() if value is not None}
@@ -99,13 +99,13 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Arranged:
+class ArrangedFit:
     """A problem, and where it came from."""
 
     problem: Problem
     models: dict[str, tuple[Scenario, Callable[[Record], Scenario]]]
     """Record -> its scenario, and what makes it with another record."""
-    search: Search = Search()
+    search: FitSearch = FitSearch()
     notes: tuple[str, ...] = ()
 
     def solved(self, tell: Tell | None = None, state: Path | None = None) -> LogFit:
@@ -117,12 +117,18 @@ class Arranged:
         """
         how = self.search
         fit = solve_problem(
-            self.problem, method=how.method, loss=how.loss, starts=how.starts, seed=how.seed,
-            most=how.most, tell=tell, state=state,
-        )  # fmt: skip
+            self.problem,
+            method=how.method,
+            loss=how.loss,
+            starts=how.starts,
+            seed=how.seed,
+            most=how.most,
+            tell=tell,
+            state=state,
+        )
         if fit.reason != INTERRUPTED:
             refuse_swapped(fit, self.models)
         first, _ = next(iter(self.models.values()))
-        cautions = tuple(remarks_on_step(fit))
+        cautions = tuple(describe_step_error(fit))
         known = {one.name: getattr(fit, one.name) for one in fields(fit)}
         return LogFit(**known, scenario=first, notes=self.notes, cautions=cautions)
