@@ -20,7 +20,7 @@ from martensite.scenario.scenario import load
 from martensite.scenario.tables import read_table
 from martensite.studies.base import Claim, load_study, study_names
 from martensite.studies.electrothermal import model, record, record_numbers
-from martensite.studies.electrothermal.model_numbers import KEPT, calibration
+from martensite.studies.electrothermal.model_numbers import KEPT, calibrate_numbers
 from martensite.studies.electrothermal.record import RecordStaircase
 from martensite.studies.electrothermal.study import ElectrothermalStaircase
 from martensite.studies.tables import printed_numbers
@@ -29,7 +29,7 @@ NAME = "electrothermal-staircase"
 STATED = printed_numbers("electrothermal")
 FILES = (record.UNTRAINED, record.WARMTH, record.TRAINED)
 EXAMPLE = Path(__file__).parents[2] / "examples" / "flexinol_staircase.toml"
-HERE = record.here(*FILES)
+HERE = record.has_files(*FILES)
 needs_record = pytest.mark.skipif(not HERE, reason=f"data set {record.DATA} is not on this machine")
 REPRODUCED = {
     "offset", "martensite-low", "martensite-high", "austenite", "per-metre-highest",
@@ -151,7 +151,7 @@ def test_the_wire_warms_when_the_current_comes() -> None:
     cold = [kelvin for t, kelvin in after if t < -20.0]
     before = sum(cold) / len(cold)
     assert before - 273.15 == pytest.approx(25.6, abs=0.05)
-    assert before == pytest.approx(model.number("environment.temperature"), abs=0.05)
+    assert before == pytest.approx(model.read_number("environment.temperature"), abs=0.05)
     warm = next(t for t, kelvin in after if kelvin > max(cold) + 0.3)
     assert abs(warm) < 10.0
 
@@ -160,7 +160,7 @@ def test_the_wire_warms_when_the_current_comes() -> None:
 
 
 def test_scenario_says_what_is_stated() -> None:
-    wire, waveform = model.wire(), model.scenario().single_waveform
+    wire, waveform = model.get_wire(), model.load_scenario().single_waveform
     assert wire.diameter == pytest.approx(STATED.diameter)
     assert wire.length == pytest.approx(STATED.length)
     assert waveform.value(0.0) == pytest.approx(1.0 - STATED.offset, abs=1e-3)
@@ -169,27 +169,28 @@ def test_scenario_says_what_is_stated() -> None:
 
 def test_plateaus_of_the_model_are_steady_states() -> None:
     """I²R = h S (T - T_a) and V = R I on every plateau of austenite."""
-    table = model.predicted("material", STATED)
-    environment = model.scenario().single_system.environment
+    table = model.predict_plateaus("material", STATED)
+    environment = model.load_scenario().single_system.environment
     surface = math.pi * STATED.diameter * STATED.length
     for i, current in enumerate(table["current"]):
         resistance, temperature = table["resistance"][i], table["temperature"][i]
         if table["drive"][i] < 1.1:
             continue  # transforming, and still warming
         assert table["drive"][i] == pytest.approx(resistance * current, rel=1e-5)
-        h = model.film(environment.cooling, temperature)
-        lost = h * surface * (temperature - model.number("environment.temperature"))
+        h = model.film_coefficient(environment.cooling, temperature)
+        lost = h * surface * (temperature - model.read_number("environment.temperature"))
         assert current**2 * resistance == pytest.approx(lost, rel=0.012)
     assert sum(volt >= 1.1 for volt in table["drive"]) == 32
 
 
 @needs_record
 def test_differences() -> None:
-    run, fitted = RecordStaircase(STATED), calibration(STATED)
+    run, fitted = RecordStaircase(STATED), calibrate_numbers(STATED)
     assert fitted.rho_A == pytest.approx(8.42e-7, rel=1e-3)
     assert fitted.rho_M == pytest.approx(9.20e-7, rel=1e-3)
     found = {
-        key: model.rms(model.predicted(key, STATED, fitted), run, *KEPT) for key in model.VARIANTS
+        key: model.resistance_rms(model.predict_plateaus(key, STATED, fitted), run, *KEPT)
+        for key in model.VARIANTS
     }
     assert found["calibrated"] < found["material"] < found["maker"]
     level = [run.mean(*span) for span in (STATED.cold, STATED.hot)]
@@ -198,19 +199,21 @@ def test_differences() -> None:
     flat = math.sqrt(sum(x * x for x in steps) / len(steps))
     assert found["calibrated"] < flat
     wrong = replace(fitted, h=0.5 * fitted.h)
-    assert model.rms(model.predicted("calibrated", STATED, wrong), run, *KEPT) > flat
+    assert (
+        model.resistance_rms(model.predict_plateaus("calibrated", STATED, wrong), run, *KEPT) > flat
+    )
 
 
 @needs_record
 def test_half_of_the_drop_lies_where_it_was_put() -> None:
-    fitted = calibration(STATED)
+    fitted = calibrate_numbers(STATED)
     surface = math.pi * STATED.diameter * STATED.length
-    mean = 0.5 * (fitted.rho_A + fitted.rho_M) * STATED.length / model.wire().section()
+    mean = 0.5 * (fitted.rho_A + fitted.rho_M) * STATED.length / model.get_wire().section()
     power = RecordStaircase(STATED).half_way() ** 2 * mean
     warmer = power / (fitted.h * surface)
-    ambient = model.number("environment.temperature")
+    ambient = model.read_number("environment.temperature")
     assert ambient + warmer == pytest.approx(model.half_way_temperature(), abs=1e-9)
-    table = model.predicted("calibrated", STATED, fitted)
+    table = model.predict_plateaus("calibrated", STATED, fitted)
     fractions = table["martensite_fraction"]
     at = next(i for i, xi in enumerate(fractions) if xi < 0.5)
     assert table["current"][at - 1] < RecordStaircase(STATED).half_way() < table["current"][at]
@@ -218,7 +221,7 @@ def test_half_of_the_drop_lies_where_it_was_put() -> None:
 
 @needs_record
 def test_example_has_the_calibrated_numbers() -> None:
-    fitted = calibration(STATED)
+    fitted = calibrate_numbers(STATED)
     leaves = {leaf.path: leaf.value for leaf in load(EXAMPLE).system.leaves()}
     found = {name: next(v for path, v in leaves.items() if path.endswith(name))
              for name in ("rho_A", "rho_M", "cooling.h")}  # fmt: skip
@@ -228,7 +231,7 @@ def test_example_has_the_calibrated_numbers() -> None:
 
 
 def test_example_loads_without_the_record(without) -> None:
-    scenario, study = load(EXAMPLE), model.scenario()
+    scenario, study = load(EXAMPLE), model.load_scenario()
     assert scenario.waveform == study.waveform
     ours = {leaf.path: leaf.value for leaf in scenario.system.leaves()}
     theirs = {leaf.path: leaf.value for leaf in study.system.leaves()}
@@ -254,16 +257,16 @@ def test_figure(tmp_path) -> None:
 @needs_record
 def test_readme_has_the_computed_numbers() -> None:
     text = model.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
-    run, fitted = RecordStaircase(STATED), calibration(STATED)
+    run, fitted = RecordStaircase(STATED), calibrate_numbers(STATED)
     for key in model.VARIANTS:
-        table = model.predicted(key, STATED, fitted if key == "calibrated" else None)
-        start, end = model.span(table)
-        row = f"| {model.rms(table, run, *KEPT):.3f} Ω | {start:.2f} to {end:.2f} A |"
+        table = model.predict_plateaus(key, STATED, fitted if key == "calibrated" else None)
+        start, end = model.find_span(table)
+        row = f"| {model.resistance_rms(table, run, *KEPT):.3f} Ω | {start:.2f} to {end:.2f} A |"
         assert row in text
     assert f"calibrated h is {fitted.h:.0f} W/(m² K)" in text
     horizontal, vertical = model.free_films()
     assert f"{horizontal:.0f} (horizontal" in text and f"{vertical:.0f} (vertical" in text
-    hottest = model.predicted("calibrated", STATED, fitted)["temperature"][-1] - 273.15
+    hottest = model.predict_plateaus("calibrated", STATED, fitted)["temperature"][-1] - 273.15
     camera = run.table["apparent_temperature"][-1] - 273.15
     assert f"reach {hottest:.0f} °C at\n4.5 V where the camera reads {camera:.0f} °C" in text
     for span in (STATED.cold, record_numbers.SHORTER, record_numbers.ALL_COLD):

@@ -25,7 +25,7 @@ STATED = printed_numbers("electrothermal")
 OFFSETS = (fitting.LOWER, STATED.offset, fitting.UPPER)
 PER_OHM = math.pi / 4.0 * 0.381e-3**2 / 0.19
 pytestmark = pytest.mark.skipif(
-    not record.here(record.UNTRAINED, record.WARMTH),
+    not record.has_files(record.UNTRAINED, record.WARMTH),
     reason=f"data set {record.DATA} is not on this machine",
 )
 
@@ -47,10 +47,10 @@ def seen() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def test_every_fifth_plateau_is_kept_back() -> None:
-    one = fitting.experiment("mixture", STATED.offset)
-    held = np.array(fitting.column("set_point"))[one.kept_back]
+    one = fitting.build_experiment("mixture", STATED.offset)
+    held = np.array(fitting.compared_column("set_point"))[one.kept_back]
     assert held == pytest.approx([1.7, 2.2, 2.7, 3.2, 3.7, 4.2])
-    assert [len(one.times), fitting.fitted("mixture", STATED.offset).uncertainty.samples] == [
+    assert [len(one.times), fitting.fit_shape("mixture", STATED.offset).uncertainty.samples] == [
         33,
         27,
     ]
@@ -63,7 +63,7 @@ def test_every_fifth_plateau_is_kept_back() -> None:
 def test_fits_are_lines_through_both_branches(shape: str, offset: float, seen) -> None:
     volts, amperes, kelvin = seen
     ohms, cold, rise = (volts - offset) / amperes, volts < 2.25, kelvin - fitting.T_RHO
-    fit, slopes = fitting.fitted(shape, offset), fitting.SHAPES[shape]
+    fit, slopes = fitting.fit_shape(shape, offset), fitting.SHAPES[shape]
     left = 0.0
     for name, rows in (("rho_A", ~cold), ("rho_M", cold)):
         sloped = "a_" + name in slopes
@@ -72,8 +72,8 @@ def test_fits_are_lines_through_both_branches(shape: str, offset: float, seen) -
         if sloped:
             assert fit["a_" + name] == pytest.approx(line[0] / line[1], abs=2e-6)
         left += float(np.sum((np.polyval(line, rise[rows]) - ohms[rows]) ** 2))
-    assert fitting.squares(fit) == pytest.approx(left, rel=1e-4)
-    assert fitting.rms(fit) == pytest.approx(math.sqrt(left / 27), rel=1e-4)
+    assert fitting.sum_squares(fit) == pytest.approx(left, rel=1e-4)
+    assert fitting.residual_rms(fit) == pytest.approx(math.sqrt(left / 27), rel=1e-4)
 
 
 @pytest.mark.parametrize("shape", ["mixture", "austenite"])
@@ -86,7 +86,9 @@ def test_offset_is_that_of_linear_least_squares(shape: str, seen) -> None:
     found, left, *_ = np.linalg.lstsq(np.stack(columns, axis=1), volts / amperes)
     profile = fitting.offset_of(shape)
     assert profile.value == pytest.approx(found[2], abs=2e-4)
-    assert fitting.squares(fitting.fitted(shape, profile.value)) == pytest.approx(left[0], rel=1e-3)
+    assert fitting.sum_squares(fitting.fit_shape(shape, profile.value)) == pytest.approx(
+        left[0], rel=1e-3
+    )
     low, high = profile.interval
     assert low < profile.value < high
     assert all(low < offset < high for offset in OFFSETS)
@@ -94,38 +96,44 @@ def test_offset_is_that_of_linear_least_squares(shape: str, seen) -> None:
 
 def test_the_step_of_two_slopes_is_free_of_the_offset() -> None:
     def reach(shape: str) -> float:
-        steps = [fitting.difference(fitting.fitted(shape, offset))[0] for offset in OFFSETS]
+        steps = [
+            fitting.resistivity_difference(fitting.fit_shape(shape, offset))[0]
+            for offset in OFFSETS
+        ]
         assert min(steps) > 0.0
         return max(steps) - min(steps)
 
     assert reach("both") < 0.05 * reach("mixture")
-    assert reach("mixture") > fitting.difference(fitting.fitted("mixture", STATED.offset))[1]
+    assert (
+        reach("mixture")
+        > fitting.resistivity_difference(fitting.fit_shape("mixture", STATED.offset))[1]
+    )
 
 
 def test_what_is_not_determined_is_said() -> None:
-    fit = fitting.fitted("mixture", STATED.offset)
+    fit = fitting.fit_shape("mixture", STATED.offset)
     (weak,) = fit.identifiability.weak
     assert set(weak.names) == {"A_s", "A_f"}
-    assert fitting.between(fit) == 1
+    assert fitting.count_transforming(fit) == 1
     assert resistance_numbers.strip_profile("A_s", STATED.offset).below.reason == "limit"
-    stretched = fitting.fitted(fitting.STRAINED, STATED.offset)
+    stretched = fitting.fit_shape(fitting.STRAINED, STATED.offset)
     (weak,) = stretched.identifiability.weak
     assert set(weak.names) == {"rho_M", "eps_L"}
     resistive = stretched["rho_M"] / stretched["rho_A"]
-    whole = resistive * (1.0 + fitting.stretch(stretched["eps_L"]))
+    whole = resistive * (1.0 + fitting.stretch_share(stretched["eps_L"]))
     assert whole == pytest.approx(fit["rho_M"] / fit["rho_A"], rel=1e-4)
 
 
 def test_criterion() -> None:
-    fit = fitting.fitted("both", STATED.offset)
+    fit = fitting.fit_shape("both", STATED.offset)
     n, k = 27, 5 + 1  # A_s and A_f count once
-    expected = n * math.log(fitting.squares(fit) / n) + 2 * k + 2 * k * (k + 1) / (n - k - 1)
-    assert fitting.criterion(fit) == pytest.approx(expected, rel=1e-12)
+    expected = n * math.log(fitting.sum_squares(fit) / n) + 2 * k + 2 * k * (k + 1) / (n - k - 1)
+    assert fitting.akaike_criterion(fit) == pytest.approx(expected, rel=1e-12)
 
 
 def test_kept_back_plateaus_are_predicted(claims: dict[str, Claim]) -> None:
     table = RecordStaircase(STATED).table
-    fit = fitting.fitted("mixture", STATED.offset)
+    fit = fitting.fit_shape("mixture", STATED.offset)
     rows = [7, 12, 17, 22, 27, 32]
     volts, amperes = (np.array(table[name])[rows] for name in ("set_point", "current"))
     rho = np.where(volts < 2.25, fit["rho_M"], fit["rho_A"])
@@ -139,17 +147,17 @@ def test_kept_back_plateaus_are_predicted(claims: dict[str, Claim]) -> None:
 
 
 def test_electrical_way_agrees_where_it_must() -> None:
-    fit, other = heating.heated(STATED.offset), fitting.fitted("mixture", STATED.offset)
+    fit, other = heating.fit_heating(STATED.offset), fitting.fit_shape("mixture", STATED.offset)
     for name in ("rho_A", "rho_M"):
         low, high = fit.uncertainty.widened(name)
         assert low < other[name] < high
     low, high = fit.uncertainty.widened("h")
-    calibrated = model.calibrate(RecordStaircase(STATED)).h
+    calibrated = model.calibrate_model(RecordStaircase(STATED)).h
     assert max(model.free_films()) * 3.0 < low < calibrated < high
 
 
 def test_current_does_not_know_another_film() -> None:
-    fit = heating.heated(STATED.offset)
+    fit = heating.fit_heating(STATED.offset)
     place = list(fit.problem.names).index("h")
     for factor in (0.7, 1.4):
         moved = list(fit.values)
@@ -181,8 +189,8 @@ def test_a_wrong_material_is_contradicted() -> None:
 
 
 def _row(shape: str, offset: float) -> str:
-    fit = fitting.fitted(shape, offset)
-    step, half = fitting.difference(fit)
+    fit = fitting.fit_shape(shape, offset)
+    step, half = fitting.resistivity_difference(fit)
 
     def number(name: str, scale: float) -> str:
         if name not in fit.numbers:
@@ -192,7 +200,7 @@ def _row(shape: str, offset: float) -> str:
 
     resistivities = f"{number('rho_A', 1e8)} | {number('rho_M', 1e8)} | {1e8 * step:.1f} ± "
     resistivities += f"{1e8 * half:.1f} | {number('a_rho_A', 1e4)} | {number('a_rho_M', 1e4)}"
-    errors = f"{fitting.rms(fit):.3f} Ω | {fitting.rms(fit, 'held-out'):.3f} Ω"
+    errors = f"{fitting.residual_rms(fit):.3f} Ω | {fitting.residual_rms(fit, 'held-out'):.3f} Ω"
     return f"| {offset:.3f} V | {resistivities} | {errors} |"
 
 
@@ -204,8 +212,8 @@ def test_readme_has_what_was_identified() -> None:
         assert f"{best:.2f} V ({low:.2f} to {high:.2f})" in text
     free = ", ".join(f"{h:.0f}" for h in model.free_films())
     assert f"| {free} |" in text
-    lower, middle, upper = (f"{heating.heated(offset)['h']:.0f}" for offset in OFFSETS)
-    low, high = profile_likelihood(heating.heated(STATED.offset), "h").interval
+    lower, middle, upper = (f"{heating.fit_heating(offset)['h']:.0f}" for offset in OFFSETS)
+    low, high = profile_likelihood(heating.fit_heating(STATED.offset), "h").interval
     assert f"| {lower}, {middle} (95 %: {low:.0f} to {high:.0f}), {upper} |" in text
     camera = heating.apparent_films(STATED.offset)
     assert f"| {camera[0]:.0f}, {camera[10]:.0f}, {camera[-1]:.0f} |" in text
@@ -220,13 +228,13 @@ def test_readme_has_the_numbers_of_its_sentences(claims: dict[str, Claim]) -> No
     assert f"AICc differs by {austenite:.1f} and {both:+.1f} from the plain mixture" in text
     for shape in fitting.SHAPES:
         assert f"RMS is {computed[f'left-out-{shape}']:.3f} Ω for all three" in text
-    fit = fitting.fitted("mixture", STATED.offset)
+    fit = fitting.fit_shape("mixture", STATED.offset)
     measured = 100.0 * fit["rho_M"] / fit["rho_A"]
     assert f"from {100.0 + computed['geometry']:.1f} to 100 %, of {measured:.1f} to 100" in text
-    step, half = fitting.difference(fitting.fitted("both", STATED.offset))
+    step, half = fitting.resistivity_difference(fitting.fit_shape("both", STATED.offset))
     assert f"is {1e8 * step:.1f} ± {1e8 * half:.1f} µΩ cm whatever the offset" in text
-    heated = heating.heated(STATED.offset)
+    heated = heating.fit_heating(STATED.offset)
     for name in ("rho_A", "rho_M"):
         low, high = heated.uncertainty.widened(name)
         assert f"{1e8 * heated[name]:.1f} ± {0.5e8 * (high - low):.1f}" in text
-    assert f"with an RMS of {fitting.rms(heated):.3f} A" in text
+    assert f"with an RMS of {fitting.residual_rms(heated):.3f} A" in text

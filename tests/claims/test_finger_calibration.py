@@ -30,9 +30,9 @@ from martensite.studies.finger_calibration.searches import (
     FEW,
     SQUARES,
     STILL,
-    best,
-    moving,
-    search,
+    best_fit,
+    moving_starts,
+    run_search,
 )
 from martensite.studies.finger_calibration.study import FingerCalibration
 from martensite.studies.tables import PrintedRows, printed_numbers
@@ -57,12 +57,12 @@ class TestRecords:
     def test_steps_of_the_fit_change_little(self):
         for data in (NEAR, FAR):
             coarse = bench.at_table(data, PRINTED).fitted[0].model[:, 0]
-            fine = bench.clean(data.arm, PRINTED.offsets[0], PRINTED)
+            fine = bench.clean_angle(data.arm, PRINTED.offsets[0], PRINTED)
             apart = np.degrees(coarse - fine)
             assert 0.0 < math.sqrt(np.mean(apart**2)) < 0.02
 
     def test_noise_is_white_and_the_same_again(self):
-        rows = bench.noise()
+        rows = bench.draw_noise()
         again = np.random.default_rng(bench.SEED).standard_normal(rows.size).reshape(rows.shape)
         assert np.array_equal(rows, again)
         assert rows.std() == pytest.approx(1.0, abs=0.05)
@@ -71,14 +71,14 @@ class TestRecords:
 
     def test_every_record_has_its_own_noise(self):
         rows = [k for data in EVERY for k in range(data.first, data.first + data.count)]
-        assert sorted(rows) == list(range(len(bench.noise())))
+        assert sorted(rows) == list(range(len(bench.draw_noise())))
 
     def test_scenario_has_the_numbers_of_the_paper(self):
-        system = bench.finger(NEAR.arm, PRINTED.offsets[0])
+        system = bench.build_finger(NEAR.arm, PRINTED.offsets[0])
         for name, value in (*TABLE.items(), *((one.name, one.value) for one in PRINTED.fixed)):
             assert system.value_of(name) == pytest.approx(value, rel=1e-12)
-        assert bench.scenario().single_waveform.value_of("frequency") == PRINTED.frequency
-        assert bench.scenario().duration == pytest.approx(1.0 / PRINTED.frequency, abs=1e-3)
+        assert bench.load_scenario().single_waveform.value_of("frequency") == PRINTED.frequency
+        assert bench.load_scenario().duration == pytest.approx(1.0 / PRINTED.frequency, abs=1e-3)
 
 
 @needs_compiler
@@ -89,14 +89,14 @@ class TestData:
         ids=("8mm", "16mm", "joint"),
     )
     def test_smallest_errors(self, data, slope, E_M, ratio):
-        found = data_numbers.errors(data, PRINTED)
+        found = data_numbers.parameter_errors(data, PRINTED)
         assert found.numbers["dsigma_dT"] / 1e6 == pytest.approx(slope, rel=0.06)
         assert found.numbers["E_M"] / 1e9 == pytest.approx(E_M, rel=0.04)
         if ratio is not None:
             assert found.ratio == pytest.approx(ratio, abs=0.007)
 
     def test_correlations(self):
-        near = data_numbers.errors(NEAR, PRINTED).correlation
+        near = data_numbers.parameter_errors(NEAR, PRINTED).correlation
         assert near["T_L", "dsigma_dT"] == pytest.approx(0.996, abs=0.001)
         assert near["Delta_sigma", "dsigma_dT"] == pytest.approx(0.994, abs=0.002)
 
@@ -107,7 +107,7 @@ class TestData:
         jacobian = bench.at_table(NEAR, PRINTED).jacobian[:, places] / scales
         size = np.linalg.norm(jacobian, axis=0)
         spread = np.linalg.inv((jacobian / size).T @ (jacobian / size)) / np.outer(size, size)
-        found = data_numbers.errors(NEAR, PRINTED)
+        found = data_numbers.parameter_errors(NEAR, PRINTED)
         assert np.sqrt(np.diag(spread)) == pytest.approx(list(found.numbers.values()), rel=1e-6)
         step = 1e-4 * TABLE["dsigma_dT"]
         width, slope = TABLE["Delta_sigma"], TABLE["dsigma_dT"]
@@ -120,7 +120,7 @@ class TestData:
 
     @pytest.mark.parametrize("data", EVERY, ids=lambda data: data.key)
     def test_five_parameters_hold_one_exact_redundancy(self, data):
-        (lost,) = data_numbers.held(data, PRINTED).weak
+        (lost,) = data_numbers.assess_records(data, PRINTED).weak
         assert lost.exact
         assert set(lost.names) == {"T_L", "sigma_L"}
         change = dict(zip(lost.names, lost.changes, strict=True))
@@ -143,7 +143,7 @@ class TestLeastSquares:
         pytest.param(JOINT, 0.963, id="joint", marks=pytest.mark.slow),
     ])  # fmt: skip
     def test_ends_in_one_minimum_from_every_start_that_moves(self, data, rms):
-        found = [search(data, start, SQUARES, PRINTED) for start in moving()]
+        found = [run_search(data, start, SQUARES, PRINTED) for start in moving_starts()]
         assert [one.rms for one in found] == pytest.approx([rms] * len(found), abs=0.001)
         ends = [one.fit["dsigma_dT"] for one in found]
         assert max(ends) - min(ends) < 100.0
@@ -151,23 +151,23 @@ class TestLeastSquares:
 
     @pytest.mark.slow
     def test_joint_fit_finds_the_table_again(self):
-        fit = best(JOINT, PRINTED).fit
+        fit = best_fit(JOINT, PRINTED).fit
         assert fit["dsigma_dT"] / 1e6 == pytest.approx(4.01, abs=0.01)
         assert fit["E_M"] / 1e9 == pytest.approx(30.9, abs=0.1)
-        assert data_numbers.cold(fit.numbers) == pytest.approx(319.75, abs=0.3)
-        assert data_numbers.width(fit.numbers) == pytest.approx(13.0, abs=0.3)
+        assert data_numbers.cold_temperature(fit.numbers) == pytest.approx(319.75, abs=0.3)
+        assert data_numbers.temperature_width(fit.numbers) == pytest.approx(13.0, abs=0.3)
 
     def test_stays_where_nothing_moves_unless_it_starts_elsewhere_too(self):
-        caught = search(FAR, STILL, SQUARES, PRINTED)
+        caught = run_search(FAR, STILL, SQUARES, PRINTED)
         assert caught.rms > 20.0
         assert np.abs(caught.fit.evaluation.jacobian).max() < 1e-12
-        cured = search(FAR, STILL, SQUARES, PRINTED, search_numbers.MORE)
-        assert cured.rms == pytest.approx(best(FAR, PRINTED).rms, abs=1e-6)
+        cured = run_search(FAR, STILL, SQUARES, PRINTED, search_numbers.MORE)
+        assert cured.rms == pytest.approx(best_fit(FAR, PRINTED).rms, abs=1e-6)
 
     def test_another_noise_ends_elsewhere(self):
         """The minimum is that of the record: with another noise it is another one."""
-        (record,) = bench.experiments(NEAR, PRINTED)
-        angles = np.asarray(record.record["angle"]) + bench.NOISE * bench.noise()[4]
+        (record,) = bench.build_experiments(NEAR, PRINTED)
+        angles = np.asarray(record.record["angle"]) + bench.NOISE * bench.draw_noise()[4]
         columns = {**record.record.columns, "angle": angles.tolist()}
         other = replace(record, record=replace(record.record, columns=columns))
         begin = bench.fitting((other,), PRINTED, PRINTED.searched.column("value"))
@@ -180,43 +180,45 @@ class TestLeastSquares:
 @pytest.mark.slow
 class TestGauges:
     def test_force(self):
-        found = [one for one in gauge_numbers.held(gauge_numbers.FORCE, PRINTED).weak if one.exact]
+        found = [
+            one for one in gauge_numbers.assess_test(gauge_numbers.FORCE, PRINTED).weak if one.exact
+        ]
         assert len(found) == 1
         assert found[0].gauge
         assert set(found[0].names) == set(gauge_numbers.FORCE)
         moved = dict(zip(found[0].names, found[0].relative, strict=True))
         volume = moved.pop("layer_volume")
         assert list(moved.values()) == pytest.approx([-volume] * len(moved), rel=1e-6)
-        same = gauge_numbers.scaled(gauge_numbers.FORCE, 1.3, PRINTED)
-        assert gauge_numbers.apart(same, PRINTED) < 1e-9
+        same = gauge_numbers.scale_gauge(gauge_numbers.FORCE, 1.3, PRINTED)
+        assert gauge_numbers.largest_change(same, PRINTED) < 1e-9
         less = ("stiffness", "dsigma_dT", "Delta_sigma", "sigma_L")
-        assert gauge_numbers.apart(gauge_numbers.scaled(less, 1.3, PRINTED), PRINTED) == (
-            pytest.approx(0.44, abs=0.02)
-        )
-        assert not any(one.exact for one in gauge_numbers.held(less, PRINTED).weak)
+        assert gauge_numbers.largest_change(
+            gauge_numbers.scale_gauge(less, 1.3, PRINTED), PRINTED
+        ) == (pytest.approx(0.44, abs=0.02))
+        assert not any(one.exact for one in gauge_numbers.assess_test(less, PRINTED).weak)
 
     def test_thermal(self):
-        (found,) = gauge_numbers.held(gauge_numbers.THERMAL, PRINTED).weak
+        (found,) = gauge_numbers.assess_test(gauge_numbers.THERMAL, PRINTED).weak
         assert not found.exact
         assert set(found.names) == set(gauge_numbers.THERMAL)
-        warmed = gauge_numbers.warmed(1.2, PRINTED)
-        assert gauge_numbers.apart(warmed, PRINTED) == pytest.approx(0.04, abs=0.005)
-        assert gauge_numbers.apart({**warmed, "T_L": TABLE["T_L"]}, PRINTED) > 5.0
+        warmed = gauge_numbers.scale_thermal_gauge(1.2, PRINTED)
+        assert gauge_numbers.largest_change(warmed, PRINTED) == pytest.approx(0.04, abs=0.005)
+        assert gauge_numbers.largest_change({**warmed, "T_L": TABLE["T_L"]}, PRINTED) > 5.0
 
     def test_redundancy(self):
         moved = {"T_L": TABLE["T_L"] + 10.0, "sigma_L": TABLE["sigma_L"] + 40e6}
-        assert gauge_numbers.apart(moved, PRINTED) < 1e-9
+        assert gauge_numbers.largest_change(moved, PRINTED) < 1e-9
 
     def test_wrong_arm(self):
-        found = gauge_numbers.refitted(PRINTED, 9e-3)
+        found = gauge_numbers.refit_finger(PRINTED, 9e-3)
         assert found.rms == pytest.approx(0.06, abs=0.015)
         assert found.fit["dsigma_dT"] / 1e6 == pytest.approx(5.24, rel=0.02)
         assert found.fit["Delta_sigma"] / 1e6 == pytest.approx(67.9, rel=0.02)
-        near = gauge_numbers.refitted(PRINTED, 7e-3)
+        near = gauge_numbers.refit_finger(PRINTED, 7e-3)
         assert "dsigma_dT" in near.fit.at_bound()
 
     def test_effects(self):
-        found = gauge_numbers.effects(PRINTED)
+        found = gauge_numbers.single_effects(PRINTED)
         assert len(found) == 10
         assert next(iter(found)) == "T_L"
         assert list(found)[-1] == "E_M"
@@ -233,16 +235,16 @@ class TestWhole:
         for data in (NEAR, FAR):
             assert verdict_of(listed, f"minimum-{data.key}") == "not reproduced"
             for start in FEW:
-                found = search(data, start, COORDINATE, PRINTED)
-                assert found.rms > best(data, PRINTED).rms
-                assert found.fit.simulations > 8 * best(data, PRINTED).runs
+                found = run_search(data, start, COORDINATE, PRINTED)
+                assert found.rms > best_fit(data, PRINTED).rms
+                assert found.fit.simulations > 8 * best_fit(data, PRINTED).runs
                 assert found.fit.reason == "stalled"
-        assert search(NEAR, STILL, COORDINATE, PRINTED).fit["dsigma_dT"] > 5e6
+        assert run_search(NEAR, STILL, COORDINATE, PRINTED).fit["dsigma_dT"] > 5e6
 
     def test_paths_begin_at_the_start_and_end_at_the_fit(self, listed):
         for data in (NEAR, FAR):
             for method in (COORDINATE, SQUARES):
-                found = search(data, FEW[0], method, PRINTED)
+                found = run_search(data, FEW[0], method, PRINTED)
                 costs = [point.rms for point in found.path]
                 assert costs == sorted(costs, reverse=True)
                 assert found.path[-1].numbers == pytest.approx(found.fit.numbers, rel=1e-9)
@@ -267,13 +269,15 @@ class TestWhole:
 
     def test_readme_has_the_computed_numbers(self, listed):
         text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
-        errors = [data_numbers.errors(data, PRINTED) for data in EVERY]
+        errors = [data_numbers.parameter_errors(data, PRINTED) for data in EVERY]
         rows = [f"{found.numbers['dsigma_dT'] / 1e6:.3f} (0." for found in errors]
         rows += [f"| {found.numbers['E_M'] / 1e9:.1f} (" for found in errors]
         rows += [f"| {found.ratio:.3f} " for found in errors]
         rows += [f"| {found.numbers['T_L']:.2f} " for found in errors]
-        rows += [f" / {best(data, PRINTED).rms:.3f} (" for data in EVERY]
-        rows += [f"stays at {search(d, STILL, SQUARES, PRINTED).rms:.1f} (" for d in (NEAR, FAR)]
+        rows += [f" / {best_fit(data, PRINTED).rms:.3f} (" for data in EVERY]
+        rows += [
+            f"stays at {run_search(d, STILL, SQUARES, PRINTED).rms:.1f} (" for d in (NEAR, FAR)
+        ]
         rows += [f"{computed(listed, 'wrong-arm'):.2f} MPa/K"]
         assert [row for row in rows if row not in text] == []
 
@@ -287,7 +291,7 @@ class TestWhole:
         """Roughly: where rounding differs, its way does."""
         text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
         assert f"| {runs} / {rms:.3f} (" in text
-        found = search(data, start, COORDINATE, PRINTED)
+        found = run_search(data, start, COORDINATE, PRINTED)
         assert found.rms == pytest.approx(rms, rel=0.1)
         assert found.runs == pytest.approx(runs, rel=0.3)
 

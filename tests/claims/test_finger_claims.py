@@ -44,13 +44,15 @@ def computed(listed: dict[str, Claim], id: str) -> float:
 
 class TestWire:
     def test_heat(self):
-        assert bench.steady(1.4, PRINTED) == pytest.approx(295.0 + 1.4 / PER_KELVIN, abs=1e-3)
-        assert wire_numbers.threshold(PRINTED) == pytest.approx(PER_KELVIN * 37.75, rel=1e-9)
+        assert bench.steady_temperature(1.4, PRINTED) == pytest.approx(
+            295.0 + 1.4 / PER_KELVIN, abs=1e-3
+        )
+        assert wire_numbers.threshold_power(PRINTED) == pytest.approx(PER_KELVIN * 37.75, rel=1e-9)
         assert wire_numbers.free_width(PRINTED) == pytest.approx(PER_KELVIN * 13.0, rel=1e-9)
 
     @pytest.mark.parametrize(("T", "up", "down"), [(340.0, 79.6, 30.3), (370.0, 199.6, 150.4)])
     def test_plateaus(self, T, up, down):
-        found = wire_numbers.plateaus(wire_numbers.loaded(T))
+        found = wire_numbers.plateau_stresses(wire_numbers.load_wire(T))
         assert [s / 1e6 for s in found] == pytest.approx([up, down], abs=0.5)
 
     @pytest.mark.parametrize("T", [295.0, 310.0])
@@ -73,56 +75,58 @@ class TestBending:
         ],
     )  # fmt: skip
     def test_angle_time_and_stress(self, r, watts, angle, t63, stress):
-        run = bench.bent(watts, r, PRINTED)
-        assert bench.top(run, PRINTED) == pytest.approx(angle, abs=0.01)
-        assert bench.rise(run, 0.63, PRINTED) == pytest.approx(t63, abs=0.03)
-        assert bench.at(run, "stress", 13.0) / 1e6 == pytest.approx(stress, abs=0.1)
+        run = bench.run_bending(watts, r, PRINTED)
+        assert bench.top_angle(run, PRINTED) == pytest.approx(angle, abs=0.01)
+        assert bench.rise_time(run, 0.63, PRINTED) == pytest.approx(t63, abs=0.03)
+        assert bench.column_at(run, "stress", 13.0) / 1e6 == pytest.approx(stress, abs=0.1)
 
     def test_full_stroke_is_the_root_of_its_equation(self):
         angles = [bench.full_stroke(r, 8e-3, PRINTED) for r in PRINTED.offsets]
         assert angles == pytest.approx([92.75, 75.44, 62.19], abs=0.01)
 
     def test_the_trend_turns_round_far_from_the_hinge(self):
-        assert all(bending_numbers.falls(watts, PRINTED) for watts in PRINTED.powers)
-        far = bending_numbers.tops(2.0, PRINTED, bench.FAR_ARM)
+        assert all(bending_numbers.angles_fall(watts, PRINTED) for watts in PRINTED.powers)
+        far = bending_numbers.top_angles(2.0, PRINTED, bench.FAR_ARM)
         assert far == pytest.approx([6.0, 18.6, 30.3], abs=0.3)
 
     def test_force_limited_stress_is_at_its_threshold(self):
-        run = bench.bent(2.0, 5.5e-3, PRINTED, bench.FAR_ARM)
-        threshold = 1.0 + 4.0 * (bench.steady(2.0, PRINTED) - 320.0) - 52.0
-        assert bench.at(run, "stress", 13.0) / 1e6 == pytest.approx(threshold + 1.8, abs=1.0)
+        run = bench.run_bending(2.0, 5.5e-3, PRINTED, bench.FAR_ARM)
+        threshold = 1.0 + 4.0 * (bench.steady_temperature(2.0, PRINTED) - 320.0) - 52.0
+        assert bench.column_at(run, "stress", 13.0) / 1e6 == pytest.approx(threshold + 1.8, abs=1.0)
 
     def test_halving_the_step_changes_nothing(self):
-        coarse, fine = (bench.bent(1.4, 1.5e-3, PRINTED, step=s) for s in (0.02, 0.01))
+        coarse, fine = (bench.run_bending(1.4, 1.5e-3, PRINTED, step=s) for s in (0.02, 0.01))
         apart = [abs(a - b) for a, b in zip(coarse["angle"], fine["angle"], strict=True)]
         assert math.degrees(max(apart)) < 0.02
 
     def test_energy_is_accounted_for(self):
-        wire = bench.wire()
+        wire = bench.get_wire()
         values = {
             "mass": wire.mass(), "heat_capacity": wire.heat_capacity,
             "latent_heat": wire.latent_heat,
         }  # fmt: skip
-        run = bench.bent(2.0, 1.5e-3, PRINTED)
-        assert bench.imbalance(run, values) < 1e-4
+        run = bench.run_bending(2.0, 1.5e-3, PRINTED)
+        assert bench.energy_imbalance(run, values) < 1e-4
         half = replace(run, times=run.times[:200], columns={
             name: column[:200] for name, column in run.columns.items()
         })  # fmt: skip
-        assert bench.imbalance(half, values) < 1e-3
-        assert bench.imbalance(half, {**values, "latent_heat": 0.0}) > 0.03
+        assert bench.energy_imbalance(half, values) < 1e-3
+        assert bench.energy_imbalance(half, {**values, "latent_heat": 0.0}) > 0.03
 
 
 class TestLoop:
     def test_widths(self):
-        assert loop_numbers.widths(PRINTED, None)[:2] == pytest.approx((0.741, 0.433), abs=0.003)
-        full, _, static = loop_numbers.widths(PRINTED, None)
+        assert loop_numbers.loop_widths(PRINTED, None)[:2] == pytest.approx(
+            (0.741, 0.433), abs=0.003
+        )
+        full, _, static = loop_numbers.loop_widths(PRINTED, None)
         assert full / static == pytest.approx(2.1, rel=0.05)
-        full, _, static = loop_numbers.widths(PRINTED, 16e-3)
+        full, _, static = loop_numbers.loop_widths(PRINTED, 16e-3)
         assert full / static == pytest.approx(1.46, rel=0.05)
 
     def test_lag(self):
-        assert loop_numbers.lag(PRINTED, None) == pytest.approx(9.3, abs=0.1)
-        assert loop_numbers.lag(PRINTED, 16e-3) == pytest.approx(4.0, abs=0.1)
+        assert loop_numbers.temperature_lag(PRINTED, None) == pytest.approx(9.3, abs=0.1)
+        assert loop_numbers.temperature_lag(PRINTED, 16e-3) == pytest.approx(4.0, abs=0.1)
 
 
 @needs_compiler
@@ -142,14 +146,14 @@ class TestWhole:
         assert computed(listed, "polycrystal-1.4W") == pytest.approx(68.0, abs=2.0)
         assert computed(listed, "polycrystal-2.0W") == pytest.approx(75.0, abs=2.0)
         angles = [
-            bench.top(bench.bent(1.4, r, PRINTED, None, bench.POLYCRYSTAL), PRINTED)
+            bench.top_angle(bench.run_bending(1.4, r, PRINTED, None, bench.POLYCRYSTAL), PRINTED)
             for r in PRINTED.offsets
         ]
         assert angles == pytest.approx([76.0, 68.0, 59.0], abs=2.0)
 
     def test_crystals_differ_at_intermediate_powers(self, listed):
         assert computed(listed, "crystals") == pytest.approx(18.5, abs=1.0)
-        apart = [crystal_numbers.difference(watts, PRINTED, 12e-3) for watts in (1.4, 1.6)]
+        apart = [crystal_numbers.crystal_difference(watts, PRINTED, 12e-3) for watts in (1.4, 1.6)]
         assert apart == pytest.approx([-1.0, 11.5], abs=1.5)
 
     def test_each_published_number_decides_its_verdict(self, listed):
@@ -159,7 +163,10 @@ class TestWhole:
 
     def test_readme_has_the_computed_numbers(self, listed):
         text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
-        shown = [f"{crystal_numbers.difference(w, PRINTED):+.1f}° at {w:.1f} W" for w in (1.0, 1.3)]
+        shown = [
+            f"{crystal_numbers.crystal_difference(w, PRINTED):+.1f}° at {w:.1f} W"
+            for w in (1.0, 1.3)
+        ]
         ends = [f"{computed(listed, f'limited-{w:.1f}W'):.1f}" for w in PRINTED.powers]
         angles = [f"{computed(listed, f'angle-{r}mm-2.0W'):.1f}°" for r in (1.5, 3.5, 5.5)]
         lag = f"{computed(listed, 'proportional'):.1f} K off"
@@ -173,7 +180,7 @@ class TestWhole:
 
 
 def test_redundant_parameters_change_nothing():
-    assert bending_numbers.redundancy(PRINTED) < 1e-3
+    assert bending_numbers.gauge_change(PRINTED) < 1e-3
 
 
 @needs_compiler
@@ -186,8 +193,8 @@ def test_figure(tmp_path):
 def test_a_wrong_number_is_noticed():
     """Another distance gives another angle; distances listed backwards break the trend."""
     wrong = PRINTED.with_numbers(offsets=(2.5e-3, 3.5e-3, 5.5e-3))
-    assert bending_numbers.falls(2.0, wrong)
-    assert abs(bending_numbers.tops(2.0, wrong)[0] - 92.75) > 5.0
+    assert bending_numbers.angles_fall(2.0, wrong)
+    assert abs(bending_numbers.top_angles(2.0, wrong)[0] - 92.75) > 5.0
     backwards = PRINTED.with_numbers(offsets=PRINTED.offsets[::-1])
     numbers = {"arm": 8.0, "count": 2.0, "trend": bending_numbers.count_falls(backwards)}
     found = settle_some(FingerStudy(backwards), "bending", numbers, "trend")

@@ -12,7 +12,7 @@ from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 
 from martensite.kernels.c99 import find_compiler
 from martensite.studies.base import Claim, load_study
-from martensite.studies.hammerstein_wiener import judged, loop, loops, models
+from martensite.studies.hammerstein_wiener import comparisons, loop, loops, models
 from martensite.studies.hammerstein_wiener.bench import INTERVAL
 from martensite.studies.hammerstein_wiener.fit_numbers import BETTER, PAPER, WHOLE
 from martensite.studies.hammerstein_wiener.study import HammersteinWiener
@@ -21,20 +21,22 @@ pytestmark = pytest.mark.skipif(find_compiler() is None, reason="needs a C compi
 
 
 def test_stage_1_as_in_the_paper() -> None:
-    assert judged.on("stage 1", "validation").fit >= 89.0
-    assert judged.on("stage 1", "slow").fit == pytest.approx(82.0, abs=2.5)
+    assert comparisons.compare_position("stage 1", "validation").fit >= 89.0
+    assert comparisons.compare_position("stage 1", "slow").fit == pytest.approx(82.0, abs=2.5)
 
 
 def test_the_one_model_holds_at_every_rate_and_at_rest() -> None:
-    assert judged.on(WHOLE, "validation").fit >= 96.0
-    assert judged.on(WHOLE, "slow").fit >= 92.0
-    assert judged.rest(WHOLE) <= 0.05e-3
+    assert comparisons.compare_position(WHOLE, "validation").fit >= 96.0
+    assert comparisons.compare_position(WHOLE, "slow").fit >= 92.0
+    assert comparisons.rest_position(WHOLE) <= 0.05e-3
 
 
 def test_a_wrong_model_is_noticed() -> None:
-    model = models.model("stage 1")
+    model = models.estimate_recipe("stage 1")
     slower = model.theta + np.array([0.3 * (n == "2.log_tau") for n in model.names()])
-    found = judged.judged(model.with_theta(slower), models.record("validation"), "stage 1")
+    found = comparisons.compare_model(
+        model.with_theta(slower), models.read_record("validation"), "stage 1"
+    )
     assert found.fit < 88.0
 
 
@@ -42,7 +44,7 @@ def test_heating_and_cooling_share_a_record() -> None:
     rng = np.random.default_rng(0)
     measured, hot = rng.normal(size=1000), rng.random(1000) < 0.3
     computed = measured + np.where(hot, 0.5, 0.1)
-    found = judged.scored(measured, computed, hot)
+    found = comparisons.score_record(measured, computed, hot)
     assert found.heating < found.fit < found.cooling
     assert (found.worst_heating, found.worst_cooling) == pytest.approx((0.5, 0.1))
     assert found.worst == found.worst_heating
@@ -50,7 +52,7 @@ def test_heating_and_cooling_share_a_record() -> None:
 
 def test_ramps_heat_where_they_go_up() -> None:
     up, down = np.linspace(0.05, 0.1, 5000), np.linspace(0.1, 0.06, 5000)
-    found = judged.heating(np.concatenate([up, down]))
+    found = comparisons.heating_rows(np.concatenate([up, down]))
     assert found[:4400].all() and not found[5000:9400].any()
 
 
@@ -70,27 +72,30 @@ class TestEverything:
         }  # fmt: skip
 
     def test_the_paper_s_stages_repeat_their_cadence_and_no_other(self) -> None:
-        assert judged.on(PAPER, "validation").fit >= 90.0
-        assert judged.in_series(PAPER, "validation").fit >= 88.0
-        assert judged.on(PAPER, "slow").fit < 60.0
-        assert judged.in_series(PAPER, "slow").fit < 60.0
+        assert comparisons.compare_position(PAPER, "validation").fit >= 90.0
+        assert comparisons.in_series(PAPER, "validation").fit >= 88.0
+        assert comparisons.compare_position(PAPER, "slow").fit < 60.0
+        assert comparisons.in_series(PAPER, "slow").fit < 60.0
 
     def test_plays_hold_at_every_rate(self) -> None:
-        validation, slow = judged.on(BETTER, "validation"), judged.on(BETTER, "slow")
+        validation, slow = (
+            comparisons.compare_position(BETTER, "validation"),
+            comparisons.compare_position(BETTER, "slow"),
+        )
         assert validation.fit >= 96.5 and slow.fit >= 95.5
         assert validation.cooling >= validation.heating - 1.0
         assert max(validation.worst, slow.worst) <= 0.6e-3
-        assert judged.rest(f"series {BETTER}") <= 0.05e-3
+        assert comparisons.rest_position(f"series {BETTER}") <= 0.05e-3
 
     def test_what_is_tuned_on_the_model_holds_on_the_bench(self) -> None:
-        both = loops.steps(WHOLE)
+        both = loops.compare_steps(WHOLE)
         assert both.likeness >= 95.0
         for model, bench in both.responses():
             assert bench.rise == pytest.approx(model.rise, rel=0.1)
             assert 100.0 * bench.overshoot == pytest.approx(100.0 * model.overshoot, abs=2.0)
             assert bench.settling == pytest.approx(model.settling, abs=0.2)
-        assert loops.sines(WHOLE).apart <= 0.25e-3
-        heating, cooling = loops.sines(WHOLE).branches
+        assert loops.compare_sines(WHOLE).apart <= 0.25e-3
+        heating, cooling = loops.compare_sines(WHOLE).branches
         assert heating < 0.1e-3 < cooling < 0.5e-3
 
     def test_a_model_without_rest_is_wrong_there(self, listed: list[Claim]) -> None:
@@ -103,6 +108,6 @@ class TestEverything:
 
 
 def test_the_staircase_is_the_one_of_the_tuning() -> None:
-    wanted = loop.staircase()
+    wanted = loop.step_reference()
     assert len(wanted) * INTERVAL == pytest.approx(30.0)
     assert sorted(set(wanted.tolist())) == [0.0, 3e-3, 6e-3]

@@ -25,14 +25,27 @@ PRINTED = printed_numbers("migaone")
 POINTS = PRINTED.steps.column("temperature"), PRINTED.steps.column("film")
 COEFFICIENTS = PRINTED.h0, PRINTED.h1, PRINTED.h2
 REPRODUCED = {
-    "geometry-volume-misprint", "steady-1.0V", "steady-1.5V", "steady-2.0V", "steady-2.5V",
+    "geometry-volume-misprint",
+    "steady-1.0V",
+    "steady-1.5V",
+    "steady-2.0V",
+    "steady-2.5V",
     "actuation-time",
-}  # fmt: skip
+}
 NOT_REPRODUCED = {
-    "geometry-diameter", "geometry-surface", "geometry-volume", "resistance-1.0V",
-    "resistance-2.5V", "fit-quadratic-h0", "fit-quadratic-h1", "fit-quadratic-h2",
-    "fit-no-linear-h0", "fit-no-linear-h2", "fit-r2-printed", "fit-r2-best",
-}  # fmt: skip
+    "geometry-diameter",
+    "geometry-surface",
+    "geometry-volume",
+    "resistance-1.0V",
+    "resistance-2.5V",
+    "fit-quadratic-h0",
+    "fit-quadratic-h1",
+    "fit-quadratic-h2",
+    "fit-no-linear-h0",
+    "fit-no-linear-h2",
+    "fit-r2-printed",
+    "fit-r2-best",
+}
 
 
 @pytest.fixture(scope="module")
@@ -109,21 +122,23 @@ def test_geometry_and_resistance(claims: dict[str, Claim]) -> None:
 
 
 def test_scenario_says_what_the_paper_does() -> None:
-    scenario = bench.scenario()
-    assert bench.number("environment.temperature") == pytest.approx(PRINTED.ambient + bench.ZERO)
-    coefficients = tuple(bench.number(f"cooling.h{k}") for k in range(3))
+    scenario = bench.load_scenario()
+    assert bench.read_number("environment.temperature") == pytest.approx(
+        PRINTED.ambient + bench.ZERO
+    )
+    coefficients = tuple(bench.read_number(f"cooling.h{k}") for k in range(3))
     assert coefficients == pytest.approx(COEFFICIENTS)
     wire = bench.base_wire()
-    ohms = bench.number("rho_M") * wire.length / wire.section()
+    ohms = bench.read_number("rho_M") * wire.length / wire.section()
     assert ohms == pytest.approx(PRINTED.resistance, abs=0.01)
-    assert bench.number("series_resistance") == pytest.approx(
+    assert bench.read_number("series_resistance") == pytest.approx(
         wire_numbers.series_resistance(2.5, PRINTED), abs=0.005
     )
     assert scenario.single_waveform.value(100.0) == pytest.approx(PRINTED.steps[-1].voltage)
 
 
 def test_scenario_moves_and_returns() -> None:
-    run = bench.scenario().run()
+    run = bench.load_scenario().run()
     assert isinstance(run, Result)
     assert 6e-3 < run.stroke < 8e-3
     assert run["position"][-1] == pytest.approx(0.0, abs=1e-6)
@@ -136,7 +151,7 @@ def test_scenario_moves_and_returns() -> None:
 def test_fits() -> None:
     full, even, line = (
         fit(PRINTED)
-        for fit in (film_numbers.quadratic, film_numbers.no_linear, film_numbers.straight)
+        for fit in (film_numbers.fit_quadratic, film_numbers.no_linear, film_numbers.fit_straight)
     )
     assert full.coefficients == pytest.approx((30.729, 0.34525, 4.701e-4), rel=3e-5)
     assert even.coefficients == pytest.approx((41.888, 0.0, 0.0030103), rel=3e-5)
@@ -149,7 +164,7 @@ def test_fits() -> None:
 
 
 def test_no_parabola_beats_the_fit() -> None:
-    best = film_numbers.quadratic(PRINTED)
+    best = film_numbers.fit_quadratic(PRINTED)
     for k in range(3):
         for factor in (0.999, 1.001):
             moved = [c * (factor if i == k else 1.0) for i, c in enumerate(best.coefficients)]
@@ -225,7 +240,7 @@ def test_film_rests_on_the_ambient_temperature() -> None:
 )
 def test_sine(key: str, hottest: float, rise: float, fall: float, stroke: float) -> None:
     """The reference has stroke proportional to 1 - ξ; here 0.2 mm of it is elastic."""
-    found = bench.response(key, PRINTED)
+    found = bench.read_response(key, PRINTED)
     assert found.hottest == pytest.approx(hottest, abs=0.1)
     assert found.rise == pytest.approx(rise, abs=0.25)
     assert found.fall == pytest.approx(fall, abs=0.25)
@@ -234,11 +249,13 @@ def test_sine(key: str, hottest: float, rise: float, fall: float, stroke: float)
 
 def test_actuation_time() -> None:
     """The reference is for a room of 25 °C, and to two digits."""
-    assert motion_numbers.fastest(PRINTED) == pytest.approx(0.38, abs=0.01)
-    assert motion_numbers.slowest(PRINTED) == pytest.approx(1.7, abs=0.05)
-    assert motion_numbers.thin(PRINTED, motion_numbers.ROOM) == pytest.approx(0.016, abs=0.0005)
+    assert motion_numbers.fastest_time(PRINTED) == pytest.approx(0.38, abs=0.01)
+    assert motion_numbers.slowest_time(PRINTED) == pytest.approx(1.7, abs=0.05)
+    assert motion_numbers.thin_wire_time(PRINTED, motion_numbers.ROOM) == pytest.approx(
+        0.016, abs=0.0005
+    )
     here = bench.actuation_time(PRINTED, PRINTED.ambient)
-    assert motion_numbers.fastest(PRINTED) < here < motion_numbers.slowest(PRINTED)
+    assert motion_numbers.fastest_time(PRINTED) < here < motion_numbers.slowest_time(PRINTED)
 
 
 # ---------------------------------------------------------------- the study
@@ -266,15 +283,15 @@ def test_figure(tmp_path) -> None:
 def test_readme_has_the_computed_numbers() -> None:
     text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
     for key in bench.VARIANTS:
-        r = bench.response(key, PRINTED)
+        r = bench.read_response(key, PRINTED)
         row = f"| {r.hottest:.1f} °C | {r.rise:.1f} s | {r.fall:.1f} s | {1e3 * r.stroke:.2f} mm |"
         assert row in text
-    even, line = film_numbers.no_linear(PRINTED), film_numbers.straight(PRINTED)
+    even, line = film_numbers.no_linear(PRINTED), film_numbers.fit_straight(PRINTED)
     h0, _, h2 = even.coefficients
     assert f"| {h0:.3f}, 0, {h2:.7f} | {even.r_squared:.5f} |" in text
     assert f"| {line.coefficients[0]:.3f}, {line.coefficients[1]:.5f}, 0 |" in text
     assert f"about 1 s: {bench.actuation_time(PRINTED, PRINTED.ambient):.2f} s" in text
-    spread = f"{motion_numbers.fastest(PRINTED):.2f} to {motion_numbers.slowest(PRINTED):.2f} s"
+    spread = f"{motion_numbers.fastest_time(PRINTED):.2f} to {motion_numbers.slowest_time(PRINTED):.2f} s"
     assert spread in text
     mean = film_numbers.steady_errors("constant", PRINTED)
     assert "{:+.1f}, {:+.1f}, {:+.1f} and {:+.1f} K".format(*mean) in text

@@ -161,16 +161,16 @@ def test_readings_agree_with_the_integral(name: str, volts: float) -> None:
 def test_calibrated_sets_agree_with_the_integral(key: str) -> None:
     """To 0.1 ms; and they are calibrated."""
     for angle, at in ((PRINTED.angle, AT_25), (PRINTED.target, AT_30)):
-        found = response_numbers.times(key, PRINTED, angle)
+        found = response_numbers.response_times(key, PRINTED, angle)
         expected = [reference(CASES[key], volts).arrival(at) for volts in (5.0, 3.0)]
         assert found == pytest.approx(expected, abs=1e-4)
-    times = response_numbers.times(key, PRINTED, PRINTED.angle)
+    times = response_numbers.response_times(key, PRINTED, PRINTED.angle)
     assert times == pytest.approx((PRINTED.fast, PRINTED.slow), abs=0.01)
 
 
 def test_no_reading_is_below_the_bound() -> None:
     """t(3 V)/t(5 V) ≥ 25/9 with equality without heat loss."""
-    found = response_numbers.ratios(PRINTED)
+    found = response_numbers.time_ratios(PRINTED)
     assert set(found) == {*VARIANTS, *IN_SERIES}
     assert min(found.values()) >= 25 / 9 - 1e-5
     assert found["no heat loss"] == pytest.approx(25 / 9, abs=1e-5)
@@ -195,7 +195,7 @@ def test_just_less_current_stalls_and_just_more_arrives() -> None:
     needed = response_numbers.needed_current(PRINTED)
     for share, arrives in ((0.995, False), (1.005, True)):
         case = replace(AS_PRINTED, limits=(share * needed, share * needed))
-        time = bench.arrival(case, PRINTED, PRINTED.high, PRINTED.angle, 200.0, 0.05)
+        time = bench.arrival_time(case, PRINTED, PRINTED.high, PRINTED.angle, 200.0, 0.05)
         assert math.isfinite(time) == arrives
 
 
@@ -212,7 +212,7 @@ def test_path_and_unit_of_the_stress_factor(listed: dict[str, Claim]) -> None:
 def test_set_c(listed: dict[str, Claim]) -> None:
     assert computed(listed, "set-C-5V") == pytest.approx(18.0, abs=0.01)
     assert computed(listed, "set-C-3V") == pytest.approx(31.2, abs=0.06)
-    result = bench.heated(CASES["C"], PRINTED, 5.0, bench.RISE, bench.FINE)
+    result = bench.run_heated(CASES["C"], PRINTED, 5.0, bench.RISE, bench.FINE)
     assert max(result["first.temperature"]) - bench.ZERO > 300.0
 
 
@@ -226,7 +226,7 @@ def test_cooling(listed: dict[str, Claim]) -> None:
 
 def test_limit_cycle() -> None:
     """Within two samples of 20 ms of what was found in steps of 5 ms."""
-    first, period, on = control_numbers.cycle(PRINTED)
+    first, period, on = control_numbers.limit_cycle(PRINTED)
     assert first == pytest.approx(reference(CASES["A"], 5.0).arrival(AT_30), abs=0.02)
     assert period == pytest.approx(16.63, abs=0.04)
     assert on == pytest.approx(8.94, abs=0.04)
@@ -254,32 +254,32 @@ def test_what_overshoots_and_what_does_not(listed: dict[str, Claim]) -> None:
 
 
 def test_scenario_is_set_a() -> None:
-    result = bench.scenario().run()
+    result = bench.load_scenario().run()
     assert isinstance(result, Result)
-    when = readings.passing(result.times, bench.degrees(result), PRINTED.angle)
+    when = readings.passing_time(result.times, bench.angle_degrees(result), PRINTED.angle)
     assert when == pytest.approx(PRINTED.fast, abs=0.02)
-    assert max(bench.degrees(result)) == pytest.approx(30.06, abs=0.02)
+    assert max(bench.angle_degrees(result)) == pytest.approx(30.06, abs=0.02)
     assert result["alpha"][-1] < math.radians(2.0)
 
 
 def test_springs_are_free_of_force_and_weigh_what_is_printed() -> None:
     for case in (AS_PRINTED, VARIANTS["6 mm mean coil diameter"]):
-        spring = bench.spring(case, PRINTED)
+        spring = bench.build_spring(case, PRINTED)
         assert spring.mass() == pytest.approx(PRINTED.spring_mass)
         ends = [spring.resistance.value_of(n) * spring.wire_length() / spring.section()
                 for n in ("rho_A", "rho_M")]  # fmt: skip
         assert ends == pytest.approx([PRINTED.R_A, PRINTED.R_M])
-    rest = bench.machine(AS_PRINTED, PRINTED)
-    run = bench.heated(AS_PRINTED, PRINTED, 0.0, 0.1)
+    rest = bench.build_machine(AS_PRINTED, PRINTED)
+    run = bench.run_heated(AS_PRINTED, PRINTED, 0.0, 0.1)
     assert max(abs(run[f"{port}.force"][-1]) for port in rest.actuators()) == 0.0
 
 
 def test_plain_floats_serve_where_there_is_no_compiler(
     monkeypatch: pytest.MonkeyPatch, c_compiler: str
 ) -> None:
-    assert readings.runtime() == "c"
+    assert readings.choose_runtime() == "c"
     monkeypatch.setattr(readings, "find_compiler", lambda: None)
-    assert readings.runtime() == "floats"
+    assert readings.choose_runtime() == "floats"
 
 
 def test_study_is_found_by_name() -> None:
@@ -311,8 +311,8 @@ def test_readme_has_the_computed_numbers(listed: dict[str, Claim]) -> None:
     assert f"stalls at {computed(listed, 'limited-angle'):.2f}°" in text
     assert f"{computed(listed, 'needed-current'):.3f} A" in text
     for key, short in (("A", "A"), ("A'", "A2")):
-        early = " / ".join(f"{t:.2f}" for t in response_numbers.times(key, PRINTED, 25.0))
-        late = " / ".join(f"{t:.2f}" for t in response_numbers.times(key, PRINTED, 30.0))
+        early = " / ".join(f"{t:.2f}" for t in response_numbers.response_times(key, PRINTED, 25.0))
+        late = " / ".join(f"{t:.2f}" for t in response_numbers.response_times(key, PRINTED, 30.0))
         row = next(line for line in text.splitlines() if line.startswith(f"| {key}:"))
         assert f"| {early} s | {late} s |" in row, short
     for key, row in (
@@ -321,6 +321,6 @@ def test_readme_has_the_computed_numbers(listed: dict[str, Claim]) -> None:
         ("A", "set A | none"), ("A-late", "set A | 0.3 s"), ("C", "set C | none"),
     ):  # fmt: skip
         assert f"| {row} | {computed(listed, f'overshoot-{key}'):.2f}° |" in text
-    first, period, on = control_numbers.cycle(PRINTED)
+    first, period, on = control_numbers.limit_cycle(PRINTED)
     assert f"first off after {first:.2f} s, then every {period:.2f} s" in text
     assert f"{on:.2f} s of them on" in text

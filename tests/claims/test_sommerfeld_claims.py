@@ -27,7 +27,7 @@ from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.studies.base import Claim, load_study, study_names
-from martensite.studies.readings import runtime
+from martensite.studies.readings import choose_runtime
 from martensite.studies.sommerfeld import (
     actuator,
     averages,
@@ -174,9 +174,11 @@ def test_plateau() -> None:
 def test_modes_have_the_frequency_of_the_single_mass() -> None:
     motor = machines.printed_motor(PRINTED)
     modal = machines.motor_with_modes(motor, PRINTED, 3)
-    assert machines.natural(modal) == pytest.approx(machines.natural(motor), rel=1e-6)
+    assert machines.natural_frequency(modal) == pytest.approx(
+        machines.natural_frequency(motor), rel=1e-6
+    )
     assert modal.mass == pytest.approx(M, rel=5e-3)
-    assert modal.stiffness_2 / modal.mass_2 > 100.0 * machines.natural(motor) ** 2
+    assert modal.stiffness_2 / modal.mass_2 > 100.0 * machines.natural_frequency(motor) ** 2
 
 
 # ---------------------------------------------------------------- integrator
@@ -190,14 +192,14 @@ def test_step_limit() -> None:
     motor = machines.printed_motor(PRINTED)
     assert rk4.step_limit(motor) == pytest.approx(real * L / R, rel=2e-3)
     assert rk4.step_limit(motor) == pytest.approx(2.1e-4, rel=0.01)
-    assert rk4.stable(motor, 0.98 * real * L / R)
-    assert not rk4.stable(motor, 1.02 * real * L / R)
+    assert rk4.is_stable(motor, 0.98 * real * L / R)
+    assert not rk4.is_stable(motor, 1.02 * real * L / R)
 
 
 def test_rk4_and_the_march_agree() -> None:
     """Both from rest at 5 V: displacement, speed and current after a second."""
     motor = machines.printed_motor(PRINTED)
-    step, state = rk4.advance(motor), (0.0,) * 5
+    step, state = rk4.advance_step(motor), (0.0,) * 5
     for _ in range(10_000):
         state = step(*state, 5.0, 5.0, 5.0, 1e-4)
     wave = Step(high=5.0, until=9.0)
@@ -221,7 +223,7 @@ def volts_at(omega: float) -> float:
 
 
 def test_folds() -> None:
-    upper, lower = averages.folds(machines.printed_motor(PRINTED))
+    upper, lower = averages.find_folds(machines.printed_motor(PRINTED))
     peak = math.sqrt(K / M)
     up = optimize.minimize_scalar(
         lambda w: -volts_at(w), bounds=(0.9 * peak, 1.01 * peak), method="bounded"
@@ -237,24 +239,24 @@ def test_folds() -> None:
 def test_sweeps_turn_at_the_folds() -> None:
     """A ramp that is slow enough jumps near the fold; a faster one earlier, by the transients."""
     motor = machines.printed_motor(PRINTED)
-    upper, lower = averages.folds(motor)
-    slow, fast = (runs.upward(motor, rate, 90.0).jump for rate in (0.5, 1.0))
+    upper, lower = averages.find_folds(motor)
+    slow, fast = (runs.run_upward(motor, rate, 90.0).jump for rate in (0.5, 1.0))
     assert 0.97 * upper.voltage < slow < upper.voltage
     assert fast < slow
-    found = runs.downward(motor, *beam_numbers.DOWN)
+    found = runs.run_downward(motor, *beam_numbers.DOWN)
     assert 0.8 * lower.voltage < runs.dropped_below(found, lower.speed) < lower.voltage
     at_fold = np.interp(upper.voltage * 0.9, *_of_ramp(motor))
-    assert at_fold == pytest.approx(averages.amplitude(motor, upper.speed), rel=0.08)
+    assert at_fold == pytest.approx(averages.amplitude_at(motor, upper.speed), rel=0.08)
 
 
 def _of_ramp(motor: BeamMotor) -> tuple[np.ndarray, np.ndarray]:
-    found = runs.upward(motor, 0.5, 90.0)
+    found = runs.run_upward(motor, 0.5, 90.0)
     return np.asarray(found.voltage), np.asarray(found.amplitude)
 
 
 def test_calibration() -> None:
     omega = 2.0 * math.pi * 8.36
-    found = averages.calibration(PRINTED)
+    found = averages.calibrate_beam(PRINTED)
     torque = 0.5 * found.damping * omega * 0.054**2
     assert K / found.mass == pytest.approx(omega**2)
     assert found.damping * omega * 0.054 == pytest.approx(U * ECC * omega**2)
@@ -268,11 +270,11 @@ def test_calibration() -> None:
 def test_calibrated_ramp_does_not_depend_on_the_step() -> None:
     """0.2 V/s in half the step: the same jump and amplitude."""
     motor = machines.calibrated_motor()
-    coarse = runs.upward(motor, 0.2, 7.0)
+    coarse = runs.run_upward(motor, 0.2, 7.0)
     wave = Ramp(high=7.0, end=35.0)
     run = simulate(Machine(mechanism=motor), {"motor": wave}, 35.0, step=2e-4, samples=17501,
-                   runtime=runtime())  # fmt: skip
-    fine = runs.windows(run, motor)
+                   runtime=choose_runtime())  # fmt: skip
+    fine = runs.split_windows(run, motor)
     assert fine.jump == pytest.approx(coarse.jump, abs=0.051)  # one window
     assert fine.peak == pytest.approx(coarse.peak, abs=1e-4)
 
@@ -285,15 +287,15 @@ def test_required_changes() -> None:
         return (5.2 - KT * omega) / (6.38 - KT * first) - torques
 
     omega = float(optimize.brentq(missing, first, 2.0 * first))  # type: ignore[arg-type]
-    stiff, damped = averages.required(PRINTED)
+    stiff, damped = averages.required_changes(PRINTED)
     assert stiff == pytest.approx((omega / first) ** 2, rel=1e-6)
     assert damped == pytest.approx(omega / first / 0.5741, rel=1e-6)
     assert (stiff, damped) == pytest.approx((1.3, 2.0), rel=0.02)
 
 
 def test_stiffness_alone_moves_the_jump_up_and_damping_alone_down() -> None:
-    base = runs.upward(machines.calibrated_motor(), wire.RATE, 8.0).jump
-    found = ramp_numbers.variants(PRINTED)
+    base = runs.run_upward(machines.calibrated_motor(), wire.RATE, 8.0).jump
+    found = ramp_numbers.ramp_variants(PRINTED)
     assert found["stiffness"].jump > base + 1.0
     assert found["damping"].jump < found["both"].jump < base - 0.5
 
@@ -309,7 +311,7 @@ def test_whole_millimetres() -> None:
 def test_cold_wire_is_slack_until_it_is_switched_on() -> None:
     """So the run that says when it is switched on needs no wire."""
     on = wire.switched_on(PRINTED)
-    system = machines.scenario().system
+    system = machines.load_scenario().system
     cold = simulate(system, {"motor": Ramp(high=14.0, end=70.0)}, on, step=4e-4, samples=101)
     assert set(cold["force"]) == {0.0}
     assert cold["rotor_speed"][-1] == pytest.approx(2.0 * math.pi * 3.0, rel=0.03)
@@ -323,12 +325,12 @@ def test_fit_of_the_slack() -> None:
     by_size = wire.slack_for(PRINTED, "reduction", 0.4259)
     assert 0.01 < by_size < 0.02
     assert by_jump == pytest.approx(by_size, abs=0.002)
-    best = wire.best(PRINTED)
-    assert best.slack == machines.scenario().system.value_of("slack")
+    best = wire.best_trial(PRINTED)
+    assert best.slack == machines.load_scenario().system.value_of("slack")
     assert best.jump == pytest.approx(5.2, abs=0.1)
     assert best.reduction == pytest.approx(0.4259, abs=0.02)
-    jumps = [one.jump for one in wire.trials(PRINTED)]
-    reductions = [one.reduction for one in wire.trials(PRINTED)]
+    jumps = [one.jump for one in wire.run_trials(PRINTED)]
+    reductions = [one.reduction for one in wire.run_trials(PRINTED)]
     assert jumps == sorted(jumps)
     assert reductions == sorted(reductions, reverse=True)
     assert math.isnan(wire.slack_for(PRINTED, "jump", 9.0))
@@ -339,23 +341,23 @@ def test_fit_of_the_slack() -> None:
 def test_another_target_would_choose_another_slack() -> None:
     """The fit follows the published numbers; it is not fixed."""
     other = PRINTED.with_numbers(jump_with_wire=5.9, reduction=0.26)
-    assert wire.best(other).slack == 0.025
-    assert wire.best(PRINTED).slack == 0.015
+    assert wire.best_trial(other).slack == 0.025
+    assert wire.best_trial(PRINTED).slack == 0.015
 
 
 @pytest.mark.slow
 @needs_c
 def test_controller_and_run_agree() -> None:
     """Replayed along the final run, the controller switches when the run did: the loop closes."""
-    found = wire.controlled(PRINTED)
-    assert wire.switchings(PRINTED, found.result) == [found.on, found.off]
-    waves = machines.scenario().waveform
+    found = wire.run_controlled(PRINTED)
+    assert wire.switching_times(PRINTED, found.result) == [found.on, found.off]
+    waves = machines.load_scenario().waveform
     assert isinstance(waves, dict)
     drive = waves["drive"]
     assert isinstance(drive, Step)
     assert (drive.at, drive.until) == (found.on, found.off)
     assert found.off > found.sweep.jump / wire.RATE > found.on
-    assert found.sweep.jump == wire.best(PRINTED).jump
+    assert found.sweep.jump == wire.best_trial(PRINTED).jump
     assert max(found.result["current"]) == 1.1
     assert min(found.result["force"]) >= 0.0
 
@@ -365,9 +367,12 @@ def test_controller_and_run_agree() -> None:
 def test_ramp_with_the_wire_does_not_depend_on_the_step() -> None:
     on = wire.switched_on(PRINTED)
     waves = {"motor": Ramp(high=6.0, end=30.0), "drive": Step(high=1.1, at=on, until=1e9)}
-    system = machines.scenario().system
+    system = machines.load_scenario().system
     run = simulate(system, waves, 30.0, step=2e-4, samples=15001, runtime="c")
-    fine, coarse = runs.windows(run, machines.calibrated_motor()), wire.trial(PRINTED, 0.015).sweep
+    fine, coarse = (
+        runs.split_windows(run, machines.calibrated_motor()),
+        wire.run_trial(PRINTED, 0.015).sweep,
+    )
     assert fine.jump == pytest.approx(coarse.jump, abs=0.051)
     assert fine.peak == pytest.approx(coarse.peak, abs=1e-4)
 
@@ -377,12 +382,12 @@ def test_ramp_with_the_wire_does_not_depend_on_the_step() -> None:
 
 def test_actuator_curves() -> None:
     """Nothing recovers below 1 V; then all of it, and the current rises by R_M/R_A."""
-    strains = [actuator.recovered(volts) for volts in PRINTED.heating_voltages]
+    strains = [actuator.recovered_strain(volts) for volts in PRINTED.heating_voltages]
     assert strains[0] == pytest.approx(0.0, abs=1e-9)
     assert min(b - a for a, b in pairwise(strains)) >= -1e-15
     elastic = 0.5 * 9.80665 / (math.pi / 4 * 0.375e-3**2) * (1 / 28e9 - 1 / 75e9)
     assert strains[-1] == pytest.approx(0.04 + elastic, rel=1e-3)
-    run = actuator.heated(1.3)
+    run = actuator.run_heated(1.3)
     assert actuator.at_end(1.3, "current") / run["current"][1] == pytest.approx(1.5 / 1.3, rel=2e-3)
     assert run["martensite_fraction"][-1] == pytest.approx(1.0, abs=1e-3)
     assert actuator.complete_from(PRINTED) == 1.2
@@ -434,7 +439,7 @@ def test_readme_has_the_computed_numbers() -> None:
     alone = [computed(one, f"with-{name}") for name in ("stiffness", "damping", "both")]
     assert "up to {:.2f} V, more damping alone down to {:.2f} V, both to {:.2f} V".format(*alone) \
         in text  # fmt: skip
-    for trial in wire.trials(PRINTED):
+    for trial in wire.run_trials(PRINTED):
         row = f"| {100 * trial.slack:.1f} % | {trial.jump:.2f} V | {100 * trial.reduction:.1f} % |"
         assert row in text
     slacks = (wire.slack_for(PRINTED, *target) for target in (("jump", 5.2), ("reduction", 0.4259)))

@@ -137,7 +137,7 @@ def test_a_swapped_ratio_would_be_noticed() -> None:
 
 def test_textbook_air_agrees_with_the_printed_rows() -> None:
     for row in PRINTED.rows:
-        found = bench.film(row.temperature, 22.0, PRINTED)
+        found = bench.film_coefficient(row.temperature, 22.0, PRINTED)
         assert found == pytest.approx(h_in_air(row.temperature, 22.0), rel=2e-3)
         assert found == pytest.approx(bench.printed_film(row, PRINTED), rel=0.01)
     ambients = [bench.implied_ambient(row) for row in PRINTED.rows]
@@ -202,7 +202,7 @@ def test_closure_b(listed: dict[str, Claim]) -> None:
 
 @pytest.mark.parametrize("closure", ["a", "b"])
 def test_scenarios_are_the_closures(closure: str) -> None:
-    scenario = bench.scenario(closure)
+    scenario = bench.load_scenario(closure)
     run = bench.heating_run(closure)
     assert isinstance(run, Result)
     assert run["stress"][0] == pytest.approx(0.5 * 9.80665 / (math.pi / 4 * D**2), rel=1e-6)

@@ -11,13 +11,13 @@ from builders import ZERO, FunctionWaveform, chamber, law_a, problem_a, through
 
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.api import simulate
-from martensite.studies.readings import runtime
+from martensite.studies.readings import choose_runtime
 
 
 def strokes(rule, duty, step=1e-3):
     """Stroke [mm] after 20 and 60 s, at the end of a period."""
     wave = PulseWidthModulation(high=5.0, frequency=10.0, duty=duty)
-    run = simulate(problem_a(rule), wave, 60.0, step=step, samples=601, runtime=runtime())
+    run = simulate(problem_a(rule), wave, 60.0, step=step, samples=601, runtime=choose_runtime())
     return [1e3 * run["position"][k] for k in (200, 600)]
 
 
@@ -41,7 +41,9 @@ def test_printed_strokes(duty, rule):
 def test_resume_settles_and_restart_creeps():
     wave = PulseWidthModulation(high=5.0, frequency=10.0, duty=0.16)
     for rule, creeps in (("resume", False), ("restart", True)):
-        run = simulate(problem_a(rule), wave, 60.0, step=1e-3, samples=601, runtime=runtime())
+        run = simulate(
+            problem_a(rule), wave, 60.0, step=1e-3, samples=601, runtime=choose_runtime()
+        )
         late = 1e3 * (run["position"][600] - run["position"][500])
         assert (late > 0.1) == creeps
         assert (late < 0.005) != creeps

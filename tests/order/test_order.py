@@ -15,7 +15,7 @@ from builders import SINE_A, ZERO, FunctionWaveform, problem_a, volts_a
 
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.api import simulate
-from martensite.studies.readings import runtime
+from martensite.studies.readings import choose_runtime
 
 JUDGED = tuple(problem_a().convergence_scales())
 RULES = ("resume", "restart")
@@ -34,7 +34,7 @@ def judged(result):
 @cache
 def run(rule, step, wave="sine"):
     """Judged columns, (4, samples); what the others are compared with runs in C if it can."""
-    on = runtime() if step == FINE else "floats"
+    on = choose_runtime() if step == FINE else "floats"
     wanted = simulate(problem_a(rule), WAVES[wave], 60.0, step=step, samples=601, runtime=on)
     return judged(wanted)
 

@@ -20,7 +20,7 @@ from martensite.scenario.tables import read_table
 from martensite.studies.hammerstein_wiener import branches, loop, records
 from martensite.studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench, RunningBench
 from martensite.studies.hammerstein_wiener.branches import GRID, ZERO
-from martensite.studies.hammerstein_wiener.preisach import Cell, everett
+from martensite.studies.hammerstein_wiener.preisach import Cell, everett_function
 
 CORRELATION = 0.85
 C, LATENT = 1.1, 31.9
@@ -29,7 +29,7 @@ QUICK = 0.02
 
 
 def cell(celsius: float = 23.0) -> Cell:
-    return Cell(everett(0.0, CORRELATION), C, LATENT, celsius + ZERO)
+    return Cell(everett_function(0.0, CORRELATION), C, LATENT, celsius + ZERO)
 
 
 def state(wire: Cell) -> tuple[float, float]:
@@ -53,7 +53,7 @@ def test_the_table_is_what_the_measurements_give() -> None:
     text = branches.FILE.read_text(encoding="utf-8")
     made, kept = (
         np.array([line.split(",") for line in t.splitlines()[7:]], dtype=float)
-        for t in (branches.derived(), text)
+        for t in (branches.derive_text(), text)
     )
     assert text.startswith(branches.HEADER)
     np.testing.assert_allclose(made, kept, rtol=0.0, atol=2e-6)
@@ -68,7 +68,7 @@ def test_the_table_is_what_the_measurements_give() -> None:
 def test_branches_turn_where_the_wire_did(
     share: float, heating: float, cooling: float, stroke: float
 ) -> None:
-    found = branches.loop(share)
+    found = branches.build_loop(share)
     assert np.interp(0.5, found.heating, GRID) - ZERO == pytest.approx(heating, abs=0.3)
     assert np.interp(0.5, found.cooling, GRID) - ZERO == pytest.approx(cooling, abs=0.5)
     assert found.stroke == pytest.approx(stroke, abs=1e-4)
@@ -78,7 +78,7 @@ def test_branches_turn_where_the_wire_did(
 
 
 def test_a_load_in_between_lies_in_between() -> None:
-    made = [branches.loop(share) for share in (0.0, 0.5, 1.0)]
+    made = [branches.build_loop(share) for share in (0.0, 0.5, 1.0)]
     low, middle, high = (np.interp(0.5, found.heating, GRID) for found in made)
     assert middle == pytest.approx(0.5 * (low + high), abs=0.01)
 
@@ -87,7 +87,7 @@ def test_a_load_in_between_lies_in_between() -> None:
 
 
 def test_relays_have_weights_and_none_on_the_diagonal() -> None:
-    weights = everett(0.0, CORRELATION)
+    weights = everett_function(0.0, CORRELATION)
     assert np.all(np.diff(weights, axis=0) >= -1e-15)
     assert np.all(np.diff(weights, axis=1) <= 1e-15)
     assert np.all(np.triu(weights) == 0.0)
@@ -95,7 +95,7 @@ def test_relays_have_weights_and_none_on_the_diagonal() -> None:
 
 
 def test_major_branches_are_the_measured_ones() -> None:
-    weights, found = everett(0.0, CORRELATION), branches.loop(0.0)
+    weights, found = everett_function(0.0, CORRELATION), branches.build_loop(0.0)
     assert np.abs(weights[:, 0] - found.heating).max() < 0.02
     assert np.abs(1.0 - weights[-1] - found.cooling).max() < 0.04
 
@@ -224,32 +224,32 @@ def test_a_controller_holds_the_wire_at_a_position() -> None:
     """Gains in percent per millimetre are 10 times as large in duty per metre."""
     reference = steps([(0.0, 0.2), (3e-3, 4.8)], INTERVAL)
     gains = Gains(10.0 * 106.0, 10.0 * 0.024, 10.0 * 3670.0)
-    run = loop.controlled(gains, reference)
+    run = loop.run_controlled(gains, reference)
     (found,) = step_responses(reference, run.output, INTERVAL)
     assert found.rise == pytest.approx(1.24, abs=0.05)
     assert found.overshoot < 0.02
     assert abs(found.error) < 5e-5
     assert (run.signal.min(), run.signal.max()) == (0.0, 1.0)
-    again = loop.controlled(gains, reference)
+    again = loop.run_controlled(gains, reference)
     np.testing.assert_array_equal(run.output, again.output)
 
 
 def test_references_are_as_long_as_they_should_be() -> None:
-    assert len(loop.staircase()) * INTERVAL == pytest.approx(30.0)
-    wave = loop.sine()
+    assert len(loop.step_reference()) * INTERVAL == pytest.approx(30.0)
+    wave = loop.sine_reference()
     assert wave[0] == 4e-3
     assert (wave.min(), wave.max()) == pytest.approx((2.5e-3, 5.5e-3), abs=1e-9)
 
 
 # ---------------------------------------------------------------- records
 
-SHORT = records.pulses("short", ((30, 0.1, 0.1),), 1)
+SHORT = records.parse_pulses("short", ((30, 0.1, 0.1),), 1)
 
 
 def test_records_repeat_by_their_seed() -> None:
-    first, again = records.record(SHORT), records.record(SHORT)
+    first, again = records.record_bench(SHORT), records.record_bench(SHORT)
     np.testing.assert_array_equal(first.outputs, again.outputs)
-    other = records.record(records.Excitation("other", SHORT.duty, 2))
+    other = records.record_bench(records.Excitation("other", SHORT.duty, 2))
     assert np.any(other.outputs != first.outputs)
     assert first.interval == INTERVAL
     assert first.inputs.max() == pytest.approx(0.3)
@@ -261,13 +261,13 @@ def test_a_reading_does_not_depend_on_the_duty_of_its_row() -> None:
         thermometer=ReferenceBench().thermometer.with_values({"noise": 0.0, "resolution": 0.0}),
         encoder=ReferenceBench().encoder.with_values({"noise": 0.0, "resolution": 0.0}),
     )
-    found = records.record(records.Excitation("kick", kick, 0), quiet).outputs[:, 0]
+    found = records.record_bench(records.Excitation("kick", kick, 0), quiet).outputs[:, 0]
     assert np.all(found[:3] == quiet.ambient)
     assert found[3] > found[2] + 1e-4
 
 
 def test_the_paper_s_cadence() -> None:
-    made = [records.estimation(), records.validation(), records.slow()]
+    made = [records.estimation_duty(), records.validation_duty(), records.slow_duty()]
     lengths = [len(e.duty) * INTERVAL - records.LEAD for e in made]
     assert lengths == pytest.approx([283.5, 163.5, 310.0])
     assert made[0].duty.max() == pytest.approx(0.36)
@@ -277,16 +277,16 @@ def test_the_paper_s_cadence() -> None:
 
 
 def test_stages_are_columns_of_one_record() -> None:
-    whole = records.record(SHORT)
-    one, two = records.stages(whole)
+    whole = records.record_bench(SHORT)
+    one, two = records.split_stages(whole)
     np.testing.assert_array_equal(one.outputs, two.inputs)
     np.testing.assert_array_equal(two.outputs[:, 0], whole.outputs[:, 1])
 
 
 @pytest.mark.parametrize("seed", range(5))
 def test_sealed_records_are_what_they_should_be(seed: int) -> None:
-    made = records.sealed(seed)
-    np.testing.assert_array_equal(made.duty, records.sealed(seed).duty)
+    made = records.sealed_duty(seed)
+    np.testing.assert_array_equal(made.duty, records.sealed_duty(seed).duty)
     percent = 100.0 * made.duty[round(records.LEAD / INTERVAL) :]
     assert 300.0 <= len(percent) * INTERVAL <= 600.0
     held = round(20.0 / INTERVAL)
@@ -303,13 +303,13 @@ def test_sealed_records_are_what_they_should_be(seed: int) -> None:
 
 
 def test_seeds_give_other_records_and_benches() -> None:
-    assert len(records.sealed(0).duty) != len(records.sealed(1).duty)
+    assert len(records.sealed_duty(0).duty) != len(records.sealed_duty(1).duty)
     (one, factor), (two, _) = records.sealed_bench(0), records.sealed_bench(1)
     assert one != two
     assert one.fan == factor
     assert 1.5 <= factor <= 3.0
     with pytest.raises(ParameterError, match="at least 0"):
-        records.sealed(-1)
+        records.sealed_duty(-1)
 
 
 @pytest.mark.parametrize(
@@ -317,4 +317,4 @@ def test_seeds_give_other_records_and_benches() -> None:
     [([5, 14, 8, 11, 7, 14], 1), ([5, 14, 7, 12, 8, 11], 3), ([5, 10, 6, 12, 5], 0)],
 )
 def test_nested_loops_are_counted(levels: list[float], loops: int) -> None:
-    assert records.nested(levels) == loops
+    assert records.count_minor_loops(levels) == loops

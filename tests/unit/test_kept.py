@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from martensite.studies import result_cache as module
-from martensite.studies.result_cache import folder, kept
+from martensite.studies.result_cache import cache_results, folder
 
 MADE: list[float] = []
 
@@ -23,20 +23,20 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_a_result_is_made_once_and_found_by_another_process() -> None:
-    one = kept(doubled)
-    assert one(1.5) == one(1.5) == kept(doubled)(1.5) == {"twice": 3.0}
+    one = cache_results(doubled)
+    assert one(1.5) == one(1.5) == cache_results(doubled)(1.5) == {"twice": 3.0}
     assert MADE == [1.5]
 
 
 def test_other_arguments_have_another_result() -> None:
-    assert kept(doubled)(1.5) != kept(doubled)(2.5)
+    assert cache_results(doubled)(1.5) != cache_results(doubled)(2.5)
     assert MADE == [1.5, 2.5]
 
 
 def test_another_program_makes_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
-    kept(doubled)(1.5)
-    monkeypatch.setattr(module, "_program", lambda: "another")
-    assert kept(doubled)(1.5) == {"twice": 3.0}
+    cache_results(doubled)(1.5)
+    monkeypatch.setattr(module, "_fingerprint_program", lambda: "another")
+    assert cache_results(doubled)(1.5) == {"twice": 3.0}
     assert MADE == [1.5, 1.5]
 
 
@@ -45,7 +45,7 @@ def test_the_program_is_its_source(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     source.parent.mkdir()
     source.write_text("E_A = 75e9")
     monkeypatch.setattr("martensite.__file__", str(source))
-    tell = module._program.__wrapped__
+    tell = module._fingerprint_program.__wrapped__
     before = tell()
     assert tell() == before
     source.write_text("E_A = 74e9")
@@ -53,11 +53,11 @@ def test_the_program_is_its_source(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 
 def test_what_cannot_be_read_is_made_anew() -> None:
-    kept(doubled)(1.5)
+    cache_results(doubled)(1.5)
     (path,) = folder().iterdir()
     for spoiled in (b"", path.read_bytes()[:-5], b"no pickle"):
         path.write_bytes(spoiled)
-        assert kept(doubled)(1.5) == {"twice": 3.0}
+        assert cache_results(doubled)(1.5) == {"twice": 3.0}
     assert len(MADE) == 4
 
 
@@ -66,13 +66,13 @@ def test_a_folder_that_cannot_be_written_to_keeps_nothing(
 ) -> None:
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
-    assert kept(doubled)(1.5) == kept(doubled)(1.5) == {"twice": 3.0}
+    assert cache_results(doubled)(1.5) == cache_results(doubled)(1.5) == {"twice": 3.0}
     assert MADE == [1.5, 1.5]
 
 
 def test_old_programs_are_forgotten(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("a", "b", "c", "d", "e"):
-        monkeypatch.setattr(module, "_program", lambda name=name: name)
-        kept(doubled)(1.5)
+        monkeypatch.setattr(module, "_fingerprint_program", lambda name=name: name)
+        cache_results(doubled)(1.5)
     left = {path.name for path in (place / "martensite" / "studies").iterdir()}
     assert len(left) == module.PROGRAMS and "e" in left

@@ -8,12 +8,12 @@ from collections.abc import Sequence
 from martensite.kernels.c99 import find_compiler
 
 
-def runtime() -> str:
+def choose_runtime() -> str:
     """C where there is a compiler, else plain floats: the same to 1e-12, only slower."""
     return "floats" if find_compiler() is None else "c"
 
 
-def passing(times: Sequence[float], values: Sequence[float], level: float) -> float:
+def passing_time(times: Sequence[float], values: Sequence[float], level: float) -> float:
     """When values first pass a level upwards, between two samples; NaN if never.
 
     To read off where they pass it downwards, negate values and level. Any other column may
@@ -21,11 +21,11 @@ def passing(times: Sequence[float], values: Sequence[float], level: float) -> fl
     """
     for k in range(1, len(values)):
         if values[k - 1] < level <= values[k]:
-            return between(times, values, k - 1, level)
+            return level_time(times, values, k - 1, level)
     return math.nan
 
 
-def between(times: Sequence[float], values: Sequence[float], k: int, level: float) -> float:
+def level_time(times: Sequence[float], values: Sequence[float], k: int, level: float) -> float:
     """When values are at a level, on the straight line from sample k to the next."""
     share = (level - values[k]) / (values[k + 1] - values[k])
     return times[k] + share * (times[k + 1] - times[k])

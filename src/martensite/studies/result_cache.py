@@ -39,7 +39,7 @@ PROGRAMS = 3
 """Versions of the program whose results are kept; those of others are removed."""
 
 
-def kept(function: Function) -> Function:
+def cache_results(function: Function) -> Function:
     """A pure function whose results are kept: in memory, and on disk if that can be written to.
 
     Its arguments and results must be such as `pickle` takes, and its arguments hashable.
@@ -54,13 +54,13 @@ def kept(function: Function) -> Function:
             return pickle.loads(path.read_bytes())
         result = function(*arguments, **named)
         with suppress(OSError, DataError):
-            _keep(result, path)
+            _store_result(result, path)
         return result
 
     return found  # type: ignore[return-value]
 
 
-def _keep(result: Any, path: Path) -> None:
+def _store_result(result: Any, path: Path) -> None:
     if not path.parent.is_dir():
         path.parent.mkdir(parents=True, exist_ok=True)
         others = sorted(path.parent.parent.iterdir(), key=lambda one: one.stat().st_mtime)
@@ -72,11 +72,11 @@ def _keep(result: Any, path: Path) -> None:
 
 def folder() -> Path:
     """Where the results of this program are kept."""
-    return cache_folder() / "studies" / _program()
+    return cache_folder() / "studies" / _fingerprint_program()
 
 
 @cache
-def _program() -> str:
+def _fingerprint_program() -> str:
     """What tells this program from others, in a few letters."""
     digest = hashlib.sha256(platform.python_version().encode() + platform.machine().encode())
     for name in COMPUTING:

@@ -137,7 +137,9 @@ class TableStudy(AbstractStudy):
         """Write the figure that a reader of the source recognises (png, svg or pdf)."""
         from martensite.show.figures.files import write_figure
 
-        write_figure(import_module(f"{self._package()}.figure").draw(self.printed), Path(path))
+        write_figure(
+            import_module(f"{self._package()}.figure").draw_figure(self.printed), Path(path)
+        )
 
     def _without_compiler(self) -> Claim:
         """What takes the place of all claims where they cannot be computed."""

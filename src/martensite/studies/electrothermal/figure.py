@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.show.figures.style import INK, MEASURED, QUIET, SIMULATED, new_figure, styled
 from martensite.studies.electrothermal import model, record
-from martensite.studies.electrothermal.model_numbers import KEPT, calibration
+from martensite.studies.electrothermal.model_numbers import KEPT, calibrate_numbers
 from martensite.studies.electrothermal.record import RecordStaircase
 from martensite.studies.electrothermal.resistance_figure import over_offset, over_temperature
 from martensite.studies.electrothermal.study import ElectrothermalStaircase
@@ -29,9 +29,9 @@ LOOKS = {
 }
 
 
-def draw(stated: Printed) -> Figure:
+def draw_figure(stated: Printed) -> Figure:
     """Draw the figure."""
-    run = RecordStaircase(stated) if record.here(record.UNTRAINED, record.WARMTH) else None
+    run = RecordStaircase(stated) if record.has_files(record.UNTRAINED, record.WARMTH) else None
     with styled():
         figure = new_figure(11.0, 4.6 if run is None else 8.6)
         grid = figure.add_gridspec(
@@ -46,16 +46,16 @@ def draw(stated: Printed) -> Figure:
             hspace=0.28,
         )
         axes = figure.add_subplot(grid[0, :] if run is None else grid[0, 0])
-        _simulated(axes, stated, run)
+        _draw_simulated(axes, stated, run)
         if run is not None:
-            _measured(axes, run)
+            _draw_measured(axes, run)
             over_offset(figure.add_subplot(grid[0, 1]), stated)
             over_temperature(figure.add_subplot(grid[1, :]), stated)
-        _titles(figure, axes, run)
+        _set_titles(figure, axes, run)
         return figure
 
 
-def _titles(figure: Any, axes: Any, run: RecordStaircase | None) -> None:
+def _set_titles(figure: Any, axes: Any, run: RecordStaircase | None) -> None:
     below = "Points: Leal 2016, run 5 (MIT). All curves but the maker's were chosen or fitted "
     below += "on these points; hollow ones below were kept back."
     write_heading(
@@ -69,14 +69,14 @@ def _titles(figure: Any, axes: Any, run: RecordStaircase | None) -> None:
     axes.legend(loc="upper right", ncols=2)
 
 
-def _simulated(axes: Any, stated: Printed, run: RecordStaircase | None) -> None:
+def _draw_simulated(axes: Any, stated: Printed, run: RecordStaircase | None) -> None:
     for key, (label, colour, dashes) in LOOKS.items():
         if key == "calibrated" and run is None:
             continue
-        fitted = calibration(stated) if key == "calibrated" else None
-        table = model.predicted(key, stated, fitted)
+        fitted = calibrate_numbers(stated) if key == "calibrated" else None
+        table = model.predict_plateaus(key, stated, fitted)
         if run is not None:
-            label += f", rms {model.rms(table, run, *KEPT):.3f} Ω"
+            label += f", rms {model.resistance_rms(table, run, *KEPT):.3f} Ω"
         axes.plot(
             table["current"],
             table["resistance"],
@@ -87,7 +87,7 @@ def _simulated(axes: Any, stated: Printed, run: RecordStaircase | None) -> None:
         )
 
 
-def _measured(axes: Any, run: RecordStaircase) -> None:
+def _draw_measured(axes: Any, run: RecordStaircase) -> None:
     kept, error = run.within(*KEPT), run.offset(*run.stated.cold).offset_error
     current, found = run.table["current"], run.resistance
     axes.errorbar(

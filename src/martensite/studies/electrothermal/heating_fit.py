@@ -27,12 +27,12 @@ from martensite.signals.staircase import Staircase
 from martensite.studies.electrothermal import model
 from martensite.studies.electrothermal.resistance_fit import (
     PLACE,
-    column,
-    fitted,
+    compared_column,
+    compared_places,
+    fit_shape,
     kept_back,
+    load_staircase,
     offset_profile,
-    places,
-    staircase,
 )
 
 FILMS = (150.0, 450.0)
@@ -42,18 +42,18 @@ _FILM = (20.0, 1000.0)
 _STEP = 2.0
 
 
-def experiment(offset: float) -> Experiment:
+def build_experiment(offset: float) -> Experiment:
     """The wire driven by voltage, with its current beside it."""
-    base = model.scenario().single_system
+    base = model.load_scenario().single_system
     environment = base.environment.with_parts(cooling=ConstantCooling(h=FILMS[0]))
-    seen = fitted("mixture", offset)
+    seen = fit_shape("mixture", offset)
     values = {name: seen[name] for name in ("rho_A", "rho_M")}
     record = Record(
         "run 5",
-        {"time": column("time"), "current": column("current")},
+        {"time": compared_column("time"), "current": compared_column("current")},
         {"time": "s", "current": "A"},
     )
-    volts = staircase().table["set_point"]
+    volts = load_staircase().table["set_point"]
     waveform = Staircase(
         first=volts[0] - offset, increment=volts[1] - volts[0], hold=32.0, count=len(volts)
     )
@@ -69,13 +69,13 @@ def experiment(offset: float) -> Experiment:
 
 
 @cache
-def heated(offset: float) -> Fit:
+def fit_heating(offset: float) -> Fit:
     """The fit with one offset of the supply.
 
     The error changes with h only while plateaus lie in the strip, and so has several minima:
     the search begins at the best of evenly spaced h, with the resistivities of the other way.
     """
-    one = experiment(offset)
+    one = build_experiment(offset)
     first = build_problem([one], ["rho_A", "rho_M", SearchRange("h", *_FILM)])
     shares = [k / (_COUNT - 1) for k in range(_COUNT)]
     films = [FILMS[0] + share * (FILMS[1] - FILMS[0]) for share in shares]
@@ -90,18 +90,21 @@ def heated(offset: float) -> Fit:
 @cache
 def offset_found() -> Profile:
     """Profile of V₀ in the electrical way."""
-    return offset_profile(heated)
+    return offset_profile(fit_heating)
 
 
 def apparent_films(offset: float) -> list[float]:
     """h that closes the balance with the temperature of the camera, plateau by plateau."""
-    element = model.wire()
+    element = model.get_wire()
     surface = math.pi * float(element.diameter) * float(element.length)
-    ambient, resistance = model.number("environment.temperature"), staircase().resistances(offset)
-    table = staircase().table
+    ambient, resistance = (
+        model.read_number("environment.temperature"),
+        load_staircase().resistances(offset),
+    )
+    table = load_staircase().table
     return [
         table["current"][i] ** 2
         * resistance[i]
         / (surface * (table["apparent_temperature"][i] - ambient))
-        for i in places()
+        for i in compared_places()
     ]

@@ -56,52 +56,54 @@ class RecordCalibration:
 
 
 @cache
-def scenario() -> Scenario:
+def load_scenario() -> Scenario:
     """The scenario of this study."""
     return load(SCENARIO)
 
 
-def wire() -> Wire:
+def get_wire() -> Wire:
     """The wire of the scenario."""
-    return cast("Wire", scenario().single_system.element)
+    return cast("Wire", load_scenario().single_system.element)
 
 
-def number(path: str) -> float:
+def read_number(path: str) -> float:
     """A number of the scenario's system by its dotted path, in SI units."""
-    return scenario().system.value_of(path)
+    return load_scenario().system.value_of(path)
 
 
 def half_way_temperature() -> float:
     """Temperature at which half of the wire is austenite on heating, unloaded [K]."""
-    return 0.5 * (number("A_s") + number("A_f"))
+    return 0.5 * (read_number("A_s") + read_number("A_f"))
 
 
-def film(cooling: AbstractCooling, temperature: float) -> float:
+def film_coefficient(cooling: AbstractCooling, temperature: float) -> float:
     """Film coefficient of a heat-loss model on this wire [W/(m² K)]."""
-    shape = Cylinder(wire().diameter, wire().length)
-    return float(cooling.film(floats, temperature, number("environment.temperature"), shape))
+    shape = Cylinder(get_wire().diameter, get_wire().length)
+    return float(cooling.film(floats, temperature, read_number("environment.temperature"), shape))
 
 
 def free_films() -> tuple[float, float]:
     """h of free convection half-way: a horizontal and a vertical wire [W/(m² K)]."""
     at = half_way_temperature()
-    return film(scenario().single_system.environment.cooling, at), film(LeFevreEde(), at)
+    return film_coefficient(
+        load_scenario().single_system.environment.cooling, at
+    ), film_coefficient(LeFevreEde(), at)
 
 
-def calibrate(staircase: RecordStaircase) -> RecordCalibration:
+def calibrate_model(staircase: RecordStaircase) -> RecordCalibration:
     """The three numbers that the record gives."""
-    element, stated = wire(), staircase.stated
+    element, stated = get_wire(), staircase.stated
     cold, hot = staircase.mean(*stated.cold), staircase.mean(*stated.hot)
     per_ohm = float(element.section()) / float(element.length)
-    warmer = half_way_temperature() - number("environment.temperature")
+    warmer = half_way_temperature() - read_number("environment.temperature")
     power = staircase.half_way() ** 2 * 0.5 * (cold + hot)
     surface = math.pi * float(element.diameter) * float(element.length)
     return RecordCalibration(hot * per_ohm, cold * per_ohm, power / (surface * warmer))
 
 
-def build(key: str, stated: Printed, calibration: RecordCalibration | None = None) -> System:
+def build_system(key: str, stated: Printed, calibration: RecordCalibration | None = None) -> System:
     """The system of one of `VARIANTS`; only `calibrated` needs a calibration."""
-    base = scenario().single_system
+    base = load_scenario().single_system
     if key == "maker":
         return base
     if key == "material" or calibration is None:
@@ -112,14 +114,16 @@ def build(key: str, stated: Printed, calibration: RecordCalibration | None = Non
 
 
 @cache
-def predicted(key: str, stated: Printed, calibration: RecordCalibration | None = None) -> Record:
+def predict_plateaus(
+    key: str, stated: Printed, calibration: RecordCalibration | None = None
+) -> Record:
     """Plateaus of a simulated staircase: drive [V], current, resistance, temperature, fraction."""
     run = simulate(
-        build(key, stated, calibration),
-        scenario().waveform,
-        scenario().duration,
+        build_system(key, stated, calibration),
+        load_scenario().waveform,
+        load_scenario().duration,
         tolerance=_TOLERANCE,
-        samples=scenario().samples,
+        samples=load_scenario().samples,
     )
     names = ("time", "drive", "current", "resistance", "temperature", "martensite_fraction")
     columns = {name: run[name].tolist() for name in names}
@@ -127,7 +131,7 @@ def predicted(key: str, stated: Printed, calibration: RecordCalibration | None =
     return reduce_to_plateaus(Record(f"simulated, {key}", columns, units), "drive")
 
 
-def span(table: Record) -> tuple[float, float]:
+def find_span(table: Record) -> tuple[float, float]:
     """Currents of the last plateau with all martensite, and the first with none [A]."""
     fractions, current = table["martensite_fraction"], table["current"]
     first = next(i for i, xi in enumerate(fractions) if xi < 0.99)
@@ -135,7 +139,7 @@ def span(table: Record) -> tuple[float, float]:
     return current[max(first - 1, 0)], current[gone]
 
 
-def rms(table: Record, staircase: RecordStaircase, low: float, high: float) -> float:
+def resistance_rms(table: Record, staircase: RecordStaircase, low: float, high: float) -> float:
     """RMS difference of the resistance on the plateaus between two set-points [ohm]."""
     places = staircase.within(low, high)
     apart = [table["resistance"][i] - staircase.resistance[i] for i in places]

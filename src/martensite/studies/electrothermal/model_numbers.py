@@ -15,26 +15,27 @@ KEPT = (1.3, 4.5)
 
 
 @cache
-def calibration(stated: Printed) -> RecordCalibration:
+def calibrate_numbers(stated: Printed) -> RecordCalibration:
     """The three numbers that the record gives."""
-    return model.calibrate(RecordStaircase(stated))
+    return model.calibrate_model(RecordStaircase(stated))
 
 
 def compute_model(stated: Printed) -> dict[str, Any]:
     """What needs no record first, then calibration and differences."""
-    start, end = model.span(model.predicted("maker", stated))
-    per_ohm = model.wire().length / model.wire().section()
+    start, end = model.find_span(model.predict_plateaus("maker", stated))
+    per_ohm = model.get_wire().length / model.get_wire().section()
     horizontal, vertical = model.free_films()
-    with_record = record.here(record.UNTRAINED, record.WARMTH)
+    with_record = record.has_files(record.UNTRAINED, record.WARMTH)
     return {
-        "maker_martensite": float(model.number("rho_M") * per_ohm),
-        "maker_austenite": float(model.number("rho_A") * per_ohm),
+        "maker_martensite": float(model.read_number("rho_M") * per_ohm),
+        "maker_austenite": float(model.read_number("rho_A") * per_ohm),
         "maker_start": start,
         "maker_end": end,
         "film_horizontal": horizontal,
         "film_vertical": vertical,
         "differences": [
-            {"key": key, "meaning": meaning} | ({"rms": rms(key, stated)} if with_record else {})
+            {"key": key, "meaning": meaning}
+            | ({"rms": compute_rms(key, stated)} if with_record else {})
             for key, meaning in model.VARIANTS.items()
         ],
     } | (compute_calibrated(stated) if with_record else {})
@@ -42,8 +43,8 @@ def compute_model(stated: Printed) -> dict[str, Any]:
 
 def compute_calibrated(stated: Printed) -> dict[str, float]:
     """Resistivities, film coefficient, and the currents that follow."""
-    found = calibration(stated)
-    start, end = model.span(model.predicted("calibrated", stated, found))
+    found = calibrate_numbers(stated)
+    start, end = model.find_span(model.predict_plateaus("calibrated", stated, found))
     return {
         "rho_martensite": found.rho_M,
         "rho_austenite": found.rho_A,
@@ -53,7 +54,9 @@ def compute_calibrated(stated: Printed) -> dict[str, float]:
     }
 
 
-def rms(key: str, stated: Printed) -> float:
+def compute_rms(key: str, stated: Printed) -> float:
     """Resistance of a variant less that of the record, root mean square [ohm]."""
-    fitted = calibration(stated) if key == "calibrated" else None
-    return model.rms(model.predicted(key, stated, fitted), RecordStaircase(stated), *KEPT)
+    fitted = calibrate_numbers(stated) if key == "calibrated" else None
+    return model.resistance_rms(
+        model.predict_plateaus(key, stated, fitted), RecordStaircase(stated), *KEPT
+    )

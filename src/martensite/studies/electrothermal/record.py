@@ -42,7 +42,7 @@ class RecordStaircase:
     @cached_property
     def table(self) -> Record:
         """Plateaus with set-point [V], current [A] and apparent temperature [K]."""
-        return reduce_to_plateaus(_joined(), "set_point")
+        return reduce_to_plateaus(_join_rows(), "set_point")
 
     @cached_property
     def resistance(self) -> list[float]:
@@ -100,10 +100,10 @@ class RecordStaircase:
 
     def jumps(self) -> int:
         """How often the set-point falls back by the stated drop."""
-        return len(unwrap_counter(_joined()["set_point"], self.stated.drop).jumps)
+        return len(unwrap_counter(_join_rows()["set_point"], self.stated.drop).jumps)
 
 
-def here(*files: str) -> bool:
+def has_files(*files: str) -> bool:
     """Whether files of the data set are on this machine."""
     return all(datasets.is_here(file) for file in files)
 
@@ -115,7 +115,7 @@ def trained_slopes(low: tuple[float, float], high: tuple[float, float]) -> list[
 
 
 @cache
-def _joined() -> Record:
+def _join_rows() -> Record:
     """Rows of the logger, with the apparent temperature at the same time."""
     import numpy as np
 

@@ -17,8 +17,8 @@ MILD, STEEP = (2.5, 3.5), (4.4, 5.4)
 
 def compute_record(stated: Printed) -> dict[str, Any]:
     """Offset and counter, resistance, and the trained run: what the files at hand allow."""
-    found = compute_run_5(stated) if record.here(record.UNTRAINED, record.WARMTH) else {}
-    return found | (compute_trained() if record.here(record.TRAINED) else {})
+    found = compute_run_5(stated) if record.has_files(record.UNTRAINED, record.WARMTH) else {}
+    return found | (compute_trained() if record.has_files(record.TRAINED) else {})
 
 
 def compute_run_5(stated: Printed) -> dict[str, float]:

@@ -25,22 +25,22 @@ _OFFSETS = tuple(0.16 + 0.02 * k for k in range(11))
 
 def over_temperature(axes: Any, stated: Printed) -> None:
     """R over apparent temperature: measured, fitted, kept back, and the band of offsets."""
-    low, high = (fitting.fitted("mixture", offset) for offset in (fitting.UPPER, fitting.LOWER))
-    warmth, below = curve(low)
+    low, high = (fitting.fit_shape("mixture", offset) for offset in (fitting.UPPER, fitting.LOWER))
+    warmth, below = fit_curve(low)
     axes.fill_between(
         warmth,
         below,
-        curve(high)[1],
+        fit_curve(high)[1],
         color=SIMULATED,
         alpha=0.14,
         linewidth=0.0,
         label=f"plain mixture, $V_0$ = {fitting.LOWER:g} to {fitting.UPPER:g} V",
     )
     for shape, (label, colour, dashes) in LOOKS.items():
-        fit = fitting.fitted(shape, stated.offset)
-        label += f", rms {fitting.rms(fit):.3f} Ω, kept back {fitting.rms(fit, 'held-out'):.3f} Ω"
-        axes.plot(*curve(fit), color=colour, linestyle=dashes, label=label, linewidth=1.5)
-    _points(axes, stated)
+        fit = fitting.fit_shape(shape, stated.offset)
+        label += f", rms {fitting.residual_rms(fit):.3f} Ω, kept back {fitting.residual_rms(fit, 'held-out'):.3f} Ω"
+        axes.plot(*fit_curve(fit), color=colour, linestyle=dashes, label=label, linewidth=1.5)
+    _draw_points(axes, stated)
     label_axes(
         axes,
         f"identified at the apparent temperature, $V_0$ = {stated.offset:.3f} V",
@@ -51,14 +51,14 @@ def over_temperature(axes: Any, stated: Printed) -> None:
     axes.legend(loc="upper right", ncols=2)
 
 
-def _points(axes: Any, stated: Printed) -> None:
+def _draw_points(axes: Any, stated: Printed) -> None:
     """Measured plateaus, with what the band of offsets does to each."""
-    at = [kelvin - model.ZERO for kelvin in fitting.column("apparent_temperature")]
+    at = [kelvin - model.ZERO for kelvin in fitting.compared_column("apparent_temperature")]
     ohms, least, most = (
-        [fitting.staircase().resistances(offset)[i] for i in fitting.places()]
+        [fitting.load_staircase().resistances(offset)[i] for i in fitting.compared_places()]
         for offset in (stated.offset, fitting.UPPER, fitting.LOWER)
     )
-    held = fitting.fitted("mixture", stated.offset).problem.experiments[0].kept_back
+    held = fitting.fit_shape("mixture", stated.offset).problem.experiments[0].kept_back
     axes.vlines(at, least, most, color=QUIET, linewidth=0.6, zorder=3)
     for flag, fill, label in ((False, INK, "run 5"), (True, "white", "run 5, kept back")):
         rows = [k for k in range(len(at)) if bool(held[k]) is flag]
@@ -74,13 +74,13 @@ def _points(axes: Any, stated: Printed) -> None:
         )
 
 
-def curve(fit: Any) -> tuple[list[float], list[float]]:
+def fit_curve(fit: Any) -> tuple[list[float], list[float]]:
     """Temperatures [°C] and resistances [ohm] of a fit."""
-    at = fitting.column("apparent_temperature")
+    at = fitting.compared_column("apparent_temperature")
     first, last = fit["A_s"], fit["A_f"]
     strip = [first + (last - first) * k / _STEPS for k in range(_STEPS + 1)]
     warmth = sorted([at[0], *strip, at[-1]])
-    return [kelvin - model.ZERO for kelvin in warmth], fitting.resistances(fit, warmth)
+    return [kelvin - model.ZERO for kelvin in warmth], fitting.fitted_resistances(fit, warmth)
 
 
 def over_offset(axes: Any, stated: Printed) -> None:
@@ -95,7 +95,7 @@ def over_offset(axes: Any, stated: Printed) -> None:
     )
     axes.axvline(stated.offset, color=QUIET, linewidth=0.8)
     for shape in LOOKS:
-        _difference(axes, shape)
+        _draw_difference(axes, shape)
     material = _SCALE * (stated.rho_M - stated.rho_A)
     axes.plot(
         [stated.offset],
@@ -117,10 +117,12 @@ def over_offset(axes: Any, stated: Printed) -> None:
     axes.legend(loc="upper right", ncols=2)
 
 
-def _difference(axes: Any, shape: str) -> None:
+def _draw_difference(axes: Any, shape: str) -> None:
     """The line of one shape; the plain mixture and the last one have the band of their scatter."""
     label, colour, dashes = LOOKS[shape]
-    found = [fitting.difference(fitting.fitted(shape, offset)) for offset in _OFFSETS]
+    found = [
+        fitting.resistivity_difference(fitting.fit_shape(shape, offset)) for offset in _OFFSETS
+    ]
     middle = [_SCALE * value for value, _ in found]
     axes.plot(_OFFSETS, middle, color=colour, linestyle=dashes, label=label, linewidth=1.5)
     if shape != "austenite":
@@ -128,5 +130,5 @@ def _difference(axes: Any, shape: str) -> None:
         axes.fill_between(_OFFSETS, low, high, color=colour, alpha=0.12, linewidth=0.0)
     best = fitting.offset_of(shape).value
     if best <= _OFFSETS[-1]:
-        value, _ = fitting.difference(fitting.fitted(shape, best))
+        value, _ = fitting.resistivity_difference(fitting.fit_shape(shape, best))
         axes.plot([best], [_SCALE * value], "D", color=colour, markersize=5.0, zorder=4)

@@ -71,30 +71,30 @@ _COEFFICIENT = (-1e-3, 5e-3)
 
 
 @cache
-def staircase() -> RecordStaircase:
+def load_staircase() -> RecordStaircase:
     """The record."""
     return RecordStaircase(printed_numbers("electrothermal"))
 
 
 @cache
-def places() -> list[int]:
+def compared_places() -> list[int]:
     """Indices of the plateaus that are compared."""
-    return staircase().within(*KEPT)
+    return load_staircase().within(*KEPT)
 
 
-def column(name: str) -> list[float]:
+def compared_column(name: str) -> list[float]:
     """A column of the plateaus that are compared."""
-    return [staircase().table[name][i] for i in places()]
+    return [load_staircase().table[name][i] for i in compared_places()]
 
 
 def kept_back(place: int) -> tuple[tuple[float, float], ...]:
     """Stretches of time around the plateaus at one place of every group [s]."""
-    stay, times = staircase().within(*EDGE), staircase().table["time"]
-    held = [i for i in places()[place::HELD] if i not in stay]
+    stay, times = load_staircase().within(*EDGE), load_staircase().table["time"]
+    held = [i for i in compared_places()[place::HELD] if i not in stay]
     return tuple((times[i] - _ROW, times[i] + _ROW) for i in held)
 
 
-def experiment(shape: str, offset: float, place: int = PLACE) -> Experiment:
+def build_experiment(shape: str, offset: float, place: int = PLACE) -> Experiment:
     """The wire at the apparent temperature, with its resistance beside it.
 
     Args:
@@ -102,8 +102,11 @@ def experiment(shape: str, offset: float, place: int = PLACE) -> Experiment:
         offset: V₀ [V].
         place: of the plateaus that are kept back, in their groups.
     """
-    resistance = [staircase().resistances(offset)[i] for i in places()]
-    columns = {"time": column("time"), "temperature": column("apparent_temperature")}
+    resistance = [load_staircase().resistances(offset)[i] for i in compared_places()]
+    columns = {
+        "time": compared_column("time"),
+        "temperature": compared_column("apparent_temperature"),
+    }
     record = Record(
         "run 5",
         columns | {"resistance": resistance},
@@ -111,7 +114,7 @@ def experiment(shape: str, offset: float, place: int = PLACE) -> Experiment:
     )
     return Experiment(
         "run 5",
-        _system(shape, offset),
+        _build_system(shape, offset),
         table_waveform(record, "temperature"),
         record,
         {"resistance": "resistance"},
@@ -119,13 +122,13 @@ def experiment(shape: str, offset: float, place: int = PLACE) -> Experiment:
     )
 
 
-def _system(shape: str, offset: float) -> Any:
+def _build_system(shape: str, offset: float) -> Any:
     """The wire of the scenario, without load, at a prescribed temperature.
 
     As it was neither trained nor loaded it keeps its length, except where strain is the question;
     there the strip is that of the plain mixture.
     """
-    stated, base = printed_numbers("electrothermal"), model.scenario().single_system
+    stated, base = printed_numbers("electrothermal"), model.load_scenario().single_system
     resistivities = {"rho_A": stated.rho_A, "rho_M": stated.rho_M}
     resistance: Any = MixtureResistance(**resistivities)
     if shape != "mixture":
@@ -134,14 +137,14 @@ def _system(shape: str, offset: float) -> Any:
         )
     values = {"eps_L": _UNSTRAINED}
     if shape == STRAINED:
-        values = {name: fitted("mixture", offset)[name] for name in ("A_s", "A_f")}
+        values = {name: fit_shape("mixture", offset)[name] for name in ("A_s", "A_f")}
     element = base.element.with_parts(resistance=resistance)
     return base.with_parts(element=element, source=PrescribedTemperature()).with_values(values)
 
 
 def wishes(shape: str) -> list[SearchRange]:
     """What is free: the strip must hold the plateau between the phases, or end on it."""
-    at = staircase().table["apparent_temperature"][staircase().within(*EDGE)[0]]
+    at = load_staircase().table["apparent_temperature"][load_staircase().within(*EDGE)[0]]
     found = [SearchRange("rho_A", *_RESISTIVITY), SearchRange("rho_M", *_RESISTIVITY)]
     if shape == STRAINED:
         return [*found, SearchRange("eps_L", *_STRETCHED)]
@@ -151,12 +154,12 @@ def wishes(shape: str) -> list[SearchRange]:
 
 
 @cache
-def fitted(shape: str, offset: float, place: int = PLACE) -> Fit:
+def fit_shape(shape: str, offset: float, place: int = PLACE) -> Fit:
     """The fit of one shape of R with one offset of the supply."""
-    return solve_problem(build_problem([experiment(shape, offset, place)], wishes(shape)))
+    return solve_problem(build_problem([build_experiment(shape, offset, place)], wishes(shape)))
 
 
-def resistances(fit: Fit, temperatures: Sequence[float]) -> list[float]:
+def fitted_resistances(fit: Fit, temperatures: Sequence[float]) -> list[float]:
     """Resistance of a fitted wire that is heated through temperatures [ohm]."""
     times = tuple(_ROW * k for k in range(len(temperatures)))
     waveform = Table(times=times, values=tuple(temperatures))
@@ -167,47 +170,47 @@ def resistances(fit: Fit, temperatures: Sequence[float]) -> list[float]:
 # ---------------------------------------------------------------- how well
 
 
-def rms(fit: Fit, part: str = "training") -> float:
+def residual_rms(fit: Fit, part: str = "training") -> float:
     """RMS of what is left, on the plateaus of one part, in the unit of what is compared."""
     return next(score.rms for score in fit.scores if score.part == part)
 
 
-def squares(fit: Fit) -> float:
+def sum_squares(fit: Fit) -> float:
     """Sum of the squared residuals, in the unit of what is compared."""
-    return rms(fit) ** 2 * fit.uncertainty.samples
+    return residual_rms(fit) ** 2 * fit.uncertainty.samples
 
 
-def criterion(fit: Fit) -> float:
+def akaike_criterion(fit: Fit) -> float:
     """Akaike's criterion for few samples, AICc = n ln(S/n) + 2 k n/(n - k - 1) (lower is better).
 
     Of k, one is the variance, and directions that the data do not determine do not count.
     Source: Hurvich and Tsai (1989), Biometrika 76.
     """
     n, k = fit.uncertainty.samples, fit.uncertainty.rank + 1
-    return n * math.log(squares(fit) / n) + 2.0 * k * n / (n - k - 1)
+    return n * math.log(sum_squares(fit) / n) + 2.0 * k * n / (n - k - 1)
 
 
 def predicted_rms(shape: str, offset: float) -> float:
     """RMS of what is predicted for all plateaus but those of `EDGE`, each kept back once [ohm]."""
-    fits = [fitted(shape, offset, place) for place in range(HELD)]
-    kept = [len(places()) - fit.uncertainty.samples for fit in fits]
-    total = sum(rms(fit, "held-out") ** 2 * n for fit, n in zip(fits, kept, strict=True))
+    fits = [fit_shape(shape, offset, place) for place in range(HELD)]
+    kept = [len(compared_places()) - fit.uncertainty.samples for fit in fits]
+    total = sum(residual_rms(fit, "held-out") ** 2 * n for fit, n in zip(fits, kept, strict=True))
     return math.sqrt(total / sum(kept))
 
 
-def between(fit: Fit) -> int:
+def count_transforming(fit: Fit) -> int:
     """Number of plateaus on which the fitted wire is transforming: 0.02 < ξ < 0.98."""
-    strip, at = fit["A_f"] - fit["A_s"], column("apparent_temperature")
+    strip, at = fit["A_f"] - fit["A_s"], compared_column("apparent_temperature")
     shares = [min(max((kelvin - fit["A_s"]) / strip, 0.0), 1.0) for kelvin in at]
     return sum(0.02 < 0.5 * (1.0 + math.cos(math.pi * share)) < 0.98 for share in shares)
 
 
-def stretch(strain: float) -> float:
+def stretch_share(strain: float) -> float:
     """Share by which R rises from the shape of the stretched wire alone."""
     return (1.0 + strain) / (1.0 - NU * strain) ** 2 - 1.0
 
 
-def difference(fit: Fit) -> tuple[float, float]:
+def resistivity_difference(fit: Fit) -> tuple[float, float]:
     """ρ_M - ρ_A and half of its widened 95 % interval [ohm m]."""
     unsure, half = fit.uncertainty, {}
     for name in ("rho_A", "rho_M"):
@@ -226,7 +229,7 @@ def offset_profile(fit_at: Callable[[float], Fit]) -> Profile:
     """Profile of the offset V₀ [V]: everything else is fitted at each of its values."""
 
     def cost(offset: float) -> float:
-        return squares(fit_at(offset))
+        return sum_squares(fit_at(offset))
 
     found = import_module("scipy.optimize").minimize_scalar(
         cost, bounds=OFFSETS, method="bounded", options={"xatol": 1e-4}
@@ -251,4 +254,4 @@ def offset_profile(fit_at: Callable[[float], Fit]) -> Profile:
 @cache
 def offset_of(shape: str) -> Profile:
     """Profile of V₀ with one shape of R."""
-    return offset_profile(lambda offset: fitted(shape, offset))
+    return offset_profile(lambda offset: fit_shape(shape, offset))

@@ -23,7 +23,7 @@ from martensite.signals.sine import Sine
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.readings import between, passing, runtime
+from martensite.studies.readings import choose_runtime, level_time, passing_time
 from martensite.studies.tables import Printed
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
@@ -40,33 +40,33 @@ Law = tuple[str, tuple[tuple[str, str], ...]]
 
 
 @cache
-def scenario() -> Scenario:
+def load_scenario() -> Scenario:
     """The scenario of this study."""
     return load(SCENARIO)
 
 
-def wire() -> Wire:
+def get_wire() -> Wire:
     """The wire of the scenario."""
-    return cast("Wire", cast("System", scenario().system).element)
+    return cast("Wire", cast("System", load_scenario().system).element)
 
 
 def surface_conductance(printed: Printed) -> float:
     """h S of the whole wire [W/K]."""
-    return printed.film * wire().surface()
+    return printed.film * get_wire().surface()
 
 
 @cache
-def finger(law: Law = SINGLE, values: tuple[tuple[str, float], ...] = ()) -> System:
+def build_finger(law: Law = SINGLE, values: tuple[tuple[str, float], ...] = ()) -> System:
     """The finger with another law, and with numbers changed by name."""
-    system = cast("System", scenario().system)
+    system = cast("System", load_scenario().system)
     if law != SINGLE:
         name, settings = law
         (dressed,) = dressed_laws([name], "finger-mas", dict(settings))
-        system = system.with_parts(element=wire().with_parts(law=dressed.law))
+        system = system.with_parts(element=get_wire().with_parts(law=dressed.law))
     return system.with_values(dict(values))
 
 
-def trapezoid(watts: float, printed: Printed) -> Table:
+def power_trapezoid(watts: float, printed: Printed) -> Table:
     """The power of section 5 [W]."""
     begin, rise, fall = printed.start, printed.ramp, printed.fall
     times = (0.0, begin, begin + rise, fall, fall + rise, 25.0)
@@ -74,7 +74,7 @@ def trapezoid(watts: float, printed: Printed) -> Table:
 
 
 @cache
-def bent(
+def run_bending(
     watts: float,
     offset: float,
     printed: Printed,
@@ -84,37 +84,37 @@ def bent(
 ) -> Result:
     """The trapezoid at a power [W], for a wire at r = `offset` and a spring at a = `arm` [m]."""
     places = {"mechanism.offset": offset} | ({} if arm is None else {"mechanism.arm": arm})
-    return simulated(finger(law, tuple(places.items())), watts, printed, step)
+    return run_trapezoid(build_finger(law, tuple(places.items())), watts, printed, step)
 
 
-def simulated(system: System, watts: float, printed: Printed, step: float = STEP) -> Result:
+def run_trapezoid(system: System, watts: float, printed: Printed, step: float = STEP) -> Result:
     """The trapezoid at a power [W] on any system."""
-    wave = trapezoid(watts, printed)
-    return simulate(system, wave, 25.0, step=step, samples=501, runtime=runtime())
+    wave = power_trapezoid(watts, printed)
+    return simulate(system, wave, 25.0, step=step, samples=501, runtime=choose_runtime())
 
 
-def top(result: Result, printed: Printed) -> float:
+def top_angle(result: Result, printed: Printed) -> float:
     """Angle at the end of the full power [°]."""
-    return math.degrees(at(result, "angle", printed.fall))
+    return math.degrees(column_at(result, "angle", printed.fall))
 
 
-def at(result: Result, name: str, time: float) -> float:
+def column_at(result: Result, name: str, time: float) -> float:
     """A column at a sample time [s]."""
     return result[name][round(time / result.times[-1] * (len(result.times) - 1))]
 
 
-def rise(result: Result, share: float, printed: Printed) -> float:
+def rise_time(result: Result, share: float, printed: Printed) -> float:
     """Time after the power starts at which a share of the final angle is reached [s]."""
-    level = share * math.radians(top(result, printed))
+    level = share * math.radians(top_angle(result, printed))
     last = round(printed.fall / result.times[-1] * (len(result.times) - 1))
     return (
-        passing(result.times[: last + 1], result.columns["angle"][: last + 1], level)
+        passing_time(result.times[: last + 1], result.columns["angle"][: last + 1], level)
         - printed.start
     )
 
 
 @cache
-def loop(
+def run_loop(
     frequency: float,
     arm: float | None,
     printed: Printed,
@@ -126,12 +126,14 @@ def loop(
     if arm is not None:
         places["mechanism.arm"] = arm
     wave = Sine(low=0.0, high=max(printed.powers), frequency=frequency)
-    system = finger(law, tuple(places.items()))
+    system = build_finger(law, tuple(places.items()))
     step = 0.05 * printed.frequency / frequency
-    return simulate(system, wave, 2.0 / frequency, step=step, samples=2001, runtime=runtime())
+    return simulate(
+        system, wave, 2.0 / frequency, step=step, samples=2001, runtime=choose_runtime()
+    )
 
 
-def width(result: Result) -> float:
+def loop_width(result: Result) -> float:
     """Width in power of the second loop at half of its largest angle [W]."""
     half = len(result.times) // 2
     power, angle = result.columns["power"][half:], result.columns["angle"][half:]
@@ -140,17 +142,19 @@ def width(result: Result) -> float:
     rising, falling = range(peak, 0, -1), range(peak, len(angle) - 1)
     up = next(k for k in rising if angle[k - 1] < level <= angle[k])
     down = next(k for k in falling if angle[k] >= level > angle[k + 1])
-    return between(power, angle, up - 1, level) - between(power, angle, down, level)
+    return level_time(power, angle, up - 1, level) - level_time(power, angle, down, level)
 
 
 @cache
-def steady(watts: float, printed: Printed) -> float:
+def steady_temperature(watts: float, printed: Printed) -> float:
     """Temperature long after switching on a power [W], simulated [K]."""
-    run = simulate(finger(), Constant(level=watts), 60.0, step=STEP, samples=61, runtime=runtime())
+    run = simulate(
+        build_finger(), Constant(level=watts), 60.0, step=STEP, samples=61, runtime=choose_runtime()
+    )
     return run["temperature"][-1]
 
 
-def imbalance(result: Result, values: Mapping[str, float]) -> float:
+def energy_imbalance(result: Result, values: Mapping[str, float]) -> float:
     """Energy that a run does not account for, as a share of what was put in.
 
     In: electrical work. Out: heat lost, heat stored, latent heat, by trapezoids of the samples.
@@ -159,15 +163,15 @@ def imbalance(result: Result, values: Mapping[str, float]) -> float:
     gain = [
         p - q for p, q in zip(result.columns["power"], result.columns["heat_loss"], strict=True)
     ]
-    put = _integral(times, result.columns["power"])
+    put = _integrate_power(times, result.columns["power"])
     mass, capacity, latent = (values[name] for name in ("mass", "heat_capacity", "latent_heat"))
     warmer = result["temperature"][-1] - result["temperature"][0]
     formed = result["martensite_fraction"][-1] - result["martensite_fraction"][0]
     stored = mass * (capacity * warmer - latent * formed)
-    return abs(_integral(times, gain) - stored) / put
+    return abs(_integrate_power(times, gain) - stored) / put
 
 
-def _integral(times: Sequence[float], values: Sequence[float]) -> float:
+def _integrate_power(times: Sequence[float], values: Sequence[float]) -> float:
     steps = zip(times, times[1:], values, values[1:], strict=False)
     return math.fsum(0.5 * (t1 - t0) * (a + b) for t0, t1, a, b in steps)
 
@@ -177,11 +181,11 @@ def full_stroke(offset: float, arm: float, printed: Printed) -> float:
 
     ε_0 - 2 n ΔL/l = σ/E_A, with the stress of the spring at that angle.
     """
-    system = finger(SINGLE, (("mechanism.offset", offset), ("mechanism.arm", arm)))
+    system = build_finger(SINGLE, (("mechanism.offset", offset), ("mechanism.arm", arm)))
     g, k, extension = (
         system.value_of(f"mechanism.{name}") for name in ("bracket", "stiffness", "extension")
     )
-    section, E_A = wire().section(), system.value_of("E_A")
+    section, E_A = get_wire().section(), system.value_of("E_A")
 
     def stress(angle: float) -> float:
         lever = offset * math.cos(0.5 * angle) + g * math.sin(0.5 * angle)

@@ -32,7 +32,7 @@ def compute_crystals(printed: Printed) -> dict[str, Any]:
 def _list_polycrystal(watts: float, printed: Printed) -> dict[str, Any]:
     """Angles of a polycrystal at all r."""
     angles = [
-        bench.top(bench.bent(watts, r, printed, None, bench.POLYCRYSTAL), printed)
+        bench.top_angle(bench.run_bending(watts, r, printed, None, bench.POLYCRYSTAL), printed)
         for r in printed.offsets
     ]
     listed = ", ".join(f"{angle:.1f}°" for angle in angles)
@@ -41,21 +41,21 @@ def _list_polycrystal(watts: float, printed: Printed) -> dict[str, Any]:
 
 def _list_difference(printed: Printed, name: str, arm: float | None) -> dict[str, Any]:
     """Both crystals at intermediate powers."""
-    apart = {watts: difference(watts, printed, arm) for watts in MIDDLE}
+    apart = {watts: crystal_difference(watts, printed, arm) for watts in MIDDLE}
     worst = max(apart, key=lambda watts: abs(apart[watts]))
     return {
         "name": name,
         "watts": worst,
         "difference": apart[worst],
-        "arm": 1e3 * (arm or bench.finger().value_of("mechanism.arm")),
+        "arm": 1e3 * (arm or bench.build_finger().value_of("mechanism.arm")),
         "listed": ", ".join(f"{d:+.1f}° at {watts:.1f} W" for watts, d in apart.items()),
     }
 
 
-def difference(watts: float, printed: Printed, arm: float | None = None) -> float:
+def crystal_difference(watts: float, printed: Printed, arm: float | None = None) -> float:
     """Angle of the single crystal less that of the polycrystal at r = 3.5 mm [°]."""
     single, many = (
-        bench.top(bench.bent(watts, printed.offsets[1], printed, arm, law), printed)
+        bench.top_angle(bench.run_bending(watts, printed.offsets[1], printed, arm, law), printed)
         for law in (bench.SINGLE, bench.POLYCRYSTAL)
     )
     return single - many

@@ -35,7 +35,7 @@ COLOURS = (SIMULATED, HEATING, MEASURED[2])
 DASHED = (0, (4, 1.6))
 
 
-def draw(printed: Printed) -> Figure:
+def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
     with styled():
         figure = new_figure(12.0, 7.2)
@@ -53,13 +53,13 @@ def draw(printed: Printed) -> Figure:
         first = figure.add_subplot(rows[0])
         panels = [first, figure.add_subplot(rows[1], sharex=first)]
         for axes, watts in zip(panels, printed.powers, strict=True):
-            _bending(axes, watts, printed)
-        _power(figure.add_subplot(rows[2], sharex=first), printed)
+            _draw_bending(axes, watts, printed)
+        _draw_power(figure.add_subplot(rows[2], sharex=first), printed)
         panels[0].legend(loc="upper left")
         cells = right.subgridspec(2, 2, height_ratios=(1.15, 1.0), hspace=0.32, wspace=0.28)
-        _loop(figure.add_subplot(cells[0, :]), printed)
-        _crystals(figure.add_subplot(cells[1, 0]), printed)
-        _places(figure.add_subplot(cells[1, 1]), printed)
+        _draw_loop(figure.add_subplot(cells[0, :]), printed)
+        _draw_crystals(figure.add_subplot(cells[1, 0]), printed)
+        _draw_places(figure.add_subplot(cells[1, 1]), printed)
         write_heading(
             figure,
             "Robotic finger: what follows from the published numbers",
@@ -68,17 +68,17 @@ def draw(printed: Printed) -> Figure:
         return figure
 
 
-def degrees(result: Any) -> list[float]:
+def angle_degrees(result: Any) -> list[float]:
     """Angle of a run [°]."""
     return [math.degrees(angle) for angle in result["angle"]]
 
 
-def _bending(axes: Any, watts: float, printed: Printed) -> None:
+def _draw_bending(axes: Any, watts: float, printed: Printed) -> None:
     for r, colour in zip(printed.offsets, COLOURS, strict=True):
-        run = bench.bent(watts, r, printed)
-        axes.plot(run.times, degrees(run), color=colour, label=f"r = {1e3 * r:.1f} mm")
-        many = bench.bent(watts, r, printed, None, bench.POLYCRYSTAL)
-        axes.plot(many.times, degrees(many), color=colour, linestyle=DASHED, linewidth=0.9)
+        run = bench.run_bending(watts, r, printed)
+        axes.plot(run.times, angle_degrees(run), color=colour, label=f"r = {1e3 * r:.1f} mm")
+        many = bench.run_bending(watts, r, printed, None, bench.POLYCRYSTAL)
+        axes.plot(many.times, angle_degrees(many), color=colour, linestyle=DASHED, linewidth=0.9)
     axes.plot([], [], color=INK, linestyle=DASHED, linewidth=0.9, label="polycrystal")
     axes.set_title(f"angle at {watts:.1f} W")
     axes.set_ylabel(f"{mathematical('θ')} [°]")
@@ -86,10 +86,10 @@ def _bending(axes: Any, watts: float, printed: Printed) -> None:
     axes.tick_params(labelbottom=False)
 
 
-def _power(axes: Any, printed: Printed) -> None:
+def _draw_power(axes: Any, printed: Printed) -> None:
     warm, r = axes.twinx(), printed.offsets[1]
     for watts, style in zip(printed.powers, (DASHED, "solid"), strict=True):
-        wave, run = bench.trapezoid(watts, printed), bench.bent(watts, r, printed)
+        wave, run = bench.power_trapezoid(watts, printed), bench.run_bending(watts, r, printed)
         label = f"{watts:.1f} W"
         axes.plot(wave.times, wave.values, color=INK, linestyle=style, label=label, linewidth=1.1)
         celsius = [T - ZERO for T in run["temperature"]]
@@ -109,7 +109,7 @@ def _power(axes: Any, printed: Printed) -> None:
     warm.spines["right"].set_visible(True)
 
 
-def _loop(axes: Any, printed: Printed) -> None:
+def _draw_loop(axes: Any, printed: Printed) -> None:
     frequency = printed.frequency
     looks = (
         (frequency, (), SIMULATED, "solid", f"{frequency:g} Hz"),
@@ -123,14 +123,14 @@ def _loop(axes: Any, printed: Printed) -> None:
         (frequency, bench.STATIC, INK, DASHED, "no stored heat"),
     )
     for f, values, colour, style, label in looks:
-        run = bench.loop(f, None, printed, values)
+        run = bench.run_loop(f, None, printed, values)
         half = len(run.times) // 2
         axes.plot(
             run["power"][half:],
-            degrees(run)[half:],
+            angle_degrees(run)[half:],
             color=colour,
             linestyle=style,
-            label=f"{label}: {bench.width(run):.2f} W",
+            label=f"{label}: {bench.loop_width(run):.2f} W",
         )
     label_axes(
         axes,
@@ -142,18 +142,18 @@ def _loop(axes: Any, printed: Printed) -> None:
     axes.legend(loc="center left", title="width", alignment="left")
 
 
-def _crystals(axes: Any, printed: Printed) -> None:
+def _draw_crystals(axes: Any, printed: Printed) -> None:
     powers, r = crystal_numbers.MIDDLE, printed.offsets[1]
-    here = bench.finger().value_of("mechanism.arm")
+    here = bench.build_finger().value_of("mechanism.arm")
     for arm, style in ((None, "solid"), (crystal_numbers.OUTER_ARM, DASHED)):
         for law, colour, name in (
             (bench.SINGLE, SIMULATED, "single"),
             (bench.POLYCRYSTAL, HEATING, "poly"),
         ):
-            runs = [bench.bent(watts, r, printed, arm, law) for watts in powers]
+            runs = [bench.run_bending(watts, r, printed, arm, law) for watts in powers]
             axes.plot(
                 powers,
-                [bench.top(run, printed) for run in runs],
+                [bench.top_angle(run, printed) for run in runs],
                 color=colour,
                 linestyle=style,
                 marker="o",
@@ -170,12 +170,12 @@ def _crystals(axes: Any, printed: Printed) -> None:
     axes.legend(loc="lower right", fontsize=7.0)
 
 
-def _places(axes: Any, printed: Printed) -> None:
+def _draw_places(axes: Any, printed: Printed) -> None:
     arms, low = bending_numbers.ARMS, min(printed.powers)
     for i, (r, colour) in enumerate(zip(printed.offsets, COLOURS, strict=True)):
-        tops = [bending_numbers.tops(low, printed, arm)[i] for arm in arms]
+        tops = [bending_numbers.top_angles(low, printed, arm)[i] for arm in arms]
         axes.plot([1e3 * arm for arm in arms], tops, color=colour, label=f"{1e3 * r:.1f} mm")
-    here = 1e3 * bench.finger().value_of("mechanism.arm")
+    here = 1e3 * bench.build_finger().value_of("mechanism.arm")
     axes.axvline(here, color=QUIET, linewidth=0.8, linestyle=DASHED)
     axes.set_title(f"at {low:.1f} W, over the spring's place")
     axes.set_xlabel(f"{mathematical('a')} [mm]")

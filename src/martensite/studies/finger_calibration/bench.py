@@ -58,31 +58,33 @@ EVERY = (NEAR, FAR, JOINT)
 
 
 @cache
-def scenario() -> Scenario:
+def load_scenario() -> Scenario:
     """The scenario of this study."""
     return load(SCENARIO)
 
 
-def finger(arm: float, offset: float, values: tuple[tuple[str, float], ...] = ()) -> AbstractSystem:
+def build_finger(
+    arm: float, offset: float, values: tuple[tuple[str, float], ...] = ()
+) -> AbstractSystem:
     """The finger with Table 1, other numbers changed by name."""
     places = {"mechanism.arm": arm, "mechanism.offset": offset}
-    return scenario().system.with_values(places | dict(values))
+    return load_scenario().system.with_values(places | dict(values))
 
 
 @cache
-def noise() -> Any:
+def draw_noise() -> Any:
     """(records, samples): white noise of unit deviation, the same in every run."""
     records = sum(data.count for data in EVERY)
     return np.random.default_rng(SEED).standard_normal((records, SAMPLES))
 
 
 @cache
-def clean(
+def clean_angle(
     arm: float, offset: float, printed: Printed, values: tuple[tuple[str, float], ...] = ()
 ) -> Any:
     """(samples,): angle with Table 1, other numbers changed by name, without noise [rad]."""
     blank = np.linspace(0.0, 1.0, SAMPLES)
-    experiment = _experiment("clean", finger(arm, offset, values), blank, printed)
+    experiment = _build_experiment("clean", build_finger(arm, offset, values), blank, printed)
     fine = build_problem((experiment,), ["stiffness"], step=FINE)  # free in name only
     found = fine.evaluate(fine.start)
     if found is None:
@@ -90,7 +92,7 @@ def clean(
     return found.fitted[0].model[:, 0]
 
 
-def experiments(
+def build_experiments(
     data: Data,
     printed: Printed,
     *,
@@ -109,19 +111,21 @@ def experiments(
     """
     found: list[Experiment] = []
     for k, offset in enumerate(printed.offsets[: data.count]):
-        angles = clean(data.arm, offset, printed)
+        angles = clean_angle(data.arm, offset, printed)
         if noisy:
-            angles = angles + NOISE * noise()[data.first + k]
-        system = finger(arm or data.arm, offset, values)
-        found.append(_experiment(f"r = {1e3 * offset:.1f} mm", system, angles, printed))
+            angles = angles + NOISE * draw_noise()[data.first + k]
+        system = build_finger(arm or data.arm, offset, values)
+        found.append(_build_experiment(f"r = {1e3 * offset:.1f} mm", system, angles, printed))
     return tuple(found)
 
 
-def _experiment(name: str, system: AbstractSystem, angles: Any, printed: Printed) -> Experiment:
+def _build_experiment(
+    name: str, system: AbstractSystem, angles: Any, printed: Printed
+) -> Experiment:
     times = np.linspace(0.0, 1.0 / printed.frequency, SAMPLES)
     columns = {"time": times.tolist(), "angle": angles.tolist()}
     record = Record(name, columns, {"time": "s", "angle": "rad"})
-    wave = scenario().waveform
+    wave = load_scenario().waveform
     return Experiment(name, system, wave, record, {"angle": "angle"}, step=STEP)
 
 
@@ -137,7 +141,7 @@ def fitting(records: Sequence[Experiment], printed: Printed, start: Sequence[flo
 @cache
 def table_problem(data: Data, printed: Printed) -> Problem:
     """The search on a set of records, starting from Table 1."""
-    return fitting(experiments(data, printed), printed, printed.searched.column("value"))
+    return fitting(build_experiments(data, printed), printed, printed.searched.column("value"))
 
 
 @cache

@@ -11,7 +11,7 @@ from martensite.search.identifiability import Identifiability, assess_identifiab
 from martensite.search.uncertainty import Uncertainty, estimate_uncertainty
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, JOINT, NEAR, Data
-from martensite.studies.finger_calibration.searches import best
+from martensite.studies.finger_calibration.searches import best_fit
 from martensite.studies.tables import Printed
 
 SURE = 2.0
@@ -22,8 +22,8 @@ CHOSEN_ELSE = ("E_M", "T_L", "Delta_sigma", "dsigma_dT")
 
 def compute_data(printed: Printed) -> dict[str, Any]:
     """How many numbers the test holds, whether they are found again, and how well."""
-    weak, count = held(NEAR, printed).weak, len(printed.searched)
-    near, joint = (errors(data, printed) for data in (NEAR, JOINT))
+    weak, count = assess_records(NEAR, printed).weak, len(printed.searched)
+    near, joint = (parameter_errors(data, printed) for data in (NEAR, JOINT))
     slopes = [one.numbers["dsigma_dT"] for one in (near, joint)]
     pair = ("Delta_sigma", "dsigma_dT")
     return {
@@ -58,7 +58,7 @@ class Errors:
 
 
 @cache
-def errors(data: Data, printed: Printed) -> Errors:
+def parameter_errors(data: Data, printed: Printed) -> Errors:
     """From the derivatives with Table 1."""
     found = of_columns(data, CHOSEN_ELSE, printed)
     table = table_numbers(printed)
@@ -90,7 +90,7 @@ def of_columns(data: Data, names: tuple[str, ...], printed: Printed) -> Uncertai
     )
 
 
-def held(data: Data, printed: Printed) -> Identifiability:
+def assess_records(data: Data, printed: Printed) -> Identifiability:
     """What a set of records holds of the five parameters, about Table 1."""
     found, problem = bench.at_table(data, printed), bench.table_problem(data, printed)
     return assess_identifiability(
@@ -102,23 +102,23 @@ def held(data: Data, printed: Printed) -> Identifiability:
     )
 
 
-def cold(numbers: dict[str, float]) -> float:
+def cold_temperature(numbers: dict[str, float]) -> float:
     """T* = T_L - σ_L/(dσ/dT), where σ_A is 0 [K]."""
     return numbers["T_L"] - numbers["sigma_L"] / numbers["dsigma_dT"]
 
 
-def width(numbers: dict[str, float]) -> float:
+def temperature_width(numbers: dict[str, float]) -> float:
     """Δσ/(dσ/dT) [K]."""
     return numbers["Delta_sigma"] / numbers["dsigma_dT"]
 
 
 def list_again(data: Data, printed: Printed) -> list[dict[str, Any]]:
     """Whether least squares find Table 1 again in records that were made with it."""
-    fit, bound = best(data, printed).fit, errors(data, printed)
+    fit, bound = best_fit(data, printed).fit, parameter_errors(data, printed)
     table, known = table_numbers(printed), bound.numbers
     slope = table["dsigma_dT"], fit["dsigma_dT"], known["dsigma_dT"]
-    ratio = width(table), width(fit.numbers), bound.ratio
-    kelvin = cold(table), cold(fit.numbers), known["T_L"]
+    ratio = temperature_width(table), temperature_width(fit.numbers), bound.ratio
+    kelvin = cold_temperature(table), cold_temperature(fit.numbers), known["T_L"]
     rows = (
         ("slope", "dσ/dT", slope, 1e6, "MPa/K"),
         ("ratio", "Δσ/(dσ/dT)", ratio, 1.0, "K"),

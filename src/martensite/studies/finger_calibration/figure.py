@@ -27,18 +27,18 @@ from martensite.show.figures.style import (
 from martensite.studies.figures import label_axes, write_heading
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, FAR, NEAR, Data
-from martensite.studies.finger_calibration.data_numbers import errors
-from martensite.studies.finger_calibration.gauge_numbers import WRONG_ARMS, refitted
+from martensite.studies.finger_calibration.data_numbers import parameter_errors
+from martensite.studies.finger_calibration.gauge_numbers import WRONG_ARMS, refit_finger
 from martensite.studies.finger_calibration.searches import (
     COORDINATE,
     SQUARES,
     STILL,
     CalibrationSearch,
-    best,
-    moving,
-    prepare,
-    search,
-    tried,
+    best_fit,
+    list_starts,
+    moving_starts,
+    prepare_searches,
+    run_search,
 )
 from martensite.studies.tables import Printed
 
@@ -53,7 +53,7 @@ NINETY_FIVE = 2.4477
 PATH = {"marker": "o", "markersize": 2.2, "linewidth": 0.9}
 
 
-def draw(printed: Printed, *, full: bool = False) -> Figure:
+def draw_figure(printed: Printed, *, full: bool = False) -> Figure:
     """Draw the figure; without a C compiler one that says so."""
     with styled():
         figure = new_figure(12.0, 7.2)
@@ -61,7 +61,7 @@ def draw(printed: Printed, *, full: bool = False) -> Figure:
         if find_compiler() is None:
             write_heading(figure, title, "needs a C compiler: a search takes thousands of runs")
             return figure
-        prepare(printed, full=full)
+        prepare_searches(printed, full=full)
         line = (
             "synthetic records made with Table 1, 201 samples of a sine at 0.015 Hz with white "
             "noise of 1°; five free parameters within the paper's ranges"
@@ -80,24 +80,26 @@ def draw(printed: Printed, *, full: bool = False) -> Figure:
         cells = left.subgridspec(2, 2, hspace=0.33, wspace=0.22)
         last = right.subgridspec(2, 1, hspace=0.33)
         for column, data in enumerate((NEAR, FAR)):
-            _ridge(figure.add_subplot(cells[0, column]), data, printed, tried(full))
-            _costs(figure.add_subplot(cells[1, column]), data, printed, tried(full))
-        _loops(figure.add_subplot(last[0]), printed)
+            _draw_ridge(figure.add_subplot(cells[0, column]), data, printed, list_starts(full))
+            _draw_costs(figure.add_subplot(cells[1, column]), data, printed, list_starts(full))
+        _draw_loops(figure.add_subplot(last[0]), printed)
         halves = last[1].subgridspec(2, 1, hspace=0.75)
         for row, name in enumerate(("dsigma_dT", "E_M")):
-            _intervals(figure.add_subplot(halves[row]), name, printed)
+            _draw_intervals(figure.add_subplot(halves[row]), name, printed)
         return figure
 
 
-def _walks(
+def _draw_walks(
     data: Data, printed: Printed, starts: tuple[int, ...]
 ) -> list[tuple[CalibrationSearch, str, str]]:
-    walked = [(search(data, k, COORDINATE, printed), WALK, "coordinate search") for k in starts]
-    solved = [(search(data, k, SQUARES, printed), SOLVE, "least squares") for k in moving()]
+    walked = [(run_search(data, k, COORDINATE, printed), WALK, "coordinate search") for k in starts]
+    solved = [
+        (run_search(data, k, SQUARES, printed), SOLVE, "least squares") for k in moving_starts()
+    ]
     return [*walked, *solved]
 
 
-def _ridge(axes: Any, data: Data, printed: Printed, starts: tuple[int, ...]) -> None:
+def _draw_ridge(axes: Any, data: Data, printed: Printed, starts: tuple[int, ...]) -> None:
     ranges = {one.name: one for one in printed.searched}
     width, slope = ranges["Delta_sigma"], ranges["dsigma_dT"]
     edge = np.array([slope.low, slope.high])
@@ -105,13 +107,13 @@ def _ridge(axes: Any, data: Data, printed: Printed, starts: tuple[int, ...]) -> 
     label = f"{mathematical('Δσ')} = {kelvin:.0f} K · {mathematical('dσ/dT')}"
     dashes = {"color": QUIET, "linestyle": DASHED, "linewidth": 0.9}
     axes.plot(kelvin * edge / 1e6, edge / 1e6, **dashes, label=label)
-    for one, colour, name in _walks(data, printed, starts):
+    for one, colour, name in _draw_walks(data, printed, starts):
         places = [(p.numbers["Delta_sigma"] / 1e6, p.numbers["dsigma_dT"] / 1e6) for p in one.path]
         x, y = zip(*places, strict=True)
-        axes.plot(x, y, color=colour, **PATH, label=_once(axes, name))
+        axes.plot(x, y, color=colour, **PATH, label=_label_once(axes, name))
         axes.plot(x[0], y[0], marker="s", markersize=5.0, color=colour, markerfacecolor="white")
         axes.plot(x[-1], y[-1], marker="D", markersize=5.5, color=colour, zorder=4)
-    axes.plot(*_ellipse(data, printed), color=INK, linewidth=1.0, label="95 % of fits")
+    axes.plot(*_draw_ellipse(data, printed), color=INK, linewidth=1.0, label="95 % of fits")
     label_axes(
         axes,
         f"ways of the searches, {data.name}",
@@ -124,17 +126,17 @@ def _ridge(axes: Any, data: Data, printed: Printed, starts: tuple[int, ...]) -> 
         axes.legend(loc="lower right", fontsize=7.0)
 
 
-def _once(axes: Any, name: str) -> str | None:
+def _label_once(axes: Any, name: str) -> str | None:
     """A label, unless the axes have it already."""
     return None if name in axes.get_legend_handles_labels()[1] else name
 
 
-def _ellipse(data: Data, printed: Printed) -> tuple[Any, Any]:
+def _draw_ellipse(data: Data, printed: Printed) -> tuple[Any, Any]:
     """Δσ and dσ/dT [MPa, MPa/K] about Table 1."""
     table = dict(
         zip(printed.searched.column("name"), printed.searched.column("value"), strict=True)
     )
-    found, pair = errors(data, printed), ("Delta_sigma", "dsigma_dT")
+    found, pair = parameter_errors(data, printed), ("Delta_sigma", "dsigma_dT")
     angle = np.linspace(0.0, 2.0 * math.pi, 200)
     both = found.correlation[pair]
     first = np.cos(angle)
@@ -146,11 +148,11 @@ def _ellipse(data: Data, printed: Printed) -> tuple[Any, Any]:
     return rows[0], rows[1]
 
 
-def _costs(axes: Any, data: Data, printed: Printed, starts: tuple[int, ...]) -> None:
-    for one, colour, name in _walks(data, printed, starts):
+def _draw_costs(axes: Any, data: Data, printed: Printed, starts: tuple[int, ...]) -> None:
+    for one, colour, name in _draw_walks(data, printed, starts):
         runs = [*(point.runs for point in one.path), one.runs]
         errors_ = [*(point.rms for point in one.path), one.rms]
-        axes.step(runs, errors_, where="post", color=colour, label=_once(axes, name))
+        axes.step(runs, errors_, where="post", color=colour, label=_label_once(axes, name))
         axes.plot(runs[-1], errors_[-1], marker="D", markersize=5.0, color=colour)
     axes.axhline(math.degrees(bench.NOISE), color=QUIET, linewidth=0.8, linestyle=DASHED)
     axes.set_xscale("log")
@@ -167,15 +169,15 @@ def _costs(axes: Any, data: Data, printed: Printed, starts: tuple[int, ...]) -> 
     )
 
 
-def _loops(axes: Any, printed: Printed) -> None:
+def _draw_loops(axes: Any, printed: Printed) -> None:
     looks = ((NEAR, MEASURED[0], STILL), (FAR, MEASURED[1], STILL))
     for data, colour, start in looks:
         record = bench.table_problem(data, printed).experiments[0]
-        power = [bench.scenario().single_waveform.value(float(time)) for time in record.times]
+        power = [bench.load_scenario().single_waveform.value(float(time)) for time in record.times]
         axes.plot(power, np.degrees(record.measured[:, 0]), ".", color=colour, markersize=3.0)
         for one, look in (
-            (best(data, printed), {"color": SOLVE}),
-            (search(data, start, COORDINATE, printed), {"color": WALK, "linestyle": DASHED}),
+            (best_fit(data, printed), {"color": SOLVE}),
+            (run_search(data, start, COORDINATE, printed), {"color": WALK, "linestyle": DASHED}),
         ):
             axes.plot(power, np.degrees(one.fit.evaluation.fitted[0].model[:, 0]), **look)
     axes.text(0.62, 62.0, NEAR.name, color=MEASURED[0], ha="right", fontsize=8.0)
@@ -186,7 +188,7 @@ def _loops(axes: Any, printed: Printed) -> None:
     axes.legend(loc="upper left", fontsize=7.0)
 
 
-def _intervals(axes: Any, name: str, printed: Printed) -> None:
+def _draw_intervals(axes: Any, name: str, printed: Printed) -> None:
     one: Printed = next(one for one in printed.searched if one.name == name)
     unit, shown, symbol = {
         "dsigma_dT": (1e6, "MPa/K", "dσ/dT"),
@@ -194,12 +196,12 @@ def _intervals(axes: Any, name: str, printed: Printed) -> None:
     }[name]
     names = [data.name.removeprefix("a = ") for data in EVERY]
     for row, data in enumerate(EVERY):
-        fit = best(data, printed).fit
+        fit = best_fit(data, printed).fit
         low, high = fit.uncertainty.interval(name)
         axes.plot([low / unit, high / unit], [row, row], color=SOLVE, linewidth=2.2)
         axes.plot(fit[name] / unit, row, marker="o", markersize=4.5, color=SOLVE)
     if name == "dsigma_dT":
-        far = refitted(printed, WRONG_ARMS[0])
+        far = refit_finger(printed, WRONG_ARMS[0])
         axes.plot(far.fit[name] / unit, len(EVERY), marker="X", color=WALK)
         names.append("8 mm taken for 9")
     axes.axvline(one.value / unit, color=INK, linewidth=0.8, linestyle=DASHED)

@@ -20,8 +20,13 @@ from martensite.search.free_numbers import SearchRange
 from martensite.search.identifiability import Identifiability, assess_identifiability
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import NEAR
-from martensite.studies.finger_calibration.data_numbers import SURE, errors, table_numbers, width
-from martensite.studies.finger_calibration.searches import STARTS, CalibrationSearch, rms
+from martensite.studies.finger_calibration.data_numbers import (
+    SURE,
+    parameter_errors,
+    table_numbers,
+    temperature_width,
+)
+from martensite.studies.finger_calibration.searches import STARTS, CalibrationSearch, angle_rms
 from martensite.studies.tables import Printed
 
 FORCE = ("stiffness", "dsigma_dT", "Delta_sigma", "sigma_L", "E_A", "E_M", "layer_volume")
@@ -40,46 +45,48 @@ TENTH = 0.1
 def compute_gauges(printed: Printed) -> dict[str, Any]:
     """The two gauges, what follows for the table, and which numbers move the finger."""
     without = [name for name in FORCE if name not in ("E_A", "E_M", "layer_volume")]
-    exact = [one for one in held(FORCE, printed).weak if one.exact]
+    exact = [one for one in assess_test(FORCE, printed).weak if one.exact]
     return {
         "forced": FORCED,
-        "force_gauge": apart(scaled(FORCE, FORCED, printed), printed),
+        "force_gauge": largest_change(scale_gauge(FORCE, FORCED, printed), printed),
         "force_lost": " ".join(one.sentence for one in exact),
-        "force_without": apart(scaled(without, FORCED, printed), printed),
+        "force_without": largest_change(scale_gauge(without, FORCED, printed), printed),
         "warmed": WARMED,
-        "thermal_gauge": apart(warmed(WARMED, printed), printed),
-        "thermal_lost": " ".join(one.sentence for one in held(THERMAL, printed).weak),
+        "thermal_gauge": largest_change(scale_thermal_gauge(WARMED, printed), printed),
+        "thermal_lost": " ".join(one.sentence for one in assess_test(THERMAL, printed).weak),
         **compute_wrong(printed),
         **compute_effects(printed),
     }
 
 
 @cache
-def whole(printed: Printed) -> Problem:
+def free_problem(printed: Printed) -> Problem:
     """The calibration test with all free that takes part in a gauge or is unknown to the paper."""
-    system = bench.finger(NEAR.arm, printed.offsets[0])
+    system = bench.build_finger(NEAR.arm, printed.offsets[0])
     rest = [
         *((one.name, one.value) for one in printed.fixed),
         *((name, system.value_of(name)) for name in BEYOND),
     ]
     wishes = [SearchRange(one.name, one.low, one.high, one.value) for one in printed.searched]
     wishes += [SearchRange(name, value / AROUND, value * AROUND, value) for name, value in rest]
-    return build_problem(bench.experiments(NEAR, printed), wishes, noise={"angle": bench.NOISE})
+    return build_problem(
+        bench.build_experiments(NEAR, printed), wishes, noise={"angle": bench.NOISE}
+    )
 
 
 @cache
-def slopes(printed: Printed) -> Any:
+def angle_slopes(printed: Printed) -> Any:
     """(samples, parameters): derivatives with Table 1, per search range."""
-    found = whole(printed).evaluate(whole(printed).start, slopes=True)
+    found = free_problem(printed).evaluate(free_problem(printed).start, slopes=True)
     return np.zeros((0, 0)) if found is None else found.jacobian
 
 
-def held(names: Sequence[str], printed: Printed) -> Identifiability:
+def assess_test(names: Sequence[str], printed: Printed) -> Identifiability:
     """What the calibration test holds of some parameters, the others fixed."""
-    free = whole(printed).free
-    places = [whole(printed).names.index(name) for name in names]
+    free = free_problem(printed).free
+    places = [free_problem(printed).names.index(name) for name in names]
     return assess_identifiability(
-        slopes(printed)[:, places],
+        angle_slopes(printed)[:, places],
         names,
         values=[free[i].start for i in places],
         scales=[free[i].slope(free[i].share(free[i].start)) for i in places],
@@ -87,65 +94,65 @@ def held(names: Sequence[str], printed: Printed) -> Identifiability:
     )
 
 
-def apart(values: dict[str, float], printed: Printed) -> float:
+def largest_change(values: dict[str, float], printed: Printed) -> float:
     """Largest change of the angle over the test with numbers changed by name [°]."""
     offset = printed.offsets[0]
-    moved = bench.clean(NEAR.arm, offset, printed, tuple(values.items()))
-    return float(np.degrees(np.abs(moved - bench.clean(NEAR.arm, offset, printed)).max()))
+    moved = bench.clean_angle(NEAR.arm, offset, printed, tuple(values.items()))
+    return float(np.degrees(np.abs(moved - bench.clean_angle(NEAR.arm, offset, printed)).max()))
 
 
-def scaled(names: Sequence[str], factor: float, printed: Printed) -> dict[str, float]:
+def scale_gauge(names: Sequence[str], factor: float, printed: Printed) -> dict[str, float]:
     """Numbers of a gauge times a factor; the layer volume divided by it."""
-    start = {free.name: free.start for free in whole(printed).free}
+    start = {free.name: free.start for free in free_problem(printed).free}
     power = {"layer_volume": -1.0}
     return {name: start[name] * factor ** power.get(name, 1.0) for name in names}
 
 
-def warmed(factor: float, printed: Printed) -> dict[str, float]:
+def scale_thermal_gauge(factor: float, printed: Printed) -> dict[str, float]:
     """The thermal gauge by a factor."""
-    ambient = bench.finger(NEAR.arm, printed.offsets[0]).value_of("environment.temperature")
+    ambient = bench.build_finger(NEAR.arm, printed.offsets[0]).value_of("environment.temperature")
     hot = table_numbers(printed)["T_L"]
-    others = scaled([name for name in THERMAL if name != "T_L"], factor, printed)
+    others = scale_gauge([name for name in THERMAL if name != "T_L"], factor, printed)
     return {**others, "T_L": ambient + (hot - ambient) / factor}
 
 
 @cache
-def refitted(
+def refit_finger(
     printed: Printed, arm: float, values: tuple[tuple[str, float], ...] = ()
 ) -> CalibrationSearch:
     """Least squares to the record without noise, by a finger that is another one."""
-    records = bench.experiments(NEAR, printed, noisy=False, arm=arm, values=values)
+    records = bench.build_experiments(NEAR, printed, noisy=False, arm=arm, values=values)
     return CalibrationSearch(solve_problem(bench.fitting(records, printed, STARTS[1])), ())
 
 
 def compute_wrong(printed: Printed) -> dict[str, Any]:
     """What a fit makes of a spring at another place, and of no latent heat."""
-    far, close = (refitted(printed, arm) for arm in WRONG_ARMS)
-    dry = refitted(printed, NEAR.arm, (("latent_heat", 0.0),))
+    far, close = (refit_finger(printed, arm) for arm in WRONG_ARMS)
+    dry = refit_finger(printed, NEAR.arm, (("latent_heat", 0.0),))
     return {
         "places": [f"{1e3 * arm:.0f} mm" for arm in (NEAR.arm, *WRONG_ARMS)],
         "wrong_arm": far.fit["dsigma_dT"] / 1e6,
         "far": far,
         "far_hysteresis": far.fit["Delta_sigma"] / 1e6,
-        "far_ratio": width(far.fit.numbers),
+        "far_ratio": temperature_width(far.fit.numbers),
         "close": close,
         "close_slope": close.fit["dsigma_dT"] / 1e6,
         "dry": dry,
         "no_latent_heat": dry.fit["Delta_sigma"] / 1e6,
         "table_hysteresis": table_numbers(printed)["Delta_sigma"] / 1e6,
-        "sure_hysteresis": SURE * errors(NEAR, printed).numbers["Delta_sigma"] / 1e6,
+        "sure_hysteresis": SURE * parameter_errors(NEAR, printed).numbers["Delta_sigma"] / 1e6,
     }
 
 
-def effects(printed: Printed) -> dict[str, float]:
+def single_effects(printed: Printed) -> dict[str, float]:
     """Rms change of the angle if a number alone changes by a tenth, to first order [°]."""
-    table = slopes(printed)
+    table = angle_slopes(printed)
     found = {
-        free.name: rms(float(np.mean(table[:, i] ** 2)))
+        free.name: angle_rms(float(np.mean(table[:, i] ** 2)))
         * TENTH
         * free.start
         / free.slope(free.share(free.start))
-        for i, free in enumerate(whole(printed).free)
+        for i, free in enumerate(free_problem(printed).free)
         if free.name not in BEYOND
     }
     return dict(sorted(found.items(), key=lambda pair: -pair[1]))
@@ -153,7 +160,7 @@ def effects(printed: Printed) -> dict[str, float]:
 
 def compute_effects(printed: Printed) -> dict[str, Any]:
     """How many of the numbers with the largest effects are those searched for."""
-    found, names = effects(printed), printed.searched.column("name")
+    found, names = single_effects(printed), printed.searched.column("name")
     first = list(found)[: len(names)]
     return {
         "searched_count": float(len(names)),

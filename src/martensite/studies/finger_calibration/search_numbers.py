@@ -10,12 +10,12 @@ from martensite.studies.finger_calibration.searches import (
     SQUARES,
     STILL,
     CalibrationSearch,
-    best,
-    moving,
-    prepare,
-    search,
-    spread,
-    tried,
+    best_fit,
+    end_spread,
+    list_starts,
+    moving_starts,
+    prepare_searches,
+    run_search,
 )
 from martensite.studies.tables import Printed
 
@@ -25,27 +25,27 @@ MORE = 2
 
 def compute_searches(printed: Printed, *, full: bool) -> dict[str, Any]:
     """Coordinate search, least squares, and the start without motion."""
-    prepare(printed, full=full)
+    prepare_searches(printed, full=full)
     return {
-        "searches": [_list_search(data, printed, tried(full)) for data in (NEAR, FAR)],
+        "searches": [_list_search(data, printed, list_starts(full)) for data in (NEAR, FAR)],
         "more": MORE,
-        "caught": search(FAR, STILL, SQUARES, printed),
-        "away": search(FAR, STILL, COORDINATE, printed),
-        "cured": search(FAR, STILL, SQUARES, printed, MORE),
-        "least": best(FAR, printed),
+        "caught": run_search(FAR, STILL, SQUARES, printed),
+        "away": run_search(FAR, STILL, COORDINATE, printed),
+        "cured": run_search(FAR, STILL, SQUARES, printed, MORE),
+        "least": best_fit(FAR, printed),
     }
 
 
-def excess(data: Data, start: int, printed: Printed) -> float:
+def excess_rms(data: Data, start: int, printed: Printed) -> float:
     """Rms of the end of a coordinate search above that of least squares [°]."""
-    return search(data, start, COORDINATE, printed).rms - best(data, printed).rms
+    return run_search(data, start, COORDINATE, printed).rms - best_fit(data, printed).rms
 
 
 def _list_search(data: Data, printed: Printed, starts: tuple[int, ...]) -> dict[str, Any]:
     """Both searches on a set of records."""
-    walked = [search(data, start, COORDINATE, printed) for start in starts]
-    solved = [search(data, start, SQUARES, printed) for start in moving()]
-    least = best(data, printed).rms
+    walked = [run_search(data, start, COORDINATE, printed) for start in starts]
+    solved = [run_search(data, start, SQUARES, printed) for start in moving_starts()]
+    least = best_fit(data, printed).rms
     return {
         "key": data.key,
         "data": data.name,
@@ -57,8 +57,8 @@ def _list_search(data: Data, printed: Printed, starts: tuple[int, ...]) -> dict[
         "solved": len(solved),
         "solved_runs": sum(one.runs for one in solved) / len(solved),
         "jacobians": sum(one.fit.jacobians for one in solved) / len(solved),
-        "slope_apart": spread("dsigma_dT", solved) / 1e6,
-        "kelvin_apart": spread("T_L", solved),
+        "slope_apart": end_spread("dsigma_dT", solved) / 1e6,
+        "kelvin_apart": end_spread("T_L", solved),
     }
 
 

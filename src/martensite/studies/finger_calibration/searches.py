@@ -18,7 +18,7 @@ from martensite.fit.search_monitor import SearchNote
 from martensite.fit.solve import solve_problem
 from martensite.studies.finger_calibration import bench
 from martensite.studies.finger_calibration.bench import EVERY, FAR, NEAR, Data
-from martensite.studies.result_cache import kept
+from martensite.studies.result_cache import cache_results
 from martensite.studies.tables import Printed
 
 STARTS = (
@@ -58,7 +58,7 @@ class CalibrationSearch:
     @property
     def rms(self) -> float:
         """Of the angle at the end [°]."""
-        return rms(self.fit.cost)
+        return angle_rms(self.fit.cost)
 
     @property
     def runs(self) -> int:
@@ -66,13 +66,13 @@ class CalibrationSearch:
         return self.fit.simulations + self.fit.jacobians
 
 
-def rms(cost: float) -> float:
+def angle_rms(cost: float) -> float:
     """Root-mean-square error of the angle [°]."""
     return math.degrees(bench.NOISE * math.sqrt(cost))
 
 
-@kept
-def search(
+@cache_results
+def run_search(
     data: Data, start: int, method: str, printed: Printed, spread: int = 0
 ) -> CalibrationSearch:
     """A search from one of the starts, and from as many more as `spread` says."""
@@ -86,39 +86,39 @@ def search(
 
     fit = solve_problem(problem, method=method, starts=spread, tell=tell)
     path = [
-        SearchPoint(runs, rms(cost), problem.numbers(note.values))
+        SearchPoint(runs, angle_rms(cost), problem.numbers(note.values))
         for (runs, cost), note in zip(fit.history, told, strict=True)
     ]
     return CalibrationSearch(fit, tuple(path))
 
 
-def tried(full: bool) -> tuple[int, ...]:
+def list_starts(full: bool) -> tuple[int, ...]:
     """From which starts coordinate search begins."""
     return ALL if full else FEW
 
 
-def prepare(printed: Printed, *, full: bool) -> None:
+def prepare_searches(printed: Printed, *, full: bool) -> None:
     """Make all searches, coordinate searches on two cores at once."""
     for data in EVERY:
-        for start in moving():
-            search(data, start, SQUARES, printed)
-    jobs = [(data, start) for data in (FAR, NEAR) for start in tried(full)]
+        for start in moving_starts():
+            run_search(data, start, SQUARES, printed)
+    jobs = [(data, start) for data in (FAR, NEAR) for start in list_starts(full)]
     with ThreadPoolExecutor(2) as pool:
-        list(pool.map(lambda job: search(job[0], job[1], COORDINATE, printed), jobs))
+        list(pool.map(lambda job: run_search(job[0], job[1], COORDINATE, printed), jobs))
 
 
-def moving() -> tuple[int, ...]:
+def moving_starts() -> tuple[int, ...]:
     """Starts from which the finger moves."""
     return tuple(start for start in ALL if start != STILL)
 
 
-def best(data: Data, printed: Printed) -> CalibrationSearch:
+def best_fit(data: Data, printed: Printed) -> CalibrationSearch:
     """The best fit by least squares, of those from starts that move."""
-    found = (search(data, start, SQUARES, printed) for start in moving())
+    found = (run_search(data, start, SQUARES, printed) for start in moving_starts())
     return min(found, key=lambda one: one.rms)
 
 
-def spread(name: str, found: Iterable[CalibrationSearch]) -> float:
+def end_spread(name: str, found: Iterable[CalibrationSearch]) -> float:
     """How far the ends of searches are apart in a parameter [SI]."""
     ends = [one.fit[name] for one in found]
     return max(ends) - min(ends)

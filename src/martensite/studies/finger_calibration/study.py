@@ -38,6 +38,6 @@ class FingerCalibration(TableStudy):
     def figure(self, path: Path) -> None:
         """Write the figure, with as many starts as the claims."""
         from martensite.show.figures.files import write_figure
-        from martensite.studies.finger_calibration.figure import draw
+        from martensite.studies.finger_calibration.figure import draw_figure
 
-        write_figure(draw(self.printed, full=self.full), path)
+        write_figure(draw_figure(self.printed, full=self.full), path)

@@ -29,7 +29,7 @@ from martensite.control.sensors.position import PositionSensor
 from martensite.kernels import floats
 from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.studies.hammerstein_wiener import branches
-from martensite.studies.hammerstein_wiener.preisach import Cell, everett
+from martensite.studies.hammerstein_wiener.preisach import Cell, everett_function
 
 INTERVAL = 0.002
 """Sample time of the paper [s]."""
@@ -98,7 +98,7 @@ class ReferenceBench(Parametrised):
     @property
     def stroke(self) -> float:
         """Full stroke s [m]."""
-        return self.length * branches.loop(self.share).stroke
+        return self.length * branches.build_loop(self.share).stroke
 
     def film(self, above: float) -> float:
         """h [W/(m² K)] of a wire that is hotter than its surroundings by `above` [K]."""
@@ -117,7 +117,7 @@ class RunningBench:
         """
         self.bench = bench
         count = int(bench.cells)
-        weights = everett(bench.share, bench.correlation)
+        weights = everett_function(bench.share, bench.correlation)
         self._wire = [
             Cell(weights, bench.capacity, bench.latent, bench.ambient) for _ in range(count)
         ]

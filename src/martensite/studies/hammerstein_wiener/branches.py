@@ -55,32 +55,32 @@ class HysteresisLoop(NamedTuple):
 
 
 @cache
-def loop(share: float) -> HysteresisLoop:
+def build_loop(share: float) -> HysteresisLoop:
     """Branches between 50 MPa (share 0) and 100 MPa (share 1).
 
     At equal fractions the temperatures are mixed linearly, as stress shifts branches sideways.
     """
-    found = _read()
-    heating, cooling = (_mixed(found[a], found[b], share) for a, b in ((0, 2), (1, 3)))
+    found = _read_branches()
+    heating, cooling = (_mix_branches(found[a], found[b], share) for a, b in ((0, 2), (1, 3)))
     stroke = (1.0 - share) * STROKES[0] + share * STROKES[1]
     return HysteresisLoop(heating, cooling, stroke)
 
 
-def inverse(branch: Numbers, fractions: Numbers) -> Numbers:
+def invert_branch(branch: Numbers, fractions: Numbers) -> Numbers:
     """Temperatures [K] at which a branch has some fractions."""
     rising = np.concatenate([[True], np.diff(branch) > 1e-12])
     return np.interp(fractions, branch[rising], GRID[rising])
 
 
-def _mixed(low: Numbers, high: Numbers, share: float) -> Numbers:
+def _mix_branches(low: Numbers, high: Numbers, share: float) -> Numbers:
     if share == 0.0:
         return low
     levels = np.unique(np.concatenate([low, high]))
-    moved = (1.0 - share) * inverse(low, levels) + share * inverse(high, levels)
+    moved = (1.0 - share) * invert_branch(low, levels) + share * invert_branch(high, levels)
     return np.interp(GRID, moved, levels)
 
 
-def _read() -> list[Numbers]:
+def _read_branches() -> list[Numbers]:
     """The four branches on the grid, from the file."""
     with FILE.open(encoding="utf-8", newline="") as lines:
         rows = list(csv.reader(line for line in lines if not line.startswith("#")))
@@ -93,7 +93,7 @@ def _read() -> list[Numbers]:
 # ---------------------------------------------------------------- from the measurements
 
 
-def derived() -> str:
+def derive_text() -> str:
     """The text of `branches.csv`, from the measurements.
 
     Raises:
@@ -108,7 +108,7 @@ def derived() -> str:
         longest = max(*cycle.heating.strain, *cycle.cooling.strain)
         for leg in (cycle.heating, cycle.cooling):
             columns.append(
-                _branch(np.array(leg.temperature), np.array(leg.strain) / longest)[SHOWN]
+                _derive_branch(np.array(leg.temperature), np.array(leg.strain) / longest)[SHOWN]
             )
     rows = [
         ",".join([f"{row[0]:.0f}", *(f"{z:.6f}" for z in row[1:])])
@@ -117,7 +117,7 @@ def derived() -> str:
     return HEADER + "\n".join([",".join(COLUMNS), *rows, ""])
 
 
-def _branch(kelvin: Numbers, share: Numbers) -> Numbers:
+def _derive_branch(kelvin: Numbers, share: Numbers) -> Numbers:
     order = np.argsort(kelvin, kind="stable")
     raw = np.interp(GRID, kelvin[order], 1.0 - share[order])
     smooth = gaussian_filter1d(raw, SMOOTHING, mode="nearest")

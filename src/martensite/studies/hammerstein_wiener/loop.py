@@ -27,19 +27,19 @@ SINE_TIME, SINE_SCORED = 70.0, 20.0
 """Length of the run with the sine, and from where on it is judged [s]."""
 
 
-def staircase() -> Numbers:
+def step_reference() -> Numbers:
     """The reference of steps [m]."""
     return steps(LEVELS, INTERVAL)
 
 
-def sine() -> Numbers:
+def sine_reference() -> Numbers:
     """The reference with a sine [m]: at its mean until the sine begins."""
     mean, amplitude, period, begin = SINE
     times = INTERVAL * np.arange(round(SINE_TIME / INTERVAL))
     return mean + amplitude * np.sin(2.0 * np.pi * np.maximum(times - begin, 0.0) / period)
 
 
-def controlled(
+def run_controlled(
     gains: Gains,
     reference: Numbers,
     bench: ReferenceBench | None = None,

@@ -18,7 +18,7 @@ BEGIN = LEVELS[0][1]
 
 def compute_loops(*, full: bool) -> dict[str, Any]:
     """Steps and sine; in full also other models, and the trap of a model without a rest."""
-    both, sine = loops.steps(WHOLE), loops.sines(WHOLE)
+    both, sine = loops.compare_steps(WHOLE), loops.compare_sines(WHOLE)
     pairs, (heating, cooling) = both.responses(), sine.branches
     return {
         "whole_likeness": both.likeness,
@@ -44,7 +44,7 @@ def compute_loops(*, full: bool) -> dict[str, Any]:
 
 def first_step_share() -> float:
     """How far the bench is [%] when the model of the paper's structure has risen to 90 %."""
-    both = loops.steps(SMALL)
+    both = loops.compare_steps(SMALL)
     (model, _), *_ = both.responses()
     done = round((BEGIN + model.rise) / INTERVAL)
     share = both.bench.output[done] / model.after
@@ -53,11 +53,11 @@ def first_step_share() -> float:
 
 def compute_trap() -> dict[str, float]:
     """A model without a rest, and the bench under gains tuned on it."""
-    still = loops.controlled(LOOSE).chain.simulate(np.zeros((1, 1)))[0, -1]
-    return {"rest": float(still), "way": loops.moved(loops.gains(LOOSE).gains)}
+    still = loops.build_controlled(LOOSE).chain.simulate(np.zeros((1, 1)))[0, -1]
+    return {"rest": float(still), "way": loops.travel_under(loops.find_gains(LOOSE).gains)}
 
 
 def _list_other(name: str) -> dict[str, Any]:
     """Steps and sine with another model."""
-    likeness, apart = loops.steps(name).likeness, loops.sines(name).apart
+    likeness, apart = loops.compare_steps(name).likeness, loops.compare_sines(name).apart
     return {"key": KEYS.get(name, "paper"), "name": name, "likeness": likeness, "apart": apart}

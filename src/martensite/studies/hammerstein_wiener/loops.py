@@ -14,7 +14,7 @@ from martensite.design.tuning.tuning import Tuned, tune
 from martensite.identify.chains.chain import Chain
 from martensite.studies.hammerstein_wiener import loop, models
 from martensite.studies.hammerstein_wiener.bench import INTERVAL
-from martensite.studies.hammerstein_wiener.judged import fit
+from martensite.studies.hammerstein_wiener.comparisons import nrmse_fit
 
 LOOPS = ("stage 2, 12 wavelets", "stage 2, not anchored", "stage 2, hysteresis", "whole")
 """Models that controllers are tuned on: second stages behind stage 1, and the whole one."""
@@ -31,7 +31,7 @@ class LoopPair:
     @property
     def likeness(self) -> float:
         """Fit of the trajectory of the model to that of the bench [%]."""
-        return fit(self.bench.output, self.model.output)
+        return nrmse_fit(self.bench.output, self.model.output)
 
     def responses(self) -> list[tuple[StepResponse, StepResponse]]:
         """Every step, by model and bench."""
@@ -49,22 +49,22 @@ class Sines:
     @property
     def tracking(self) -> float:
         """Of the bench against the reference [m]."""
-        return _rms(self.bench.reference - self.bench.output)
+        return _counted_rms(self.bench.reference - self.bench.output)
 
     @property
     def branches(self) -> tuple[float, float]:
         """The same while the reference rises, the wire heated, and while it falls [m]."""
         error = self.bench.reference - self.bench.output
         rising = np.gradient(self.bench.reference) >= 0.0
-        return _rms(error, rising), _rms(error, ~rising)
+        return _counted_rms(error, rising), _counted_rms(error, ~rising)
 
     @property
     def apart(self) -> float:
         """Of the bench against the model [m]."""
-        return _rms(self.bench.output - self.model.output)
+        return _counted_rms(self.bench.output - self.model.output)
 
 
-def _rms(error: np.ndarray, where: np.ndarray | None = None) -> float:
+def _counted_rms(error: np.ndarray, where: np.ndarray | None = None) -> float:
     """Over the samples that count, or those of them where a flag holds."""
     first = round(loop.SINE_SCORED / INTERVAL)
     chosen = error[first:] if where is None else error[first:][where[first:]]
@@ -72,36 +72,38 @@ def _rms(error: np.ndarray, where: np.ndarray | None = None) -> float:
 
 
 @cache
-def controlled(name: str) -> ControlledModel:
+def build_controlled(name: str) -> ControlledModel:
     """A model of the study with its position in a loop."""
-    chain: Chain = models.model("whole") if name == "whole" else models.series(name)
+    chain: Chain = models.estimate_recipe("whole") if name == "whole" else models.join_stages(name)
     return ControlledModel(chain)
 
 
 @cache
-def gains(name: str) -> Tuned:
+def find_gains(name: str) -> Tuned:
     """Gains found on a model alone."""
-    return tune(controlled(name), loop.TUNING)
+    return tune(build_controlled(name), loop.TUNING)
 
 
 @cache
-def steps(name: str) -> LoopPair:
+def compare_steps(name: str) -> LoopPair:
     """Both on a staircase."""
-    reference, found = loop.staircase(), gains(name)
+    reference, found = loop.step_reference(), find_gains(name)
     return LoopPair(
         found,
-        controlled(name).run(found.gains, reference),
-        loop.controlled(found.gains, reference),
+        build_controlled(name).run(found.gains, reference),
+        loop.run_controlled(found.gains, reference),
     )
 
 
 @cache
-def sines(name: str) -> Sines:
+def compare_sines(name: str) -> Sines:
     """Both on a sine."""
-    reference, found = loop.sine(), gains(name).gains
-    return Sines(controlled(name).run(found, reference), loop.controlled(found, reference))
+    reference, found = loop.sine_reference(), find_gains(name).gains
+    return Sines(
+        build_controlled(name).run(found, reference), loop.run_controlled(found, reference)
+    )
 
 
-def moved(found: Gains) -> float:
+def travel_under(found: Gains) -> float:
     """How far the bench gets under some gains [m]."""
-    return float(np.ptp(loop.controlled(found, loop.staircase()).output))
+    return float(np.ptp(loop.run_controlled(found, loop.step_reference()).output))

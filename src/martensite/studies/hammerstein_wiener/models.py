@@ -18,7 +18,7 @@ from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options, estimate_chain, refine_chain
 from martensite.signals.sampling.sampled import Sampled
 from martensite.studies.hammerstein_wiener import records
-from martensite.studies.result_cache import kept
+from martensite.studies.result_cache import cache_results
 
 FIRST = "poly2 | oe(3,3,1) | pwl10"
 SECOND = "wavelet88 | oe(3,3,1) | sigmoid10"
@@ -61,31 +61,31 @@ RECIPES = {
 }
 
 
-@kept
-def record(name: str) -> Sampled:
+@cache_results
+def read_record(name: str) -> Sampled:
     """A record of the reference bench: estimation, validation, slow, or sealed with a seed."""
     kind, _, seed = name.partition(" ")
     if kind == "sealed":
-        return records.record(records.sealed(int(seed)))
+        return records.record_bench(records.sealed_duty(int(seed)))
     makers = {
-        "estimation": records.estimation,
-        "validation": records.validation,
-        "slow": records.slow,
+        "estimation": records.estimation_duty,
+        "validation": records.validation_duty,
+        "slow": records.slow_duty,
     }
-    return records.record(makers[kind]())
+    return records.record_bench(makers[kind]())
 
 
-def seen(model: str, whole: Sampled) -> Sampled:
+def mapped_signals(model: str, whole: Sampled) -> Sampled:
     """What a model maps: a stage, or the whole (or a series of stages) from duty to outputs."""
     if model in ("whole", "series"):
         return whole
-    return records.stages(whole)[1 if model.startswith("stage 2") else 0]
+    return records.split_stages(whole)[1 if model.startswith("stage 2") else 0]
 
 
-@kept
-def model(name: str) -> Chain:
+@cache_results
+def estimate_recipe(name: str) -> Chain:
     """A model, by its recipe."""
-    recipe, full = RECIPES[name], seen(name, record("estimation"))
+    recipe, full = RECIPES[name], mapped_signals(name, read_record("estimation"))
     if name == RESTLESS:
         full = full.rows(round(AFTER / full.interval))
     thin = replace(
@@ -102,6 +102,6 @@ def model(name: str) -> Chain:
 
 
 @cache
-def series(second: str) -> Chain:
+def join_stages(second: str) -> Chain:
     """Stage 1 and a second stage, from duty to position."""
-    return model("stage 1").then(model(second))
+    return estimate_recipe("stage 1").then(estimate_recipe(second))

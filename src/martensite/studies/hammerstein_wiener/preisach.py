@@ -39,14 +39,14 @@ BEYOND = 2000.0
 
 
 @lru_cache(4)
-def everett(share: float, correlation: float) -> Numbers:
+def everett_function(share: float, correlation: float) -> Numbers:
     """E(a, b) on `GRID`, rows a, columns b, for branches between 50 and 100 MPa."""
-    found = branches.loop(share)
+    found = branches.build_loop(share)
     rng = np.random.default_rng(SEED)
     first = rng.standard_normal(RELAYS)
     second = correlation * first + np.sqrt(1.0 - correlation**2) * rng.standard_normal(RELAYS)
-    up = branches.inverse(found.heating, ndtr(first))
-    down = np.minimum(branches.inverse(found.cooling, ndtr(second)), up - APART)
+    up = branches.invert_branch(found.heating, ndtr(first))
+    down = np.minimum(branches.invert_branch(found.cooling, ndtr(second)), up - APART)
     weights = gaussian_filter(np.histogram2d(up, down, bins=(GRID, GRID))[0], SMOOTHING)
     # what was smoothed across the diagonal is mirrored back, so that E is 0 there
     weights = np.tril(weights, -1) + np.triu(weights, 1).T

@@ -82,44 +82,46 @@ class Excitation:
         return Excitation(self.name, np.minimum(factor * self.duty, 1.0), self.seed)
 
 
-def pulses(name: str, rows: tuple[tuple[float, float, float], ...], seed: int) -> Excitation:
+def parse_pulses(name: str, rows: tuple[tuple[float, float, float], ...], seed: int) -> Excitation:
     """Pulses as (duty [%], time on [s], time off [s])."""
     parts = [(level, time) for duty, on, off in rows for level, time in ((duty, on), (0.0, off))]
     counts = [round(time / INTERVAL) for _, time in parts]
-    return Excitation(name, _led(np.repeat([0.01 * level for level, _ in parts], counts)), seed)
+    return Excitation(
+        name, _add_lead(np.repeat([0.01 * level for level, _ in parts], counts)), seed
+    )
 
 
-def ramps(name: str, rows: tuple[tuple[float, float], ...], seed: int) -> Excitation:
+def parse_ramps(name: str, rows: tuple[tuple[float, float], ...], seed: int) -> Excitation:
     """A hold as (level [%], time [s]), then ramps to levels in times."""
     times = np.cumsum([0.0, *(time for _, time in rows)])
     levels = [rows[0][0], *(level for level, _ in rows)]
     count = round(times[-1] / INTERVAL)
     return Excitation(
-        name, _led(0.01 * np.interp(INTERVAL * np.arange(count), times, levels)), seed
+        name, _add_lead(0.01 * np.interp(INTERVAL * np.arange(count), times, levels)), seed
     )
 
 
-def _led(duty: Numbers) -> Numbers:
+def _add_lead(duty: Numbers) -> Numbers:
     """A duty after the lead."""
     return np.concatenate([np.zeros(round(LEAD / INTERVAL)), duty])
 
 
-def estimation() -> Excitation:
+def estimation_duty() -> Excitation:
     """283.5 s of pulses, in the manner of the paper's record."""
-    return pulses("estimation", PULSES, 1)
+    return parse_pulses("estimation", PULSES, 1)
 
 
-def validation() -> Excitation:
+def validation_duty() -> Excitation:
     """163.5 s of other pulses."""
-    return pulses("validation", OTHER_PULSES, 2)
+    return parse_pulses("validation", OTHER_PULSES, 2)
 
 
-def slow() -> Excitation:
+def slow_duty() -> Excitation:
     """310 s of ramps with a nested minor loop; never without power."""
-    return ramps("slow", RAMPS, 9)
+    return parse_ramps("slow", RAMPS, 9)
 
 
-def sealed(seed: int) -> Excitation:
+def sealed_duty(seed: int) -> Excitation:
     """Ramps drawn from a seed, then a return to rest, 300 to 600 s in all.
 
     6 to 10 ramps between 5 and 15 % at 0.05 to 0.3 %/s, two of which differ by a factor of 3 at
@@ -138,21 +140,26 @@ def sealed(seed: int) -> Excitation:
         times = [abs(b - a) / rate for (a, b), rate in zip(pairwise(turns), rates, strict=True)]
         whole = HOLD + sum(times) + IDLE
         apart = rates.max() >= 3.0 * rates.min()
-        if turning(turns) and nested(turns) >= 2 and apart and LENGTH[0] <= whole <= LENGTH[1]:
+        if (
+            way_turns(turns)
+            and count_minor_loops(turns) >= 2
+            and apart
+            and LENGTH[0] <= whole <= LENGTH[1]
+        ):
             rows = ((turns[0], HOLD), *zip(turns[1:], times, strict=True))
-            made = ramps(f"sealed {seed}", rows, seed)
+            made = parse_ramps(f"sealed {seed}", rows, seed)
             idle = np.zeros(round(IDLE / INTERVAL))
             return Excitation(made.name, np.concatenate([made.duty, idle]), seed)
     raise ParameterError(f"No sealed record was found for seed {seed}; try another one.")
 
 
-def turning(levels: list[float]) -> bool:
+def way_turns(levels: list[float]) -> bool:
     """Whether a way turns at each of its levels, and goes far enough in between."""
     ways = np.diff(levels)
     return bool(np.all(np.abs(ways) >= LEAST_TRAVEL) and np.all(ways[1:] * ways[:-1] < 0.0))
 
 
-def nested(levels: list[float]) -> int:
+def count_minor_loops(levels: list[float]) -> int:
     """How many minor loops a way makes: legs wholly within the leg two before them."""
     found = 0
     for a, b, c, d in zip(levels, levels[1:], levels[2:], levels[3:], strict=False):
@@ -160,7 +167,7 @@ def nested(levels: list[float]) -> int:
     return found
 
 
-def record(excitation: Excitation, bench: ReferenceBench | None = None) -> Sampled:
+def record_bench(excitation: Excitation, bench: ReferenceBench | None = None) -> Sampled:
     """What the bench gives under an excitation."""
     plant = RunningBench(bench or ReferenceBench(), excitation.seed)
     rows: list[tuple[float, float]] = []
@@ -178,7 +185,7 @@ def record(excitation: Excitation, bench: ReferenceBench | None = None) -> Sampl
     )
 
 
-def stages(whole: Sampled) -> tuple[Sampled, Sampled]:
+def split_stages(whole: Sampled) -> tuple[Sampled, Sampled]:
     """The two stages of a record: duty to temperature, and temperature to position."""
     temperature, position = whole.outputs[:, :1], whole.outputs[:, 1:]
     units = dict(whole.units)

@@ -31,7 +31,7 @@ from martensite.signals.constant import Constant
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.readings import passing
+from martensite.studies.readings import passing_time
 from martensite.studies.tables import Printed
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
@@ -49,22 +49,22 @@ _SETTLING = 600.0
 
 
 @cache
-def scenario() -> Scenario:
+def load_scenario() -> Scenario:
     """The scenario of this study."""
     return load(SCENARIO)
 
 
 def base_wire() -> Wire:
     """The wire of the scenario."""
-    return cast("Wire", scenario().single_system.element)
+    return cast("Wire", load_scenario().single_system.element)
 
 
-def number(path: str) -> float:
+def read_number(path: str) -> float:
     """A number of the scenario's system by its dotted path, in SI units."""
-    return scenario().system.value_of(path)
+    return load_scenario().system.value_of(path)
 
 
-def polynomial(printed: Printed) -> PolynomialCooling:
+def printed_film(printed: Printed) -> PolynomialCooling:
     """The film coefficient as printed."""
     return PolynomialCooling(h0=printed.h0, h1=printed.h1, h2=printed.h2)
 
@@ -74,25 +74,25 @@ def mean_constant(printed: Printed) -> ConstantCooling:
     return ConstantCooling(h=sum(printed.steps.column("film")) / len(printed.steps.column("film")))
 
 
-def heated(cooling: AbstractCooling, values: Mapping[str, float] | None = None) -> System:
+def run_heated(cooling: AbstractCooling, values: Mapping[str, float] | None = None) -> System:
     """The bench with a given cooling, heated by an imposed power; numbers changed by name."""
-    base = scenario().single_system
+    base = load_scenario().single_system
     environment = base.environment.with_parts(cooling=cooling)
     system = base.with_parts(environment=environment, source=PowerSource())
     return system.with_values(values or {})
 
 
 @cache
-def variant(key: str, printed: Printed) -> System:
+def run_variant(key: str, printed: Printed) -> System:
     """One of `VARIANTS`."""
     if key == "constant":
-        return heated(mean_constant(printed))
+        return run_heated(mean_constant(printed))
     values: dict[str, float] = {}
     if key in ("paper", "one-curve"):
         values = {"heat_capacity": printed.heat_capacity, "latent_heat": 0.0}
     if key == "one-curve":
-        values |= {"M_s": number("A_f"), "M_f": number("A_s")}
-    return heated(polynomial(printed), values)
+        values |= {"M_s": read_number("A_f"), "M_f": read_number("A_s")}
+    return run_heated(printed_film(printed), values)
 
 
 def heating_power(step: Printed, printed: Printed) -> float:
@@ -115,7 +115,7 @@ def equivalent_resistance(voltage: float, printed: Printed) -> float:
 def steady_temperature(cooling: AbstractCooling, power: float) -> float:
     """Temperature long after switching on a power [W], simulated [°C]."""
     run = simulate(
-        heated(cooling), Constant(level=power), _SETTLING, tolerance=_TOLERANCE, samples=101
+        run_heated(cooling), Constant(level=power), _SETTLING, tolerance=_TOLERANCE, samples=101
     )
     return run["temperature"][-1] - ZERO
 
@@ -123,12 +123,16 @@ def steady_temperature(cooling: AbstractCooling, power: float) -> float:
 @cache
 def sine_run(key: str, printed: Printed) -> Result:
     """Two periods of the sine with one of `VARIANTS`."""
-    sine, duration, samples = scenario().single_waveform, scenario().duration, scenario().samples
+    sine, duration, samples = (
+        load_scenario().single_waveform,
+        load_scenario().duration,
+        load_scenario().samples,
+    )
     times = [duration * i / (samples - 1) for i in range(samples)]
     volts = [sine.value(t) for t in times]
     powers = [v * v / equivalent_resistance(v, printed) for v in volts]
     return simulate(
-        variant(key, printed),
+        run_variant(key, printed),
         Table(times=tuple(times), values=tuple(powers)),
         duration,
         tolerance=_TOLERANCE,
@@ -150,7 +154,7 @@ class SineResponse:
     """[m]"""
 
 
-def response(key: str, printed: Printed) -> SineResponse:
+def read_response(key: str, printed: Printed) -> SineResponse:
     """Read off the second period of a variant."""
     run = sine_run(key, printed)
     half = len(run.times) // 2
@@ -160,8 +164,8 @@ def response(key: str, printed: Printed) -> SineResponse:
     falling = [-x for x in position[top:]]
     return SineResponse(
         hottest=max(run["temperature"][half:]) - ZERO,
-        rise=passing(run.times[half : top + 1], position[half : top + 1], level) - start,
-        fall=passing(run.times[top:], falling, -level) - start,
+        rise=passing_time(run.times[half : top + 1], position[half : top + 1], level) - start,
+        fall=passing_time(run.times[top:], falling, -level) - start,
         stroke=position[top] - min(position[half:]),
     )
 
@@ -181,12 +185,12 @@ def actuation_time(
         values: numbers of the system to change, by name.
         duration: length of the run, in which the stroke must complete [s].
     """
-    environment = Environment(temperature=ambient + ZERO, cooling=polynomial(printed))
-    base = scenario().single_system.with_parts(environment=environment, source=VoltageSource())
+    environment = Environment(temperature=ambient + ZERO, cooling=printed_film(printed))
+    base = load_scenario().single_system.with_parts(environment=environment, source=VoltageSource())
     system = base.with_values(dict(values))
     wire = cast("Wire", system.element)
     rho = printed.resistance * wire.section() / wire.length
     system = system.with_values({"rho_A": rho, "rho_M": rho})
     supply = Constant(level=printed.supply)
     run = simulate(system, supply, duration, tolerance=_TOLERANCE, samples=1001)
-    return passing(run.times, run.columns["position"], 0.95 * max(run.columns["position"]))
+    return passing_time(run.times, run.columns["position"], 0.95 * max(run.columns["position"]))

@@ -40,7 +40,7 @@ OTHERS = (
 """Variants drawn beside the main one: key, label, colour, dashes."""
 
 
-def draw(printed: Printed) -> Figure:
+def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
     with styled():
         figure = new_figure(11.5, 6.6)
@@ -57,10 +57,10 @@ def draw(printed: Printed) -> Figure:
             hspace=0.3,
         )
         stroke = figure.add_subplot(grid[0, 0])
-        _stroke(stroke, printed)
-        _heat(figure.add_subplot(grid[1, 0], sharex=stroke), printed)
-        _film(figure.add_subplot(grid[0, 1]), printed)
-        _steady(figure.add_subplot(grid[1, 1]), printed)
+        _draw_stroke(stroke, printed)
+        _draw_heat(figure.add_subplot(grid[1, 0], sharex=stroke), printed)
+        _draw_film(figure.add_subplot(grid[0, 1]), printed)
+        _draw_steady(figure.add_subplot(grid[1, 1]), printed)
         write_heading(
             figure,
             "MigaOne-15 wire under 400 g: stroke at 0.005 Hz, and h(T)",
@@ -70,7 +70,7 @@ def draw(printed: Printed) -> Figure:
         return figure
 
 
-def _period(key: str, printed: Printed) -> tuple[Any, dict[str, Any]]:
+def _second_period(key: str, printed: Printed) -> tuple[Any, dict[str, Any]]:
     """Times from the start of the second period [s], and its columns in SI units."""
     run = bench.sine_run(key, printed)
     half = len(run.times) // 2
@@ -78,8 +78,8 @@ def _period(key: str, printed: Printed) -> tuple[Any, dict[str, Any]]:
     return times, {name: np.asarray(values[half:]) for name, values in run.columns.items()}
 
 
-def _stroke(axes: Any, printed: Printed) -> None:
-    times, columns = _period("polynomial", printed)
+def _draw_stroke(axes: Any, printed: Printed) -> None:
+    times, columns = _second_period("polynomial", printed)
     position, named = 1e3 * columns["position"], set[int]()
     for sense, first, last in runs(senses(columns["temperature"])):
         axes.plot(
@@ -92,7 +92,7 @@ def _stroke(axes: Any, printed: Printed) -> None:
         )
         named.add(sense)
     for key, label, colour, dashes in OTHERS:
-        times, columns = _period(key, printed)
+        times, columns = _second_period(key, printed)
         axes.plot(
             times,
             1e3 * columns["position"],
@@ -108,8 +108,8 @@ def _stroke(axes: Any, printed: Printed) -> None:
     axes.legend(loc="center left", bbox_to_anchor=(0.0, 0.62))
 
 
-def _heat(axes: Any, printed: Printed) -> None:
-    times, columns = _period("polynomial", printed)
+def _draw_heat(axes: Any, printed: Printed) -> None:
+    times, columns = _second_period("polynomial", printed)
     axes.plot(times, columns["temperature"] - bench.ZERO, color=SIMULATED)
     for mark in strips(bench.sine_run("polynomial", printed)):
         names = mark.low_name, mark.high_name
@@ -129,11 +129,11 @@ def _heat(axes: Any, printed: Printed) -> None:
         "$T$ [°C]",
     )
     axes.set_ylim(30.0, 90.0)
-    start = bench.scenario().duration / 2.0
+    start = bench.load_scenario().duration / 2.0
     volts = axes.twinx()
     volts.plot(
         times,
-        [bench.scenario().single_waveform.value(start + t) for t in times],
+        [bench.load_scenario().single_waveform.value(start + t) for t in times],
         color=QUIET,
         linestyle=(0, (3, 1.5)),
         linewidth=1.0,
@@ -144,9 +144,9 @@ def _heat(axes: Any, printed: Printed) -> None:
     volts.spines["right"].set_visible(True)
 
 
-def _film(axes: Any, printed: Printed) -> None:
+def _draw_film(axes: Any, printed: Printed) -> None:
     at = np.linspace(40.0, 92.0, 105)
-    even, line = film_numbers.no_linear(printed), film_numbers.straight(printed)
+    even, line = film_numbers.no_linear(printed), film_numbers.fit_straight(printed)
     printed_film = [printed.h0 + t * (printed.h1 + t * printed.h2) for t in at]
     r_squared = film_numbers.printed_r_squared(printed)
     mean = bench.mean_constant(printed).h
@@ -190,7 +190,7 @@ def _film(axes: Any, printed: Printed) -> None:
     )
 
 
-def _steady(axes: Any, printed: Printed) -> None:
+def _draw_steady(axes: Any, printed: Printed) -> None:
     volts = [step.voltage for step in printed.steps]
     bars = (
         ("polynomial", "printed h(T)", SIMULATED),

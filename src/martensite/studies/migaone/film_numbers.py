@@ -21,9 +21,9 @@ def compute_film(printed: Printed) -> dict[str, Any]:
     tilted = fit_film(printed.steps.column("temperature"), films, terms=(0, 1))
     errors = zip(printed.steps, steady_errors("polynomial", printed), strict=True)
     return {
-        "quadratic": _name_coefficients(quadratic(printed)),
+        "quadratic": _name_coefficients(fit_quadratic(printed)),
         "no_linear": _name_coefficients(no_linear(printed)),
-        "line": _name_coefficients(straight(printed)),
+        "line": _name_coefficients(fit_straight(printed)),
         "r2_printed": printed_r_squared(printed),
         "steady": [vars(step) | {"found": step.temperature + error} for step, error in errors],
         "steady_constant_h": max(constant, key=abs),
@@ -40,30 +40,30 @@ def _name_coefficients(fit: FilmFit) -> SimpleNamespace:
     return SimpleNamespace(**named, r_squared=fit.r_squared, adjusted=fit.adjusted)
 
 
-def _points(printed: Printed) -> tuple[tuple[float, ...], tuple[float, ...]]:
+def _table_points(printed: Printed) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Temperatures [°C] and film coefficients of Table 2."""
     return printed.steps.column("temperature"), printed.steps.column("film")
 
 
-def quadratic(printed: Printed) -> FilmFit:
+def fit_quadratic(printed: Printed) -> FilmFit:
     """All three coefficients fitted to Table 2."""
-    return fit_film(*_points(printed))
+    return fit_film(*_table_points(printed))
 
 
 def no_linear(printed: Printed) -> FilmFit:
     """Constant and square fitted, as the printed coefficients suggest was done."""
-    return fit_film(*_points(printed), terms=(0, 2))
+    return fit_film(*_table_points(printed), terms=(0, 2))
 
 
-def straight(printed: Printed) -> FilmFit:
+def fit_straight(printed: Printed) -> FilmFit:
     """A straight line fitted."""
-    return fit_film(*_points(printed), terms=(0, 1))
+    return fit_film(*_table_points(printed), terms=(0, 1))
 
 
 def printed_r_squared(printed: Printed) -> float:
     """R² that the printed coefficients have on the printed points."""
     coefficients = printed.h0, printed.h1, printed.h2
-    return film_r_squared(*_points(printed), coefficients)
+    return film_r_squared(*_table_points(printed), coefficients)
 
 
 def films_at_ambient(ambient: float, printed: Printed) -> list[float]:
@@ -74,15 +74,15 @@ def films_at_ambient(ambient: float, printed: Printed) -> list[float]:
     ]
 
 
-def refitted(printed: Printed) -> PolynomialCooling:
+def refit_film(printed: Printed) -> PolynomialCooling:
     """The film coefficient fitted here with h₁ = 0."""
     h0, h1, h2 = no_linear(printed).coefficients
     return PolynomialCooling(h0=h0, h1=h1, h2=h2)
 
 
 COOLINGS = {
-    "polynomial": bench.polynomial,
-    "refitted": refitted,
+    "polynomial": bench.printed_film,
+    "refitted": refit_film,
     "constant": bench.mean_constant,
 }
 

@@ -19,16 +19,16 @@ TABLED_70 = {"A_s": 68.0, "A_f": 78.0, "M_s": 52.0, "M_f": 42.0}
 
 def compute_motion(printed: Printed) -> dict[str, Any]:
     """The sine first, then the actuation time."""
-    found = {key: bench.response(key, printed) for key in bench.VARIANTS}
+    found = {key: bench.read_response(key, printed) for key in bench.VARIANTS}
     return {
         "sines": [row for key, response in found.items() for row in _list_response(key, response)],
         "sine_late_return": found["polynomial"].fall - found["paper"].fall,
         "sine_early_return": found["paper"].fall - found["one-curve"].fall,
         "room": ROOM,
         "time_here": bench.actuation_time(printed, printed.ambient),
-        "actuation_time_fastest": fastest(printed),
-        "actuation_time_slowest": slowest(printed),
-        "actuation_time_thin": thin(printed, printed.ambient),
+        "actuation_time_fastest": fastest_time(printed),
+        "actuation_time_slowest": slowest_time(printed),
+        "actuation_time_thin": thin_wire_time(printed, printed.ambient),
     }
 
 
@@ -44,22 +44,22 @@ def _list_response(key: str, response: bench.SineResponse) -> list[dict[str, Any
     return [shared | dict(zip(names, row, strict=True)) for row in rows]
 
 
-def fastest(printed: Printed) -> float:
+def fastest_time(printed: Printed) -> float:
     """Actuation time of a 70 °C wire at its tabled temperatures, with the paper's heat [s]."""
-    stress = bench.number("mass") * bench.number("gravity") / bench.base_wire().section()
-    shift = stress / bench.number("C_A")
+    stress = bench.read_number("mass") * bench.read_number("gravity") / bench.base_wire().section()
+    shift = stress / bench.read_number("C_A")
     at_zero_stress = {name: t + bench.ZERO - shift for name, t in TABLED_70.items()}
     values = {**at_zero_stress, "heat_capacity": printed.heat_capacity, "latent_heat": 0.0}
     return bench.actuation_time(printed, ROOM, tuple(values.items()))
 
 
-def slowest(printed: Printed) -> float:
+def slowest_time(printed: Printed) -> float:
     """Actuation time of this study's wire at room temperature [s]."""
     return bench.actuation_time(printed, ROOM)
 
 
-def thin(printed: Printed, ambient: float) -> float:
+def thin_wire_time(printed: Printed, ambient: float) -> float:
     """Actuation time of the wire that Table 1 describes, at the same stress [s]."""
     ratio = printed.diameter / bench.base_wire().diameter
-    values = (("diameter", printed.diameter), ("mass", bench.number("mass") * ratio**2))
+    values = (("diameter", printed.diameter), ("mass", bench.read_number("mass") * ratio**2))
     return bench.actuation_time(printed, ambient, values, duration=0.05)

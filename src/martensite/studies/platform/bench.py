@@ -21,7 +21,7 @@ from martensite.scenario.scenario import Scenario, load
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.readings import passing, runtime
+from martensite.studies.readings import choose_runtime, passing_time
 from martensite.studies.tables import Printed, printed_numbers
 
 SCENARIO = Path(__file__).with_name("scenario.toml")
@@ -94,7 +94,7 @@ IN_SERIES = {
 
 
 @cache
-def scenario() -> Scenario:
+def load_scenario() -> Scenario:
     """The scenario of this study: set A."""
     return load(SCENARIO)
 
@@ -102,9 +102,9 @@ def scenario() -> Scenario:
 # ---------------------------------------------------------------- the machine
 
 
-def spring(case: Case, printed: Printed) -> CoilSpring:
+def build_spring(case: Case, printed: Printed) -> CoilSpring:
     """A spring of printed mass and resistances, free of force as assembled."""
-    base = cast("CoilSpring", scenario().system.actuators()[HOT].element)
+    base = cast("CoilSpring", load_scenario().system.actuators()[HOT].element)
     outer = printed.coil_diameter if case.coil is None else case.coil + printed.diameter
     shape = base.with_values(
         {
@@ -134,11 +134,11 @@ def spring(case: Case, printed: Printed) -> CoilSpring:
     return shape.with_parts(resistance=resistance).with_values(numbers)
 
 
-def machine(case: Case, printed: Printed, voltage: float = 5.0, **mechanism: str) -> Machine:
+def build_machine(case: Case, printed: Printed, voltage: float = 5.0, **mechanism: str) -> Machine:
     """The platform of a case; keyword arguments are options of the mechanism."""
-    base = scenario().system
+    base = load_scenario().system
     limit = case.limits[0 if voltage >= printed.high else 1]
-    one = base.actuators()[HOT].with_parts(element=spring(case, printed))
+    one = base.actuators()[HOT].with_parts(element=build_spring(case, printed))
     one = one.with_values(
         {
             "environment.temperature": printed.ambient + ZERO,
@@ -153,15 +153,15 @@ def machine(case: Case, printed: Printed, voltage: float = 5.0, **mechanism: str
     return Machine(mechanism=moved, group=Group(**members))
 
 
-def platform(printed: Printed) -> ParallelPlatform:
+def build_platform(printed: Printed) -> ParallelPlatform:
     """The mechanism alone."""
-    return cast("ParallelPlatform", machine(AS_PRINTED, printed).mechanism)
+    return cast("ParallelPlatform", build_machine(AS_PRINTED, printed).mechanism)
 
 
 # ---------------------------------------------------------------- runs
 
 
-def heated(
+def run_heated(
     case: Case,
     printed: Printed,
     voltage: float,
@@ -170,22 +170,22 @@ def heated(
     until: float = math.inf,
 ) -> Result:
     """A voltage on the hot spring from rest, until a time [s]; one sample in every step."""
-    return _heated(case, without_results(printed), voltage, duration, step, until)
+    return _run_heated(case, without_results(printed), voltage, duration, step, until)
 
 
 @cache
-def _heated(
+def _run_heated(
     case: Case, printed: Printed, voltage: float, duration: float, step: float, until: float
 ) -> Result:
     drive = {HOT: Step(high=voltage, until=until)}
     samples = round(duration / step) + 1
     return simulate(
-        machine(case, printed, voltage),
+        build_machine(case, printed, voltage),
         drive,
         duration,
         step=step,
         samples=samples,
-        runtime=runtime(),
+        runtime=choose_runtime(),
     )
 
 
@@ -204,35 +204,36 @@ def step_of(case: Case) -> float:
     return FINE if case.damping > 0.0 else COARSE
 
 
-def degrees(result: Result, name: str = "alpha") -> list[float]:
+def angle_degrees(result: Result, name: str = "alpha") -> list[float]:
     """An angle at all samples [°]."""
     return [math.degrees(angle) for angle in result[name]]
 
 
-def arrival(
+def arrival_time(
     case: Case, printed: Printed, voltage: float, angle: float, duration: float, step: float = FINE
 ) -> float:
     """Time from rest to an angle about X [s]; NaN if it is not reached within the duration."""
-    result = heated(case, printed, voltage, duration, step)
-    return passing(result.times, degrees(result), angle)
+    result = run_heated(case, printed, voltage, duration, step)
+    return passing_time(result.times, angle_degrees(result), angle)
 
 
 def at_angle(result: Result, angle: float, name: str) -> float:
     """An output of the hot spring, in SI units, where the platform first passes an angle [°]."""
-    return passing(result.columns[f"{HOT}.{name}"], degrees(result), angle)
+    return passing_time(result.columns[f"{HOT}.{name}"], angle_degrees(result), angle)
 
 
-def cooled(printed: Printed, case: Case) -> dict[str, float]:
+def run_cooling(printed: Printed, case: Case) -> dict[str, float]:
     """Heated by the high voltage to the angle of the response times, then left alone.
 
     Times [s] from switching off until the plate moves, and until it is 10° and 20° further back.
     """
-    begin = arrival(case, printed, printed.high, printed.angle, RISE, COARSE)
-    result = heated(case, printed, printed.high, begin + COOLING, COARSE, until=begin)
-    turned = [-angle for angle in degrees(result)]
+    begin = arrival_time(case, printed, printed.high, printed.angle, RISE, COARSE)
+    result = run_heated(case, printed, printed.high, begin + COOLING, COARSE, until=begin)
+    turned = [-angle for angle in angle_degrees(result)]
     start = max(range(len(turned)), key=lambda k: -turned[k])
     times, falling = result.times[start:], turned[start:]
     levels = {"hold": 0.01, "10": 10.0, "20": 20.0}
     return {
-        name: passing(times, falling, less - printed.angle) - begin for name, less in levels.items()
+        name: passing_time(times, falling, less - printed.angle) - begin
+        for name, less in levels.items()
     }

@@ -14,8 +14,8 @@ from martensite.studies.tables import Printed
 
 def compute_control(printed: Printed) -> dict[str, float]:
     """Limit cycle first, then overshoot."""
-    first, period, on = cycle(printed)
-    found = {f"overshoot_{key}": value for key, value in overshoots(printed).items()}
+    first, period, on = limit_cycle(printed)
+    found = {f"overshoot_{key}": value for key, value in list_overshoots(printed).items()}
     return {name.replace("-", "_"): value for name, value in found.items()} | {
         "band": BAND,
         "sampling": 1e3 * CYCLES.period,
@@ -26,22 +26,22 @@ def compute_control(printed: Printed) -> dict[str, float]:
     }
 
 
-def cycle(printed: Printed) -> tuple[float, float, float]:
+def limit_cycle(printed: Printed) -> tuple[float, float, float]:
     """First switching off, period of the limit cycle and time on in it [s], of set A."""
-    result = loop.controlled(CASES["A"], printed, CYCLES)
-    first, _, second, on, third = loop.switchings(result)[:5]
+    result = loop.run_controlled(CASES["A"], printed, CYCLES)
+    first, _, second, on, third = loop.switching_times(result)[:5]
     return first, third - second, third - on
 
 
-def overshoots(printed: Printed) -> dict[str, float]:
+def list_overshoots(printed: Printed) -> dict[str, float]:
     """Of several cases and delays [°]."""
     late = DELAY
     runs = {
-        "printed": loop.controlled(CASES["as-printed"], printed, QUICK),
-        "printed-late": loop.controlled(CASES["as-printed"], printed, QUICK, late),
-        "printed-dynamic": loop.controlled(CASES["as-printed"], printed, QUICK, 0.0, "dynamic"),
-        "A": loop.controlled(CASES["A"], printed, CYCLES),
-        "A-late": loop.controlled(CASES["A"], printed, CYCLES, late),
-        "C": loop.controlled(CASES["C"], printed, LAGGING),
+        "printed": loop.run_controlled(CASES["as-printed"], printed, QUICK),
+        "printed-late": loop.run_controlled(CASES["as-printed"], printed, QUICK, late),
+        "printed-dynamic": loop.run_controlled(CASES["as-printed"], printed, QUICK, 0.0, "dynamic"),
+        "A": loop.run_controlled(CASES["A"], printed, CYCLES),
+        "A-late": loop.run_controlled(CASES["A"], printed, CYCLES, late),
+        "C": loop.run_controlled(CASES["C"], printed, LAGGING),
     }
-    return {key: loop.overshoot(result, printed) for key, result in runs.items()}
+    return {key: loop.angle_overshoot(result, printed) for key, result in runs.items()}

@@ -10,7 +10,7 @@ from martensite.studies.tables import Printed
 
 def compute_equations(printed: Printed) -> dict[str, float]:
     """Kinetics, then resistance."""
-    spring = bench.spring(bench.AS_PRINTED, printed)
+    spring = bench.build_spring(bench.AS_PRINTED, printed)
     shape = spring.section() / spring.wire_length()
     return {
         "eq8_finish": equation_8(printed, printed.M_f),

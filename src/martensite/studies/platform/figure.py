@@ -50,7 +50,7 @@ DELAYS = (0.0, 0.15, DELAY, 0.45)
 """Ages of a measurement for which overshoot is drawn [s]."""
 
 
-def draw(printed: Printed) -> Figure:
+def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
     with styled():
         figure = new_figure(11.5, 7.4)
@@ -65,11 +65,11 @@ def draw(printed: Printed) -> Figure:
             hspace=0.34,
             height_ratios=(1.15, 1.0),
         )
-        _responses(figure.add_subplot(grid[0, :2]), printed)
-        _reach(figure.add_subplot(grid[0, 2]), printed)
-        _control(figure.add_subplot(grid[1, 0]), printed)
-        _overshoot(figure.add_subplot(grid[1, 1]), printed)
-        _hysteresis(figure.add_subplot(grid[1, 2]), printed)
+        _draw_responses(figure.add_subplot(grid[0, :2]), printed)
+        _draw_reach(figure.add_subplot(grid[0, 2]), printed)
+        _draw_control(figure.add_subplot(grid[1, 0]), printed)
+        _draw_overshoot(figure.add_subplot(grid[1, 1]), printed)
+        _draw_hysteresis(figure.add_subplot(grid[1, 2]), printed)
         write_heading(
             figure,
             "Parallel platform on three shape-memory springs, one of them hot",
@@ -79,14 +79,14 @@ def draw(printed: Printed) -> Figure:
         return figure
 
 
-def _responses(axes: Any, printed: Printed) -> None:
+def _draw_responses(axes: Any, printed: Printed) -> None:
     for key, case in CASES.items():
         for volts, line in ((printed.high, "-"), (printed.low, DASHES)):
-            times, turned = _response(key, printed, volts)
+            times, turned = _draw_response(key, printed, volts)
             label = case.title if line == "-" else None
             axes.plot(times, turned, color=COLOURS[key], linestyle=line, label=label)
-    stalled = bench.heated(LIMITED, printed, printed.high, 400.0, 0.05)
-    axes.plot(stalled.times, bench.degrees(stalled), color=LIMIT_COLOUR, label=LIMITED.title)
+    stalled = bench.run_heated(LIMITED, printed, printed.high, 400.0, 0.05)
+    axes.plot(stalled.times, bench.angle_degrees(stalled), color=LIMIT_COLOUR, label=LIMITED.title)
     axes.plot(
         (printed.fast, printed.slow),
         (printed.angle, printed.angle),
@@ -105,23 +105,23 @@ def _responses(axes: Any, printed: Printed) -> None:
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.02), labelspacing=0.3)
 
 
-def _response(key: str, printed: Printed, volts: float) -> tuple[list[float], list[float]]:
+def _draw_response(key: str, printed: Printed, volts: float) -> tuple[list[float], list[float]]:
     """Times [s] and angles [°]; springs that are hot stay where they are."""
     case = CASES[key]
     if key == "as-printed":
-        result = bench.heated(case, printed, volts, SPAN, FINE)
-        turned = bench.degrees(result)
+        result = bench.run_heated(case, printed, volts, SPAN, FINE)
+        turned = bench.angle_degrees(result)
         return [*result.times, LATE], [*turned, turned[-1]]
-    result = bench.heated(case, printed, volts, LATE, step_of(case))
-    return result.times, bench.degrees(result)
+    result = bench.run_heated(case, printed, volts, LATE, step_of(case))
+    return result.times, bench.angle_degrees(result)
 
 
 # ---------------------------------------------------------------- reach
 
 
-def _reach(axes: Any, printed: Printed) -> None:
-    found = geometry_numbers.workspace(printed)
-    x, y, room = _room(found)
+def _draw_reach(axes: Any, printed: Printed) -> None:
+    found = geometry_numbers.find_workspace(printed)
+    x, y, room = _distance_grid(found)
     axes.contourf(x, y, room.T, [0.0, np.inf], colors=["#e9eff3"], zorder=0.5)
     axes.contour(x, y, room.T, [0.0], colors=[QUIET], linewidths=0.9, zorder=1.0)
     for leg, ray in enumerate(found.rays):
@@ -145,7 +145,7 @@ def _reach(axes: Any, printed: Printed) -> None:
     axes.set_title("reach, and the ways of single springs")
 
 
-def _room(found: Workspace) -> tuple[Any, Any, Any]:
+def _distance_grid(found: Workspace) -> tuple[Any, Any, Any]:
     """Angles [°] of a fine grid, and there how far springs are from their limits [m].
 
     Not a number away from the reachable set, where postures may be allowed but are cut off.
@@ -173,15 +173,15 @@ def _room(found: Workspace) -> tuple[Any, Any, Any]:
 # ---------------------------------------------------------------- control
 
 
-def _control(axes: Any, printed: Printed) -> None:
+def _draw_control(axes: Any, printed: Printed) -> None:
     rows = (
         ("A", CYCLES, 0.0, "set A, no delay"),
         ("C", LAGGING, 0.0, "set C, no delay"),
         ("as-printed", SHOWN, DELAY, f"as printed, {DELAY:g} s delay"),
     )
     for key, sampling, delay, label in rows:
-        result = loop.controlled(CASES[key], printed, sampling, delay)
-        axes.plot(result.times, bench.degrees(result), color=COLOURS[key], label=label)
+        result = loop.run_controlled(CASES[key], printed, sampling, delay)
+        axes.plot(result.times, bench.angle_degrees(result), color=COLOURS[key], label=label)
     axes.axhline(printed.target, color=QUIET, linewidth=0.8, linestyle=(0, (1, 1.5)))
     axes.axhspan(printed.target - loop.BAND, printed.target, color=FAINT, linewidth=0.0)
     axes.set(xlim=(0.0, CYCLES.duration), ylim=(0.0, 36.0), xlabel="time [s]", ylabel="$α$ [°]")
@@ -189,11 +189,11 @@ def _control(axes: Any, printed: Printed) -> None:
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.03))
 
 
-def _overshoot(axes: Any, printed: Printed) -> None:
+def _draw_overshoot(axes: Any, printed: Printed) -> None:
     for key, sampling in (("as-printed", QUICK), ("C", LAGGING), ("A", CYCLES)):
         delays = {"as-printed": DELAYS, "A": (0.0, DELAY)}.get(key, (0.0,))
         found = [
-            loop.overshoot(loop.controlled(CASES[key], printed, sampling, delay), printed)
+            loop.angle_overshoot(loop.run_controlled(CASES[key], printed, sampling, delay), printed)
             for delay in delays
         ]
         axes.plot(delays, found, "o-", color=COLOURS[key], markersize=4.0)
@@ -209,12 +209,16 @@ def _overshoot(axes: Any, printed: Printed) -> None:
     axes.set_title(f"overshoot over {printed.target:.0f}°")
 
 
-def _hysteresis(axes: Any, printed: Printed) -> None:
-    whole = bench.heated(CASES["A"], printed, printed.high, 160.0, 0.02, until=80.0)
-    axes.plot(*_path(whole), color=QUIET, linewidth=0.9, label="heated for 80 s, cooled")
-    result = loop.controlled(CASES["A"], printed, CYCLES)
-    temperature, fraction = _path(result)
-    edges = [0, *(round(t / CYCLES.period) for t in loop.switchings(result)), len(fraction) - 1]
+def _draw_hysteresis(axes: Any, printed: Printed) -> None:
+    whole = bench.run_heated(CASES["A"], printed, printed.high, 160.0, 0.02, until=80.0)
+    axes.plot(*_hysteresis_path(whole), color=QUIET, linewidth=0.9, label="heated for 80 s, cooled")
+    result = loop.run_controlled(CASES["A"], printed, CYCLES)
+    temperature, fraction = _hysteresis_path(result)
+    edges = [
+        0,
+        *(round(t / CYCLES.period) for t in loop.switching_times(result)),
+        len(fraction) - 1,
+    ]
     for k, (first, last) in enumerate(pairwise(edges)):
         on = k % 2 == 0
         axes.plot(
@@ -222,18 +226,18 @@ def _hysteresis(axes: Any, printed: Printed) -> None:
             fraction[first : last + 1],
             linewidth=1.6,
             color=HEATING if on else COOLING,
-            label=_words(on) if k < 2 else None,
+            label=_describe_case(on) if k < 2 else None,
         )
     axes.set(ylim=(-0.03, 1.03), xlabel="temperature of the hot spring [°C]", ylabel="$ξ$")
     axes.set_title("martensite fraction, set A")
     axes.legend(loc="upper right")
 
 
-def _path(result: Result) -> tuple[list[float], list[float]]:
+def _hysteresis_path(result: Result) -> tuple[list[float], list[float]]:
     """Temperature [°C] and martensite fraction of the hot spring."""
     found = [t - bench.ZERO for t in result["first.temperature"]]
     return found, result.columns["first.martensite_fraction"]
 
 
-def _words(on: bool) -> str:
+def _describe_case(on: bool) -> str:
     return "ON/OFF: on" if on else "ON/OFF: off"

@@ -39,7 +39,7 @@ def compute_geometry(printed: Printed) -> dict[str, Any]:
         ],
         **compute_stroke(printed),
         **compute_reach(printed),
-        "inertia": thin_plate(bench.platform(printed).plates(), printed.plate_mass).inertia,
+        "inertia": thin_plate(bench.build_platform(printed).plates(), printed.plate_mass).inertia,
         "area": printed.side * (0.5 * math.sqrt(3.0) * printed.side) ** 3 / 12.0,
         "natural_frequency": frequency,
         "period": 1e3 / frequency,
@@ -48,27 +48,30 @@ def compute_geometry(printed: Printed) -> dict[str, Any]:
 
 def lengths_at(printed: Printed, degrees: float) -> Sequence[float]:
     """Lengths [m] of the springs at a rotation about X."""
-    return platform_lengths(bench.platform(printed).plates(), math.radians(degrees), 0.0)
+    return platform_lengths(bench.build_platform(printed).plates(), math.radians(degrees), 0.0)
 
 
 @cache
 def end_of_one_spring(printed: Printed) -> tuple[float, float]:
     """Contraction [m] and angle [°] of one hot spring against two cold ones."""
-    result = bench.heated(bench.AS_PRINTED, printed, printed.high, 12.0)
+    result = bench.run_heated(bench.AS_PRINTED, printed, printed.high, 12.0)
     turned = result["alpha"][-1]
-    return bench.platform(printed).contraction(floats, [turned, 0.0])[0], math.degrees(turned)
+    return bench.build_platform(printed).contraction(floats, [turned, 0.0])[0], math.degrees(turned)
 
 
 @cache
-def workspace(printed: Printed) -> Workspace:
+def find_workspace(printed: Printed) -> Workspace:
     """Postures with springs of 30 to 90 mm."""
-    plates = bench.platform(printed).plates()
+    plates = bench.build_platform(printed).plates()
     return reachable_angles(plates, SHORTEST, LONGEST)
 
 
 def natural_frequency(printed: Printed) -> float:
     """Of small vibrations about any axis, all springs cold [Hz]."""
-    plates, spring = bench.platform(printed).plates(), bench.spring(bench.AS_PRINTED, printed)
+    plates, spring = (
+        bench.build_platform(printed).plates(),
+        bench.build_spring(bench.AS_PRINTED, printed),
+    )
     rate = 1.0 / spring.spring(floats, spring.initial_fractions(), 298.15, 1.0).compliance
     _, levers, _ = compute_length_slopes(floats, plates, 0.0, 0.0)
     inertia = thin_plate(plates, printed.plate_mass).inertia
@@ -78,7 +81,7 @@ def natural_frequency(printed: Printed) -> float:
 def compute_stroke(printed: Printed) -> dict[str, float]:
     """Stroke, mass and rates of one spring."""
     contraction, angle = end_of_one_spring(printed)
-    spring = bench.spring(bench.AS_PRINTED, printed)
+    spring = bench.build_spring(bench.AS_PRINTED, printed)
     hot, cold = (
         g / (8.0 * spring.index() ** 3 * printed.turns) * printed.diameter
         for g in (printed.G_A, printed.G_M)
@@ -98,11 +101,11 @@ def compute_stroke(printed: Printed) -> dict[str, float]:
 
 def compute_reach(printed: Printed) -> dict[str, Any]:
     """Rotations that springs of some lengths reach, and the order of rotations."""
-    found = workspace(printed)
+    found = find_workspace(printed)
     plates = found.legs.plates
     x, y = (math.radians(printed.angle),) * 2
     straight = platform_lengths(plates, x, y)
-    swapped = _swapped(plates.side, plates.height, x, y)
+    swapped = _swap_rotations(plates.side, plates.height, x, y)
     ends = [tuple(math.degrees(angle) for angle in ray[-1]) for ray in found.rays]
     extents = {"alpha": found.alpha_extent, "beta": found.beta_extent}
     return {
@@ -116,7 +119,7 @@ def compute_reach(printed: Printed) -> dict[str, Any]:
     }
 
 
-def _swapped(side: float, height: float, alpha: float, beta: float) -> list[float]:
+def _swap_rotations(side: float, height: float, alpha: float, beta: float) -> list[float]:
     """Lengths [m] with R_X(α) R_Y(β) in place of R_Y(β) R_X(α), joint in the plate."""
     found: list[float] = []
     for x, y in locate_corners(side):

@@ -20,7 +20,7 @@ from martensite.signals.constant import Constant
 from martensite.simulate.result import Result
 from martensite.studies.platform import bench
 from martensite.studies.platform.bench import Case
-from martensite.studies.readings import runtime
+from martensite.studies.readings import choose_runtime
 from martensite.studies.tables import Printed
 
 BAND = 0.5
@@ -43,18 +43,20 @@ QUICK, CYCLES, LAGGING = Sampling(3.6, 0.005), Sampling(62.0, 0.02), Sampling(62
 """Of springs that heat within seconds; of slower ones, through two limit cycles; and of set C."""
 
 
-def controlled(
+def run_controlled(
     case: Case, printed: Printed, sampling: Sampling, delay: float = 0.0, motion: str = ""
 ) -> Result:
     """ON/OFF control at the high voltage from rest to the target, sampled in every period."""
-    return _controlled(case, bench.without_results(printed), sampling, delay, motion)
+    return _run_controlled(case, bench.without_results(printed), sampling, delay, motion)
 
 
 @cache
-def _controlled(
+def _run_controlled(
     case: Case, printed: Printed, sampling: Sampling, delay: float, motion: str
 ) -> Result:
-    system = bench.machine(case, printed, printed.high, **({"motion": motion} if motion else {}))
+    system = bench.build_machine(
+        case, printed, printed.high, **({"motion": motion} if motion else {})
+    )
     controller = OnOff(
         measured="alpha",
         reference=Constant(level=math.radians(printed.target)),
@@ -69,15 +71,15 @@ def _controlled(
         sensors=Sensors(alpha=gyro),
         controllers=Controllers(**{bench.HOT: controller}),
     )
-    return simulate_bench(looped, sampling.duration, runtime=runtime())
+    return simulate_bench(looped, sampling.duration, runtime=choose_runtime())
 
 
-def overshoot(result: Result, printed: Printed) -> float:
+def angle_overshoot(result: Result, printed: Printed) -> float:
     """How far the angle goes beyond the target [°]."""
-    return max(bench.degrees(result)) - printed.target
+    return max(bench.angle_degrees(result)) - printed.target
 
 
-def switchings(result: Result) -> list[float]:
+def switching_times(result: Result) -> list[float]:
     """Times at which the voltage changes [s]: off, on, off and so on."""
     drive = result[f"{bench.HOT}.drive"]
     return [result.times[k] for k in range(1, len(drive)) if drive[k] != drive[k - 1]]

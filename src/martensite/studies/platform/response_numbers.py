@@ -28,7 +28,7 @@ from martensite.studies.platform.bench import (
     VARIANTS,
     Case,
 )
-from martensite.studies.readings import passing
+from martensite.studies.readings import passing_time
 from martensite.studies.tables import Printed
 
 FREE, SLOWED = 12.0, 80.0
@@ -53,9 +53,9 @@ def compute_response(printed: Printed) -> dict[str, Any]:
         **compute_times(printed),
         **compute_ratios(printed),
         "long": LONG,
-        "limited_angle": bench.degrees(bench.heated(LIMITED, printed, printed.high, LONG, 0.05))[
-            -1
-        ],
+        "limited_angle": bench.angle_degrees(
+            bench.run_heated(LIMITED, printed, printed.high, LONG, 0.05)
+        )[-1],
         "needed_current": needed_current(printed),
         "paths": _list_paths(printed),
         "set_a": _list_set("A", printed),
@@ -69,16 +69,16 @@ def free_times(case: Case, printed: Printed) -> tuple[float, float]:
     """Times [s] to the angle at the high and at the low voltage, without a current limit."""
     duration = FREE if case.series == 0.0 else SLOWED
     fast, slow = (
-        bench.arrival(case, printed, volts, printed.angle, duration)
+        bench.arrival_time(case, printed, volts, printed.angle, duration)
         for volts in (printed.high, printed.low)
     )
     return fast, slow
 
 
-def times(key: str, printed: Printed, angle: float) -> tuple[float, float]:
+def response_times(key: str, printed: Printed, angle: float) -> tuple[float, float]:
     """Times [s] of a calibrated set to an angle [°] at the high and at the low voltage."""
     fast, slow = (
-        bench.arrival(CASES[key], printed, volts, angle, duration, bench.step_of(CASES[key]))
+        bench.arrival_time(CASES[key], printed, volts, angle, duration, bench.step_of(CASES[key]))
         for volts, duration in ((printed.high, RISE), (printed.low, LATE))
     )
     return fast, slow
@@ -89,10 +89,10 @@ def needed_current(printed: Printed) -> float:
 
     Temperature and resistance there are those of the path, which does not depend on power.
     """
-    result = bench.heated(AS_PRINTED, printed, printed.high, FREE)
+    result = bench.run_heated(AS_PRINTED, printed, printed.high, FREE)
     warm = bench.at_angle(result, printed.angle, "temperature") - bench.ZERO - printed.ambient
     ohms = bench.at_angle(result, printed.angle, "resistance")
-    surface = bench.spring(AS_PRINTED, printed).surface()
+    surface = bench.build_spring(AS_PRINTED, printed).surface()
     return math.sqrt(printed.film * surface * warm / ohms)
 
 
@@ -119,7 +119,7 @@ def compute_times(printed: Printed) -> dict[str, Any]:
     }
 
 
-def ratios(printed: Printed) -> dict[str, float]:
+def time_ratios(printed: Printed) -> dict[str, float]:
     """Time at the low voltage over that at the high one, of every reading."""
     found = {name: free_times(case, printed) for name, case in (VARIANTS | IN_SERIES).items()}
     return {name: slow / fast for name, (fast, slow) in found.items()}
@@ -127,10 +127,10 @@ def ratios(printed: Printed) -> dict[str, float]:
 
 def compute_ratios(printed: Printed) -> dict[str, Any]:
     """The smallest and the largest of `ratios`, and that with a limited current."""
-    found = ratios(printed)
+    found = time_ratios(printed)
     least, most = (choose(found, key=found.__getitem__) for choose in (min, max))
     fast, slow = (
-        bench.arrival(replace(LIMITED, slope=STEEP), printed, volts, printed.angle, RISE)
+        bench.arrival_time(replace(LIMITED, slope=STEEP), printed, volts, printed.angle, RISE)
         for volts in (printed.high, printed.low)
     )
     return {
@@ -152,7 +152,7 @@ def _list_paths(printed: Printed) -> list[dict[str, Any]]:
     cases = {"MPa": ("C_A = 6 MPa/°C", AS_PRINTED), "GPa": ("C_A = 1 GPa/°C", VARIANTS[NO_STRESS])}
     found: list[dict[str, Any]] = []
     for key, (words, case) in cases.items():
-        result = bench.heated(case, printed, printed.high, FREE)
+        result = bench.run_heated(case, printed, printed.high, FREE)
         found += [
             {
                 "key": key,
@@ -174,19 +174,19 @@ def _list_set(key: str, printed: Printed) -> list[dict[str, Any]]:
     columns = (
         (printed.high, printed.low),
         (printed.fast, printed.slow),
-        times(key, printed, printed.angle),
-        times(key, printed, printed.target),
+        response_times(key, printed, printed.angle),
+        response_times(key, printed, printed.target),
     )
     shared = {"key": key, "words": words, "short": short}
     return [
         shared
         | {"volts": volts, "published": published, "time": time, "later": later}
-        | {"currents": _currents(CASES[key], volts, printed)}
+        | {"currents": _list_currents(CASES[key], volts, printed)}
         for volts, published, time, later in zip(*columns, strict=True)
     ]
 
 
-def _currents(case: Case, volts: float, printed: Printed) -> str:
+def _list_currents(case: Case, volts: float, printed: Printed) -> str:
     """The currents of a case at a voltage, in words."""
     limit = case.limits[0 if volts >= printed.high else 1]
     low, high = (min(volts / (ohms + case.series), limit) for ohms in (printed.R_M, printed.R_A))
@@ -195,18 +195,18 @@ def _currents(case: Case, volts: float, printed: Printed) -> str:
 
 def compute_damped(printed: Printed) -> dict[str, float]:
     """Times of set C, whose joint is damped."""
-    fast, slow = times("C", printed, printed.angle)
-    result = bench.heated(CASES["C"], printed, printed.high, RISE, FINE)
+    fast, slow = response_times("C", printed, printed.angle)
+    result = bench.run_heated(CASES["C"], printed, printed.high, RISE, FINE)
     hottest = max(result["first.temperature"]) - bench.ZERO
     return {"set_C_5V": fast, "set_C_3V": slow, "hottest": hottest, "rise": RISE}
 
 
 def compute_cooling(printed: Printed) -> dict[str, float]:
     """How long set A takes back, and the same way up."""
-    result = bench.heated(CASES["A"], printed, printed.high, RISE, COARSE)
-    turned = bench.degrees(result)
+    result = bench.run_heated(CASES["A"], printed, printed.high, RISE, COARSE)
+    turned = bench.angle_degrees(result)
     begin, end = (
-        passing(result.times, turned, angle) for angle in (printed.angle - 20.0, printed.angle)
+        passing_time(result.times, turned, angle) for angle in (printed.angle - 20.0, printed.angle)
     )
-    back = bench.cooled(printed, CASES["A"])
+    back = bench.run_cooling(printed, CASES["A"])
     return {f"cooling_{name}": time for name, time in back.items()} | {"way_up": end - begin}

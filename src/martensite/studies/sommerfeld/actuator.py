@@ -24,27 +24,27 @@ COMPLETE = 0.01
 
 
 @cache
-def scenario() -> Scenario:
+def load_scenario() -> Scenario:
     """Closure B with the Elahinia–Ashrafiuon law."""
     return load(CLOSURES["b"], {"element.law": "elahinia"})
 
 
 @cache
-def heated(volts: float) -> Result:
+def run_heated(volts: float) -> Result:
     """The voltage [V] on for 60 s, off for 60 s."""
     wave = Step(high=volts, until=HEATED)
-    return simulate(scenario().system, wave, LENGTH, tolerance=1e-3, samples=601)
+    return simulate(load_scenario().system, wave, LENGTH, tolerance=1e-3, samples=601)
 
 
 def at_end(volts: float, name: str) -> float:
     """A column just before the voltage is switched off."""
-    run = heated(volts)
+    run = run_heated(volts)
     return run[name][round(HEATED / LENGTH * (len(run.times) - 1)) - 1]
 
 
-def recovered(volts: float) -> float:
+def recovered_strain(volts: float) -> float:
     """Strain recovered at the end of heating."""
-    start = heated(volts)["strain"][0]
+    start = run_heated(volts)["strain"][0]
     return start - at_end(volts, "strain")
 
 

@@ -19,7 +19,7 @@ import math
 from dataclasses import dataclass
 
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
-from martensite.studies.sommerfeld.machines import natural
+from martensite.studies.sommerfeld.machines import natural_frequency
 from martensite.studies.tables import Printed
 
 
@@ -33,33 +33,33 @@ class Fold:
     """[V]"""
 
 
-def amplitude(motor: BeamMotor, speed: float) -> float:
+def amplitude_at(motor: BeamMotor, speed: float) -> float:
     """X [m] at a speed [rad/s]."""
     thrown = motor.unbalance * motor.eccentricity * speed * speed
     detuned = motor.stiffness - motor.mass * speed * speed
     return thrown / math.hypot(detuned, motor.damping * speed)
 
 
-def voltage(motor: BeamMotor, speed: float) -> float:
+def voltage_at(motor: BeamMotor, speed: float) -> float:
     """V [V] at a speed [rad/s]."""
-    torque = motor.rotor_friction + 0.5 * motor.damping * amplitude(motor, speed) ** 2
+    torque = motor.rotor_friction + 0.5 * motor.damping * amplitude_at(motor, speed) ** 2
     return speed * (motor.back_emf + motor.resistance / motor.torque_constant * torque)
 
 
-def folds(motor: BeamMotor) -> tuple[Fold, Fold]:
+def find_folds(motor: BeamMotor) -> tuple[Fold, Fold]:
     """Upward and downward fold: the maximum of V near √(k/M), and the minimum above it."""
-    peak = natural(motor)
-    upper = _extreme(motor, 0.8 * peak, 1.02 * peak, 1.0)
-    lower = _extreme(motor, upper, 5.0 * peak, -1.0)
-    return Fold(upper, voltage(motor, upper)), Fold(lower, voltage(motor, lower))
+    peak = natural_frequency(motor)
+    upper = _find_extreme(motor, 0.8 * peak, 1.02 * peak, 1.0)
+    lower = _find_extreme(motor, upper, 5.0 * peak, -1.0)
+    return Fold(upper, voltage_at(motor, upper)), Fold(lower, voltage_at(motor, lower))
 
 
-def _extreme(motor: BeamMotor, low: float, high: float, sign: float) -> float:
+def _find_extreme(motor: BeamMotor, low: float, high: float, sign: float) -> float:
     """Speed at which sign · V is largest: golden section, V being unimodal in between."""
     share = 0.5 * (math.sqrt(5.0) - 1.0)
     for _ in range(100):
         a, b = high - share * (high - low), low + share * (high - low)
-        rises = sign * voltage(motor, a) < sign * voltage(motor, b)
+        rises = sign * voltage_at(motor, a) < sign * voltage_at(motor, b)
         low, high = (a, high) if rises else (low, b)
     return 0.5 * (low + high)
 
@@ -76,7 +76,7 @@ class RampCalibration:
     """[ohm]"""
 
 
-def calibration(printed: Printed) -> RampCalibration:
+def calibrate_beam(printed: Printed) -> RampCalibration:
     """M from the measured frequency, c from the amplitude, R from the jump voltage."""
     omega = 2.0 * math.pi * printed.measured_frequency
     moment = printed.unbalance * printed.eccentricity
@@ -89,7 +89,7 @@ def calibration(printed: Printed) -> RampCalibration:
     )
 
 
-def required(printed: Printed) -> tuple[float, float]:
+def required_changes(printed: Printed) -> tuple[float, float]:
     """By which factors the wire must change stiffness and damping, whatever R is."""
     first = 2.0 * math.pi * printed.measured_frequency
     share = 1.0 - printed.reduction

@@ -17,7 +17,7 @@ UP, DOWN = (0.5, 90.0), (0.02, (2.0, 0.8))
 def compute_beam(printed: Printed) -> dict[str, Any]:
     """Beam, capture from rest, integrator, energy, folds."""
     wrong, right = (machines.printed_motor(printed, form) for form in ("printed", "lagrange"))
-    upper, lower = averages.folds(right)
+    upper, lower = averages.find_folds(right)
     captured = runs.last_captured(wrong, FIRST)
     rotor = right.resistance * right.rotor_inertia
     return {
@@ -26,7 +26,7 @@ def compute_beam(printed: Printed) -> dict[str, Any]:
         "captured_printed": captured,
         "captured_lagrange": runs.last_captured(right, FIRST),
         "captured_modes": runs.last_captured(machines.motor_with_modes(right, printed, 3), FIRST),
-        "captured_speed": runs.from_rest(wrong, captured).speed / machines.natural(wrong),
+        "captured_speed": runs.from_rest(wrong, captured).speed / machines.natural_frequency(wrong),
         "captured_rk4": rk4.last_captured(wrong, printed.simulated_jump - 0.1),
         "step_limit": 1e3 * rk4.step_limit(right),
         "step_bound": 1e3 * (rk4.INTERVAL * printed.inductance / printed.resistance),
@@ -38,8 +38,8 @@ def compute_beam(printed: Printed) -> dict[str, Any]:
         "fold_down": lower.voltage,
         "up_rate": UP[0],
         "down_rate": DOWN[0],
-        "sweep_up": runs.upward(right, *UP).jump,
-        "sweep_down": runs.dropped_below(runs.downward(right, *DOWN), lower.speed),
+        "sweep_up": runs.run_upward(right, *UP).jump,
+        "sweep_down": runs.dropped_below(runs.run_downward(right, *DOWN), lower.speed),
         "rotor_lag": rotor / printed.constant**2,
     }
 
@@ -52,4 +52,4 @@ def compute_frequencies(printed: Printed) -> dict[str, float]:
         (printed.second_mass, printed.computed_stiffness),
     )
     found = {f"frequency_{m:.2f}kg": hertz * math.sqrt(k / m) for m, k in pairs}
-    return {"stiffness": machines.beam(printed).stiffness, **found}
+    return {"stiffness": machines.build_beam(printed).stiffness, **found}

@@ -21,15 +21,15 @@ FINE = tuple(round(6.0 + 0.1 * k, 10) for k in range(1, 10))
 HERTZ = 1.0 / (2.0 * np.pi)
 
 
-def settled(printed: Printed, form: str) -> list[Settled]:
+def run_settled(printed: Printed, form: str) -> list[Settled]:
     """Runs from rest at every voltage drawn."""
     motor = machines.printed_motor(printed, form)
     return [runs.from_rest(motor, volts) for volts in sorted({*COARSE, *FINE})]
 
 
-def _dots(axes: Any, printed: Printed, name: str, scale: float) -> None:
+def _draw_dots(axes: Any, printed: Printed, name: str, scale: float) -> None:
     for form, label, colour, marker in FORMS:
-        found = settled(printed, form)
+        found = run_settled(printed, form)
         axes.plot(
             [one.voltage for one in found],
             [scale * getattr(one, name) for one in found],
@@ -45,9 +45,9 @@ def _dots(axes: Any, printed: Printed, name: str, scale: float) -> None:
     axes.set_xlim(0.0, 10.3)
 
 
-def amplitude(axes: Any, printed: Printed) -> None:
+def draw_amplitude(axes: Any, printed: Printed) -> None:
     """Amplitude after 25 s over the voltage."""
-    _dots(axes, printed, "amplitude", 1e3)
+    _draw_dots(axes, printed, "amplitude", 1e3)
     axes.set_title("jump: amplitude after 25 s at one voltage")
     axes.set_ylabel("amplitude [mm]")
     axes.text(
@@ -59,11 +59,11 @@ def amplitude(axes: Any, printed: Printed) -> None:
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.12))
 
 
-def speed(axes: Any, printed: Printed) -> None:
+def draw_speed(axes: Any, printed: Printed) -> None:
     """Speed after 25 s over the voltage: the plateau."""
     motor = machines.printed_motor(printed)
-    _dots(axes, printed, "speed", HERTZ)
-    natural = HERTZ * machines.natural(motor)
+    _draw_dots(axes, printed, "speed", HERTZ)
+    natural = HERTZ * machines.natural_frequency(motor)
     axes.axhline(natural, color=QUIET, linewidth=0.8)
     axes.text(
         7.0, natural + 1.0, f"$\\sqrt{{k/M}}/2π$ = {natural:.2f} Hz", fontsize=8.0, color=QUIET
@@ -84,12 +84,12 @@ def speed(axes: Any, printed: Printed) -> None:
     axes.set_ylim(0.0, 80.0)
 
 
-def folds(axes: Any, printed: Printed) -> None:
+def draw_folds(axes: Any, printed: Printed) -> None:
     """Steady states over the voltage, and slow sweeps up and down."""
     motor = machines.printed_motor(printed)
-    upper, lower = averages.folds(motor)
+    upper, lower = averages.find_folds(motor)
     speeds = np.concatenate([np.linspace(15.0, 90.0, 6000), np.linspace(90.0, 4300.0, 2000)[1:]])
-    volts = np.array([averages.voltage(motor, w) for w in speeds.tolist()])
+    volts = np.array([averages.voltage_at(motor, w) for w in speeds.tolist()])
     for part, dashes in (
         (speeds <= upper.speed, "-"),
         ((speeds >= upper.speed) & (speeds <= lower.speed), (0, (2, 1.5))),
@@ -104,8 +104,8 @@ def folds(axes: Any, printed: Printed) -> None:
             linewidth=1.0,
             label=label,
         )
-    up = runs.upward(motor, *beam_numbers.UP)
-    down = runs.downward(motor, *beam_numbers.DOWN)
+    up = runs.run_upward(motor, *beam_numbers.UP)
+    down = runs.run_downward(motor, *beam_numbers.DOWN)
     for found, colour, label in ((up, HEATING, "ramp up"), (down, COOLING, "ramp down")):
         axes.plot(
             found.voltage, HERTZ * found.speed, color=colour, linewidth=2.2, alpha=0.6, label=label

@@ -19,24 +19,24 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def draw(printed: Printed) -> Figure:
+def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
     with styled():
         figure = new_figure(15.0, 9.2)
         grid = figure.add_gridspec(
             3, 4, left=0.038, right=0.962, top=0.885, bottom=0.055, wspace=0.34, hspace=0.38
         )
-        beam_panels.amplitude(figure.add_subplot(grid[0, 0]), printed)
-        beam_panels.speed(figure.add_subplot(grid[0, 1]), printed)
-        beam_panels.folds(figure.add_subplot(grid[0, 2]), printed)
-        ramp_panels.fit(figure.add_subplot(grid[0, 3]), printed)
-        ramp_panels.displacement(figure.add_subplot(grid[1, :2]), printed)
-        ramp_panels.speed(figure.add_subplot(grid[1, 2]), printed)
-        ramp_panels.current(figure.add_subplot(grid[1, 3]), printed)
-        wire_panels.control(figure.add_subplot(grid[2, 0]), printed)
-        wire_panels.loops(figure.add_subplot(grid[2, 1]), printed)
-        wire_panels.bench(figure.add_subplot(grid[2, 2]), printed, "strain")
-        wire_panels.bench(figure.add_subplot(grid[2, 3]), printed, "current")
+        beam_panels.draw_amplitude(figure.add_subplot(grid[0, 0]), printed)
+        beam_panels.draw_speed(figure.add_subplot(grid[0, 1]), printed)
+        beam_panels.draw_folds(figure.add_subplot(grid[0, 2]), printed)
+        ramp_panels.draw_fit(figure.add_subplot(grid[0, 3]), printed)
+        ramp_panels.draw_displacement(figure.add_subplot(grid[1, :2]), printed)
+        ramp_panels.draw_speed(figure.add_subplot(grid[1, 2]), printed)
+        ramp_panels.draw_current(figure.add_subplot(grid[1, 3]), printed)
+        wire_panels.draw_control(figure.add_subplot(grid[2, 0]), printed)
+        wire_panels.draw_loops(figure.add_subplot(grid[2, 1]), printed)
+        wire_panels.draw_bench(figure.add_subplot(grid[2, 2]), printed, "strain")
+        wire_panels.draw_bench(figure.add_subplot(grid[2, 3]), printed, "current")
         write_heading(
             figure,
             "Motor with an unbalance on a beam: the Sommerfeld effect, and a hot wire against it",

@@ -20,7 +20,7 @@ STEP = 4e-4
 
 
 @cache
-def scenario() -> Scenario:
+def load_scenario() -> Scenario:
     """The calibrated beam with the wire."""
     return load(SCENARIO)
 
@@ -47,16 +47,16 @@ def printed_motor(printed: Printed, coupling: str = "lagrange") -> BeamMotor:
 @cache
 def calibrated_motor() -> BeamMotor:
     """That of the scenario, without the wire."""
-    known = cast("BeamMotor", scenario().system.mechanism)
+    known = cast("BeamMotor", load_scenario().system.mechanism)
     return known.with_parts(wire="none", wire_length=math.inf)
 
 
-def natural(motor: BeamMotor) -> float:
+def natural_frequency(motor: BeamMotor) -> float:
     """√(k/M) of the first mode [rad/s]."""
     return math.sqrt(motor.stiffness / motor.mass)
 
 
-def beam(printed: Printed) -> CantileverBeam:
+def build_beam(printed: Printed) -> CantileverBeam:
     """Table 4, with nothing at the tip."""
     return CantileverBeam(
         E=printed.young,
@@ -70,7 +70,7 @@ def beam(printed: Printed) -> CantileverBeam:
 @cache
 def beam_with_motor(printed: Printed, frequency: float, modes: int) -> tuple[float, BeamModes]:
     """Tip mass [kg] with which the beam has a natural frequency [Hz], and its modes."""
-    bare = beam(printed)
+    bare = build_beam(printed)
     light, heavy = 0.0, 10.0
     for _ in range(50):
         middle = 0.5 * (light + heavy)
@@ -81,5 +81,5 @@ def beam_with_motor(printed: Printed, frequency: float, modes: int) -> tuple[flo
 
 def motor_with_modes(motor: BeamMotor, printed: Printed, modes: int) -> BeamMotor:
     """A motor on the beam of Table 4 in several modes, with its first natural frequency."""
-    _, found = beam_with_motor(printed, natural(motor) / (2.0 * math.pi), modes)
+    _, found = beam_with_motor(printed, natural_frequency(motor) / (2.0 * math.pi), modes)
     return motor.with_parts(**modal_numbers(found))

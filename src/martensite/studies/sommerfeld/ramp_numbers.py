@@ -17,23 +17,24 @@ LAST = 12.0
 
 def compute_ramps(printed: Printed) -> dict[str, Any]:
     """Table 3 in a ramp, calibration, rates, what the change requires."""
-    without, motor = wire.without(printed), machines.calibrated_motor()
-    stiff, damped = averages.required(printed)
+    without, motor = wire.run_without_wire(printed), machines.calibrated_motor()
+    stiff, damped = averages.required_changes(printed)
     return {
         **compare_jumps(printed),
         "up_rate": beam_numbers.UP[0],
-        "ramp_table_3": runs.upward(machines.printed_motor(printed), *beam_numbers.UP).jump,
-        "calibration": averages.calibration(printed),
+        "ramp_table_3": runs.run_upward(machines.printed_motor(printed), *beam_numbers.UP).jump,
+        "calibration": averages.calibrate_beam(printed),
         "amplitude_mm": 1e3 * printed.amplitude,
         "rate": wire.RATE,
         "ramp_jump": without.jump,
         "ramp_amplitude": without.peak,
         "rates": [
-            {"other_rate": rate, "other_jump": runs.upward(motor, rate, 8.0).jump} for rate in RATES
+            {"other_rate": rate, "other_jump": runs.run_upward(motor, rate, 8.0).jump}
+            for rate in RATES
         ],
         "required_stiffness": stiff,
         "required_damping": damped,
-        **{f"with_{name}": found.jump for name, found in variants(printed).items()},
+        **{f"with_{name}": found.jump for name, found in ramp_variants(printed).items()},
     }
 
 
@@ -61,14 +62,14 @@ def whole_millimetres(printed: Printed) -> tuple[int, int]:
     )
 
 
-def variants(printed: Printed) -> dict[str, Windows]:
+def ramp_variants(printed: Printed) -> dict[str, Windows]:
     """Ramps with the stiffness, the damping, or both changed as the published numbers require."""
     base = machines.calibrated_motor()
-    stiff, damped = averages.required(printed)
+    stiff, damped = averages.required_changes(printed)
     more = {"stiffness": stiff * base.stiffness, "damping": damped * base.damping}
     changed: dict[str, BeamMotor] = {
         "stiffness": base.with_values({"stiffness": more["stiffness"]}),
         "damping": base.with_values({"damping": more["damping"]}),
         "both": base.with_values(more),
     }
-    return {name: runs.upward(motor, wire.RATE, LAST) for name, motor in changed.items()}
+    return {name: runs.run_upward(motor, wire.RATE, LAST) for name, motor in changed.items()}

@@ -19,22 +19,22 @@ DOTTED = (0, (1, 1.5))
 HERTZ = 1.0 / (2.0 * np.pi)
 
 
-def pairs(printed: Printed) -> tuple[tuple[Windows, str, str], ...]:
+def list_pairs(printed: Printed) -> tuple[tuple[Windows, str, str], ...]:
     """Windows, label and colour of both ramps."""
     return (
-        (wire.without(printed), "without the wire", WITHOUT),
-        (wire.controlled(printed).sweep, "with the wire", WITH),
+        (wire.run_without_wire(printed), "without the wire", WITHOUT),
+        (wire.run_controlled(printed).sweep, "with the wire", WITH),
     )
 
 
-def displacement(axes: Any, printed: Printed) -> None:
+def draw_displacement(axes: Any, printed: Printed) -> None:
     """Extremes of the displacement over the rising voltage."""
     duration = printed.last_voltage / wire.RATE
     wave = Ramp(high=printed.last_voltage, end=duration)
-    bare = runs.course(machines.calibrated_motor(), wave, duration)
-    both = (bare, wire.controlled(printed).result)
-    for run, (found, label, colour) in zip(both, pairs(printed), strict=True):
-        volts, low, high = _extremes(run)
+    bare = runs.run_course(machines.calibrated_motor(), wave, duration)
+    both = (bare, wire.run_controlled(printed).result)
+    for run, (found, label, colour) in zip(both, list_pairs(printed), strict=True):
+        volts, low, high = _window_extremes(run)
         axes.fill_between(
             volts,
             1e3 * low,
@@ -64,7 +64,7 @@ def displacement(axes: Any, printed: Printed) -> None:
     )
 
 
-def _extremes(run: Result) -> tuple[Any, Any, Any]:
+def _window_extremes(run: Result) -> tuple[Any, Any, Any]:
     """Voltage, lowest and highest displacement [m] in each fifth of a second."""
     size = round(0.2 / (run.times[1] - run.times[0]))
     count = len(run.times) // size
@@ -76,7 +76,7 @@ def _extremes(run: Result) -> tuple[Any, Any, Any]:
 
 
 def _over_voltage(axes: Any, printed: Printed, name: str, scale: float) -> None:
-    for found, label, colour in pairs(printed):
+    for found, label, colour in list_pairs(printed):
         axes.plot(
             found.voltage, scale * getattr(found, name), color=colour, linewidth=1.8, label=label
         )
@@ -84,7 +84,7 @@ def _over_voltage(axes: Any, printed: Printed, name: str, scale: float) -> None:
     axes.set_xlim(0.0, 10.0)
 
 
-def speed(axes: Any, printed: Printed) -> None:
+def draw_speed(axes: Any, printed: Printed) -> None:
     """Speed of the rotor over the voltage."""
     _over_voltage(axes, printed, "speed", HERTZ)
     axes.axhline(printed.measured_frequency, color=INK, linestyle=DOTTED, linewidth=0.9)
@@ -96,10 +96,13 @@ def speed(axes: Any, printed: Printed) -> None:
     axes.legend(loc="upper left")
 
 
-def current(axes: Any, printed: Printed) -> None:
+def draw_current(axes: Any, printed: Printed) -> None:
     """Current of the motor over the voltage."""
     _over_voltage(axes, printed, "current", 1.0)
-    drop = wire.without(printed).most_current - wire.controlled(printed).sweep.most_current
+    drop = (
+        wire.run_without_wire(printed).most_current
+        - wire.run_controlled(printed).sweep.most_current
+    )
     axes.text(
         6.75,
         0.62,
@@ -110,9 +113,9 @@ def current(axes: Any, printed: Printed) -> None:
     axes.set_ylabel("$i$ [A]")
 
 
-def fit(axes: Any, printed: Printed) -> None:
+def draw_fit(axes: Any, printed: Printed) -> None:
     """Jump voltage and reduction over the slack."""
-    found = wire.trials(printed)
+    found = wire.run_trials(printed)
     slacks = [100.0 * one.slack for one in found]
     axes.plot(
         slacks,
@@ -139,7 +142,7 @@ def fit(axes: Any, printed: Printed) -> None:
     other.set_ylim(20.0, 60.0)
     other.grid(False)
     other.spines["right"].set_visible(True)
-    axes.axvline(100.0 * wire.best(printed).slack, color=QUIET, linewidth=0.8)
+    axes.axvline(100.0 * wire.best_trial(printed).slack, color=QUIET, linewidth=0.8)
     handles = [*axes.get_lines()[:1], *other.get_lines()[:1]]
     axes.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.55, 0.0))
     axes.set_title("fit of the wire's slack (calibrated motor, ramp)")

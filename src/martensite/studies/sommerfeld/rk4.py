@@ -16,7 +16,7 @@ from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.kernels import floats
 from martensite.kernels.program import Program
-from martensite.studies.sommerfeld.machines import natural
+from martensite.studies.sommerfeld.machines import natural_frequency
 from martensite.studies.sommerfeld.runs import CAPTURED, GRID
 
 INTERVAL = 2.785293563
@@ -30,7 +30,7 @@ Advance = Callable[..., tuple[float, ...]]
 
 
 @cache
-def advance(motor: BeamMotor) -> Advance:
+def advance_step(motor: BeamMotor) -> Advance:
     """One step: (x, x', φ, φ', i, V at its beginning, middle and end [V], h [s]) -> the state."""
     program = Program()
     twin = motor.rebuilt({leaf.path: program.parameter(leaf.path) for leaf in motor.leaves()})
@@ -60,7 +60,7 @@ def advance(motor: BeamMotor) -> Advance:
 
 def mean_speed(motor: BeamMotor, volts: float) -> float:
     """Mean speed [rad/s] over the last second of 10 s from rest, in steps of 0.1 ms."""
-    step, state, total = advance(motor), (0.0,) * 5, 0.0
+    step, state, total = advance_step(motor), (0.0,) * 5, 0.0
     steps, last = round(DURATION / FINE), round(1.0 / FINE)
     for k in range(steps):
         state = step(*state, volts, volts, volts, FINE)
@@ -72,14 +72,14 @@ def mean_speed(motor: BeamMotor, volts: float) -> float:
 def last_captured(motor: BeamMotor, first: float) -> float:
     """The last voltage [V] of a grid of 0.1 V, from `first` on, before one that is not captured."""
     number = round(first / GRID)
-    while mean_speed(motor, round(number * GRID, 10)) < CAPTURED * natural(motor):
+    while mean_speed(motor, round(number * GRID, 10)) < CAPTURED * natural_frequency(motor):
         number += 1
     return round((number - 1) * GRID, 10)
 
 
-def stable(motor: BeamMotor, h: float, volts: float = 5.0, steps: int = 4000) -> bool:
+def is_stable(motor: BeamMotor, h: float, volts: float = 5.0, steps: int = 4000) -> bool:
     """True if the current stays below twice V/R in so many steps of h [s] from rest."""
-    step, state = advance(motor), (0.0,) * 5
+    step, state = advance_step(motor), (0.0,) * 5
     most = 2.0 * volts / motor.resistance
     for _ in range(steps):
         state = step(*state, volts, volts, volts, h)
@@ -95,7 +95,7 @@ def step_limit(motor: BeamMotor) -> float:
     low, high = 2.0 * shortest, 4.0 * shortest
     for _ in range(12):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if stable(motor, middle) else (low, middle)
+        low, high = (middle, high) if is_stable(motor, middle) else (low, middle)
     return low
 
 
@@ -106,17 +106,17 @@ def energy_drift(motor: BeamMotor) -> float:
     """
     losses = ("damping", "rotor_friction", "dry_friction", "torque_constant", "back_emf")
     alone = motor.with_values(dict.fromkeys(losses, 0.0))
-    step = advance(alone)
+    step = advance_step(alone)
     state: tuple[float, ...] = (0.02, 0.3, 0.2, 40.0, 0.0)
-    energies = [_energy(alone, state)]
+    energies = [_magnetic_energy(alone, state)]
     for k in range(round(5.0 / FINE)):
         state = step(*state, 0.0, 0.0, 0.0, FINE)
         if k % 100 == 99:
-            energies.append(_energy(alone, state))
+            energies.append(_magnetic_energy(alone, state))
     return (max(energies) - min(energies)) / energies[0]
 
 
-def _energy(motor: BeamMotor, state: Sequence[float]) -> float:
+def _magnetic_energy(motor: BeamMotor, state: Sequence[float]) -> float:
     x, v, a, w, i = state
     energy = math.fsum(motor.energy(floats, Motion((x, a, 0.0), (v, w, i), ())))
     return energy if math.isfinite(energy) else math.inf

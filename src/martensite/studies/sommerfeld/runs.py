@@ -22,8 +22,8 @@ from martensite.signals.ramp import Ramp
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.readings import runtime
-from martensite.studies.sommerfeld.machines import STEP, natural
+from martensite.studies.readings import choose_runtime
+from martensite.studies.sommerfeld.machines import STEP, natural_frequency
 
 SETTLING = 25.0
 """Length of a run from rest [s]."""
@@ -60,12 +60,12 @@ def from_rest(motor: BeamMotor, volts: float) -> Settled:
         SETTLING,
         step=STEP,
         samples=round(SETTLING / SPARSE) + 1,
-        runtime=runtime(),
+        runtime=choose_runtime(),
     )
     second = round(1.0 / SPARSE)
     speed = float(np.mean(run["rotor_speed"][-second:]))
     size = 0.5 * float(np.ptp(run["displacement"][-2 * second :]))
-    return Settled(volts, speed, size, speed < CAPTURED * natural(motor))
+    return Settled(volts, speed, size, speed < CAPTURED * natural_frequency(motor))
 
 
 @cache
@@ -113,7 +113,7 @@ class Windows:
         return float(self.current[: self.end + 1].max())
 
 
-def windows(run: Result, motor: BeamMotor) -> Windows:
+def split_windows(run: Result, motor: BeamMotor) -> Windows:
     """A run in windows."""
     size = round(WINDOW / (run.times[1] - run.times[0]))
     count = len(run.times) // size
@@ -126,12 +126,12 @@ def windows(run: Result, motor: BeamMotor) -> Windows:
         0.5 * np.ptp(cut("displacement"), axis=1),
         cut("rotor_speed").mean(axis=1),
         cut("motor_current").mean(axis=1),
-        CAPTURED * natural(motor),
+        CAPTURED * natural_frequency(motor),
     )
 
 
 @cache
-def course(motor: BeamMotor, wave: AbstractWaveform, duration: float) -> Result:
+def run_course(motor: BeamMotor, wave: AbstractWaveform, duration: float) -> Result:
     """A run under a changing voltage."""
     return simulate(
         Machine(mechanism=motor),
@@ -139,23 +139,23 @@ def course(motor: BeamMotor, wave: AbstractWaveform, duration: float) -> Result:
         duration,
         step=STEP,
         samples=round(duration / SAMPLING) + 1,
-        runtime=runtime(),
+        runtime=choose_runtime(),
     )
 
 
-def upward(motor: BeamMotor, rate: float, volts: float) -> Windows:
+def run_upward(motor: BeamMotor, rate: float, volts: float) -> Windows:
     """From rest up to a voltage [V] at a rate [V/s]."""
     duration = volts / rate
-    return windows(course(motor, Ramp(high=volts, end=duration), duration), motor)
+    return split_windows(run_course(motor, Ramp(high=volts, end=duration), duration), motor)
 
 
-def downward(motor: BeamMotor, rate: float, volts: tuple[float, float]) -> Windows:
+def run_downward(motor: BeamMotor, rate: float, volts: tuple[float, float]) -> Windows:
     """Running free, slowly down from one voltage [V] to another at a rate [V/s]."""
     high, low = volts
     free = 10.0
     times = (0.0, 5.0, 25.0, 55.0, 55.0 + (high - low) / rate)
     wave = Table(times=times, values=(free, free, high, high, low))
-    found = windows(course(motor, wave, times[-1]), motor)
+    found = split_windows(run_course(motor, wave, times[-1]), motor)
     late = slice(math.ceil(times[3] / WINDOW), None)
     return Windows(
         found.voltage[late],

@@ -19,14 +19,14 @@ from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.studies.readings import runtime
+from martensite.studies.readings import choose_runtime
 from martensite.studies.sommerfeld import runs
 from martensite.studies.sommerfeld.machines import (
     STEP,
     calibrated_motor,
-    scenario,
+    load_scenario,
 )
-from martensite.studies.sommerfeld.runs import Windows, windows
+from martensite.studies.sommerfeld.runs import Windows, split_windows
 from martensite.studies.tables import Printed
 
 RATE = 0.2
@@ -42,7 +42,7 @@ REACH = 6.0
 NAMES = ("rotor_speed", "displacement")
 
 
-def controller(printed: Printed) -> LatchedOnOff:
+def build_controller(printed: Printed) -> LatchedOnOff:
     """The ON/OFF controller of the thesis."""
     return LatchedOnOff(
         measured="rotor_speed",
@@ -55,9 +55,9 @@ def controller(printed: Printed) -> LatchedOnOff:
 
 
 @cache
-def run(slack: float, volts: float, drive: Step) -> Result:
+def run_ramp(slack: float, volts: float, drive: Step) -> Result:
     """A ramp from 0 to a voltage [V] with a current in the wire."""
-    system = scenario().system.with_values({"slack": slack})
+    system = load_scenario().system.with_values({"slack": slack})
     duration = volts / RATE
     waves = {"motor": Ramp(high=volts, end=duration), "drive": drive}
     return simulate(
@@ -66,14 +66,14 @@ def run(slack: float, volts: float, drive: Step) -> Result:
         duration,
         step=STEP,
         samples=round(duration / PERIOD) + 1,
-        runtime=runtime(),
+        runtime=choose_runtime(),
     )
 
 
-def switchings(printed: Printed, found: Result) -> list[float]:
+def switching_times(printed: Printed, found: Result) -> list[float]:
     """Times at which the controller would have switched along a run [s]."""
     columns = {name: found[name].tolist() for name in NAMES}
-    signals = replay_controller(controller(printed), found.times, columns)
+    signals = replay_controller(build_controller(printed), found.times, columns)
     rows = zip(found.times[1:], signals, signals[1:], strict=False)
     return [time for time, before, after in rows if before != after]
 
@@ -81,11 +81,11 @@ def switchings(printed: Printed, found: Result) -> list[float]:
 @cache
 def switched_on(printed: Printed) -> float:
     """When the wire is switched on [s]: along a ramp without it."""
-    cold = runs.course(calibrated_motor(), Ramp(high=1.0, end=1.0 / RATE), 1.0 / RATE)
-    return switchings(printed, cold)[0]
+    cold = runs.run_course(calibrated_motor(), Ramp(high=1.0, end=1.0 / RATE), 1.0 / RATE)
+    return switching_times(printed, cold)[0]
 
 
-def always(printed: Printed) -> Step:
+def always_on_current(printed: Printed) -> Step:
     """Current of the wire [A] that is never switched off."""
     return Step(high=printed.wire_current, at=switched_on(printed))
 
@@ -103,37 +103,37 @@ class SlackTrial:
 
 
 @cache
-def without(printed: Printed) -> Windows:
+def run_without_wire(printed: Printed) -> Windows:
     """The whole ramp without the wire."""
-    return runs.upward(calibrated_motor(), RATE, printed.last_voltage)
+    return runs.run_upward(calibrated_motor(), RATE, printed.last_voltage)
 
 
 @cache
-def trial(printed: Printed, slack: float) -> SlackTrial:
+def run_trial(printed: Printed, slack: float) -> SlackTrial:
     """The ramp with a slack."""
-    found = run(slack, REACH, always(printed))
-    sweep = windows(found, calibrated_motor())
-    return SlackTrial(slack, sweep.jump, 1.0 - sweep.peak / without(printed).peak, sweep)
+    found = run_ramp(slack, REACH, always_on_current(printed))
+    sweep = split_windows(found, calibrated_motor())
+    return SlackTrial(slack, sweep.jump, 1.0 - sweep.peak / run_without_wire(printed).peak, sweep)
 
 
-def trials(printed: Printed) -> list[SlackTrial]:
+def run_trials(printed: Printed) -> list[SlackTrial]:
     """The ramp with every slack."""
-    return [trial(printed, slack) for slack in SLACKS]
+    return [run_trial(printed, slack) for slack in SLACKS]
 
 
-def best(printed: Printed) -> SlackTrial:
+def best_trial(printed: Printed) -> SlackTrial:
     """The slack tried that comes nearest to both published numbers, by their relative errors."""
 
     def apart(one: SlackTrial) -> float:
         volts = one.jump / printed.jump_with_wire - 1.0
         return math.hypot(volts, (1.0 - one.reduction) / (1.0 - printed.reduction) - 1.0)
 
-    return min(trials(printed), key=apart)
+    return min(run_trials(printed), key=apart)
 
 
 def slack_for(printed: Printed, name: str, value: float) -> float:
     """Slack at which `jump` or `reduction` has a value, linear between those tried; else NaN."""
-    tried = [(one.slack, getattr(one, name) - value) for one in trials(printed)]
+    tried = [(one.slack, getattr(one, name) - value) for one in run_trials(printed)]
     for (s0, d0), (s1, d1) in pairwise(tried):
         if (d0 < 0.0) != (d1 < 0.0):
             return s0 + (s1 - s0) * d0 / (d0 - d1)
@@ -153,18 +153,18 @@ class Controlled:
 
 
 @cache
-def controlled(printed: Printed) -> Controlled:
+def run_controlled(printed: Printed) -> Controlled:
     """The whole ramp with the best slack."""
-    slack, on = best(printed).slack, switched_on(printed)
-    off = switchings(printed, run(slack, REACH, always(printed)))[1]
+    slack, on = best_trial(printed).slack, switched_on(printed)
+    off = switching_times(printed, run_ramp(slack, REACH, always_on_current(printed)))[1]
     drive = Step(high=printed.wire_current, at=on, until=off)
-    found = run(slack, printed.last_voltage, drive)
-    return Controlled(on, off, found, windows(found, calibrated_motor()))
+    found = run_ramp(slack, printed.last_voltage, drive)
+    return Controlled(on, off, found, split_windows(found, calibrated_motor()))
 
 
-def agreement(printed: Printed) -> float:
+def agreement_voltage(printed: Printed) -> float:
     """Voltage up to which the amplitudes with and without the wire agree within 10 % [V]."""
-    one, other = controlled(printed).sweep, without(printed)
+    one, other = run_controlled(printed).sweep, run_without_wire(printed)
     for volts, a, b in zip(one.voltage, one.amplitude, other.amplitude, strict=False):
         if abs(a - b) > 0.1 * b and volts > 1.0:
             return float(volts)

@@ -14,7 +14,7 @@ from martensite.studies.tables import Printed
 
 def compute_wire(printed: Printed) -> dict[str, Any]:
     """The fit, what follows from it, the control signal, the actuator alone."""
-    best, controlled = wire.best(printed), wire.controlled(printed)
+    best, controlled = wire.best_trial(printed), wire.run_controlled(printed)
     result, volts = controlled.result, printed.heating_voltages[-1]
     return {
         "best": best,
@@ -24,11 +24,12 @@ def compute_wire(printed: Printed) -> dict[str, Any]:
         "tried": ", ".join(f"{100 * slack:g}" for slack in wire.SLACKS),
         "trials": [
             {"slack": 100 * one.slack, "jump": one.jump, "reduction": 100 * one.reduction}
-            for one in wire.trials(printed)
+            for one in wire.run_trials(printed)
             if one.slack != best.slack
         ],
-        "wire_current_drop": wire.without(printed).most_current - controlled.sweep.most_current,
-        "wire_initial_rise": wire.agreement(printed),
+        "wire_current_drop": wire.run_without_wire(printed).most_current
+        - controlled.sweep.most_current,
+        "wire_initial_rise": wire.agreement_voltage(printed),
         "wire_on": wire.RATE * controlled.on,
         "wire_off": wire.RATE * controlled.off,
         "share": 100 * wire.SHARE,
@@ -37,5 +38,5 @@ def compute_wire(printed: Printed) -> dict[str, Any]:
         "actuator_current": actuator.at_end(printed.complete_at, "current"),
         "actuator_complete": actuator.complete_from(printed),
         "volts": volts,
-        "actuator_strain": 100.0 * actuator.recovered(volts),
+        "actuator_strain": 100.0 * actuator.recovered_strain(volts),
     }

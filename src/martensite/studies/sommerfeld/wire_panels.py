@@ -15,9 +15,9 @@ SHOWN = 0.6
 """Length of the loops drawn, up to the jump: some turns of the rotor [s]."""
 
 
-def control(axes: Any, printed: Printed) -> None:
+def draw_control(axes: Any, printed: Printed) -> None:
     """Temperature of the wire, and its current, over the motor voltage."""
-    found = wire.controlled(printed).result
+    found = wire.run_controlled(printed).result
     volts = np.asarray(found["motor"])
     axes.plot(
         volts,
@@ -43,9 +43,9 @@ def control(axes: Any, printed: Printed) -> None:
     axes.set_xlim(0.0, 10.0)
 
 
-def loops(axes: Any, printed: Printed) -> None:
+def draw_loops(axes: Any, printed: Printed) -> None:
     """Tension of the wire over the displacement of the tip, shortly before the jump."""
-    found = wire.controlled(printed)
+    found = wire.run_controlled(printed)
     end = round(found.sweep.jump / wire.RATE / wire.PERIOD)
     part = slice(end - round(SHOWN / wire.PERIOD), end)
     x, force = (np.asarray(found.result[name])[part] for name in ("displacement", "force"))
@@ -77,14 +77,14 @@ def loops(axes: Any, printed: Printed) -> None:
     )
 
 
-def bench(axes: Any, printed: Printed, name: str) -> None:
+def draw_bench(axes: Any, printed: Printed, name: str) -> None:
     """Recovered strain or current over time, for every voltage."""
     import matplotlib as mpl
 
     colours = mpl.colormaps["viridis"]
     count = len(printed.heating_voltages)
     for k, volts in enumerate(printed.heating_voltages):
-        run = actuator.heated(volts)
+        run = actuator.run_heated(volts)
         column = np.asarray(run[name])
         shown = 100.0 * (column[0] - column) if name == "strain" else column
         axes.plot(

@@ -37,12 +37,12 @@ _SETTLING = 300.0
 """[s]; more than twenty time constants."""
 
 
-def surface(printed: Printed) -> float:
+def lateral_surface(printed: Printed) -> float:
     """Lateral surface of the wire [m²]."""
     return math.pi * printed.diameter * printed.length
 
 
-def _shape(printed: Printed) -> Cylinder:
+def _wire_shape(printed: Printed) -> Cylinder:
     return Cylinder(printed.diameter, printed.length)
 
 
@@ -57,13 +57,13 @@ def printed_film(row: Printed, printed: Printed, ambient: float = AMBIENT) -> fl
         * size**3
         / (film_temperature * row.diffusivity * row.viscosity)
     )
-    nusselt = COOLING.nusselt(floats, rayleigh, row.prandtl, _shape(printed))
+    nusselt = COOLING.nusselt(floats, rayleigh, row.prandtl, _wire_shape(printed))
     return nusselt * row.conductivity / size
 
 
-def film(temperature: float, ambient: float, printed: Printed) -> float:
+def film_coefficient(temperature: float, ambient: float, printed: Printed) -> float:
     """h of the correlation with the textbook's air [W/(m² K)]; temperatures in °C."""
-    return COOLING.film(floats, temperature + ZERO, ambient + ZERO, _shape(printed))
+    return COOLING.film(floats, temperature + ZERO, ambient + ZERO, _wire_shape(printed))
 
 
 def steady_temperature(
@@ -73,8 +73,8 @@ def steady_temperature(
     low, high = ambient, ambient + 2000.0
     for _ in range(60):
         middle = 0.5 * (low + high)
-        coefficient = film(middle, ambient, printed) if h is None else h(middle)
-        lost = coefficient * surface(printed) * (middle - ambient)
+        coefficient = film_coefficient(middle, ambient, printed) if h is None else h(middle)
+        lost = coefficient * lateral_surface(printed) * (middle - ambient)
         low, high = (middle, high) if lost < power else (low, middle)
     return 0.5 * (low + high)
 
@@ -90,7 +90,7 @@ def implied_ambient(row: Printed) -> float:
 
 
 @cache
-def scenario(closure: str) -> Scenario:
+def load_scenario(closure: str) -> Scenario:
     """The scenario of closure `a` or `b`."""
     return load(CLOSURES[closure])
 
@@ -98,7 +98,7 @@ def scenario(closure: str) -> Scenario:
 @cache
 def simulated_temperature(closure: str, voltage: float) -> float:
     """Simulated temperature long after switching on a voltage [V], in °C."""
-    system = scenario(closure).system
+    system = load_scenario(closure).system
     run = simulate(system, Constant(level=voltage), _SETTLING, tolerance=1e-4, samples=101)
     return run["temperature"][-1] - ZERO
 
@@ -106,4 +106,4 @@ def simulated_temperature(closure: str, voltage: float) -> float:
 @cache
 def heating_run(closure: str) -> Result:
     """The run of a closure's own scenario: the voltage on, then off."""
-    return scenario(closure).run()  # type: ignore[return-value]
+    return load_scenario(closure).run()  # type: ignore[return-value]

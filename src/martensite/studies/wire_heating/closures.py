@@ -64,7 +64,7 @@ def closure_a(printed: Printed) -> Closure:
 
     found = fit_residuals(errors, (4.0, bench.AMBIENT))
     ohms, ambient = found.values
-    films = [bench.film(row.temperature, ambient, printed) for row in printed.rows]
+    films = [bench.film_coefficient(row.temperature, ambient, printed) for row in printed.rows]
     return Closure(ohms, sum(films) / len(films), ambient, found.residuals)
 
 
@@ -89,7 +89,7 @@ def measured_resistance(printed: Printed) -> float:
 @cache
 def closure_b(printed: Printed, ambient: float = bench.AMBIENT) -> Closure:
     """Resistances read as ohms per metre; h fitted for a given ambient temperature [°C]."""
-    rises = _rises(printed, read_per_metre(printed))
+    rises = _list_rises(printed, read_per_metre(printed))
     over = [at - ambient for at in printed.rows.column("temperature")]
     pairs = list(zip(rises, over, strict=True))
     h = sum(x * x for x, _ in pairs) / sum(x * y for x, y in pairs)
@@ -99,25 +99,25 @@ def closure_b(printed: Printed, ambient: float = bench.AMBIENT) -> Closure:
 @cache
 def closure_b_free(printed: Printed) -> Closure:
     """Resistances read as ohms per metre; h and ambient fitted."""
-    return _line(printed, read_per_metre(printed), None)
+    return _fit_line(printed, read_per_metre(printed), None)
 
 
 @cache
 def closure_b_single(printed: Printed) -> Closure:
     """The resistance that voltage and current give, for all rows; h and ambient fitted."""
     ohms = measured_resistance(printed)
-    return _line(printed, [ohms] * len(printed.rows), ohms)
+    return _fit_line(printed, [ohms] * len(printed.rows), ohms)
 
 
-def _rises(printed: Printed, resistances: Sequence[float]) -> list[float]:
+def _list_rises(printed: Printed, resistances: Sequence[float]) -> list[float]:
     """V²/(R S) of the rows [W/m²]."""
     pairs = zip(printed.rows.column("voltage"), resistances, strict=True)
-    return [volts * volts / (ohms * bench.surface(printed)) for volts, ohms in pairs]
+    return [volts * volts / (ohms * bench.lateral_surface(printed)) for volts, ohms in pairs]
 
 
-def _line(printed: Printed, resistances: Sequence[float], single: float | None) -> Closure:
+def _fit_line(printed: Printed, resistances: Sequence[float], single: float | None) -> Closure:
     """T = T_a + x/h by linear least squares."""
-    rises = _rises(printed, resistances)
+    rises = _list_rises(printed, resistances)
     line = fit_powers(rises, printed.rows.column("temperature"), (0, 1))
     ambient, slope = line.values
     errors = tuple(
@@ -126,7 +126,7 @@ def _line(printed: Printed, resistances: Sequence[float], single: float | None) 
     return Closure(single, 1.0 / slope, ambient, errors)
 
 
-def predicted(printed: Printed, resistances: Sequence[float]) -> list[float]:
+def predict_temperatures(printed: Printed, resistances: Sequence[float]) -> list[float]:
     """Steady temperatures of the rows with the correlation and given resistances [°C]."""
     return [
         bench.steady_temperature(row.voltage**2 / ohms, bench.AMBIENT, printed)

@@ -26,7 +26,7 @@ NAMES = {
 }
 
 
-def draw(printed: Printed) -> Figure:
+def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
     with styled():
         figure = new_figure(11.0, 5.6)
@@ -41,9 +41,9 @@ def draw(printed: Printed) -> Figure:
             wspace=0.17,
             hspace=0.42,
         )
-        _steady(figure.add_subplot(grid[:, 0]), printed)
-        _film(figure.add_subplot(grid[0, 1]), printed)
-        _course(figure.add_subplot(grid[1, 1]))
+        _draw_steady(figure.add_subplot(grid[:, 0]), printed)
+        _draw_film(figure.add_subplot(grid[0, 1]), printed)
+        _draw_course(figure.add_subplot(grid[1, 1]))
         write_heading(
             figure,
             "Wire of 0.375 mm heated by a voltage: a balance that does not close",
@@ -53,13 +53,13 @@ def draw(printed: Printed) -> Figure:
         return figure
 
 
-def labels(printed: Printed) -> dict[str, str]:
+def legend_labels(printed: Printed) -> dict[str, str]:
     """Legend entries of the closures."""
     a, b = closures.closure_a(printed), closures.closure_b(printed)
     return {"a": NAMES["a"].format(ohms=a.resistance), "b": NAMES["b"].format(h=b.h)}
 
 
-def _steady(axes: Any, printed: Printed) -> None:
+def _draw_steady(axes: Any, printed: Printed) -> None:
     volts, at = printed.rows.column("voltage"), np.asarray(printed.rows.column("temperature"))
     readings = (
         (
@@ -73,7 +73,7 @@ def _steady(axes: Any, printed: Printed) -> None:
     for label, ohms, colour, marker in readings:
         axes.plot(
             volts,
-            closures.predicted(printed, ohms),
+            closures.predict_temperatures(printed, ohms),
             color=colour,
             marker=marker,
             markersize=4.0,
@@ -86,17 +86,17 @@ def _steady(axes: Any, printed: Printed) -> None:
             volts,
             at + np.asarray(found.errors),
             color=COLOURS[key],
-            label=f"{labels(printed)[key]}, rms {found.rms:.1f} K",
+            label=f"{legend_labels(printed)[key]}, rms {found.rms:.1f} K",
         )
     axes.plot(volts, at, "o", color=INK, markersize=5.5, zorder=4, label="Table 2")
     label_axes(axes, "steady temperature", "voltage [V]", "$T$ [°C]", "upper left")
 
 
-def _film(axes: Any, printed: Printed) -> None:
+def _draw_film(axes: Any, printed: Printed) -> None:
     at = np.linspace(25.0, 105.0, 81)
     axes.plot(
         at,
-        [bench.film(float(t), bench.AMBIENT, printed) for t in at],
+        [bench.film_coefficient(float(t), bench.AMBIENT, printed) for t in at],
         color=SIMULATED,
         label="air of a textbook",
     )
@@ -118,7 +118,7 @@ def _film(axes: Any, printed: Printed) -> None:
     )
 
 
-def _course(axes: Any) -> None:
+def _draw_course(axes: Any) -> None:
     for key, colour in COLOURS.items():
         run = bench.heating_run(key)
         axes.plot(

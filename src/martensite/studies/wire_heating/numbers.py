@@ -52,8 +52,8 @@ def predict_steady(printed: Printed) -> list[dict[str, Any]]:
     per_metre = closures.read_per_metre(printed)
     measured = printed.rows.column("temperature")
     readings = (
-        ("as-printed", "13 and 15 ohm", closures.predicted(printed, as_printed)),
-        ("per-metre", "1.3 and 1.5 ohm", closures.predicted(printed, per_metre)),
+        ("as-printed", "13 and 15 ohm", closures.predict_temperatures(printed, as_printed)),
+        ("per-metre", "1.3 and 1.5 ohm", closures.predict_temperatures(printed, per_metre)),
     )
     return [
         {

@@ -14,7 +14,7 @@ from martensite.identify.chains.scores import fit_percent
 from martensite.signals.sampling.sampled import Sampled
 from martensite.studies.hammerstein_wiener import models, records
 from martensite.studies.hammerstein_wiener.bench import ReferenceBench, RunningBench
-from martensite.studies.result_cache import kept
+from martensite.studies.result_cache import cache_results
 
 SMOOTH = 500
 """Samples over which the course of a duty is judged."""
@@ -39,27 +39,27 @@ class RecordScore:
         return max(self.worst_heating, self.worst_cooling)
 
 
-def judged(model: Chain, whole: Sampled, name: str) -> RecordScore:
+def compare_model(model: Chain, whole: Sampled, name: str) -> RecordScore:
     """The last output of a model on a record."""
-    seen = models.seen(name, whole)
+    seen = models.mapped_signals(name, whole)
     computed = model.simulate(seen)[:, -1]
-    return scored(seen.outputs[:, -1], computed, heating(whole.inputs[:, 0]))
+    return score_record(seen.outputs[:, -1], computed, heating_rows(whole.inputs[:, 0]))
 
 
-def scored(measured: Numbers, computed: Numbers, hot: Numbers) -> RecordScore:
+def score_record(measured: Numbers, computed: Numbers, hot: Numbers) -> RecordScore:
     """Fits and largest errors, where it heats (`hot`) and where it cools."""
     parts = (slice(None), hot, ~hot)
-    whole, warm, cold = (fit(measured[part], computed[part]) for part in parts)
+    whole, warm, cold = (nrmse_fit(measured[part], computed[part]) for part in parts)
     away = np.abs(measured - computed)
     return RecordScore(whole, warm, cold, float(away[hot].max()), float(away[~hot].max()))
 
 
-def fit(measured: Numbers, computed: Numbers) -> float:
+def nrmse_fit(measured: Numbers, computed: Numbers) -> float:
     """NRMSE fit of one signal [%]."""
     return float(fit_percent(measured[:, None], computed[:, None])[0])
 
 
-def heating(duty: Numbers) -> Numbers:
+def heating_rows(duty: Numbers) -> Numbers:
     """Where pulses are on, and where ramps go up."""
     if np.mean(duty == 0.0) > 0.3:
         return duty > 0.0
@@ -69,21 +69,21 @@ def heating(duty: Numbers) -> Numbers:
 
 
 @cache
-def on(model: str, record: str) -> RecordScore:
+def compare_position(model: str, record: str) -> RecordScore:
     """The position by a model of the study, on one of its records."""
-    return judged(models.model(model), models.record(record), model)
+    return compare_model(models.estimate_recipe(model), models.read_record(record), model)
 
 
 @cache
 def in_series(second: str, record: str) -> RecordScore:
     """The position by stage 1 and a second stage, from the duty alone."""
-    return judged(models.series(second), models.record(record), "series")
+    return compare_model(models.join_stages(second), models.read_record(record), "series")
 
 
 @cache
-def sealed(model: str, seeds: tuple[int, ...]) -> tuple[float, float]:
+def score_sealed(model: str, seeds: tuple[int, ...]) -> tuple[float, float]:
     """Median and least fit [%] on records that nothing was chosen with."""
-    fits = [on(model, f"sealed {seed}").fit for seed in seeds]
+    fits = [compare_position(model, f"sealed {seed}").fit for seed in seeds]
     return median(fits), min(fits)
 
 
@@ -98,28 +98,28 @@ VARIANTS = {
 """Benches that no model has seen."""
 
 
-@kept
-def elsewhere(variant: str) -> Sampled:
+@cache_results
+def other_bench_record(variant: str) -> Sampled:
     """The validation record of another bench; with a fan, of more power."""
     bench = VARIANTS[variant]
-    return records.record(records.validation().scaled(bench.fan), bench)
+    return records.record_bench(records.validation_duty().scaled(bench.fan), bench)
 
 
 @cache
-def abroad(model: str, variant: str) -> RecordScore:
+def compare_elsewhere(model: str, variant: str) -> RecordScore:
     """The position by a model on another bench."""
-    return judged(models.model(model), elsewhere(variant), model)
+    return compare_model(models.estimate_recipe(model), other_bench_record(variant), model)
 
 
 @cache
-def rest(model: str) -> float:
+def rest_position(model: str) -> float:
     """Largest position that a model gives in a minute without power, from the bench's rest [m]."""
     ambient = RunningBench(ReferenceBench()).temperature
     signal = 0.0 if model in ("whole", "stage 1") or model.startswith("series") else ambient
     one = (
-        models.series(model.removeprefix("series "))
+        models.join_stages(model.removeprefix("series "))
         if model.startswith("series")
-        else (models.model(model))
+        else (models.estimate_recipe(model))
     )
     still = np.full((30_000, 1), signal)
     return float(np.abs(one.simulate(still)[:, -1]).max())
