@@ -9,21 +9,31 @@ from typer.testing import CliRunner, Result
 
 from martensite.cli import app
 
+WIDTH = 80
+"""Columns of the terminal."""
+
+
+def is_wide_rule(line: str) -> bool:
+    """Whether a line is the rule of a table that is wider than the terminal."""
+    return set(line) == {"─"} and len(line) > WIDTH
+
 
 class Command:
     """A command by its words, such as `Command("fit", "h")`."""
 
-    def __init__(self, *words: str, width: int = 150) -> None:
-        self.words, self.width = words, width
+    def __init__(self, *words: str) -> None:
+        self.words = words
 
     def __call__(self, *arguments: str) -> Result:
         """Call it, whatever comes."""
-        return CliRunner(env={"COLUMNS": str(self.width)}).invoke(app, [*self.words, *arguments])
+        runner = CliRunner(env={"COLUMNS": str(WIDTH)})
+        return runner.invoke(app, [*self.words, *arguments])
 
     def fine(self, *arguments: str) -> str:
         """What it prints; it must succeed, and say nothing on standard error."""
         done = self(*arguments)
         assert (done.exit_code, done.stderr) == (0, ""), done.output
+        assert [line for line in done.stdout.splitlines() if is_wide_rule(line)] == []
         return done.stdout
 
     def report(self, *arguments: str) -> dict[str, Any]:

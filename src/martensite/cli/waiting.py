@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rich.progress import Progress
+
     from martensite.design.sweep.running import Progress as Swept
     from martensite.fit.search_monitor import SearchNote, Tell
 
@@ -25,22 +27,8 @@ def spinner(label: str) -> Iterator[None]:
 
 
 @contextmanager
-def progress_bar(label: str) -> Iterator[Callable[[int, int], None] | None]:
-    """A bar, moved by calling what it gives with the number done and the total."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import Progress
-
-    with Progress(console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(label, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
-
-
-@contextmanager
-def share_bar(label: str) -> Iterator[Callable[[str, float], None] | None]:
-    """A bar, moved by calling what it gives with a sentence and the share that is done."""
+def _open_bar(*columns: Any) -> Iterator[Progress | None]:
+    """A bar with a text, times, and other columns between; None if nobody is looking."""
     if not sys.stderr.isatty():
         yield None
         return
@@ -48,8 +36,29 @@ def share_bar(label: str) -> Iterator[Callable[[str, float], None] | None]:
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
     from rich.progress import TimeRemainingColumn as Left
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), Left())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    own = (TextColumn("{task.description}"), BarColumn(), *columns, TimeElapsedColumn(), Left())
+    with Progress(*own, console=Console(stderr=True), transient=True) as bar:
+        yield bar
+
+
+@contextmanager
+def progress_bar(label: str) -> Iterator[Callable[[int, int], None] | None]:
+    """A bar, moved by calling what it gives with the number done and the total."""
+    with _open_bar() as bar:
+        if bar is None:
+            yield None
+            return
+        task = bar.add_task(label, total=None)
+        yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+@contextmanager
+def share_bar(label: str) -> Iterator[Callable[[str, float], None] | None]:
+    """A bar, moved by calling what it gives with a sentence and the share that is done."""
+    with _open_bar() as bar:
+        if bar is None:
+            yield None
+            return
         task = bar.add_task(label, total=1.0)
         yield lambda text, share: bar.update(task, description=text, completed=share)
 
@@ -70,15 +79,10 @@ def search_bar(describe: Callable[[SearchNote], str]) -> Iterator[Tell | None]:
 
     The time left is shown once a search can say how much of it is done.
     """
-    if not sys.stderr.isatty():
-        yield None
-        return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
-    from rich.progress import TimeRemainingColumn as Left
-
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), Left())
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    with _open_bar() as bar:
+        if bar is None:
+            yield None
+            return
         task = bar.add_task("fitting", total=None)
 
         def tell(note: SearchNote) -> None:
@@ -94,15 +98,12 @@ def sweep_bar(label: str) -> Iterator[Callable[[Swept], None] | None]:
     if not sys.stderr.isatty():
         yield None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-    from rich.progress import TimeRemainingColumn as Left
+    from rich.progress import MofNCompleteColumn, TextColumn
 
-    rate = TextColumn("{task.fields[rate]}")
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), rate)
-    with Progress(
-        *columns, TimeElapsedColumn(), Left(), console=Console(stderr=True), transient=True
-    ) as bar:
+    with _open_bar(MofNCompleteColumn(), TextColumn("{task.fields[rate]}")) as bar:
+        if bar is None:
+            yield None
+            return
         task = bar.add_task(label, total=None, rate="")
 
         def tell(now: Swept) -> None:
