@@ -85,7 +85,7 @@ def law_step(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, dt: 
     frozen = Fractions(x, x)
     spring = law.free_strain(xp, frozen, t1), law.compliance(xp, frozen)
     drive = law.drive(xp, move, s1, t1, dt)
-    put = law.moved(xp, after, Fractions(1.0 - x, 1.0 - x), s0, t0)
+    put = law.relocate(xp, after, Fractions(1.0 - x, 1.0 - x), s0, t0)
     others = law.heat(xp, 1e8, s1, t1), law.crossing(xp, start, move, s1, t1)
     others += tuple(law.kinks(xp, after))
     return end, law.fractions(after), spring, others, drive, law.fractions(put)
@@ -300,7 +300,7 @@ def check_course(check: Any, xp: Any, u: Any, v: Any, x: Any, y: Any, dt: Any) -
     for wanted, share in (({"drive": u}, x), ({"drive": v}, y)):
         looked = check.look(xp, memory, wanted, known(share), dt)
         found += [xp.where(looked.trips, 1.0, 0.0), xp.where(looked.clears, 1.0, 0.0)]
-        memory = check.passed(xp, looked.memory, wanted, dt)
+        memory = check.remember_allowed(xp, looked.memory, wanted, dt)
     return *found, *memory, check.on(xp, {"drive": u}, 0.5)
 
 
@@ -410,22 +410,6 @@ KERNELS: dict[str, dict[str, Kernel]] = {
         ),
     },
 }  # fmt: skip
-
-
-def cases() -> list[tuple[str, Any, str]]:
-    """(kind, example, kernel name) for all registered classes, and for the whole system."""
-    found = [
-        (kind, thing, name)
-        for kind, kernels in KERNELS.items()
-        for thing in builders.examples(kind)
-        for name in kernels
-    ]
-    return found
-
-
-def case_id(value: Any) -> str:
-    """Test ids from kinds, examples and names."""
-    return value if isinstance(value, str) else builders.label(value)
 
 
 # ---------------------------------------------------------------- the runtimes

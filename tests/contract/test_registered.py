@@ -30,22 +30,14 @@ def undocumented(cls: type[Parametrised]) -> list[str]:
 
 
 @pytest.mark.parametrize("cls", CLASSES, ids=lambda cls: cls.__name__)
-class TestDeclarations:
-    def test_everything_is_documented(self, cls):
-        assert undocumented(cls) == []
-
-    def test_units_are_units(self, cls):
-        for declared in cls.declarations.values():
-            if declared.kind == "parameter" and declared.unit != DRIVE:
-                units.require_unit(declared.unit)
-
-    def test_defaults_are_allowed(self, cls):
-        for name, declared in cls.declarations.items():
-            if declared.kind == "parameter" and isinstance(declared.default, float):
-                assert declared.convert(cls.__name__, name, declared.default) == declared.default
-
-    def test_sources_are_in_the_bibliography(self, cls):
-        assert set(cls.cites) <= set(read_bibliography())
+def test_declarations_are_documented_allowed_and_cited(cls):
+    assert undocumented(cls) == []
+    assert set(cls.cites) <= set(read_bibliography())
+    for name, declared in cls.declarations.items():
+        if declared.kind == "parameter" and declared.unit != DRIVE:
+            units.require_unit(declared.unit)
+        if declared.kind == "parameter" and isinstance(declared.default, float):
+            assert declared.convert(cls.__name__, name, declared.default) == declared.default
 
 
 @pytest.mark.parametrize("kind", REGISTRIES)

@@ -4,15 +4,18 @@ import builders
 import kernels
 import numpy as np
 import pytest
+from builders import REGISTRIES, label
 from kernels import (
     KERNELS,
     RUNTIMES,
     Kernel,
-    case_id,
-    cases,
     disagreement,
+    on_c,
+    on_floats,
+    on_jax,
     on_kernel_itself,
     on_lanes,
+    on_numpy,
     traced,
 )
 
@@ -30,42 +33,62 @@ def runtime(request):
     return {**RUNTIMES, "c lanes": on_lanes}[request.param]
 
 
-REPEATED = (
-    "lagoudas-waisted", "mas-polycrystal-constant-15-internal-stress",
-    "parallel-platform-quasi-static", "bundle-series", "chain-series",
-    "coil-spring-mean-small-none-none",
-)  # fmt: skip
-"""What takes long in JAX, where C says the same: second forms, and elements made of the wire's."""
-
-LONG_PATHS = (
-    "lagoudas-smooth", "brinson-resume", "mas-polycrystal-constant-15-barriers",
-)  # fmt: skip
-"""Laws whose paths take long in JAX; their single steps are quick."""
-
-
-def is_long(kind, thing, name, runtime):
-    """Whether it takes long to compile; of one law the step alone is quick."""
-    said = kind == "observer" or builders.label(thing) in REPEATED
-    path = name == "path" and builders.label(thing) in LONG_PATHS
-    return runtime == "jax" and (said or path)
-
-
-EVERYWHERE = [
-    pytest.param(*case, name, marks=pytest.mark.slow if is_long(*case, name) else ())
-    for case in cases()
-    for name in RUNTIMES
+EVERY = [
+    (kind, cls, f"{kind}-{cls.registered_name}")
+    for kind in KERNELS
+    for cls in builders.registered(kind)
 ]
+CLASSES = [pytest.param(kind, cls, id=name) for kind, cls, name in EVERY]
+LONG = {"axial-wire", "ribbon", "hand"}
+"""Of many elements: what only traces in long, and what C says of it, is enough."""
+PLAIN = {kind: registry.typical or registry.names()[0] for kind, registry in REGISTRIES.items()}
+"""JAX compiles the kernels of one class of every kind; all the rest is slow there."""
+UNCOMPILED = {"observer"}
+"""Kinds over which the compiler of JAX takes long."""
 
 
-@pytest.mark.parametrize(
-    ("kind", "thing", "name", "runtime"), EVERYWHERE, indirect=["runtime"], ids=case_id
-)
-def test_runtimes_agree(kind, thing, name, runtime):
+def require_agreement(thing, kind, name, runtime):
+    """Raise unless a kernel on a runtime means what it does untraced, on plain floats."""
     kernel = KERNELS[kind][name]
     inputs = kernel.inputs()
     meant = on_kernel_itself(thing, kernel, inputs)
-    assert np.isfinite(meant).all()
-    assert disagreement(meant, runtime(thing, kernel, inputs)) <= TOLERANCE
+    assert np.isfinite(meant).all(), (label(thing), name)
+    found = runtime(thing, kernel, inputs)
+    assert disagreement(meant, found) <= TOLERANCE, (label(thing), name)
+    program = traced(thing, kernel)
+    assert all(node.graph is program.graph for node in program.functions["kernel"].outputs)
+
+
+@pytest.mark.parametrize(("kind", "cls"), CLASSES)
+def test_every_kernel_is_the_same_in_c(kind, cls, c_compiler):
+    """Of every form of a class."""
+    for thing in builders.variants(cls):
+        for name in KERNELS[kind]:
+            require_agreement(thing, kind, name, on_c)
+
+
+@pytest.mark.parametrize(("kind", "cls"), CLASSES)
+def test_every_kernel_is_the_same_traced_and_on_arrays(kind, cls):
+    """Of the first form of a class."""
+    if cls.registered_name in LONG:
+        pytest.skip("it takes long, and C says the same")
+    for name in KERNELS[kind]:
+        for runtime in (on_floats, on_numpy):
+            require_agreement(builders.variants(cls)[0], kind, name, runtime)
+
+
+def mark_slow(kind, cls):
+    """Whether JAX takes long over a class, or another of its kind is enough."""
+    plain = cls.registered_name == PLAIN[kind] and kind not in UNCOMPILED
+    return () if plain else pytest.mark.slow
+
+
+@pytest.mark.parametrize(
+    ("kind", "cls"), [pytest.param(k, c, marks=mark_slow(k, c), id=i) for k, c, i in EVERY]
+)
+def test_kernels_are_the_same_in_jax(kind, cls):
+    for name in KERNELS[kind]:
+        require_agreement(builders.variants(cls)[0], kind, name, on_jax)
 
 
 def operations(_, xp, a, b, share):

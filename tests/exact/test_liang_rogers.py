@@ -15,6 +15,7 @@ from builders import (
     wire_a,
 )
 from closed_forms import A_F, A_S, BOTH_RULES, C_A, C_M, M_F, M_S, exact, forward, reverse
+from grids import over
 
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.physics.electrical.temperature import PrescribedTemperature
@@ -25,21 +26,21 @@ from martensite.simulate.api import simulate
 
 @BOTH_RULES
 class TestCurves:
-    @pytest.mark.parametrize("xi", [1.0, 0.37])
-    @pytest.mark.parametrize("celsius", [68.001, 70.0, 73.0, 77.999])
+    @over("xi", [1.0, 0.37])
+    @over("celsius", [68.001, 70.0, 73.0, 77.999])
     def test_heating(self, rule, xi, celsius):
         assert fraction_after(law_a(rule), isobar(20, celsius), xi) == exact(
             reverse(celsius, xi=xi)
         )
 
-    @pytest.mark.parametrize("xi", [0.0, 0.37])
-    @pytest.mark.parametrize("celsius", [51.999, 50.0, 47.0, 42.001])
+    @over("xi", [0.0, 0.37])
+    @over("celsius", [51.999, 50.0, 47.0, 42.001])
     def test_cooling(self, rule, xi, celsius):
         assert fraction_after(law_a(rule), isobar(100, celsius), xi) == exact(
             forward(celsius, xi=xi)
         )
 
-    @pytest.mark.parametrize("mpa", [50.0, 100.0, 200.0])
+    @over("mpa", [50.0, 100.0, 200.0])
     def test_stress_shifts_all_lines(self, rule, mpa):
         """At constant stress by σ/C_M (forward) and σ/C_A (reverse)."""
         for share in (0.0, 0.25, 0.5, 1.0):
@@ -50,7 +51,7 @@ class TestCurves:
             path = isobar(150, cold, stress=mpa * 1e6)
             assert fraction_after(law_a(rule), path, 0.0) == exact(forward(cold, mpa))
 
-    @pytest.mark.parametrize("celsius", [53.0, 60.0, 90.0])
+    @over("celsius", [53.0, 60.0, 90.0])
     def test_loading_and_unloading(self, rule, celsius):
         start, finish = C_M * (celsius - M_S), C_M * (celsius - M_F)
         half = 0.5 * (start + finish)
@@ -90,7 +91,7 @@ class TestDirections:
         path = [(200e6, 85 + ZERO), (50e6, 80 + ZERO)]  # w from 65 to 75
         assert fraction_after(law_a(rule), path, 1.0) == exact(reverse(80, 50))
 
-    @pytest.mark.parametrize("xi", [0.0, 0.4, 1.0])
+    @over("xi", [0.0, 0.4, 1.0])
     def test_neutral_paths_change_nothing(self, rule, xi):
         """Along u = const, w falls on loading; along w = const, u rises on unloading."""
         law = law_a(rule)
@@ -131,22 +132,22 @@ class TestStartsOnALine:
         start = line + mpa / C
         return isobar(start, start + change, stress=mpa * 1e6)
 
-    @pytest.mark.parametrize("xi", [0.0, 0.4, 1.0])
+    @over("xi", [0.0, 0.4, 1.0])
     def test_reverse_start_line(self, rule, mpa, xi):
         law = law_a(rule)
         up = fraction_after(law, self.path(A_S, C_A, mpa, 4.0), xi)
         assert up == exact(reverse(A_S + 4.0, xi=xi))
         assert fraction_after(law, self.path(A_S, C_A, mpa, -4.0), xi) == xi
 
-    @pytest.mark.parametrize("xi", [0.0, 0.4, 1.0])
+    @over("xi", [0.0, 0.4, 1.0])
     def test_forward_start_line(self, rule, mpa, xi):
         law = law_a(rule)
         down = fraction_after(law, self.path(M_S, C_M, mpa, -4.0), xi)
         assert down == exact(forward(M_S - 4.0, xi=xi))
         assert fraction_after(law, self.path(M_S, C_M, mpa, 4.0), xi) == xi
 
-    @pytest.mark.parametrize("xi", [0.0, 0.4, 1.0])
-    @pytest.mark.parametrize("change", [5.0, -5.0, 1e-12, -1e-12, 0.0])
+    @over("xi", [0.0, 0.4, 1.0])
+    @over("change", [5.0, -5.0, 1e-12, -1e-12, 0.0])
     def test_finish_lines(self, rule, mpa, xi, change):
         """0/0: nothing is left of the strip, whatever is left to transform stays."""
         law = law_a(rule)

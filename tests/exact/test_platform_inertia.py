@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from grids import over
 from kernels import RUNTIMES, Kernel, apart
 from platform_cases import GEOMETRIES, PLATES, POSTURES, SIDE
 
@@ -92,20 +93,26 @@ def lagrange(plates: Plates, posture: Any, rates: Any, accelerations: Any) -> li
     ]
 
 
-@pytest.mark.parametrize("plates", GEOMETRIES)
-@pytest.mark.parametrize("posture", POSTURES)
-@pytest.mark.parametrize("rates", MOTIONS)
 class TestLagrange:
+    @over("plates", GEOMETRIES)
+    @over("posture", POSTURES)
+    @over("rates", MOTIONS)
     def test_energy(self, plates: Plates, posture: Any, rates: AngleRates) -> None:
         found = kinetic_energy(floats, thin_plate(plates, MASS), posture[0], rates)
         assert found == pytest.approx(energy(floats, plates, posture, rates), rel=1e-13)
 
+    @over("plates", GEOMETRIES)
+    @over("posture", POSTURES)
+    @over("rates", MOTIONS)
     def test_inertia_forces(self, plates: Plates, posture: Any, rates: AngleRates) -> None:
         plate = thin_plate(plates, MASS)
         found = inertia_forces(floats, plate, posture[0], rates, ACCELERATIONS)
         expected = lagrange(plates, posture, rates, ACCELERATIONS)
         assert found == pytest.approx(expected, rel=1e-12, abs=1e-17)
 
+    @over("plates", GEOMETRIES)
+    @over("posture", POSTURES)
+    @over("rates", MOTIONS)
     def test_accelerations(self, plates: Plates, posture: Any, rates: AngleRates) -> None:
         plate = thin_plate(plates, MASS)
         forces = inertia_forces(floats, plate, posture[0], rates, ACCELERATIONS)
@@ -113,8 +120,8 @@ class TestLagrange:
         assert found == pytest.approx(ACCELERATIONS, rel=1e-13)
 
 
-@pytest.mark.parametrize("plates", GEOMETRIES)
-@pytest.mark.parametrize("posture", POSTURES)
+@over("plates", GEOMETRIES)
+@over("posture", POSTURES)
 def test_weight_pulls_down_the_slope_of_its_height(plates: Plates, posture: Any) -> None:
     """Z points down: V = -M g z of the centroid."""
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from grids import over
 from hypothesis import given
 from hypothesis import strategies as st
 from kernels import RUNTIMES, Kernel, apart
@@ -53,15 +54,15 @@ def about_x_only(alpha: float, lever: float) -> float:
 # ---------------------------------------------------------------- lengths
 
 
-@pytest.mark.parametrize("plates", GEOMETRIES)
-@pytest.mark.parametrize("posture", POSTURES)
+@over("plates", GEOMETRIES)
+@over("posture", POSTURES)
 def test_lengths_are_those_of_matrices(plates: Plates, posture: tuple[float, float]) -> None:
     alpha, beta = posture
     expected = by_matrices(plates, about_y(beta) @ about_x(alpha))
     assert compute_lengths(floats, plates, alpha, beta) == pytest.approx(expected, abs=1e-15)
 
 
-@pytest.mark.parametrize("plates", GEOMETRIES)
+@over("plates", GEOMETRIES)
 def test_legs_are_as_long_as_the_plates_are_apart_at_home(plates: Plates) -> None:
     assert compute_lengths(floats, plates, 0.0, 0.0) == pytest.approx(
         [plates.height] * 3, abs=1e-16
@@ -121,7 +122,7 @@ def closed_slopes(alpha: float, beta: float) -> Any:
     return np.array(rows)
 
 
-@pytest.mark.parametrize("posture", POSTURES)
+@over("posture", POSTURES)
 def test_slopes_are_those_of_the_closed_form(posture: tuple[float, float]) -> None:
     _, over_alpha, over_beta = compute_length_slopes(floats, PLATES, *posture)
     expected = closed_slopes(*posture)
@@ -129,8 +130,8 @@ def test_slopes_are_those_of_the_closed_form(posture: tuple[float, float]) -> No
     assert over_beta == pytest.approx(expected[:, 1], abs=1e-15)
 
 
-@pytest.mark.parametrize("plates", GEOMETRIES)
-@pytest.mark.parametrize("posture", POSTURES)
+@over("plates", GEOMETRIES)
+@over("posture", POSTURES)
 def test_slopes_are_those_of_dual_numbers(plates: Plates, posture: tuple[float, float]) -> None:
     alpha, beta = posture
     _, over_alpha, over_beta = compute_length_slopes(floats, plates, alpha, beta)
@@ -140,8 +141,8 @@ def test_slopes_are_those_of_dual_numbers(plates: Plates, posture: tuple[float, 
     assert over_beta == pytest.approx(b, abs=1e-15)
 
 
-@pytest.mark.parametrize("plates", GEOMETRIES)
-@pytest.mark.parametrize("posture", POSTURES)
+@over("plates", GEOMETRIES)
+@over("posture", POSTURES)
 def test_torques_do_the_work_of_the_legs(plates: Plates, posture: tuple[float, float]) -> None:
     """Q dq = -Σ F dL, by differences of the lengths."""
     pulls, step = [3.0, 5.0, 7.0], 1e-5

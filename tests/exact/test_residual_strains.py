@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from builders import ZERO, along, isobar, isotherm, strain_of
 from closed_forms import A_F, A_S, BOTH_RULES, C_A, C_M, EPS_L, M_F, M_S, exact
+from grids import over
 from strip_cases import CASES, EVERY, cosine
 
 from martensite.kernels import floats
@@ -22,7 +23,7 @@ class TestResidualStrains:
         memories = along(case.law(rule), isotherm(celsius, 0, top, 0), xi, substeps=20)
         return strain_of(case.law(rule), memories[-1]) - strain_of(case.law(rule), memories[0])
 
-    @pytest.mark.parametrize("celsius", [52.5, 60.0, 67.5, 69.0, 73.0, 77.0, 78.5, 90.0, 110.0])
+    @over("celsius", [52.5, 60.0, 67.5, 69.0, 73.0, 77.0, 78.5, 90.0, 110.0])
     def test_full_loading(self, case, rule, celsius):
         """ε_L below A_s, a part of it up to A_f, nothing or a tail above."""
         top = C_M * (celsius - M_F) + 200.0
@@ -31,7 +32,7 @@ class TestResidualStrains:
         if case.left is cosine and celsius > A_F:
             assert left == self.residual(case, rule, celsius, top) == 0.0
 
-    @pytest.mark.parametrize("celsius", [60.0, 73.0, 90.0])
+    @over("celsius", [60.0, 73.0, 90.0])
     def test_partial_loading(self, case, rule, celsius):
         top = C_M * (celsius - M_S) + 30.0
         left = EPS_L * (1.0 - case.cold(celsius, top)) * case.hot(celsius)
@@ -63,7 +64,7 @@ class TestResidualStrains:
 
 
 @EVERY
-@pytest.mark.parametrize("Theta", [0.055e6, -0.74e6])
+@over("Theta", [0.055e6, -0.74e6])
 def test_sign_of_the_thermal_strain(case, Theta):
     """A free bar expands on heating if and only if Θ < 0; and the law cautions against Θ > 0."""
     law = case.law(Theta=Theta)
@@ -92,8 +93,8 @@ def loop(law, celsius, top, count=4001):
 
 @BOTH_RULES
 @EVERY
-@pytest.mark.parametrize("celsius", [95.0, 120.0])
-@pytest.mark.parametrize("Theta", [0.0, 0.055e6])
+@over("celsius", [95.0, 120.0])
+@over("Theta", [0.0, 0.055e6])
 def test_work_of_a_full_isothermal_loop(case, rule, celsius, Theta):
     """W = ε_L [C_M (T - u*) - C_A (T - w*)] + ½ ∮ σ² d(1/E), with the mean lines u* and w*.
 

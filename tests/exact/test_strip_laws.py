@@ -17,6 +17,7 @@ from builders import (
     wire_a,
 )
 from closed_forms import A_F, A_S, BOTH_RULES, C_A, C_M, M_F, M_S, exact
+from grids import over
 from strip_cases import CASES, EVERY, KINETICS, NUMBERS, exponential
 
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
@@ -33,9 +34,9 @@ from martensite.simulate.api import simulate
 @BOTH_RULES
 @KINETICS
 class TestCurves:
-    @pytest.mark.parametrize("mpa", [0.0, 100.0, 200.0])
-    @pytest.mark.parametrize("share", [0.0, 1e-9, 0.3, 1.0, 1.4])
-    @pytest.mark.parametrize("xi", [0.0, 0.37, 1.0])
+    @over("mpa", [0.0, 100.0, 200.0])
+    @over("share", [0.0, 1e-9, 0.3, 1.0, 1.4])
+    @over("xi", [0.0, 0.37, 1.0])
     def test_stress_shifts_all_lines(self, case, rule, mpa, share, xi):
         """At constant stress by σ/C_M (forward) and σ/C_A (reverse)."""
         hot = A_S + mpa / C_A + share * (A_F - A_S)
@@ -46,7 +47,7 @@ class TestCurves:
         wanted = 1.0 - (1.0 - xi) * case.left(share)
         assert fraction_after(case.law(rule), path, xi) == exact(wanted)
 
-    @pytest.mark.parametrize("celsius", [53.0, 60.0, 90.0])
+    @over("celsius", [53.0, 60.0, 90.0])
     def test_loading_and_unloading(self, case, rule, celsius):
         law, top = case.law(rule), C_M * (celsius - M_S) + 50.0
         formed = 1.0 - case.cold(celsius, top)
@@ -54,9 +55,9 @@ class TestCurves:
         found = fraction_after(law, isotherm(celsius, 0, top, 0.0), 0.0)
         assert found == exact(formed * case.hot(celsius))
 
-    @pytest.mark.parametrize("xi", [0.0, 0.4, 1.0])
-    @pytest.mark.parametrize("line", [A_S, A_F, M_S, M_F])
-    @pytest.mark.parametrize("change", [5.0, -5.0, 1e-12, -1e-12, 0.0])
+    @over("xi", [0.0, 0.4, 1.0])
+    @over("line", [A_S, A_F, M_S, M_F])
+    @over("change", [5.0, -5.0, 1e-12, -1e-12, 0.0])
     def test_starts_on_a_line(self, case, rule, xi, line, change):
         """No 0/0: a process that goes on beyond its finish line does so from where it is."""
         found = fraction_after(case.law(rule), isobar(line, line + change), xi)
@@ -76,7 +77,7 @@ class TestTail:
         assert fraction_after(law, isobar(100, M_F), 0.0) == pytest.approx(0.99, abs=1e-15)
         assert fraction_after(law, isobar(20, A_F), 1.0) == pytest.approx(0.01, abs=1e-15)
 
-    @pytest.mark.parametrize("substeps", [1, 40])
+    @over("substeps", [1, 40])
     def test_every_five_kelvin_leave_a_tenth(self, rule, substeps):
         law, path = CASES["tanaka austenite"].law(rule), isobar(20, *range(68, 200, 5))
         found = [m.fraction for m in along(law, path, 1.0, substeps)][1:]
@@ -106,7 +107,7 @@ class TestDirections:
         path = [(200e6, 85 + ZERO), (50e6, 80 + ZERO)]  # w from 65 to 75
         assert fraction_after(case.law(rule), path, 1.0) == exact(case.hot(80, 50))
 
-    @pytest.mark.parametrize("xi", [0.0, 0.4, 1.0])
+    @over("xi", [0.0, 0.4, 1.0])
     def test_neutral_paths_change_nothing(self, case, rule, xi):
         """Along u = const, w falls on loading; along w = const, u rises on unloading."""
         for u in (20.0, 43.0, 51.3):
@@ -147,7 +148,7 @@ def test_restrained_heating_never_outruns_the_strip(case):
 
 @KINETICS
 class TestHistory:
-    @pytest.mark.parametrize("substeps", [1, 30])
+    @over("substeps", [1, 30])
     def test_interrupted_heating(self, case, substeps):
         """20 → 73 → 71 → 74 °C: waits until 73 °C is passed, or starts again at 71 °C."""
         path, hot = isobar(20, 73, 71, 74), case.hot
@@ -155,7 +156,7 @@ class TestHistory:
         again = hot(73) * hot(74) / hot(71)
         assert fraction_after(case.law("restart"), path, 1.0, substeps) == exact(again)
 
-    @pytest.mark.parametrize("substeps", [1, 30])
+    @over("substeps", [1, 30])
     def test_interrupted_cooling(self, case, substeps):
         path, cold = isobar(100, 46, 49, 45), case.cold
         assert fraction_after(case.law("resume"), path, 0.0, substeps) == exact(1 - cold(45))
@@ -197,7 +198,7 @@ class TestHistory:
 
 
 @BOTH_RULES
-@pytest.mark.parametrize("mpa", [0.0, 80.0, 172.0])
+@over("mpa", [0.0, 80.0, 172.0])
 def test_elahinia_is_liang_rogers_at_constant_stress(rule, mpa):
     """Fractions equal exactly; strains with the mixture modulus only."""
     shifts = mpa / C_A, mpa / C_M

@@ -2,8 +2,8 @@
 
 import builders
 import pytest
-from builders import REGISTRIES, SINE_A, example_system, label
-from kernels import KERNELS, case_id, cases, traced, xp_methods
+from builders import REGISTRIES, SINE_A, example_system
+from kernels import KERNELS, traced, xp_methods
 
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.physics.laws.liang_rogers import LiangRogers
@@ -11,24 +11,16 @@ from martensite.physics.thermal.constant import ConstantCooling
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_march
 
-
-@pytest.mark.parametrize(("kind", "thing", "name"), cases(), ids=case_id)
-def test_every_kernel_traces(kind, thing, name):
-    program = traced(thing, KERNELS[kind][name])
-    outputs = program.functions["kernel"].outputs
-    assert outputs
-    assert all(node.graph is program.graph for node in outputs)
-
-
-PARTS = [
-    thing
+CLASSES = [
+    cls
     for kind in ("law", "cooling", "element", "mechanism", "drive")
-    for thing in builders.examples(kind)
+    for cls in builders.registered(kind)
 ]
 
 
-@pytest.mark.parametrize("thing", PARTS, ids=label)
-def test_every_part_traces_in_a_system(thing):
+@pytest.mark.parametrize("cls", CLASSES, ids=lambda cls: cls.registered_name)
+def test_every_part_traces_in_a_system(cls):
+    thing = builders.variants(cls)[0]
     system = example_system(thing)
     assert thing in list(system.tree())
     functions = set(compile_march(system).program.functions)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from grids import over
 
 from martensite.base.errors import ParameterError
 from martensite.signals.base import MANY, WAVEFORMS
@@ -162,8 +163,8 @@ def test_pwm_is_on_first():
     assert pwm.edges(0.2) == pytest.approx([0.025, 0.1, 0.125])
 
 
-@pytest.mark.parametrize("frequency", [0.3, 1.0 / 3.0, 7.0, 10.0, 49.9, 1234.5])
-@pytest.mark.parametrize("duty", [0.1, 1.0 / 3.0, 0.7, 0.999])
+@over("frequency", [0.3, 1.0 / 3.0, 7.0, 10.0, 49.9, 1234.5])
+@over("duty", [0.1, 1.0 / 3.0, 0.7, 0.999])
 def test_pwm_jumps_exactly_at_its_edges(frequency, duty):
     pwm = PulseWidthModulation(low=0.0, high=1.0, frequency=frequency, duty=duty)
     edges = pwm.edges(1000.0 / frequency)
