@@ -20,7 +20,7 @@ void prepare(long n, const double *restrict p, double *restrict c) {{ k_prepare(
 void begin(long n, const double *restrict c, const double *restrict x, double *restrict y) {{
     k_init(n, c, x, y);
 }}
-void seen(long n, const double *restrict c, const double *restrict x, double *restrict y) {{
+void read_outputs(long n, const double *restrict c, const double *restrict x, double *restrict y) {{
     k_observe(n, c, x, y);
 }}
 void advance(long n, long steps, const double *restrict c, double *restrict x,
@@ -48,7 +48,7 @@ _COUNT, _ARRAY = ctypes.c_long, ctypes.c_void_p
 _ARGUMENTS = {
     "prepare": (_COUNT, _ARRAY, _ARRAY),
     "begin": (_COUNT, _ARRAY, _ARRAY, _ARRAY),
-    "seen": (_COUNT, _ARRAY, _ARRAY, _ARRAY),
+    "read_outputs": (_COUNT, _ARRAY, _ARRAY, _ARRAY),
     "advance": (_COUNT, _COUNT, *(_ARRAY,) * 6),
 }
 
