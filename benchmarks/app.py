@@ -152,11 +152,11 @@ def app(options: Options) -> list[Table]:
 
 def slides(browser: Any, name: str) -> dict[str, Any]:
     """One scenario: quick moves on floats and in C, then 500 of them, and what is held."""
-    from martensite.app.address import packed
-    from martensite.app.gallery import scenarios
+    from martensite.app.address import pack_text
+    from martensite.app.packaged_scenarios import list_standalone
 
     with served() as (address, _, pid):
-        page = opened(browser, f"{address}#/bench?scenario={packed(scenarios()[name])}")
+        page = opened(browser, f"{address}#/bench?scenario={pack_text(list_standalone()[name])}")
         page.wait_for_selector("input[type=range]")
         page.wait_for_selector("[aria-busy=false]")
         row: dict[str, Any] = {"scenario": name}

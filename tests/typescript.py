@@ -12,7 +12,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from martensite.app.messages import dumps
+from martensite.app.messages import write_message
 
 SOURCES = Path(__file__).parents[1] / "web" / "src"
 _TOKEN = re.compile(r"\s+|/\*\*.*?\*/|//[^\n]*|(\"[^\"]*\"|[A-Za-z_]\w*|.)", re.DOTALL)
@@ -159,5 +159,5 @@ def faults(value: Any, kind: Any, types: dict[str, Any], path: str) -> list[str]
 def check_answer(answer: Any, page: str, name: str) -> None:
     """Fail unless an answer, as it goes out, is of a type of a page."""
     types = types_of(page)
-    found = faults(json.loads(dumps(answer)), ("name", name), types, name)
+    found = faults(json.loads(write_message(answer)), ("name", name), types, name)
     assert not found, "; ".join(found[:8])

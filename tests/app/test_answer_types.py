@@ -6,11 +6,11 @@ from typing import Any
 import pytest
 from typescript import check_answer
 
-from martensite.app.gallery import scenarios
+from martensite.app.packaged_scenarios import list_standalone
 from martensite.app.routes import find_call
 from martensite.app.worker import Desk
 
-POWER = scenarios()["constant_power"]
+POWER = list_standalone()["constant_power"]
 PLAN = {"over": ["mechanism.mass=0.1..0.2 kg:3"], "measures": ["stroke"]}
 
 
@@ -20,7 +20,7 @@ def ask(call: str, **request: Any) -> Any:
 
 @pytest.mark.parametrize("name", ["finger", "antagonistic_wires", "closed_loop_guarded"])
 def test_a_run_and_its_form(name: str) -> None:
-    text = scenarios()[name]
+    text = list_standalone()[name]
     check_answer(ask("run", text=text), "lib", "Run")
     check_answer(ask("form", text=text), "form", "Form")
 

@@ -19,8 +19,8 @@ from martensite.app.calls.logs import describe_records as records
 from martensite.app.calls.logs import list_followers as starts
 from martensite.app.calls.logs import match_scenario as beside
 from martensite.app.calls.scenarios import run_scenario as run
-from martensite.app.drawer import Drawer
-from martensite.app.identify.thin import corners
+from martensite.app.identify.thinning import find_corners
+from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import InputError, SolveError
 from martensite.fit.api import fit_logs as library_fit
@@ -51,7 +51,7 @@ def desk(tmp_path: Path, notes: Notes) -> Desk:
 
 def asked(desk: Desk, noise: float = 0.01, **more: Any) -> dict[str, Any]:
     """A request for a fit of an isobaric log."""
-    key, path = Drawer(desk.folder).place("cycle.csv")
+    key, path = UploadFolder(desk.folder).place("cycle.csv")
     write_log(isobaric(noise=noise), path)
     return {"key": key, "columns": COLUMNS, "text": ISOBARIC, "free": FREE, **more}
 
@@ -66,7 +66,7 @@ def test_it_finds_what_the_library_finds(desk: Desk, notes: Notes, tmp_path: Pat
     check_answer(found, "identify", "Outcome")
     for note in notes:
         check_answer(note, "identify", "Note")
-    log = Drawer(desk.folder).path(request["key"])
+    log = UploadFolder(desk.folder).path(request["key"])
     scenario = read_scenario(ISOBARIC, log=read_table(log))
     same = library_fit(scenario, log, SAME, each="offset.strain")
     assert numbers(found) == pytest.approx(same.numbers, rel=1e-9)
@@ -83,7 +83,7 @@ def test_it_finds_what_the_library_finds(desk: Desk, notes: Notes, tmp_path: Pat
     assert notes[-1]["values"] == pytest.approx(same.numbers, rel=1e-9)
     material = written({"key": found["fit"], "what": "material"}, desk)
     assert material["name"] == "cycle.toml"
-    mine = tomllib.loads(Drawer(desk.folder).path(material["key"]).read_text("utf-8"))
+    mine = tomllib.loads(UploadFolder(desk.folder).path(material["key"]).read_text("utf-8"))
     write_material(same, tmp_path / "cycle.toml", scenario=same.scenario)
     theirs = tomllib.loads((tmp_path / "cycle.toml").read_text())
     assert mine.keys() == theirs.keys()
@@ -142,7 +142,7 @@ def test_stopped_before_the_first_run_it_says_so(desk: Desk) -> None:
 def test_the_report_is_that_of_the_fit(desk: Desk) -> None:
     found = fit(asked(desk), desk)
     made = written({"key": found["fit"], "what": "report"}, desk)
-    text = Drawer(desk.folder).path(made["key"]).read_text("utf-8")
+    text = UploadFolder(desk.folder).path(made["key"]).read_text("utf-8")
     assert made["name"].endswith(".html")
     assert "Ended: converged." in text
     assert repr(numbers(found)["A_s"]) in text
@@ -165,7 +165,7 @@ def test_the_bench_runs_what_was_fitted(desk: Desk) -> None:
 
 
 def test_a_drive_follows_a_column(desk: Desk) -> None:
-    key, path = Drawer(desk.folder).place("pulse.csv")
+    key, path = UploadFolder(desk.folder).place("pulse.csv")
     write_log(heated(), path)
     columns = [
         {"at": at, "name": name, "unit": unit}
@@ -265,10 +265,10 @@ def test_packaged_scenarios_that_follow_a_log(desk: Desk) -> None:
 def test_corners_keep_the_shape_of_a_curve() -> None:
     times = [0.1 * k for k in range(1001)]
     steps = [float(t >= 30.0) + (t - 60.0) * float(t >= 60.0) for t in times]
-    rows = corners(times, steps)
+    rows = find_corners(times, steps)
     assert {0, 299, 300, 600, 1000} <= set(rows)
     assert len(rows) < 10
-    assert corners(times, [1.0] * 1001) == [0, 1000]
+    assert find_corners(times, [1.0] * 1001) == [0, 1000]
 
 
 def test_stop_and_keep_over_the_socket(bench: Bench, tmp_path: Path) -> None:

@@ -9,8 +9,8 @@ import pytest
 from app_server import Bench
 
 from martensite.app.calls.form import build_form as answer
-from martensite.app.forms import documents, ranges, words
-from martensite.app.gallery import FOLDER, scenarios
+from martensite.app.forms import documents, ranges, wording
+from martensite.app.packaged_scenarios import FOLDER, list_standalone
 from martensite.app.worker import Desk
 from martensite.base import units
 from martensite.base.errors import InputError, UnknownNameError
@@ -21,7 +21,7 @@ from martensite.physics.laws.base import LAWS
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.scenario.scenario import read_scenario
 
-TEXT = scenarios()["constant_power"]
+TEXT = list_standalone()["constant_power"]
 DESK = Desk(Path())
 E_A = "element.law.E_A"
 
@@ -75,13 +75,13 @@ def test_what_goes_over_the_material_can_be_taken_back() -> None:
     assert one["changed"] and one["material"]["text"] == "75 GPa"
     back = form(changed["text"], removed=[E_A])
     assert control(back, E_A)["value"] == 75e9
-    assert documents.entry(toml_document(back["text"]), E_A) is None
+    assert documents.find_entry(toml_document(back["text"]), E_A) is None
 
 
-@pytest.mark.parametrize("name", scenarios())
+@pytest.mark.parametrize("name", list_standalone())
 def test_writing_what_a_form_shows_changes_nothing(name: str) -> None:
     """Every number is written at its path, in its unit, and the scenario is the same."""
-    text = scenarios()[name]
+    text = list_standalone()[name]
     found = form(text)
     shown = [one for one in numbers(found) if one["value"] is not None]
     written = {one["path"]: _written(one) for one in shown if math.isfinite(one["value"])}
@@ -104,14 +104,14 @@ def _written(one: dict[str, Any]) -> Any:
 
 def test_every_number_of_the_system_has_a_control() -> None:
     for name in ("constant_power", "clamped_wire", "platform_spring", "finger", "closed_loop"):
-        scenario = read_scenario(scenarios()[name], FOLDER / "x.toml")
-        paths = {one["path"] for one in numbers(form(scenarios()[name]))}
+        scenario = read_scenario(list_standalone()[name], FOLDER / "x.toml")
+        paths = {one["path"] for one in numbers(form(list_standalone()[name]))}
         known = {scenario.places.path(leaf.path) for leaf in scenario.leaves()}
         assert known <= paths, known - paths
 
 
 def test_what_ports_have_for_themselves_stands_apart() -> None:
-    found = form(scenarios()["hand"])
+    found = form(list_standalone()["hand"])
     one = control(found, "actuators.thumb_proximal_extensor.element.strand.initial_oriented")
     assert one["value"] == 0.0
     assert control(found, "element.strand.initial_oriented")["value"] == 1.0
@@ -119,7 +119,7 @@ def test_what_ports_have_for_themselves_stands_apart() -> None:
 
 
 def test_sliders_hold_the_value_and_stay_in_bounds() -> None:
-    for name, text in scenarios().items():
+    for name, text in list_standalone().items():
         for one in numbers(form(text)):
             slider = one["slider"]
             if slider is None:
@@ -134,14 +134,19 @@ def test_sliders_hold_the_value_and_stay_in_bounds() -> None:
 
 def test_ranges_follow_the_declaration() -> None:
     length = Declared("parameter", "length", 1.0, "m", 0.0, 20.0, open_low=True)
-    assert ranges.slider(0.1, "m", length) == {
+    assert ranges.build_slider(0.1, "m", length) == {
         "low": pytest.approx(0.01), "high": pytest.approx(1.0), "log": True, "whole": False,
     }  # fmt: skip
     share = Declared("parameter", "share", 1.0, "1", 0.0, 1.0)
-    assert ranges.slider(0.3, "1", share) == {"low": 0.0, "high": 1.0, "log": False, "whole": False}
+    assert ranges.build_slider(0.3, "1", share) == {
+        "low": 0.0,
+        "high": 1.0,
+        "log": False,
+        "whole": False,
+    }
     count = Declared("parameter", "number of elements", 1.0, "1", 1.0, 1e4)
-    assert (ranges.slider(2.0, "1", count) or {})["whole"]
-    assert ranges.slider(math.inf, "s", Declared("parameter", "end", math.inf, "s")) is None
+    assert (ranges.build_slider(2.0, "1", count) or {})["whole"]
+    assert ranges.build_slider(math.inf, "s", Declared("parameter", "end", math.inf, "s")) is None
 
 
 @pytest.mark.parametrize(
@@ -151,7 +156,7 @@ def test_ranges_follow_the_declaration() -> None:
      ("at", ""), ("mass_2", "")],
 )  # fmt: skip
 def test_symbols_are_spelled_by_names(name: str, symbol: str) -> None:
-    assert words.symbol(name) == symbol
+    assert wording.spell_symbol(name) == symbol
 
 
 @pytest.mark.parametrize(
@@ -160,7 +165,7 @@ def test_symbols_are_spelled_by_names(name: str, symbol: str) -> None:
      ("m", "mm"), ("K/s^0.5", "K/s^½")],
 )  # fmt: skip
 def test_units_are_shown_as_they_are_read(unit: str, label: str) -> None:
-    how = words.shown(unit)
+    how = wording.describe_display(unit)
     assert how["label"] == label
     assert 300.0 * how["factor"] + how["offset"] == pytest.approx(
         units.from_si(300.0, units.choose_readable_unit(unit), unit)
@@ -198,7 +203,7 @@ def test_a_source_of_another_unit_gets_levels_in_it() -> None:
 
 def test_a_mechanism_of_many_parts_brings_its_example_and_says_so() -> None:
     found = form(changes={"mechanism.kind": "hand"})
-    assert toml_document(found["text"]) == toml_document(scenarios()["hand"])
+    assert toml_document(found["text"]) == toml_document(list_standalone()["hand"])
     assert any("packaged scenario" in note for note in found["notes"])
     back = form(found["text"], changes={"mechanism.kind": "dead-weight"})
     assert "actuators" not in toml_document(back["text"])

@@ -13,10 +13,17 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from martensite import app
-from martensite.app.documents import check_files, scenario_of
-from martensite.app.drawer import Drawer
-from martensite.app.messages import DEEPEST, BadMessageError, dumps, loads, refused, wanted
+from martensite.app.documents import check_files, read_request_scenario
+from martensite.app.messages import (
+    DEEPEST_NESTING,
+    BadMessageError,
+    describe_refusal,
+    read_message,
+    require_entry,
+    write_message,
+)
 from martensite.app.routes import ROUTES, find_call
+from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, MartensiteError, ParameterError
 
@@ -55,15 +62,15 @@ FUZZED = settings(
 def outcome(call: str, request: Any, folder: Path) -> str:
     """What a worker would send: `answer`, or the sentence of the refusal."""
     try:
-        request = loads(dumps(request))  # as it comes over the wire
+        request = read_message(write_message(request))  # as it comes over the wire
     except BadMessageError as error:
         return str(error)
     desk = Desk(folder)
     desk.stop.set()  # long work ends at once
     try:
-        sent = dumps({"answer": find_call(call)(request, desk)})
+        sent = write_message({"answer": find_call(call)(request, desk)})
     except Exception as error:
-        said = refused(error)["refused"]
+        said = describe_refusal(error)["refused"]
         assert not said.startswith("Unexpected"), f"{call} {request!r}: {said}"
         assert "Traceback" not in said
         assert said.strip()
@@ -105,7 +112,7 @@ CSV = b"time [s],strain [-],temperature [degC]\n0,0,20\n1,=1+1,21\n2,0.01,22\n3,
 
 def right(call: str, folder: Path) -> dict[str, Any]:
     """A request that is answered, or nearly so."""
-    key, path = Drawer(folder).place("log.csv")
+    key, path = UploadFolder(folder).place("log.csv")
     path.write_bytes(CSV)
     columns = [
         {"at": 0, "name": "time", "unit": "s"}, {"at": 1, "name": "strain", "unit": "1"},
@@ -207,9 +214,9 @@ def test_a_scenario_reads_no_materials_of_elsewhere(tmp_path: Path) -> None:
     desk, known = Desk(tmp_path), "element.material"
     for name in ("/etc/x.toml", "../x.toml", "../x", "a/../../x", "..\\x.toml"):
         with pytest.raises(DataError, match="The bench reads no file"):
-            scenario_of({"text": TEXT, "changes": {known: name}}, desk)
+            read_request_scenario({"text": TEXT, "changes": {known: name}}, desk)
     with pytest.raises(MartensiteError, match="no material"):
-        scenario_of({"text": TEXT, "changes": {known: "x.toml"}}, desk)
+        read_request_scenario({"text": TEXT, "changes": {known: "x.toml"}}, desk)
     check_files('[measured]\nfile = "data:set/file.csv"', {})
 
 
@@ -219,28 +226,29 @@ def test_a_scenario_reads_no_materials_of_elsewhere(tmp_path: Path) -> None:
 @pytest.mark.parametrize("data", [
     b"", b"{", b"nonsense", b"\xff\xfe{}", b"[]", b"1", b"null", b'"x"', b'{"a": NaN}', b"{}" * 2,
     b'{"a": 1e999}', b'{"a": -Infinity}', b'{"a": ' + b"9" * 400 + b"}", b'{"a": "\\ud800"}',
-    b'{"a":' * 1000 + b"1" + b"}" * 1000, b'{"a":' + b"[" * DEEPEST + b"]" * DEEPEST + b"}",
+    b'{"a":' * 1000 + b"1" + b"}" * 1000,
+    b'{"a":' + b"[" * DEEPEST_NESTING + b"]" * DEEPEST_NESTING + b"}",
     b'{"a":' + b"[" * 100_000, b'{"\\udc00": 1}', b'{"a": 1,}', b"{'a': 1}", b'{"a": 01}',
 ])  # fmt: skip
 def test_messages_that_are_none(data: bytes) -> None:
     with pytest.raises(BadMessageError):
-        loads(data)
+        read_message(data)
 
 
-@given(st.binary(max_size=60) | VALUES.map(dumps))
+@given(st.binary(max_size=60) | VALUES.map(write_message))
 def test_any_bytes_are_a_message_or_refused(data: bytes) -> None:
     try:
-        found = loads(data)
+        found = read_message(data)
     except BadMessageError as error:
         assert str(error).startswith("The message")
         return
-    assert loads(dumps(found)) == found
+    assert read_message(write_message(found)) == found
 
 
 @given(VALUES, st.sampled_from([str, dict, list, float, int, bool]))
 def test_entries_are_of_their_sort_or_refused(value: Any, sort: type) -> None:
     try:
-        found = wanted({"a": value}, "a", sort)
+        found = require_entry({"a": value}, "a", sort)
     except BadMessageError as error:
         assert "`a` must be" in str(error)
         assert len(str(error)) < 150
@@ -250,7 +258,7 @@ def test_entries_are_of_their_sort_or_refused(value: Any, sort: type) -> None:
 
 def test_long_scenarios_are_refused(tmp_path: Path) -> None:
     with pytest.raises(ParameterError, match="letters"):
-        scenario_of({"text": "#" * 2_000_000}, Desk(tmp_path))
+        read_request_scenario({"text": "#" * 2_000_000}, Desk(tmp_path))
 
 
 # ---------------------------------------------------------------- over the wire

@@ -11,8 +11,8 @@ from app_server import TAB, Bench
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from martensite.app.guard import NAMES
-from martensite.app.server import bound
+from martensite.app.request_guard import NAMES
+from martensite.app.server import bind_socket
 from martensite.base.errors import InputError
 
 ELSEWHERE = ("http://evil.example", "null", "http://127.0.0.1:1", "https://127.0.0.1", "")
@@ -197,9 +197,9 @@ def test_without_its_packages_the_bench_says_what_to_install() -> None:
 @pytest.mark.parametrize("port", [-1, 65536])
 def test_a_port_that_is_none(port: int) -> None:
     with pytest.raises(InputError, match="between 0 and 65535"):
-        bound(port)
+        bind_socket(port)
 
 
 def test_a_port_that_is_taken(bench: Bench) -> None:
     with pytest.raises(InputError, match=f"Port {bench.port} cannot be used"):
-        bound(bench.port)
+        bind_socket(bench.port)

@@ -21,16 +21,16 @@ from bad_calls import command
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
-from martensite.app.jobs import AT_ONCE, TRAIL
+from martensite.app.jobs import AT_ONCE, LONGEST_TRAIL
 
 SERVER = """import json, sys
 from pathlib import Path
-from martensite.app import workers
-from martensite.app.server import serve
-workers.COMMAND, workers.POLITE = {command!r}, 2.0
+from martensite.app import worker_pool
+from martensite.app.server import serve_bench
+worker_pool.COMMAND, worker_pool.STOP_LIMIT = {command!r}, 2.0
 def ready(at):
     print(json.dumps([at.port, at.token]), flush=True)
-serve(0, {folder}, ready)
+serve_bench(0, {folder}, ready)
 """
 SLOWEST = 20.0
 """Seconds in which what is waited for comes to pass, on a busy machine."""
@@ -119,7 +119,7 @@ def test_a_job_tells_how_far_it_is(served: Bench) -> None:
 def test_many_notes_are_thinned_out(served: Bench) -> None:
     job = begun(served, "many", {"notes": 1500})
     last = to_the_end(served, job)[-1]["job"]
-    assert len(last["trail"]) <= TRAIL
+    assert len(last["trail"]) <= LONGEST_TRAIL
     assert (last["trail"][0], last["trail"][-1]) == ({"k": 0}, {"k": 1499})
     assert to_the_end(served, job)[-1]["job"]["outcome"] == {"k": 1499}  # known afterwards
 

@@ -11,9 +11,9 @@ import pytest
 from app_server import Bench
 
 from martensite.actuators.mechanisms.drawing import KINDS
-from martensite.app.gallery import FOLDER, scenarios
-from martensite.app.views.scene import LEAST, MOST, drawn, scene
-from martensite.app.views.scene import assembled as lengths_of
+from martensite.app.packaged_scenarios import FOLDER, list_standalone
+from martensite.app.views.scene import LEAST, MOST, describe_scene, draw_row
+from martensite.app.views.scene import measure_lengths as lengths_of
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.result import Result
 
@@ -21,7 +21,7 @@ EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def run(name: str, **changes: Any) -> tuple[Scenario, Result]:
-    scenario = read_scenario(scenarios()[name], FOLDER / "scenario.toml", changes or None)
+    scenario = read_scenario(list_standalone()[name], FOLDER / "scenario.toml", changes or None)
     return scenario, scenario.run(runtime="floats")
 
 
@@ -51,12 +51,12 @@ def placed(found: dict[str, Any], picture: int) -> dict[str, list[list[float]]]:
 @pytest.mark.parametrize("which", ["finger", "hand"])
 def test_pictures_are_the_drawings(which: str, request: pytest.FixtureRequest) -> None:
     scenario, result = request.getfixturevalue(which)
-    found = scene(scenario, result)
+    found = describe_scene(scenario, result)
     lengths, names = lengths_of(scenario.system, result), list(scenario.system.mechanism.outputs())
     for picture in (0, len(found["times"]) // 2, -1):
         row = result.times.index(found["times"][picture])
         points = placed(found, picture)
-        for shape in drawn(scenario.system, result, lengths, names, row):
+        for shape in draw_row(scenario.system, result, lengths, names, row):
             for sent, meant in zip(points[shape.name], shape.points, strict=True):
                 assert sent == pytest.approx(meant, abs=0.51 * found["quantum"])
 
@@ -64,7 +64,7 @@ def test_pictures_are_the_drawings(which: str, request: pytest.FixtureRequest) -
 @pytest.mark.parametrize("which", ["finger", "hand"])
 def test_it_is_small_and_says_what_it_is(which: str, request: pytest.FixtureRequest) -> None:
     scenario, result = request.getfixturevalue(which)
-    found = scene(scenario, result)
+    found = describe_scene(scenario, result)
     assert LEAST <= len(found["times"]) == len(found["frames"]) == len(found["turns"]) <= MOST
     assert (found["times"][0], found["times"][-1]) == (result.times[0], result.times[-1])
     assert len(json.dumps(found)) < 500_000
@@ -78,7 +78,7 @@ def test_it_is_small_and_says_what_it_is(which: str, request: pytest.FixtureRequ
 
 
 def test_everything_is_inside_of_the_box(finger: tuple[Scenario, Result]) -> None:
-    found = scene(*finger)
+    found = describe_scene(*finger)
     for picture in range(0, len(found["times"]), 20):
         for point in (p for points in placed(found, picture).values() for p in points):
             for low, x, high in zip(found["low"], point, found["high"], strict=True):
@@ -86,7 +86,7 @@ def test_everything_is_inside_of_the_box(finger: tuple[Scenario, Result]) -> Non
 
 
 def test_a_coil_is_drawn_as_one() -> None:
-    found = scene(*run("platform_spring", **{"run.duration": "10 s"}))
+    found = describe_scene(*run("platform_spring", **{"run.duration": "10 s"}))
     (element,) = [shape for shape in found["shapes"] if shape.get("port")]
     assert element["coils"] == 20
     assert element["coil"] == pytest.approx(6e-3)
@@ -94,7 +94,7 @@ def test_a_coil_is_drawn_as_one() -> None:
 
 def test_slack_is_told() -> None:
     scenario, result = run("antagonistic_wires", **{"mechanism.preload": "0 N"})
-    found = scene(scenario, result)
+    found = describe_scene(scenario, result)
     rows = [result.times.index(time) for time in found["times"]]
     told = [names["slack"] for names in found["ports"].values()]
     assert {0, 1} <= {flag for flags in told for flag in flags}
@@ -109,9 +109,13 @@ def test_the_run_brings_it(bench: Bench) -> None:
     assert found["ports"]["element"]["temperature"] == "temperature"
 
 
-@pytest.mark.parametrize("name", sorted(set(scenarios()) - {"finger", "hand", "closed_loop_beam"}))
+@pytest.mark.parametrize(
+    "name", sorted(set(list_standalone()) - {"finger", "hand", "closed_loop_beam"})
+)
 def test_every_example_has_one(name: str) -> None:
-    scenario = read_scenario(scenarios()[name], FOLDER / "scenario.toml", {"run.duration": "0.2 s"})
-    found = scene(scenario, scenario.run(runtime=None if scenario.outside else "floats"))
+    scenario = read_scenario(
+        list_standalone()[name], FOLDER / "scenario.toml", {"run.duration": "0.2 s"}
+    )
+    found = describe_scene(scenario, scenario.run(runtime=None if scenario.outside else "floats"))
     assert found["shapes"]
     assert all(len(frame) == len(found["frames"][0]) for frame in found["frames"])

@@ -26,9 +26,9 @@ from martensite.app.calls.sweeps import list_sweeps as listed
 from martensite.app.calls.sweeps import read_points as points
 from martensite.app.calls.sweeps import read_row as row
 from martensite.app.calls.sweeps import run_sweep as sweep
-from martensite.app.sweeping.drawn import MOST, Drawn
-from martensite.app.sweeping.shelf import Shelf, busy, slug
-from martensite.app.sweeping.words import quoted
+from martensite.app.sweeping.command_line import quote_words
+from martensite.app.sweeping.sweep_drawing import MOST_DRAWN, SweepDrawing
+from martensite.app.sweeping.sweep_folder import SweepFolder, hold_store, make_slug
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError
 from martensite.cli.app import app
@@ -59,7 +59,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Desk, str, list[dict
 
 
 def store_of(desk: Desk, key: str) -> Store:
-    return Store(Shelf(desk.folder).path(key))
+    return Store(SweepFolder(desk.folder).path(key))
 
 
 def test_notes_hold_every_run_once(made: tuple[Desk, str, list[dict[str, Any]]]) -> None:
@@ -69,7 +69,7 @@ def test_notes_hold_every_run_once(made: tuple[Desk, str, list[dict[str, Any]]])
     assert [note["number"] for note in notes] == list(range(len(notes)))
     told = [row for note in notes[1:] for row in note["rows"]]
     assert sorted(told) == list(range(48))
-    table = read_sweep(Shelf(desk.folder).path(key))
+    table = read_sweep(SweepFolder(desk.folder).path(key))
     strokes = [v for note in notes[1:] for v in note["columns"]["stroke"]]
     assert np.allclose(np.array(strokes)[np.argsort(told)], table.measures["stroke"].values, 1e-5)
     assert notes[-1]["done"] == notes[-1]["runs"] == 48
@@ -90,13 +90,13 @@ def test_points_are_those_of_the_store(made: tuple[Desk, str, list[dict[str, Any
 
 
 def test_a_large_sweep_is_thinned_evenly(tmp_path: Path) -> None:
-    class Large(Drawn):
+    class Large(SweepDrawing):
         size = 90_000  # pyright: ignore[reportAssignmentType]
         levels = (range(300), range(300))  # pyright: ignore[reportAssignmentType]
 
     found = Large(Store(tmp_path))
     kept = found.kept(np.arange(90_000))
-    assert 0.4 * MOST < len(kept) <= MOST
+    assert 0.4 * MOST_DRAWN < len(kept) <= MOST_DRAWN
     assert found.strides == [3, 2] or found.strides == [2, 3]
     assert len({int(k) // 300 for k in kept}) == -(-300 // found.strides[0])
 
@@ -109,7 +109,7 @@ def test_a_run_is_opened_with_exactly_its_numbers(
     desk, key, _ = made
     found = row({"key": key, "row": 27}, desk)
     scenario = read_scenario(found["text"])
-    table = read_sweep(Shelf(desk.folder).path(key))
+    table = read_sweep(SweepFolder(desk.folder).path(key))
     leaves = {leaf.path: leaf.value for leaf in scenario.whole.leaves()}
     assert leaves["element.diameter"] == table.varied["element.diameter"].values[27]
     high = table.varied["drive.waveform.high"].values[27]
@@ -121,7 +121,7 @@ def test_a_run_is_opened_with_exactly_its_numbers(
 def test_the_front_is_that_of_the_library(made: tuple[Desk, str, list[dict[str, Any]]]) -> None:
     desk, key, _ = made
     found = front({"key": key, "minimise": ["max(temperature)"], "maximise": ["stroke"]}, desk)
-    table = read_sweep(Shelf(desk.folder).path(key))
+    table = read_sweep(SweepFolder(desk.folder).path(key))
     known = pareto_front(table, ["max(temperature)"], ["stroke"])
     assert found["rows"] == known.runs.tolist()
     assert 1 < found["count"] < found["compared"]
@@ -130,7 +130,7 @@ def test_the_front_is_that_of_the_library(made: tuple[Desk, str, list[dict[str, 
 def test_indices_say_what_matters(made: tuple[Desk, str, list[dict[str, Any]]]) -> None:
     desk, key, _ = made
     found = indices({"key": key, "measure": "stroke"}, desk)
-    table = read_sweep(Shelf(desk.folder).path(key))
+    table = read_sweep(SweepFolder(desk.folder).path(key))
     (known,) = sensitivity_indices(table, ["stroke"])
     assert found["names"] == [known.names[k] for k in known.order]
     assert found["method"] == "grid"
@@ -158,7 +158,7 @@ def test_the_zip_is_the_store(made: tuple[Desk, str, list[dict[str, Any]]], tmp_
     with zipfile.ZipFile(desk.folder / said["file"] / said["name"]) as packed:
         packed.extractall(tmp_path)
     (copy,) = tmp_path.iterdir()
-    same(copy, Shelf(desk.folder).path(key))
+    same(copy, SweepFolder(desk.folder).path(key))
 
 
 def same(one: Path, other: Path) -> None:
@@ -181,12 +181,12 @@ def test_the_command_makes_the_same_sweep(
     Path(words[2]).write_text(SHORT, "utf-8")
     found = CliRunner().invoke(app, [*words[1:], "--out", "again.zarr"])
     assert found.exit_code == 0, found.output
-    same(tmp_path / "again.zarr", Shelf(desk.folder).path(key))
+    same(tmp_path / "again.zarr", SweepFolder(desk.folder).path(key))
 
 
 def test_words_are_quoted_for_a_shell() -> None:
     for words in ("a=1..2 mm:3", "max(stress)", "x'y $(rm) `z`", 'a "b"', "plain"):
-        assert shlex.split(quoted(words)) == [words]
+        assert shlex.split(quote_words(words)) == [words]
 
 
 def test_faults_stand_beside_their_fields(bench: Bench) -> None:
@@ -248,10 +248,10 @@ def test_keys_lead_nowhere_else(made: tuple[Desk, str, list[dict[str, Any]]], ke
 
 
 def test_titles_are_no_paths() -> None:
-    assert slug("../../etc/passwd") == "etc-passwd"
-    assert slug("=cmd|' /C calc'!A0") == "cmd-c-calc-a0"
-    assert slug("…") == "sweep"
-    assert len(slug("x" * 500)) == 40
+    assert make_slug("../../etc/passwd") == "etc-passwd"
+    assert make_slug("=cmd|' /C calc'!A0") == "cmd-c-calc-a0"
+    assert make_slug("…") == "sweep"
+    assert len(make_slug("x" * 500)) == 40
 
 
 # Over the interface: a job that is watched, cancelled, and gone on with
@@ -343,14 +343,14 @@ def test_resumed_on_another_server_it_has_the_same_bits(tmp_path: Path) -> None:
         outcome = ended(other, begin(other, {"resume": line["key"]}))["outcome"]
         assert outcome["done"] == 5760, outcome
     whole = sweep(wanted, Desk(tmp_path / "other"))
-    same(Shelf(folder).path(line["key"]), Shelf(tmp_path / "other").path(whole["key"]))
+    same(SweepFolder(folder).path(line["key"]), SweepFolder(tmp_path / "other").path(whole["key"]))
 
 
 def test_a_sweep_that_runs_is_neither_deleted_nor_begun_twice(
     made: tuple[Desk, str, list[dict[str, Any]]],
 ) -> None:
     desk, key, _ = made
-    with busy(Shelf(desk.folder).path(key)):
+    with hold_store(SweepFolder(desk.folder).path(key)):
         with pytest.raises(DataError, match="running already"):
             delete({"key": key}, desk)
         with pytest.raises(DataError, match="running already"):

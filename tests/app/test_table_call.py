@@ -10,7 +10,7 @@ from typescript import check_answer
 
 from martensite.app.calls.logs import describe_records as records
 from martensite.app.calls.logs import describe_table as table
-from martensite.app.drawer import Drawer
+from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import InputError
 
@@ -38,7 +38,7 @@ def desk(tmp_path: Path) -> Desk:
 
 
 def put(desk: Desk, data: bytes | str, name: str = "log.csv") -> str:
-    key, path = Drawer(desk.folder).place(name)
+    key, path = UploadFolder(desk.folder).place(name)
     path.write_bytes(data if isinstance(data, bytes) else data.encode())
     return key
 
@@ -96,7 +96,7 @@ def test_other_encodings_and_files_without_headings(desk: Desk) -> None:
 
 def test_mat_files_are_read(desk: Desk) -> None:
     scipy_io = pytest.importorskip("scipy.io")
-    key, path = Drawer(desk.folder).place("log.mat")
+    key, path = UploadFolder(desk.folder).place("log.mat")
     rows = {"t": np.arange(12.0), "T_degC": 20.0 + np.arange(12.0), "other": np.eye(3)}
     scipy_io.savemat(path, rows)
     found = table({"key": key}, desk)

@@ -12,9 +12,9 @@ from app_server import Bench
 from hypothesis import given
 from hypothesis import strategies as st
 
-from martensite.app import drawer
-from martensite.app.drawer import Drawer, safe_name
+from martensite.app import uploads
 from martensite.app.messages import Refusal
+from martensite.app.uploads import UploadFolder, clean_name
 from martensite.base.errors import DataError
 
 NAMES = (
@@ -62,14 +62,14 @@ def test_a_name_is_no_path(bench: Bench, name: str) -> None:
 
 @given(st.text(max_size=300))
 def test_a_safe_name_is_safe(name: str) -> None:
-    safe = safe_name(name)
+    safe = clean_name(name)
     assert safe
     assert len(safe.encode()) <= 255
     assert not set(safe) & set('/\\\0:*?"<>|\n\r\t')
     assert safe not in (".", "..")
     assert not safe.startswith((".", " "))
     assert safe == safe.rstrip(" .")
-    assert safe_name(safe) == safe
+    assert clean_name(safe) == safe
 
 
 @pytest.mark.parametrize("key", ["..", "0" * 15, "0" * 17, "0" * 16, "0" * 15 + "\n", "A" * 16])
@@ -79,7 +79,7 @@ def test_a_key_that_is_none(bench: Bench, key: str) -> None:
     assert answer.status_code in (400, 404)
     assert "error" in answer.json()
     with pytest.raises(DataError, match="no such file"):
-        Drawer(bench.folder).path(key)
+        UploadFolder(bench.folder).path(key)
 
 
 @pytest.mark.parametrize("told", [True, False])
@@ -145,7 +145,7 @@ def test_a_full_disk_is_a_sentence(tmp_path: Path) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
     with pytest.raises(Refusal, match=r"could not be kept: No space left") as caught:
-        asyncio.run(Drawer(tmp_path).take("a.csv", filling()))
+        asyncio.run(UploadFolder(tmp_path).take("a.csv", filling()))
     assert caught.value.status == 507
     assert list(tmp_path.iterdir()) == []
 
@@ -154,16 +154,16 @@ def test_a_folder_that_cannot_be_written_is_a_sentence(tmp_path: Path) -> None:
     occupied = tmp_path / "file"
     occupied.write_text("")
     with pytest.raises(DataError, match="folder of the bench cannot be used"):
-        asyncio.run(Drawer(occupied).take("a.csv", streamed([b"x"])))
+        asyncio.run(UploadFolder(occupied).take("a.csv", streamed([b"x"])))
 
 
 def test_a_file_of_the_greatest_size_is_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(drawer, "MOST_BYTES", 100)
-    key, path = asyncio.run(Drawer(tmp_path).take("a.csv", streamed([b"x" * 60, b"x" * 40])))
+    monkeypatch.setattr(uploads, "MOST_BYTES", 100)
+    key, path = asyncio.run(UploadFolder(tmp_path).take("a.csv", streamed([b"x" * 60, b"x" * 40])))
     assert path.stat().st_size == 100
-    assert Drawer(tmp_path).path(key) == path
+    assert UploadFolder(tmp_path).path(key) == path
     with pytest.raises(Refusal):
-        asyncio.run(Drawer(tmp_path).take("a.csv", streamed([b"x" * 60, b"x" * 41])))
+        asyncio.run(UploadFolder(tmp_path).take("a.csv", streamed([b"x" * 60, b"x" * 41])))
     assert [found.name for found in tmp_path.iterdir()] == [key]

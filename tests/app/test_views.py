@@ -12,11 +12,11 @@ import pytest
 
 from martensite.app.calls.scenarios import compare_documents
 from martensite.app.messages import BadMessageError
-from martensite.app.views.energy import NO_ELEMENT, PRESCRIBED, energy, straight_length
-from martensite.app.views.key_results import key_results
-from martensite.app.views.phase import phase
-from martensite.app.views.traces import loops, stretches, traces
-from martensite.app.views.warnings import alarms
+from martensite.app.views.alarm_spans import list_alarms
+from martensite.app.views.energy import NO_ELEMENT, PRESCRIBED, describe_energy, find_length
+from martensite.app.views.key_results import list_key_results
+from martensite.app.views.phase_bands import describe_phase
+from martensite.app.views.traces import list_loops, list_panels, list_stretches
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError
 from martensite.design.analysis.energy import energy_per_cycle
@@ -38,7 +38,7 @@ def power(watt: str) -> Result:
 def test_every_column_stands_in_one_panel() -> None:
     for name in ("closed_loop_guarded", "closed_loop_platform", "closed_loop_sensorless"):
         result = ran(name)
-        found = [c for panel in traces(result) for own in panel["ports"].values() for c in own]
+        found = [c for panel in list_panels(result) for own in panel["ports"].values() for c in own]
         assert len(found) == len(set(found))
         missing = set(result.columns) - set(found)
         assert {c.rpartition(".")[-1] for c in missing} <= {
@@ -47,7 +47,7 @@ def test_every_column_stands_in_one_panel() -> None:
 
 
 def test_what_belongs_together_stands_together() -> None:
-    panels = {panel["key"]: panel for panel in traces(ran("closed_loop_guarded"))}
+    panels = {panel["key"]: panel for panel in list_panels(ran("closed_loop_guarded"))}
     assert panels["position"]["ports"][""] == ["position", "measured.position", "reference"]
     assert panels["drive"]["ports"]["element"] == ["drive", "wanted"]
     assert panels["temperature"]["ports"]["element"] == ["temperature", "measured.heat"]
@@ -57,24 +57,27 @@ def test_what_belongs_together_stands_together() -> None:
 
 def test_ports_of_several_actuators_stand_apart() -> None:
     result = ran("closed_loop_platform")
-    panels = {panel["key"]: panel for panel in traces(result)}
+    panels = {panel["key"]: panel for panel in list_panels(result)}
     ports = list(result.system.actuators())
     assert list(panels["stress"]["ports"]) == ports
     assert panels["alpha"]["ports"][""][:2] == ["alpha", "beta"]
-    assert [loop["key"] for loop in loops(result)][-1] == "stress-strain"
-    assert loops(result)[0]["ports"]["first"] == ["first.temperature", "first.martensite_fraction"]
+    assert [loop["key"] for loop in list_loops(result)][-1] == "stress-strain"
+    assert list_loops(result)[0]["ports"]["first"] == [
+        "first.temperature",
+        "first.martensite_fraction",
+    ]
 
 
 def test_a_system_without_elements_has_no_loops() -> None:
     result = ran("model_run")
-    assert loops(result) == []
-    assert stretches(result) == {}
-    assert phase(result) == {"diagrams": [], "ports": {}}
-    assert energy(result)["sentence"] == NO_ELEMENT
+    assert list_loops(result) == []
+    assert list_stretches(result) == {}
+    assert describe_phase(result) == {"diagrams": [], "ports": {}}
+    assert describe_energy(result)["sentence"] == NO_ELEMENT
 
 
 def test_stretches_cover_the_path() -> None:
-    parts = stretches(power("0.45 W"))["element"]
+    parts = list_stretches(power("0.45 W"))["element"]
     assert parts[0][1] == 0
     assert parts[-1][2] == 1000
     assert all(one[2] == other[1] for one, other in pairwise(parts))
@@ -84,20 +87,20 @@ def test_stretches_cover_the_path() -> None:
 def test_the_energies_are_those_of_the_analysis() -> None:
     result = power("0.45 W")
     whole = energy_per_cycle(result, result.times[-1])
-    last = {course["key"]: course["values"][-1] for course in energy(result)["courses"]}
+    last = {course["key"]: course["values"][-1] for course in describe_energy(result)["courses"]}
     assert last["electrical"] == pytest.approx(whole.electrical[0], rel=1e-12)
     assert last["lost"] == pytest.approx(whole.lost[0], rel=1e-12)
     assert last["work"] == pytest.approx(whole.work[0], rel=1e-12)
     assert last["returned"] == pytest.approx(whole.returned[0], rel=1e-12)
     assert last["stored"] == pytest.approx(whole.kept[0], abs=1e-12)
-    assert energy(result)["efficiency"][-1] == pytest.approx(whole.efficiency[0])
+    assert describe_energy(result)["efficiency"][-1] == pytest.approx(whole.efficiency[0])
 
 
 def test_a_wire_on_a_line_works_by_its_own_shortening() -> None:
     """F dx over the position of a bias spring is F dL over the strain of the wire."""
     result = power("0.45 W")
     (actuator,) = result.system.actuators().values()
-    length = straight_length(actuator.element)
+    length = find_length(actuator.element)
     assert length is not None
     shortening = -length * np.asarray(result["strain"])
     moved = np.asarray(result["position"])
@@ -106,7 +109,7 @@ def test_a_wire_on_a_line_works_by_its_own_shortening() -> None:
 
 def test_prescribed_temperatures_have_no_balance() -> None:
     drive = {"kind": "temperature", "waveform": {"kind": "constant", "level": "25 degC"}}
-    found = energy(load(EXAMPLES / "constant_power.toml", {"drive": drive}).run())
+    found = describe_energy(load(EXAMPLES / "constant_power.toml", {"drive": drive}).run())
     assert found["sentence"] == PRESCRIBED
     assert found["courses"] == []
 
@@ -115,7 +118,7 @@ def test_the_bands_are_those_of_the_parameters() -> None:
     result = power("0.45 W")
     (actuator,) = result.system.actuators().values()
     values = {leaf.path: leaf.value for leaf in actuator.element.law.leaves()}
-    found = phase(result)
+    found = describe_phase(result)
     assert found["ports"]["element"] == {"diagram": 0, "x": "temperature", "y": "stress"}
     bands = {band["process"]: band for band in found["diagrams"][0]["bands"]}
     assert bands["forward"]["start"]["temperature"][0] == values["M_s"]
@@ -124,13 +127,13 @@ def test_the_bands_are_those_of_the_parameters() -> None:
 
 
 def test_equal_laws_share_a_diagram() -> None:
-    found = phase(ran("closed_loop_platform"))
+    found = describe_phase(ran("closed_loop_platform"))
     assert len(found["diagrams"]) == 1
     assert len(found["ports"]) == 3
 
 
 def spans_of(result: Result) -> dict[str, dict[str, Any]]:
-    return {alarm["kind"]: alarm for alarm in alarms(result)}
+    return {alarm["kind"]: alarm for alarm in list_alarms(result)}
 
 
 def test_spans_add_up_to_the_duration_of_the_alarm() -> None:
@@ -165,12 +168,12 @@ def test_the_alarm_of_the_supervisor_is_told() -> None:
 
 
 def test_a_run_without_alarms_tells_none() -> None:
-    assert alarms(power("0.1 W")) == []
+    assert list_alarms(power("0.1 W")) == []
 
 
 def test_key_results_are_those_of_the_run() -> None:
     result = power("0.45 W")
-    found = {row["key"]: row for row in key_results(result, energy(result))}
+    found = {row["key"]: row for row in list_key_results(result, describe_energy(result))}
     assert found["range position"]["value"] == result.stroke
     assert found["hottest"]["value"] == max(result["hottest"])
     kelvin = found["hottest"]["value"] * found["hottest"]["factor"] + found["hottest"]["offset"]
@@ -180,7 +183,7 @@ def test_key_results_are_those_of_the_run() -> None:
 
 def test_more_power_is_hotter() -> None:
     """The same of another run: these rows can tell runs apart."""
-    rows = [key_results(r, energy(r)) for r in (power("0.45 W"), power("0.5 W"))]
+    rows = [list_key_results(r, describe_energy(r)) for r in (power("0.45 W"), power("0.5 W"))]
     cold, hot = ({row["key"]: row["value"] for row in found} for found in rows)
     assert hot["hottest"] > cold["hottest"]
     assert math.isfinite(hot["efficiency"])

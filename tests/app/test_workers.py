@@ -11,25 +11,25 @@ from typing import Any
 import pytest
 from bad_calls import command
 
-from martensite.app import workers
+from martensite.app import worker_pool
 from martensite.app.messages import Refusal, Written
-from martensite.app.workers import Pool, Worker
+from martensite.app.worker_pool import Worker, WorkerPool
 
 pytestmark = pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
 
-Work = Callable[[Pool], Awaitable[Any]]
+Work = Callable[[WorkerPool], Awaitable[Any]]
 
 
 @pytest.fixture(autouse=True)
 def bad(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workers, "COMMAND", command(tmp_path))
+    monkeypatch.setattr(worker_pool, "COMMAND", command(tmp_path))
 
 
 def pooled(folder: Path, work: Work, **given: Any) -> Any:
     """What becomes of work with a pool of one worker, which is closed in any case."""
 
     async def whole() -> Any:
-        pool = Pool(folder, **{"size": 1, **given})
+        pool = WorkerPool(folder, **{"size": 1, **given})
         try:
             return await work(pool)
         finally:
@@ -41,7 +41,7 @@ def pooled(folder: Path, work: Work, **given: Any) -> Any:
 def refusal_then_answer(folder: Path, call: str, request: dict[str, Any], **given: Any) -> Refusal:
     """The refusal of a call; the next one must be answered."""
 
-    async def work(pool: Pool) -> Refusal:
+    async def work(pool: WorkerPool) -> Refusal:
         with pytest.raises(Refusal) as caught:
             await pool.ask("", call, request)
         assert await pool.ask("", "run", {"a": 1}) == {"echo": {"a": 1}}
@@ -88,7 +88,7 @@ def test_a_call_that_takes_too_long(tmp_path: Path) -> None:
 
 
 def test_an_answer_that_is_too_long(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workers, "LONGEST_LINE", 2**16)
+    monkeypatch.setattr(worker_pool, "LONGEST_LINE", 2**16)
     refusal = refusal_then_answer(tmp_path, "huge", {"size": 2**20})
     assert "too long" in str(refusal)
 
@@ -117,9 +117,9 @@ def test_a_message_of_the_greatest_length_is_answered(tmp_path: Path) -> None:
 
 
 def test_a_worker_that_cannot_be_started(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(workers, "COMMAND", (str(tmp_path / "nothing"),))
+    monkeypatch.setattr(worker_pool, "COMMAND", (str(tmp_path / "nothing"),))
 
-    async def work(pool: Pool) -> None:
+    async def work(pool: WorkerPool) -> None:
         for _ in range(2):
             with pytest.raises(Refusal, match="No process could be started"):
                 await pool.ask("", "run", {})
@@ -128,7 +128,7 @@ def test_a_worker_that_cannot_be_started(tmp_path: Path, monkeypatch: pytest.Mon
 
 
 def test_a_newer_call_goes_over_one_that_waits(tmp_path: Path) -> None:
-    async def work(pool: Pool) -> list[Any]:
+    async def work(pool: WorkerPool) -> list[Any]:
         calls = [pool.ask("slider", "run", {"k": k}) for k in range(20)]
         return await asyncio.gather(*calls, return_exceptions=True)
 
@@ -138,7 +138,7 @@ def test_a_newer_call_goes_over_one_that_waits(tmp_path: Path) -> None:
 
 
 def test_calls_of_others_are_not_gone_over(tmp_path: Path) -> None:
-    async def work(pool: Pool) -> list[Any]:
+    async def work(pool: WorkerPool) -> list[Any]:
         calls = [pool.ask("" if k % 2 else f"lane {k}", "run", {"k": k}) for k in range(10)]
         return await asyncio.gather(*calls)
 
@@ -146,7 +146,7 @@ def test_calls_of_others_are_not_gone_over(tmp_path: Path) -> None:
 
 
 def test_who_gives_up_waiting_keeps_no_worker(tmp_path: Path) -> None:
-    async def work(pool: Pool) -> Any:
+    async def work(pool: WorkerPool) -> Any:
         first = asyncio.create_task(pool.ask("a", "hang", {}))
         await asyncio.sleep(0.5)
         waiting = asyncio.create_task(pool.ask("b", "run", {}))

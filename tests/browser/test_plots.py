@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from martensite.app.address import packed
+from martensite.app.address import pack_text
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TEXT = (EXAMPLES / "constant_power.toml").read_text("utf-8")
@@ -23,7 +23,7 @@ PICTURE = "canvas => canvas.toDataURL()"
 
 def opened(page: Page, text: str = TEXT, title: str = "Constant power") -> None:
     """Put a scenario on the bench by its address, and wait for its charts."""
-    page.evaluate("hash => location.hash = hash", f"#/bench?scenario={packed(text)}")
+    page.evaluate("hash => location.hash = hash", f"#/bench?scenario={pack_text(text)}")
     expect(page.get_by_role("heading", level=1)).to_contain_text(title)
     expect(page.locator(".time-panel").first).to_be_visible()
 

@@ -11,7 +11,7 @@ import pytest
 from app_server import Bench
 from playwright.sync_api import Locator, Page, expect
 
-from martensite.app.address import packed
+from martensite.app.address import pack_text
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SLOW = 20_000
@@ -35,7 +35,7 @@ def put_on_bench(page: Page, text: str) -> None:
           return location.hash === before;
         }"""
     )
-    page.evaluate("letters => location.hash = `#/bench?scenario=${letters}`", packed(text))
+    page.evaluate("letters => location.hash = `#/bench?scenario=${letters}`", pack_text(text))
 
 
 @pytest.fixture
@@ -174,7 +174,7 @@ def test_without_webgl_it_is_drawn_from_the_side(page: Page, bench: Bench) -> No
         " return kind.startsWith('webgl') ? null : had.call(this, kind, ...rest); };"
     )
     text = shortened((EXAMPLES / "finger.toml").read_text("utf-8"))
-    page.goto(f"{bench.origin}/#/bench?scenario={packed(text)}")
+    page.goto(f"{bench.origin}/#/bench?scenario={pack_text(text)}")
     page.reload()
     side = page.locator("svg.scene-side")
     expect(side).to_be_visible(timeout=SLOW)

@@ -11,7 +11,7 @@ import pytest
 from app_server import Bench
 from playwright.sync_api import Browser, Page, expect
 
-from martensite.app.address import unpacked
+from martensite.app.address import unpack_text
 from martensite.scenario.scenario import read_scenario
 
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")
@@ -102,9 +102,9 @@ def test_a_map_is_made_and_a_run_opens_in_the_bench(page: Page, bench: Bench) ->
     page.wait_for_function("() => location.hash.length > 100")
     expect(page.get_by_text("steps in")).to_be_visible()
     letters = re.search(r"scenario=([\w-]+)", page.url)
-    scenario = read_scenario(unpacked(letters[1] if letters else ""))
+    scenario = read_scenario(unpack_text(letters[1] if letters else ""))
     spread = (0.08 + 0.04 * 2 / 5) * 1e-3
-    assert scenario.single_system.element.diameter == pytest.approx(spread, rel=1e-12)
+    assert scenario.single_system.value_of("element.diameter") == pytest.approx(spread, rel=1e-12)
     assert scenario.single_waveform.value_of("high") == pytest.approx(0.405, rel=1e-12)
 
 

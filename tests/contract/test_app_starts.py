@@ -8,7 +8,7 @@ import pytest
 from martensite.app.calls.form import NEW
 from martensite.app.calls.form import build_form as answer
 from martensite.app.forms import documents
-from martensite.app.gallery import FOLDER, scenarios
+from martensite.app.packaged_scenarios import FOLDER, list_standalone
 from martensite.app.worker import Desk
 from martensite.base.files import toml_document
 from martensite.physics.materials.base import material_names
@@ -17,7 +17,7 @@ from martensite.scenario.overrides import as_toml, change_document
 from martensite.scenario.scenario import read_scenario
 
 ALL = list_registries()
-SCENARIOS = {**scenarios(), "new": NEW.read_text("utf-8")}
+SCENARIOS = {**list_standalone(), "new": NEW.read_text("utf-8")}
 PLACES = {
     "element": ("new", "element.kind"),
     "ends": ("new", "element.ends.kind"),
@@ -88,11 +88,11 @@ def test_every_kind_can_be_chosen(registry: str, kind: str, tmp_path: Path) -> N
     found = answer({"text": begun(registry, kind), "changes": {path: kind}}, desk(tmp_path))
     assert found["missing"] == [], found["refused"]
     document = toml_document(found["text"])
-    place = documents.table(document, path.removesuffix(".kind"))
+    place = documents.find_table(document, path.removesuffix(".kind"))
     assert place.get("kind", kind) == kind
     read_scenario(found["text"], FOLDER / "scenario.toml")
     for assumed in found["assumed"]:
-        assert documents.entry(document, assumed) is not None, assumed
+        assert documents.find_entry(document, assumed) is not None, assumed
 
 
 @pytest.mark.parametrize("name", material_names())

@@ -30,7 +30,7 @@ from martensite.actuators.mechanisms.drawing import (
 )
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
-from martensite.app.views.scene import assembled, drawn
+from martensite.app.views.scene import draw_row, measure_lengths
 from martensite.physics.electrical.temperature import PrescribedTemperature
 from martensite.simulate.api import simulate
 
@@ -66,9 +66,9 @@ class Pictures:
             for k, p in enumerate(mechanism.ports())
         }
         self.result = simulate(self.system, drives, 0.06, step=1e-3, samples=9, runtime="floats")
-        lengths = assembled(self.system, self.result)
+        lengths = measure_lengths(self.system, self.result)
         names = list(mechanism.outputs())
-        self.rows = [drawn(self.system, self.result, lengths, names, k) for k in range(9)]
+        self.rows = [draw_row(self.system, self.result, lengths, names, k) for k in range(9)]
 
     def wire(self, port: str) -> list[float]:
         """Drawn length [m] of the element at a port, over time."""

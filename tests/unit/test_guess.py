@@ -2,7 +2,7 @@
 
 import pytest
 
-from martensite.scenario.guess import SPELLINGS, guess_heading, guess_headings, usual_units
+from martensite.scenario.heading_guess import SPELLINGS, guess_heading, guess_headings, usual_units
 from martensite.scenario.layout import CANONICAL, read_headings
 
 HEADINGS = {

@@ -26,8 +26,8 @@ from martensite.control.faults.base import FAULTS
 from martensite.scenario.build import Builder
 from martensite.scenario.catalogue import list_registries
 from martensite.scenario.components import component_class
+from martensite.scenario.place_units import PlaceUnits, named_readings
 from martensite.scenario.places import Places
-from martensite.scenario.scales import Scales, named_readings
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.signals.constant import Constant
 
@@ -213,7 +213,7 @@ class Felt(Parametrised):
 
 def test_part_of_a_sensor_has_the_unit_of_what_it_looks_at() -> None:
     """Its reading has no name."""
-    builder = Builder(scales=Scales(readings={"": "K"}, named=("",)))
+    builder = Builder(scales=PlaceUnits(readings={"": "K"}, named=("",)))
 
     class Numb(Parametrised):
         step: float = param(units.DIFFERENCE, "least step", low=0.0)
@@ -227,7 +227,7 @@ def test_first_text_that_names_a_reading_decides() -> None:
     assert named_readings(Felt, {}) == ("heat",)
     assert named_readings(Felt, {"first": "place"}) == ("place",)
     assert named_readings(Felt, {"second": ""}) == ()
-    builder = Builder(scales=Scales(readings={"heat": "K", "place": "m"}))
+    builder = Builder(scales=PlaceUnits(readings={"heat": "K", "place": "m"}))
     assert builder.build(Felt, {"step": "2 K"}, "part").step == 2.0
     assert builder.build(Felt, {"first": "place", "step": "2 mm"}, "part").step == 2e-3
 
@@ -259,7 +259,7 @@ def test_number_without_a_reading_is_noticed() -> None:
 
     assert nameless(Lost) == ["Price.error", "Lost.level"]
     lost = Leaf("lost.level", Lost.declarations["level"], 0.0)
-    assert Places(scales={"lost": Scales()}).unit(lost) == units.LEVEL
+    assert Places(scales={"lost": PlaceUnits()}).unit(lost) == units.LEVEL
 
 
 # ---------------------------------------------------------------- what is refused

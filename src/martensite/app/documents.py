@@ -10,32 +10,34 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
-from martensite.app.gallery import FOLDER, built
-from martensite.app.messages import wanted
+from martensite.app.messages import require_entry
+from martensite.app.packaged_scenarios import FOLDER, build_packaged
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, ParameterError
 from martensite.base.files import toml_document
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.api import longest_step
 
-LONGEST = 2**20
+LONGEST_TEXT = 2**20
 MOST_SAMPLES = 200_001
 MOST_STEPS = 2_000_000
 
 
-def scenario_of(request: Mapping[str, Any], desk: Desk) -> Scenario:
+def read_request_scenario(request: Mapping[str, Any], desk: Desk) -> Scenario:
     """Build the scenario of a request, `text` with `changes`.
 
     Raises:
         InputError: the text is none, or a change is wrong, or it names files elsewhere, or it has
             too many samples or steps to be shown.
     """
-    text, changes = wanted(request, "text", str), wanted(request, "changes", dict, {})
-    if len(text) > LONGEST:
-        raise ParameterError(f"The scenario has {len(text):,} letters; at most {LONGEST:,} do.")
+    text, changes = require_entry(request, "text", str), require_entry(request, "changes", dict, {})
+    if len(text) > LONGEST_TEXT:
+        raise ParameterError(
+            f"The scenario has {len(text):,} letters; at most {LONGEST_TEXT:,} do."
+        )
     check_files(text, changes)
-    scenario = built(text, changes or None)
-    if steps_of(scenario) > MOST_STEPS:
+    scenario = build_packaged(text, changes or None)
+    if count_steps(scenario) > MOST_STEPS:
         raise ParameterError(
             f"This run needs more than {MOST_STEPS:,} steps, the most that the bench makes. Make "
             "it shorter or its longest step larger, or use `martensite run`."
@@ -48,7 +50,7 @@ def scenario_of(request: Mapping[str, Any], desk: Desk) -> Scenario:
     return scenario
 
 
-def steps_of(scenario: Scenario) -> float:
+def count_steps(scenario: Scenario) -> float:
     """Steps that a run has at least."""
     step = scenario.system.sample_time() or scenario.step or longest_step(scenario.system)
     return scenario.duration / step
@@ -60,7 +62,7 @@ def check_files(text: str, changes: Mapping[str, Any]) -> None:
     Raises:
         DataError: a scenario, or a change to it, names one, or is not TOML.
     """
-    for name in (*_files(toml_document(text), ""), *_files(changes, "")):
+    for name in (*_list_files(toml_document(text), ""), *_list_files(changes, "")):
         odd = any(letter in name for letter in "\0\\:")
         if odd or not (FOLDER / name).resolve().is_relative_to(FOLDER.resolve()):
             raise DataError(
@@ -69,14 +71,14 @@ def check_files(text: str, changes: Mapping[str, Any]) -> None:
             )
 
 
-def _files(node: Any, path: str) -> Iterator[str]:
+def _list_files(node: Any, path: str) -> Iterator[str]:
     """Names of files in a document; published data sets are no files here."""
     if isinstance(node, dict):
         for key, value in cast("dict[str, Any]", node).items():
-            yield from _files(value, f"{path}.{key}")
+            yield from _list_files(value, f"{path}.{key}")
     elif isinstance(node, list):
         for value in cast("list[Any]", node):
-            yield from _files(value, path)
+            yield from _list_files(value, path)
     elif isinstance(node, str):
         last = path.rpartition(".")[2]
         own = node.endswith(".toml") or "/" in node or "\\" in node

@@ -23,59 +23,59 @@ from martensite.kernels.c99 import find_compiler
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 
-LONG = 10.0
+LONG_RUN = 10.0
 """Seconds on floats, as a short piece lets expect, from which a run waits for the compiler."""
-PIECE = 40
+TRIAL_PIECES = 40
 """Into how many pieces a run is cut to try one."""
 
 _ready: set[Hashable] = set()
 _begun: set[Hashable] = set()
 
 
-def run(scenario: Scenario) -> tuple[Result, str]:
+def run_fast(scenario: Scenario) -> tuple[Result, str]:
     """The run, and the runtime that made it."""
     if scenario.outside:
         return scenario.run(), "floats"
     key = describe_structure(scenario.whole)
     if find_compiler() is None or (key in _begun and key not in _ready):
         return scenario.run(runtime="floats"), "floats"
-    if key in _ready or _mark(key).exists() or _is_long(scenario):
-        return _in_c(scenario, key), "c"
+    if key in _ready or _locate_mark(key).exists() or _is_long(scenario):
+        return _run_in_c(scenario, key), "c"
     result = scenario.run(runtime="floats")
     _begun.add(key)
-    threading.Thread(target=_compile, args=(scenario, key), daemon=True).start()
+    threading.Thread(target=_compile_structure, args=(scenario, key), daemon=True).start()
     return result, "floats"
 
 
-def _in_c(scenario: Scenario, key: Hashable) -> Result:
+def _run_in_c(scenario: Scenario, key: Hashable) -> Result:
     """The run in C; compiled first if need be."""
     result = scenario.run(runtime="c")
     if key not in _ready:
         _ready.add(key)
         with suppress(OSError):
-            mark = _mark(key)
+            mark = _locate_mark(key)
             mark.parent.mkdir(parents=True, exist_ok=True)
             mark.touch()
     return result
 
 
-def _compile(scenario: Scenario, key: Hashable) -> None:
+def _compile_structure(scenario: Scenario, key: Hashable) -> None:
     """Compile by running; a structure that does not run in C stays on floats."""
     with suppress(MartensiteError, ArithmeticError, MemoryError, OSError):
-        _in_c(scenario, key)
+        _run_in_c(scenario, key)
 
 
 def _is_long(scenario: Scenario) -> bool:
     """Whether a first piece of the run lets expect that all of it takes long on floats."""
-    samples = max(2, scenario.samples // PIECE)
-    piece = replace(scenario, duration=scenario.duration / PIECE, samples=samples)
+    samples = max(2, scenario.samples // TRIAL_PIECES)
+    piece = replace(scenario, duration=scenario.duration / TRIAL_PIECES, samples=samples)
     begun = time.perf_counter()
     with suppress(MartensiteError):  # the whole run says it better
         piece.run(runtime="floats")
-    return PIECE * (time.perf_counter() - begun) > LONG
+    return TRIAL_PIECES * (time.perf_counter() - begun) > LONG_RUN
 
 
-def _mark(key: Hashable) -> Path:
+def _locate_mark(key: Hashable) -> Path:
     """A file that says that this machine has compiled a structure."""
     words = f"{version('martensite')} {key!r}"
     return cache_folder() / "c" / f"{hashlib.sha256(words.encode()).hexdigest()[:24]}.known"

@@ -16,18 +16,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from martensite.app.messages import Refusal, Written, refused
-from martensite.app.workers import POLITE, Worker
+from martensite.app.messages import Refusal, Written, describe_refusal
+from martensite.app.worker_pool import STOP_LIMIT, Worker
 
 AT_ONCE = 4
-KEPT = 20
+MOST_KEPT = 20
 """Finished jobs that are remembered."""
-TRAIL = 400
+LONGEST_TRAIL = 400
 """Notes of a job that are remembered; every other one is forgotten when there are more."""
 
 
 @dataclass(eq=False)
-class Job:
+class PageJob:
     """One piece of long work."""
 
     tab: str
@@ -73,7 +73,7 @@ class Job:
         """Keep a note and pass it on."""
         self.last = note
         self.trail.append(note)
-        if len(self.trail) > TRAIL:
+        if len(self.trail) > LONGEST_TRAIL:
             del self.trail[1:-1:2]
         self._send({"note": note})
 
@@ -103,13 +103,13 @@ class Job:
 
 
 @dataclass
-class Jobs:
+class PageJobs:
     """All jobs of a server."""
 
     folder: Path
-    known: dict[str, Job] = field(default_factory=dict[str, Job])
+    known: dict[str, PageJob] = field(default_factory=dict[str, PageJob])
 
-    def begin(self, tab: str, call: str, request: dict[str, Any]) -> Job:
+    def begin(self, tab: str, call: str, request: dict[str, Any]) -> PageJob:
         """Begin a job.
 
         Raises:
@@ -120,17 +120,17 @@ class Jobs:
             raise Refusal(
                 f"{AT_ONCE} jobs are running already; wait for one to end, or cancel one.", 429
             )
-        job = Job(tab, call, request, Worker(self.folder))
+        job = PageJob(tab, call, request, Worker(self.folder))
         self.known[job.id] = job
         job.task = asyncio.create_task(self._work(job))
         self._forget()
         return job
 
-    def of(self, tab: str) -> list[Job]:
+    def of(self, tab: str) -> list[PageJob]:
         """The jobs of a tab, the newest first."""
         return [job for job in reversed(self.known.values()) if job.tab == tab]
 
-    def find(self, tab: str, name: str) -> Job:
+    def find(self, tab: str, name: str) -> PageJob:
         """A job of a tab.
 
         Raises:
@@ -141,12 +141,12 @@ class Jobs:
             raise Refusal("There is no such job here; it may be long over.", 404)
         return job
 
-    async def cancel(self, job: Job) -> None:
+    async def cancel(self, job: PageJob) -> None:
         """Stop a job: by asking, then by force."""
         if job.state != "running" or job.task is None:
             return
         await job.worker.stop()
-        await asyncio.wait([job.task], timeout=POLITE)
+        await asyncio.wait([job.task], timeout=STOP_LIMIT)
         if job.state == "running":
             job.end("cancelled", "Cancelled.")
             job.task.cancel()
@@ -159,7 +159,7 @@ class Jobs:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
 
-    async def _work(self, job: Job) -> None:
+    async def _work(self, job: PageJob) -> None:
         try:
             found = await job.worker.ask(job.call, job.request, job.told)
             job.end("done", json.loads(found) if isinstance(found, Written) else found)
@@ -168,12 +168,12 @@ class Jobs:
             if job.state == "running":
                 job.end(state, str(refusal))
         except Exception as error:
-            job.end("failed", refused(error)["refused"])
+            job.end("failed", describe_refusal(error)["refused"])
             raise
         finally:
             await job.worker.kill()
 
     def _forget(self) -> None:
         over = [job.id for job in self.known.values() if job.state != "running"]
-        for name in over[: max(0, len(over) - KEPT)]:
+        for name in over[: max(0, len(over) - MOST_KEPT)]:
             del self.known[name]

@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from typing import Any, cast
 
 from martensite.base.errors import InputError, MartensiteError
-from martensite.scenario.plain import convert_to_plain
+from martensite.scenario.plain_values import convert_to_plain
 
 MOST_BYTES = 8 * 2**20
 """The longest message that is read."""
-DEEPEST = 64
+DEEPEST_NESTING = 64
 """Tables in tables; a scenario has a handful."""
 
 
@@ -35,7 +35,7 @@ class Written(bytes):
     """JSON as a worker wrote it, to be passed on as it is."""
 
 
-def dumps(message: Any) -> bytes:
+def write_message(message: Any) -> bytes:
     """A message as one line of JSON; numbers that JSON does not have become null."""
     try:
         text = json.dumps(message, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
@@ -44,7 +44,7 @@ def dumps(message: Any) -> bytes:
     return text.encode("utf-8", "replace")
 
 
-def loads(data: bytes) -> dict[str, Any]:
+def read_message(data: bytes) -> dict[str, Any]:
     """A message that came from outside: a table of at most `MOST_BYTES` bytes.
 
     Raises:
@@ -54,7 +54,10 @@ def loads(data: bytes) -> dict[str, Any]:
         raise BadMessageError(f"The message has {len(data):,} bytes; at most {MOST_BYTES:,} do.")
     try:
         found = json.loads(
-            data.decode("utf-8"), parse_constant=_finite, parse_float=_finite, parse_int=_whole
+            data.decode("utf-8"),
+            parse_constant=_replace_infinite,
+            parse_float=_replace_infinite,
+            parse_int=_is_whole,
         )
         _check_depth(found)
         if b"\\u" in data:  # halves of characters, which no file can hold
@@ -70,14 +73,14 @@ def loads(data: bytes) -> dict[str, Any]:
     return cast("dict[str, Any]", found)
 
 
-def _finite(text: str) -> float:
+def _replace_infinite(text: str) -> float:
     value = float(text)
     if not math.isfinite(value):
         raise ValueError(f"{text[:20]} is no number that can be used")
     return value
 
 
-def _whole(text: str) -> int:
+def _is_whole(text: str) -> int:
     if len(text) > 300:  # no float holds it
         raise ValueError(f"a whole number has {len(text):,} digits")
     return int(text)
@@ -86,7 +89,7 @@ def _whole(text: str) -> int:
 def _check_depth(found: Any) -> None:
     """Raise `RecursionError` if there are tables in tables in tables …."""
     level: list[Any] = [[found]]
-    for _ in range(DEEPEST + 1):
+    for _ in range(DEEPEST_NESTING + 1):
         items = (item for box in level for item in (box.values() if isinstance(box, dict) else box))
         level = [item for item in items if isinstance(item, (dict, list))]
         if not level:
@@ -94,7 +97,7 @@ def _check_depth(found: Any) -> None:
     raise RecursionError
 
 
-def wanted(request: Mapping[str, Any], name: str, sort: type, default: Any = ...) -> Any:
+def require_entry(request: Mapping[str, Any], name: str, sort: type, default: Any = ...) -> Any:
     """An entry of a message, checked.
 
     Raises:
@@ -108,7 +111,7 @@ def wanted(request: Mapping[str, Any], name: str, sort: type, default: Any = ...
     if sort is float and isinstance(value, int) and not isinstance(value, bool):
         value = float(value)
     if not isinstance(value, sort) or (sort is int and isinstance(value, bool)):
-        raise BadMessageError(f"`{name}` must be {_WORDS[sort]}, but is {_short(value)}.")
+        raise BadMessageError(f"`{name}` must be {_WORDS[sort]}, but is {_shorten_value(value)}.")
     return value
 
 
@@ -122,12 +125,12 @@ _WORDS: dict[type, str] = {
 }
 
 
-def _short(value: Any) -> str:
+def _shorten_value(value: Any) -> str:
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}…"
 
 
-def refused(error: BaseException) -> dict[str, Any]:
+def describe_refusal(error: BaseException) -> dict[str, Any]:
     """What a worker says of an error: a sentence and its kind."""
     if isinstance(error, MartensiteError):
         kind = "input" if isinstance(error, InputError) else "failed"

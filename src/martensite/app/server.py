@@ -32,7 +32,7 @@ class Served:
         return f"http://{LOOPBACK}:{self.port}/?token={self.token}"
 
 
-def bound(port: int) -> socket.socket:
+def bind_socket(port: int) -> socket.socket:
     """A socket on loopback; port 0 is any that is free.
 
     Raises:
@@ -55,7 +55,7 @@ def bound(port: int) -> socket.socket:
     return made
 
 
-def serve(
+def serve_bench(
     port: int = 0, folder: Path | None = None, ready: Callable[[Served], None] = lambda at: None
 ) -> None:
     """Serve the bench until it is interrupted (Ctrl-C) or told to end (SIGTERM, SIGHUP).
@@ -71,7 +71,7 @@ def serve(
     try:
         import uvicorn
 
-        from martensite.app.site import STATIC, site
+        from martensite.app.site import STATIC, build_site
     except ModuleNotFoundError as error:
         raise InputError(
             f"The bench needs `{error.name}`, which is not installed; install the extra "
@@ -82,13 +82,13 @@ def serve(
             f"The page of the bench is not in `{STATIC}`; build it: `npm run build` in `web`."
         )
     with ExitStack() as stack:
-        stack.enter_context(_ended_by_signals())
-        opened = stack.enter_context(bound(port))
+        stack.enter_context(_end_on_signals())
+        opened = stack.enter_context(bind_socket(port))
         if folder is None:
             folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="martensite-")))
         at = Served(opened.getsockname()[1], secrets.token_urlsafe(24))
         config = uvicorn.Config(
-            site(folder.resolve(), at.token, at.port),
+            build_site(folder.resolve(), at.token, at.port),
             log_level="warning",
             access_log=False,
             ws="websockets-sansio",
@@ -107,7 +107,7 @@ def serve(
 
 
 @contextmanager
-def _ended_by_signals() -> Iterator[None]:
+def _end_on_signals() -> Iterator[None]:
     """Take signals that mean the end as one, so that what is open is closed and cleared away.
 
     While the server runs it takes SIGINT and SIGTERM itself, and raises them once it has ended.
@@ -117,7 +117,7 @@ def _ended_by_signals() -> Iterator[None]:
         return
     names = ("SIGINT", "SIGTERM", "SIGHUP")
     numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
-    before = {number: signal.signal(number, _end) for number in numbers}
+    before = {number: signal.signal(number, _end_server) for number in numbers}
     try:
         with suppress(_Ended):
             yield
@@ -130,5 +130,5 @@ class _Ended(SystemExit):
     """A signal came that means the end."""
 
 
-def _end(number: int, frame: Any) -> None:
+def _end_server(number: int, frame: Any) -> None:
     raise _Ended

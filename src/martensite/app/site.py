@@ -36,12 +36,18 @@ from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from martensite.app import messages
-from martensite.app.answers import json_response, refusal_response
-from martensite.app.drawer import Drawer
-from martensite.app.guard import Guard
-from martensite.app.jobs import Job, Jobs
-from martensite.app.messages import BadMessageError, Refusal, loads, refused, wanted
-from martensite.app.workers import Pool
+from martensite.app.jobs import PageJob, PageJobs
+from martensite.app.messages import (
+    BadMessageError,
+    Refusal,
+    describe_refusal,
+    read_message,
+    require_entry,
+)
+from martensite.app.request_guard import RequestGuard
+from martensite.app.responses import json_response, refusal_response
+from martensite.app.uploads import UploadFolder
+from martensite.app.worker_pool import WorkerPool
 from martensite.base.errors import InputError
 
 STATIC = Path(os.environ.get("MARTENSITE_STATIC", Path(__file__).parent / "static"))
@@ -63,14 +69,14 @@ for _ending, _type in ((".js", "text/javascript"), (".css", "text/css"), (".svg"
 class Site:
     """What the addresses share."""
 
-    pool: Pool
-    jobs: Jobs
-    drawer: Drawer
+    pool: WorkerPool
+    jobs: PageJobs
+    drawer: UploadFolder
 
     async def call(self, request: Request) -> Response:
         """A quick call."""
-        tab, lane = _tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
-        message = loads(await _body(request))
+        tab, lane = _read_tab(request.headers.get("x-tab")), request.headers.get("x-lane", "")[:64]
+        message = read_message(await _read_body(request))
         lane = f"{tab} {lane}" if lane else ""
         try:
             return json_response(await self.pool.ask(lane, request.path_params["name"], message))
@@ -79,32 +85,39 @@ class Site:
 
     async def begin(self, request: Request) -> Response:
         """Begin a job."""
-        message = loads(await _body(request))
-        call, asked = wanted(message, "call", str), wanted(message, "request", dict, {})
-        job = self.jobs.begin(_tab(request.headers.get("x-tab")), call, asked)
+        message = read_message(await _read_body(request))
+        call, asked = (
+            require_entry(message, "call", str),
+            require_entry(message, "request", dict, {}),
+        )
+        job = self.jobs.begin(_read_tab(request.headers.get("x-tab")), call, asked)
         return json_response(job.summary(), 201)
 
     async def listed(self, request: Request) -> Response:
         """The jobs of a tab."""
-        found = self.jobs.of(_tab(request.headers.get("x-tab")))
+        found = self.jobs.of(_read_tab(request.headers.get("x-tab")))
         return json_response([job.summary() for job in found])
 
     async def cancel(self, request: Request) -> Response:
         """Cancel a job."""
-        job = self.jobs.find(_tab(request.headers.get("x-tab")), request.path_params["id"])
+        job = self.jobs.find(_read_tab(request.headers.get("x-tab")), request.path_params["id"])
         await self.jobs.cancel(job)
         return json_response(job.summary())
 
     async def watch(self, socket: WebSocket) -> None:
         """Tell what is known of a job until it ends; what the page sends is passed over."""
         try:
-            job = self.jobs.find(_tab(socket.query_params.get("tab")), socket.path_params["id"])
+            job = self.jobs.find(
+                _read_tab(socket.query_params.get("tab")), socket.path_params["id"]
+            )
         except (Refusal, InputError) as error:
             await socket.accept()
             await socket.close(4404, str(error)[:120])
             return
         await socket.accept()
-        tasks = [asyncio.create_task(work) for work in (_told(job, socket), _left(socket))]
+        tasks = [
+            asyncio.create_task(work) for work in (_send_notes(job, socket), _await_leaving(socket))
+        ]
         try:
             await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         finally:
@@ -121,7 +134,7 @@ class Site:
         try:
             key, path = await self.drawer.take(name, stream)
         except Refusal:
-            await _swallow(stream)
+            await _drain_stream(stream)
             raise
         return json_response({"key": key, "name": path.name, "bytes": path.stat().st_size}, 201)
 
@@ -131,7 +144,7 @@ class Site:
         return FileResponse(path, filename=path.name, media_type="application/octet-stream")
 
 
-async def _told(job: Job, socket: WebSocket) -> None:
+async def _send_notes(job: PageJob, socket: WebSocket) -> None:
     """Send what is known of a job, and what comes, until it ends."""
     with suppress(WebSocketDisconnect, RuntimeError):  # nobody is there any more
         async with job.listening() as queue:
@@ -139,24 +152,24 @@ async def _told(job: Job, socket: WebSocket) -> None:
             while not over:
                 message = await queue.get()
                 over = message.get("job", {}).get("state", "running") != "running"
-                await socket.send_text(messages.dumps(message).decode())
+                await socket.send_text(messages.write_message(message).decode())
         await socket.close()
 
 
-async def _left(socket: WebSocket) -> None:
+async def _await_leaving(socket: WebSocket) -> None:
     """Pass over what the page sends, until it leaves."""
     while (await socket.receive())["type"] != "websocket.disconnect":
         pass
 
 
-def _tab(name: str | None) -> str:
+def _read_tab(name: str | None) -> str:
     """The tab that asks."""
     if name is None or not _TAB.fullmatch(name):
         raise BadMessageError("The header `X-Tab` (or `?tab=`) must be 4 to 64 letters or digits.")
     return name
 
 
-async def _body(request: Request) -> bytes:
+async def _read_body(request: Request) -> bytes:
     """The body of a request, refused as soon as it is too long."""
     most, parts, size = messages.MOST_BYTES, list[bytes](), 0
     stream = request.stream()
@@ -165,14 +178,14 @@ async def _body(request: Request) -> bytes:
         size += len(chunk)
         if size > most:
             parts.clear()
-            await _swallow(stream)
+            await _drain_stream(stream)
             raise Refusal(
                 f"The message has more than {most:,} bytes; a scenario needs far fewer.", 413
             )
     return b"".join(parts)
 
 
-async def _swallow(stream: AsyncIterator[bytes]) -> None:
+async def _drain_stream(stream: AsyncIterator[bytes]) -> None:
     """Read the rest of a body that is refused, so that its sender reads why."""
     size, end = 0, time.monotonic() + PATIENCE
     async for chunk in stream:
@@ -181,21 +194,21 @@ async def _swallow(stream: AsyncIterator[bytes]) -> None:
             return
 
 
-async def _soon(pool: Pool) -> None:
+async def _warm_later(pool: WorkerPool) -> None:
     """Start a worker once the page had time to come first."""
     await asyncio.sleep(PAGE_FIRST)
     await pool.warm()
 
 
-async def _status(request: Request) -> Response:
+async def _answer_status(request: Request) -> Response:
     return json_response({"name": "martensite", "version": version("martensite")})
 
 
-async def _index(request: Request) -> Response:
+async def _answer_index(request: Request) -> Response:
     return FileResponse(STATIC / "index.html", media_type="text/html")
 
 
-async def _refused(request: Request, error: Exception) -> Response:
+async def _answer_refusal(request: Request, error: Exception) -> Response:
     """The answer to an error made on purpose.
 
     A page asks for such sentences under the status 200: browsers put all others on the console.
@@ -204,7 +217,7 @@ async def _refused(request: Request, error: Exception) -> Response:
     return refusal_response(known, quiet=request.headers.get(QUIETLY) == "1")
 
 
-async def _nowhere(request: Request, error: Exception) -> Response:
+async def _answer_missing(request: Request, error: Exception) -> Response:
     status = getattr(error, "status_code", 404)
     words = {405: "This address does not take that."}.get(
         status, "There is nothing at this address."
@@ -212,22 +225,22 @@ async def _nowhere(request: Request, error: Exception) -> Response:
     return refusal_response(Refusal(words, status))
 
 
-async def _failed(request: Request, error: Exception) -> Response:
+async def _answer_failure(request: Request, error: Exception) -> Response:
     """The answer to an error that nobody has thought of; the server goes on."""
-    return refusal_response(Refusal(refused(error)["refused"], 500, "failed"))
+    return refusal_response(Refusal(describe_refusal(error)["refused"], 500, "failed"))
 
 
-async def _gone(request: Request, error: Exception) -> Response:
+async def _answer_gone(request: Request, error: Exception) -> Response:
     return Response(status_code=499)
 
 
-def site(folder: Path, token: str, port: int) -> ASGIApp:
+def build_site(folder: Path, token: str, port: int) -> ASGIApp:
     """The whole application: files are kept in `folder`, who holds `token` may come in."""
-    shared = Site(Pool(folder), Jobs(folder), Drawer(folder))
+    shared = Site(WorkerPool(folder), PageJobs(folder), UploadFolder(folder))
 
     @asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        warming = asyncio.create_task(_soon(shared.pool))
+        warming = asyncio.create_task(_warm_later(shared.pool))
         try:
             yield
         finally:
@@ -237,8 +250,8 @@ def site(folder: Path, token: str, port: int) -> ASGIApp:
 
     inside = Starlette(
         routes=[
-            Route("/", _index),
-            Route("/api/status", _status),
+            Route("/", _answer_index),
+            Route("/api/status", _answer_status),
             Route("/api/call/{name}", shared.call, methods=["POST"]),
             Route("/api/jobs", shared.begin, methods=["POST"]),
             Route("/api/jobs", shared.listed),
@@ -249,13 +262,13 @@ def site(folder: Path, token: str, port: int) -> ASGIApp:
             Mount("/", StaticFiles(directory=STATIC)),
         ],
         exception_handlers={
-            Refusal: _refused,
-            InputError: _refused,
-            404: _nowhere,
-            405: _nowhere,
-            ClientDisconnect: _gone,
-            Exception: _failed,
+            Refusal: _answer_refusal,
+            InputError: _answer_refusal,
+            404: _answer_missing,
+            405: _answer_missing,
+            ClientDisconnect: _answer_gone,
+            Exception: _answer_failure,
         },
         lifespan=lifespan,
     )
-    return Guard(inside, token, port)
+    return RequestGuard(inside, token, port)

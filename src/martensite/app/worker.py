@@ -24,7 +24,7 @@ from pathlib import Path
 from queue import SimpleQueue
 from typing import Any, BinaryIO
 
-from martensite.app.messages import dumps, refused
+from martensite.app.messages import describe_refusal, write_message
 from martensite.app.routes import find_call
 
 MEMORY = 4 * 2**30
@@ -51,7 +51,7 @@ class _Lines:
 
     def send(self, message: Mapping[str, Any]) -> None:
         with self._lock:
-            self._out.write(dumps(message) + b"\n")
+            self._out.write(write_message(message) + b"\n")
             self._out.flush()
 
 
@@ -59,7 +59,7 @@ _Work = SimpleQueue[tuple[dict[str, Any], threading.Event]]
 """Calls, each with what tells it to stop."""
 
 
-def _listen(source: BinaryIO, work: _Work) -> None:
+def _read_calls(source: BinaryIO, work: _Work) -> None:
     """Put calls on the pile, and end with the input."""
     stop = threading.Event()
     for line in source:
@@ -86,7 +86,7 @@ def limit_memory() -> None:
             resource.setrlimit(resource.RLIMIT_DATA, (MEMORY, most))
 
 
-def _private_streams() -> tuple[BinaryIO, BinaryIO]:
+def _open_streams() -> tuple[BinaryIO, BinaryIO]:
     """Input and output of the messages; what prints elsewhere goes to standard error."""
     source, out = os.fdopen(os.dup(0), "rb"), os.fdopen(os.dup(1), "wb")
     nothing = os.open(os.devnull, os.O_RDONLY)
@@ -98,9 +98,9 @@ def _private_streams() -> tuple[BinaryIO, BinaryIO]:
 def main() -> None:
     """Answer calls until the input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the server
-    source, out = _private_streams()
+    source, out = _open_streams()
     work, lines = _Work(), _Lines(out)
-    threading.Thread(target=_listen, args=(source, work), daemon=True).start()
+    threading.Thread(target=_read_calls, args=(source, work), daemon=True).start()
     limit_memory()
     find_call("run")  # before the first call, that it be quick
     while True:
@@ -109,7 +109,7 @@ def main() -> None:
         try:
             lines.send({"answer": find_call(message["call"])(message["request"], desk)})
         except Exception as error:
-            said = refused(error)
+            said = describe_refusal(error)
             if said["refused"].startswith("Unexpected"):
                 traceback.print_exc(file=sys.stderr)
             lines.send(said)

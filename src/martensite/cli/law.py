@@ -71,7 +71,7 @@ def law(
 ) -> None:
     """Drive laws along a path: a summary, a figure, a table."""
     import_modules(modules)
-    from martensite.scenario.laws import dressed_laws
+    from martensite.scenario.laws import configure_laws
     from martensite.scenario.overrides import read_settings
     from martensite.scenario.points import write_points
     from martensite.show.figures.files import write_figure
@@ -83,7 +83,7 @@ def law(
     outputs = Outputs(out, figure).check(force, data=(".csv",))
     plane = find_path(path).plane
     chosen = _read_choices(at, stress, strain, start, rate)
-    dressed = dressed_laws(list(dict.fromkeys(names)), material, read_settings(settings or []))
+    dressed = configure_laws(list(dict.fromkeys(names)), material, read_settings(settings or []))
     laid = [named_path(path, one.law, chosen) for one in dressed]
     results = [
         [course.follow(one.law, tolerance=tolerance, runtime=runtime) for course in courses]

@@ -209,7 +209,7 @@ def _make_pulses(scenario: Scenario, carrier: float) -> Averaging:
 
 def _cut_log(log: Record, scenario: Scenario) -> Record:
     """The rows of a log from its beginning to the end of the run."""
-    from martensite.scenario.recorded import from_zero
+    from martensite.scenario.recorded_waveforms import from_zero
 
     found = from_zero(log, scenario.lead)
     rows = bisect_right(found.times, scenario.duration * (1.0 + ROUNDING))

@@ -36,12 +36,12 @@ def bench_app(
 
     It is reachable from this machine alone, and only with the token in the address. Ctrl-C ends it.
     """
-    from martensite.app.server import serve
+    from martensite.app.server import serve_bench
 
     text = None if scenario is None else _read_text(scenario)
     if folder is not None and not folder.is_dir():
         raise DataError(f"There is no folder `{folder}`; create it first.")
-    serve(port, folder, _make_opener(text, no_browser, json))
+    serve_bench(port, folder, _make_opener(text, no_browser, json))
 
 
 def _read_text(scenario: Path) -> str:
@@ -55,9 +55,9 @@ def _make_opener(text: str | None, no_browser: bool, json: bool) -> Callable[[Se
     """What says where the bench is, and opens it."""
 
     def ready(at: Served) -> None:
-        from martensite.app.address import begun_with
+        from martensite.app.address import build_address
 
-        address = at.address if text is None else begun_with(at.address, text)
+        address = at.address if text is None else build_address(at.address, text)
         if json:
             from martensite.show.terminal import print_json
 

@@ -10,7 +10,7 @@ from martensite.base.errors import InputError, UnknownNameError
 from martensite.base.parameters import Leaf
 from martensite.physics.laws.base import AbstractLaw
 from martensite.physics.materials.names import NAMES
-from martensite.scenario.law_match import law_words
+from martensite.scenario.law_cautions import law_words
 from martensite.search.quantity_text import format_quantity, list_names
 
 Leaves = dict[str, Leaf]

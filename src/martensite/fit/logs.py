@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from martensite.base.errors import DataError
-from martensite.scenario.recorded import from_zero
+from martensite.scenario.recorded_waveforms import from_zero
 from martensite.scenario.scenario import Scenario, load, read_scenario
-from martensite.scenario.tables import UNTIMED, read_table
+from martensite.scenario.tables import ASSUMED_INTERVAL, read_table
 from martensite.search.quantity_text import list_names
 from martensite.signals.records import Record
 
@@ -99,7 +99,7 @@ def describe_untimed(found: Sequence[LoadedLog]) -> list[str]:
     names = [one.name for one in given if one.log.interval is None and one.record.interval]
     if not names:
         return []
-    return [f"{list_names(names)} without times: rows are taken as {UNTIMED:g} s apart."]
+    return [f"{list_names(names)} without times: rows are taken as {ASSUMED_INTERVAL:g} s apart."]
 
 
 def describe_gaps(one: LoadedLog, columns: Iterable[str]) -> list[str]:

@@ -25,10 +25,10 @@ from martensite.base.errors import ParameterError, suggest_name
 from martensite.physics.electrical.base import SOURCES
 from martensite.physics.materials.base import Material, load_material
 from martensite.physics.thermal.base import Environment
-from martensite.scenario import recorded
+from martensite.scenario import recorded_waveforms
 from martensite.scenario.build import Builder, Table, as_table, name_section, refuse_unknown
-from martensite.scenario.law_match import law_caution
-from martensite.scenario.scales import Scales
+from martensite.scenario.law_cautions import law_caution
+from martensite.scenario.place_units import PlaceUnits
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.simulate.drive_waveforms import Waveforms
 from martensite.simulate.grid import require_unit
@@ -76,12 +76,16 @@ class Assembly:
     def system(self) -> AbstractSystem:
         """The system; fills the other fields on the way."""
         if MODEL in self.document:
-            return self._model(section_of(self.document, MODEL))
+            return self._build_model(section_of(self.document, MODEL))
         table = section_of(self.document, "mechanism")
         mechanism = Builder(origins=self.origins).choose(MECHANISMS, table, "mechanism")
         ports = mechanism.ports()
-        made = self._single(mechanism) if len(ports) == 1 else self._machine(mechanism, ports)
-        self._signals(mechanism)
+        made = (
+            self._build_single(mechanism)
+            if len(ports) == 1
+            else self._build_machine(mechanism, ports)
+        )
+        self._read_signals(mechanism)
         return made
 
     def driven(self, system: AbstractSystem) -> Waveforms:
@@ -89,7 +93,7 @@ class Assembly:
         known = self.waveforms
         return next(iter(known.values())) if len(system.drives()) == len(known) == 1 else known
 
-    def _model(self, table: Table) -> AbstractSystem:
+    def _build_model(self, table: Table) -> AbstractSystem:
         """A model from its file, driven by [signals.INPUT], or by [drive] if it has one input."""
         from martensite.identify.chains.plant import build_plant
         from martensite.scenario.model_files import read_model
@@ -101,7 +105,7 @@ class Assembly:
         if not isinstance(table.get("file"), str):
             raise ParameterError(f'[{MODEL}] needs `file`; write `file = "model.json"`.')
         made = build_plant(read_model(self.folder / str(table["file"])))
-        self._signals(made.mechanism)
+        self._read_signals(made.mechanism)
         names = made.mechanism.signals()
         if self.drive in self.document:
             if len(names) != 1 or self.waveforms:
@@ -115,16 +119,16 @@ class Assembly:
             self.waveforms[name] = self._waveform(table, unit, self.drive, name)
         return made
 
-    def _single(self, mechanism: AbstractMechanism) -> System:
+    def _build_single(self, mechanism: AbstractMechanism) -> System:
         if GROUP in self.document:
             raise ParameterError(
                 f"Mechanism `{mechanism.registered_name}` takes one element, described in "
                 f"[element]; there are no [{GROUP}]."
             )
-        actuator = self._actuator(self.document, "", DRIVE, not self.controlled)
+        actuator = self._build_actuator(self.document, "", DRIVE, not self.controlled)
         return System(mechanism=mechanism, **actuator)
 
-    def _machine(self, mechanism: AbstractMechanism, ports: tuple[str, ...]) -> Machine:
+    def _build_machine(self, mechanism: AbstractMechanism, ports: tuple[str, ...]) -> Machine:
         own = section_of(self.document, GROUP, {})
         for name in own:
             if name not in ports:
@@ -144,10 +148,12 @@ class Assembly:
                 )
                 for name in common
             }
-            members[port] = Actuator(**self._actuator(tables, f"{path}.", port, False))
+            members[port] = Actuator(**self._build_actuator(tables, f"{path}.", port, False))
         return Machine(mechanism=mechanism, group=Group(**members))
 
-    def _actuator(self, tables: Table, prefix: str, drive: str, driven: bool) -> dict[str, Any]:
+    def _build_actuator(
+        self, tables: Table, prefix: str, drive: str, driven: bool
+    ) -> dict[str, Any]:
         """Element, environment and source; notes the waveform of the drive."""
         element = section_of(tables, "element")
         material = self._material(element)
@@ -171,7 +177,7 @@ class Assembly:
             "source": source,
         }
 
-    def _signals(self, mechanism: AbstractMechanism) -> None:
+    def _read_signals(self, mechanism: AbstractMechanism) -> None:
         """The waveforms of the mechanism's own signals."""
         units, tables = mechanism.signals(), section_of(self.document, SIGNALS, {})
         for name, table in tables.items():
@@ -205,27 +211,29 @@ class Assembly:
     def waveform_of(self, given: Any, unit: str, below: str, name: str) -> AbstractWaveform:
         """The waveform that a table at a path describes, with levels in a unit."""
         table = as_table(given, below)
-        if table.get("kind") == recorded.KIND:
-            waveform, end = recorded.build_waveform(table, below, self.folder, unit)
+        if table.get("kind") == recorded_waveforms.KIND:
+            waveform, end = recorded_waveforms.build_waveform(table, below, self.folder, unit)
             self.end = end if math.isinf(self.end) else max(self.end, end)
             return waveform
-        if table.get("kind") == recorded.LOG:
-            return self._followed(table, unit, below, name)
+        if table.get("kind") == recorded_waveforms.LOG:
+            return self._build_followed(table, unit, below, name)
         if "kind" in table:
             with name_section(below):
                 require_unit(WAVEFORMS[str(table["kind"])], unit)
-        builder = Builder(scales=Scales(unit), origins=self.origins)
+        builder = Builder(scales=PlaceUnits(unit), origins=self.origins)
         return builder.choose(WAVEFORMS, table, below)
 
-    def _followed(self, table: Table, unit: str, path: str, name: str) -> AbstractWaveform:
+    def _build_followed(self, table: Table, unit: str, path: str, name: str) -> AbstractWaveform:
         """The waveform that follows a column of the log, to its last row."""
         switched = unit == "1" and not path.startswith(SIGNALS)
-        natural = recorded.DUTY if switched else recorded.NATURAL.get(unit, name)
-        waveform, self.follows[name] = recorded.build_followed(
+        natural = (
+            recorded_waveforms.DUTY if switched else recorded_waveforms.NATURAL.get(unit, name)
+        )
+        waveform, self.follows[name] = recorded_waveforms.build_followed(
             table, path, self.log, unit, natural, self.lead
         )
         if self.log is not None:
-            last = recorded.from_zero(self.log, self.lead).times[-1]
+            last = recorded_waveforms.from_zero(self.log, self.lead).times[-1]
             self.end = last if math.isinf(self.end) else max(self.end, last)
         return waveform
 

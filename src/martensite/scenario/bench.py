@@ -36,8 +36,8 @@ from martensite.scenario.build import Builder, Table, choose_class, name_section
 from martensite.scenario.components import gather_nested
 from martensite.scenario.guard import add_plant_checks
 from martensite.scenario.overrides import change_document
+from martensite.scenario.place_units import PlaceUnits
 from martensite.scenario.places import Places
-from martensite.scenario.scales import Scales
 from martensite.scenario.sections import (
     BENCH,
     FAULTS,
@@ -161,7 +161,7 @@ class BenchBuilder:
         self,
         cls: type[Parametrised],
         row: Row,
-        scales: Scales,
+        scales: PlaceUnits,
         extra: tuple[str, ...] = (),
         **made: object,
     ) -> Any:
@@ -188,7 +188,7 @@ class BenchBuilder:
         natural = seen[0].replace(".", "_") if seen and unit == first else str(table["kind"])
         name = name or str(table.get(NAME, natural.replace("-", "_")))
         where = f"sensors.{check_name(name, path)}"
-        scales = Scales(readings={READING: unit}, named=(READING,))
+        scales = PlaceUnits(readings={READING: unit}, named=(READING,))
         sensor = self._component(cls, (f"{where}.sensor", table, path), scales, (*mount, *names))
         return name, self._component(MountedSensor, (where, given, path), scales, sensor=sensor)
 
@@ -199,7 +199,7 @@ class BenchBuilder:
         name = check_name(name or str(table["kind"]).replace("-", "_"), path)
         where = f"observers.{name}"
         made = self._model(cls, table, path, where)
-        scales = Scales(readings=_list_units(bench))
+        scales = PlaceUnits(readings=_list_units(bench))
         return name, self._component(cls, (where, table, path), scales, tuple(made), **made)
 
     def _model(
@@ -228,7 +228,7 @@ class BenchBuilder:
         where = f"{FAULTS}.{check_name(name, path)}"
         drives = {drive.name: drive.unit for drive in self.plant.drives()}
         only = next(iter(drives.values())) if len(drives) == 1 else "1"
-        scales = Scales(drives.get(str(table.get("drive"))) or only, _list_units(bench))
+        scales = PlaceUnits(drives.get(str(table.get("drive"))) or only, _list_units(bench))
         cls = choose_class(KNOWN_FAULTS, table, path)
         return name, self._component(cls, (where, table, path), scales)
 
@@ -238,7 +238,7 @@ class BenchBuilder:
         if SUPERVISOR not in document:
             return None
         units = {drive.unit for drive in self.plant.drives()}
-        scales = Scales(units.pop() if len(units) == 1 else "1", _list_units(bench))
+        scales = PlaceUnits(units.pop() if len(units) == 1 else "1", _list_units(bench))
         table = section_of(document, SUPERVISOR)
         cls = choose_class(SUPERVISORS, table, SUPERVISOR)
         full, taken = table, set[str]()
@@ -258,15 +258,15 @@ class BenchBuilder:
         name, unit = self._find_drive(name, path)
         given, below = self._find_reference(name, table, path)
         where, readings = f"controllers.{name}", _list_units(bench)
-        built = self._build_idle(bench, (where, table, path), Scales(unit, readings))
+        built = self._build_idle(bench, (where, table, path), PlaceUnits(unit, readings))
         with name_section(path):
             require_readings(built, readings)
             kind = built.reference_unit(readings, unit)
-        self.places.note(f"{where}.{REFERENCE}", below, Scales(kind))
+        self.places.note(f"{where}.{REFERENCE}", below, PlaceUnits(kind))
         waveform = self.assembly.waveform_of(given, kind, below, name)
         return name, built.with_parts(reference=waveform)
 
-    def _build_idle(self, bench: Bench, row: Row, scales: Scales) -> AbstractController:
+    def _build_idle(self, bench: Bench, row: Row, scales: PlaceUnits) -> AbstractController:
         """A controller with nothing to follow yet."""
         where, table, path = row
         cls = choose_class(CONTROLLERS, table, path)

@@ -22,7 +22,7 @@ from martensite.base.registry import Registry
 from martensite.physics.materials.base import Material
 from martensite.physics.materials.names import NAMES
 from martensite.scenario.components import component_class, convert_plain, is_members, is_plain
-from martensite.scenario.scales import Scales
+from martensite.scenario.place_units import PlaceUnits
 
 Table = Mapping[str, Any]
 LAW = "law"
@@ -38,7 +38,7 @@ class Builder:
 
     material: Material | None = None
     """Fills numbers that the tables leave out, in components built with `draws`."""
-    scales: Scales = field(default_factory=Scales)
+    scales: PlaceUnits = field(default_factory=PlaceUnits)
     """Units of levels of a waveform, and of readings."""
     origins: dict[str, str] = field(default_factory=dict[str, str])
     """Dotted path -> scenario, default, or the kind and name of the material."""
@@ -59,25 +59,25 @@ class Builder:
     ) -> Any:
         """Build a component of a known class from its table."""
         if is_members(cls):
-            return self._members(cls, table, path, draws)
+            return self._build_members(cls, table, path, draws)
         scales = self.scales.within(cls, table)
         if scales is not self.scales:
             return replace(self, scales=scales).build(cls, table, path, draws=draws)
         names = [name for name in _list_parts(cls) if name not in self.made]
-        children = {name: self._child(cls, name, table, path, draws) for name in names}
+        children = {name: self._find_child(cls, name, table, path, draws) for name in names}
         self._refuse_unknown(cls, table, path, children)
         values: dict[str, Any] = dict(self.made)
         missing: list[str] = []
         for name, declared in cls.declarations.items():
             if name in children:
-                self._part(values, name, declared, children[name], path, draws)
+                self._add_part(values, name, declared, children[name], path, draws)
             elif declared.kind == "part":
                 if self.plain and name in table and name not in self.made:
                     values[name] = convert_plain(declared, name, table[name], path)
                     self.origins[f"{path}.{name}"] = "scenario"
             elif name in table:
-                values[name] = self._given(cls, name, declared, table[name], path)
-                self.origins[f"{path}.{name}"] = self._writer(name, table, path, draws)
+                values[name] = self._convert_value(cls, name, declared, table[name], path)
+                self.origins[f"{path}.{name}"] = self._find_writer(name, table, path, draws)
             elif draws and self.material and name in self.material.values:
                 number = self.material.values[name]
                 values[name] = number.text
@@ -87,11 +87,11 @@ class Builder:
             else:
                 self.origins[f"{path}.{name}"] = "default"
         if missing:
-            raise ParameterError(self._needs(cls, missing, path, draws))
+            raise ParameterError(self._describe_missing(cls, missing, path, draws))
         with name_section(path):
             return cls(**values)
 
-    def _members(self, cls: Any, table: Table, path: str, draws: bool) -> Any:
+    def _build_members(self, cls: Any, table: Table, path: str, draws: bool) -> Any:
         """Components by names of the user's own."""
         found: dict[str, Any] = {}
         for name, given in table.items():
@@ -103,20 +103,20 @@ class Builder:
         with name_section(path):
             return cls(**found)
 
-    def _writer(self, name: str, table: Table, path: str, draws: bool) -> str:
+    def _find_writer(self, name: str, table: Table, path: str, draws: bool) -> str:
         """Who wrote a number of a table: the scenario, or the law of the material."""
         law = self.material.law if self.material and draws else None
         own = law is not None and path.rpartition(".")[2] == LAW and law.get(name) == table[name]
         return f"law, {self.material.name}" if own and self.material else "scenario"
 
-    def _child(
+    def _find_child(
         self, cls: type[Parametrised], name: str, table: Table, path: str, draws: bool
     ) -> tuple[type[Parametrised], Table] | None:
         """Class and table of a component, or None if its default is meant."""
         declared = cls.declarations[name]
         given = table.get(name, ASSUMED_KINDS.get(name))
         if name == LAW and draws and self.material and self.material.law:
-            given = self._lawful(given, self.material.law, f"{path}.{name}")
+            given = self._merge_law(given, self.material.law, f"{path}.{name}")
         if declared.registry is None:
             known = component_class(cls, name)
             if known is None or (given is None and not isinstance(declared.default, Parametrised)):
@@ -132,14 +132,14 @@ class Builder:
         return choose_class(declared.registry, full, f"{path}.{name}"), full
 
     @staticmethod
-    def _lawful(given: Any, law: Table, path: str) -> Any:
+    def _merge_law(given: Any, law: Table, path: str) -> Any:
         """The table of a law, from that of the material where the scenario names none."""
         if given is None:
             return law
         full = as_table(given, path)
         return full if "kind" in full else {**law, **full}
 
-    def _part(
+    def _add_part(
         self,
         values: dict[str, Any],
         name: str,
@@ -160,7 +160,7 @@ class Builder:
             )
             raise ParameterError(f"[{path}] needs `{name}` ({declared.doc}). {valid}")
 
-    def _given(
+    def _convert_value(
         self, cls: type[Parametrised], name: str, declared: Declared, value: Any, path: str
     ) -> Any:
         """The value as the constructor takes it; text keeps its unit for the messages."""
@@ -202,10 +202,14 @@ class Builder:
             f"[{path}] `{_name_class(cls)}` has no `{unknown}`. {suggest_name(unknown, valid)}"
         )
 
-    def _needs(self, cls: type[Parametrised], missing: list[str], path: str, draws: bool) -> str:
+    def _describe_missing(
+        self, cls: type[Parametrised], missing: list[str], path: str, draws: bool
+    ) -> str:
         """What is missing, in which unit, who does not have it, where to write it."""
         brief = len(missing) > FULLY_DESCRIBED
-        listed = ", ".join(self._described(cls.declarations[name], name, brief) for name in missing)
+        listed = ", ".join(
+            self._describe_number(cls.declarations[name], name, brief) for name in missing
+        )
         unit = self.scales.label(cls.declarations[missing[0]])
         sample = f'{missing[0]} = "… {unit}"' if unit else f"{missing[0]} = …"
         remedy = f"write `{sample}` in [{path}]"
@@ -216,7 +220,7 @@ class Builder:
                 remedy = f"material `{self.material.name}` does not hold it: {remedy}"
         return f"[{path}] `{_name_class(cls)}` needs {listed}; {remedy}."
 
-    def _described(self, declared: Declared, name: str, brief: bool) -> str:
+    def _describe_number(self, declared: Declared, name: str, brief: bool) -> str:
         unit = self.scales.label(declared) if declared.kind == "parameter" else ""
         unit = f" [{unit}]" if unit else ""
         return f"`{name}`{unit}" + ("" if brief else f" ({declared.doc})")

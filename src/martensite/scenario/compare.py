@@ -17,7 +17,7 @@ from martensite.signals.records import Record
 if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
-HAIR = 1e-9
+ROUNDING = 1e-9
 """Share of the run by which a measured time may lie outside (rounding)."""
 
 
@@ -98,7 +98,7 @@ def _locate_time(times: list[float], time: float) -> tuple[int, float]:
 
 
 def _refuse_outside(times: list[float], record: Record) -> None:
-    first, last, hair = times[0], times[-1], HAIR * (times[-1] - times[0])
+    first, last, hair = times[0], times[-1], ROUNDING * (times[-1] - times[0])
     if min(record.times) < first - hair or max(record.times) > last + hair:
         raise DataError(
             f"Record `{record.name}` goes from {min(record.times):.6g} to "

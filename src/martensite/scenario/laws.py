@@ -11,11 +11,11 @@ from martensite.base.parameters import REQUIRED
 from martensite.physics.laws.base import LAWS, AbstractLaw
 from martensite.physics.materials.base import Material, load_material, material_names
 from martensite.scenario.build import Builder
-from martensite.scenario.law_match import law_caution
+from martensite.scenario.law_cautions import law_caution
 
 
 @dataclass(frozen=True)
-class Dressed:
+class ConfiguredLaw:
     """A law with its numbers, and where they came from."""
 
     law: AbstractLaw
@@ -29,9 +29,9 @@ class Dressed:
         return [*([other] if other else []), *self.law.cautions()]
 
 
-def dressed_laws(
+def configure_laws(
     names: Sequence[str], material: str | None, settings: Mapping[str, Any]
-) -> list[Dressed]:
+) -> list[ConfiguredLaw]:
     """Laws by name, with numbers from settings, then from a material, then from the defaults.
 
     Args:
@@ -53,7 +53,7 @@ def dressed_laws(
         everyone = _find_first(sorted(set().union(*needs.values())))
         found = {name: everyone or _own_material(name, needs[name]) for name in classes}
     return [
-        Dressed(
+        ConfiguredLaw(
             Builder(found[name]).choose(
                 LAWS, _build_table(name, tables[name], found[name]), name, draws=True
             ),

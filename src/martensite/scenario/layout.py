@@ -49,7 +49,7 @@ _UNIT = re.compile(r"^[\w%°(]([\w%°·^*/(). -]*[\w%)])?$")
 
 
 @dataclass(frozen=True)
-class Column:
+class FileColumn:
     """One column of a file: its name, the unit it is written in, the SI unit it is read as."""
 
     name: str
@@ -71,13 +71,13 @@ class Layout:
     """Leave out rows that cannot be read, or that repeat the time before; count them."""
 
 
-def read_headings(headings: Iterable[str], where: str) -> list[Column]:
+def read_headings(headings: Iterable[str], where: str) -> list[FileColumn]:
     """Read the headings of a table.
 
     Raises:
         DataError: a heading is empty or double, or its unit is missing or does not fit.
     """
-    columns: list[Column] = []
+    columns: list[FileColumn] = []
     for number, heading in enumerate(headings, start=1):
         column = _read_heading(heading, number, where)
         if column.name != IGNORED and any(column.name == c.name for c in columns):
@@ -86,7 +86,7 @@ def read_headings(headings: Iterable[str], where: str) -> list[Column]:
     return columns
 
 
-def _read_heading(heading: str, number: int, where: str) -> Column:
+def _read_heading(heading: str, number: int, where: str) -> FileColumn:
     found = _HEADING.match(heading)
     if found is None or not found[1]:
         raise DataError(
@@ -94,7 +94,7 @@ def _read_heading(heading: str, number: int, where: str) -> Column:
             "write for example `temperature [degC]`."
         )
     if found[1] == IGNORED:
-        return Column(IGNORED, "1", "1")
+        return FileColumn(IGNORED, "1", "1")
     name, spelling = re.sub(r"[\s-]+", "_", found[1].lower()), found[2] or ""
     spelling = "1" if spelling == "-" else spelling
     unit = _find_known_unit(name)
@@ -104,8 +104,8 @@ def _read_heading(heading: str, number: int, where: str) -> Column:
             f"[{_find_usual_unit(unit)}]`."
         )
     if name == "time" and spelling == CLOCK:
-        return Column(name, CLOCK, "s")
-    return Column(name, spelling or "1", _si_unit(name, spelling or "1", where))
+        return FileColumn(name, CLOCK, "s")
+    return FileColumn(name, spelling or "1", _si_unit(name, spelling or "1", where))
 
 
 def _find_known_unit(name: str) -> str | None:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from martensite.base.parameters import Leaf, Parametrised
 from martensite.scenario.assemble import DRIVE, scenario_path
-from martensite.scenario.scales import Scales
+from martensite.scenario.place_units import PlaceUnits
 
 
 @dataclass
@@ -22,18 +22,18 @@ class Places:
     """What the section of the source is called."""
     written: dict[str, str] = field(default_factory=dict[str, str])
     """Beginning of a path in the bench -> its beginning in the scenario."""
-    scales: dict[str, Scales] = field(default_factory=dict[str, Scales])
+    scales: dict[str, PlaceUnits] = field(default_factory=dict[str, PlaceUnits])
     """Beginning of a path in the bench -> units of levels below it."""
     systems: set[str] = field(default_factory=set[str])
     """Beginnings of paths in the bench below which there is a system."""
 
-    def note(self, path: str, written: str, scales: Scales | None = None) -> None:
+    def note(self, path: str, written: str, scales: PlaceUnits | None = None) -> None:
         """A part of the bench, the section it is in, and the units of levels in it."""
         self.written[path] = written
         if scales is not None:
             self.scales[path] = scales
 
-    def note_scales(self, path: str, part: Parametrised, scales: Scales) -> None:
+    def note_scales(self, path: str, part: Parametrised, scales: PlaceUnits) -> None:
         """The units of levels in what names a reading: a part of the bench, or its components."""
         own = scales.within(type(part), part.__dict__)
         if own is not scales:

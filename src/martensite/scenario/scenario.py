@@ -23,12 +23,12 @@ from martensite.base.files import toml_document
 from martensite.base.parameters import Leaf, Parametrised, param
 from martensite.kernels.namespace import Scalar
 from martensite.physics.materials.base import Material
-from martensite.scenario import recorded
+from martensite.scenario import recorded_waveforms
 from martensite.scenario.assemble import Assembly, section_of
 from martensite.scenario.build import Builder, Table, refuse_unknown
 from martensite.scenario.overrides import as_toml, change_document
 from martensite.scenario.places import Places
-from martensite.scenario.recorded import Recorded
+from martensite.scenario.recorded_waveforms import Recorded
 from martensite.scenario.sections import SECTIONS as BENCH_SECTIONS
 from martensite.scenario.sections import check_sections, has_controllers, is_bench
 from martensite.signals.base import AbstractWaveform
@@ -330,4 +330,4 @@ def _find_duration(run: Run, end: float) -> float:
 def _read_measured(document: Table, folder: Path) -> Recorded | None:
     if "measured" not in document:
         return None
-    return recorded.read_recorded(section_of(document, "measured"), "measured", folder)
+    return recorded_waveforms.read_recorded(section_of(document, "measured"), "measured", folder)

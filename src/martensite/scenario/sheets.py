@@ -16,7 +16,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from martensite.base.errors import DataError
-from martensite.scenario.layout import CLOCK, Column, Layout
+from martensite.scenario.layout import CLOCK, FileColumn, Layout
 
 GAPS = ("", "nan", "na", "n/a", "null")
 """What a logger writes into the cell of a sample that it missed, in small letters."""
@@ -39,13 +39,13 @@ class Sheet:
         numbers, rows = [self.numbers[i] for i in kept], [self.rows[i] for i in kept]
         return replace(self, numbers=numbers, rows=rows)
 
-    def parser(self, column: Column) -> Callable[[str], float]:
+    def parser(self, column: FileColumn) -> Callable[[str], float]:
         """How a cell of this column becomes a number; it raises ValueError where it does not."""
         if column.spelling == CLOCK:
             return _read_clock
         return _comma_number if self.decimal_comma else _read_number
 
-    def fault(self, index: int, column: Column, sentence: str) -> DataError:
+    def fault(self, index: int, column: FileColumn, sentence: str) -> DataError:
         """An error that names row and column."""
         return DataError(
             f"{self.where}, row {self.numbers[index]}, column `{column.name}`: {sentence}"

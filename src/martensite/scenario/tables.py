@@ -17,7 +17,7 @@ from pathlib import Path
 
 from martensite.base import units
 from martensite.base.errors import DataError, ParameterError, suggest_name
-from martensite.scenario.layout import CLOCK, IGNORED, Column, Layout, read_headings
+from martensite.scenario.layout import CLOCK, IGNORED, FileColumn, Layout, read_headings
 from martensite.scenario.sheets import (
     SEPARATORS,
     Sheet,
@@ -30,7 +30,7 @@ from martensite.scenario.sheets import (
 from martensite.signals.records import Record, not_finite, out_of_order
 
 PREFIX = "data:"
-UNTIMED = 1.0
+ASSUMED_INTERVAL = 1.0
 """Time between rows [s] of a file that has no times, if nothing is said."""
 
 
@@ -84,7 +84,7 @@ def read_table(
         _refuse_disorder(sheet, found["time"])
         return Record(name, found, names, path, dropped)
     _refuse_other_time(sheet.where, names, interval)
-    step = UNTIMED if interval is None else interval
+    step = ASSUMED_INTERVAL if interval is None else interval
     times = [row * step for row in range(len(sheet.rows))]
     return Record(name, {"time": times} | found, {"time": "s"} | names, path, dropped, step)
 
@@ -99,7 +99,7 @@ def _find_origin(source: str | Path) -> tuple[Path, Layout, str]:
     return Path(source), Layout(()), Path(source).stem
 
 
-def _read_headings(sheet: Sheet, layout: Layout) -> tuple[list[Column], Sheet]:
+def _read_headings(sheet: Sheet, layout: Layout) -> tuple[list[FileColumn], Sheet]:
     """The columns of a table, and its rows without that of the headings."""
     first = sheet.rows[0]
     numeric = any(is_number(cell) for cell in first)
@@ -120,7 +120,7 @@ def _read_headings(sheet: Sheet, layout: Layout) -> tuple[list[Column], Sheet]:
     return headings, sheet
 
 
-def _read_columns(sheet: Sheet, headings: list[Column], gaps: bool) -> dict[str, list[float]]:
+def _read_columns(sheet: Sheet, headings: list[FileColumn], gaps: bool) -> dict[str, list[float]]:
     """All columns that are wanted, in SI."""
     _refuse_ragged(sheet, headings)
     wanted = [(place, column) for place, column in enumerate(headings) if column.name != IGNORED]
@@ -132,7 +132,7 @@ def _read_columns(sheet: Sheet, headings: list[Column], gaps: bool) -> dict[str,
     }
 
 
-def _read_column(sheet: Sheet, place: int, column: Column, gaps: bool) -> list[float]:
+def _read_column(sheet: Sheet, place: int, column: FileColumn, gaps: bool) -> list[float]:
     """One column in SI, with NaN for missing samples if there may be such `gaps`."""
     cells = [row[place] for row in sheet.rows]
     if gaps:
@@ -159,7 +159,7 @@ def _read_column(sheet: Sheet, place: int, column: Column, gaps: bool) -> list[f
     return [units.to_si(number, column.spelling, column.unit) for number in numbers]
 
 
-def _find_readable(sheet: Sheet, headings: list[Column], gaps: bool) -> list[int]:
+def _find_readable(sheet: Sheet, headings: list[FileColumn], gaps: bool) -> list[int]:
     """Indices of the rows that can be read and do not repeat the time of the one before."""
     wanted = [
         (p, _or_gap(sheet.parser(c)) if gaps and c.name != "time" else sheet.parser(c))
@@ -184,7 +184,7 @@ def _or_gap(parse: Callable[[str], float]) -> Callable[[str], float]:
     return lambda cell: 0.0 if is_gap(cell) else parse(cell)
 
 
-def _refuse_ragged(sheet: Sheet, headings: list[Column]) -> None:
+def _refuse_ragged(sheet: Sheet, headings: list[FileColumn]) -> None:
     width = len(headings)
     index = next((i for i, row in enumerate(sheet.rows) if len(row) != width), None)
     if index is not None:

@@ -11,11 +11,11 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
-from martensite.app.drawer import Drawer
-from martensite.app.identify.asked import task_of_request
-from martensite.app.identify.outcome import outcome
-from martensite.app.identify.watching import Watching, measured, parameter
-from martensite.app.messages import BadMessageError, wanted
+from martensite.app.identify.fit_outcome import describe_outcome
+from martensite.app.identify.fit_progress import FitProgress, describe_measured, describe_parameter
+from martensite.app.identify.fit_request import read_task
+from martensite.app.messages import BadMessageError, require_entry
+from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, SolveError
 from martensite.fit.fit_task import ArrangedFit, LogFit
@@ -28,21 +28,21 @@ ENDED = ("reason", "simulations", "jacobians", "seconds", "history")
 def run_fit(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     """Fit parameters of a scenario to a log: long work, which tells how far it is.
 
-    A request is that of `identify.asked`; with `state`, the key of an earlier search of the same
-    problem, it goes on from there, and with `finish` it only looks at where that was.
+    A request is that of `identify.fit_request`; with `state`, the key of an earlier search of the
+    same problem, it goes on from there, and with `finish` it only looks at where that was.
 
     Notes: first {"problem": {parameters, records, state}}, then {"stage", "cost", "values", …}, now
-    and then with "curves". The answer is that of `identify.outcome` with the key `fit` for the call
-    `fit_files`. Once it shall stop it ends with the best so far.
+    and then with "curves". The answer is that of `identify.fit_outcome` with the key `fit` for the
+    call `fit_files`. Once it shall stop it ends with the best so far.
     """
-    arranged = task_of_request(request, desk).arranged()
+    arranged = read_task(request, desk).arranged()
     key, path = _place_state(request, desk)
     training = arranged.problem.training
     desk.tell(
         {
             "problem": {
-                "parameters": [parameter(free) for free in training.free],
-                "records": [measured(one) for one in training.experiments],
+                "parameters": [describe_parameter(free) for free in training.free],
+                "records": [describe_measured(one) for one in training.experiments],
                 "noisy": sorted(arranged.problem.noise),
                 "notes": list(arranged.notes),
                 "state": key,
@@ -50,15 +50,15 @@ def run_fit(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
         }
     )
     import_module("scipy.stats")  # takes a second, which there may not be once it shall stop
-    if wanted(request, "finish", bool, False):
+    if require_entry(request, "finish", bool, False):
         desk.stop.set()
-    watching = Watching(training, desk.tell, desk.stop)
+    watching = FitProgress(training, desk.tell, desk.stop)
     fit = search_parameters(arranged, watching, path)
     watching.ended(fit)
-    return {**outcome(fit), "fit": _keep_fit(request, fit, desk, key)}
+    return {**describe_outcome(fit), "fit": _keep_fit(request, fit, desk, key)}
 
 
-def search_parameters(arranged: ArrangedFit, watching: Watching, path: Path) -> LogFit:
+def search_parameters(arranged: ArrangedFit, watching: FitProgress, path: Path) -> LogFit:
     """The fit, kept in a file.
 
     Raises:
@@ -72,16 +72,16 @@ def search_parameters(arranged: ArrangedFit, watching: Watching, path: Path) -> 
 
 def _place_state(request: Mapping[str, Any], desk: Desk) -> tuple[str, Path]:
     """A file for the state of the search, with that of an earlier one if it is to go on."""
-    drawer = Drawer(desk.folder)
+    drawer = UploadFolder(desk.folder)
     key, path = drawer.place("search.json")
     if request.get("state") is not None:
-        shutil.copyfile(drawer.path(wanted(request, "state", str)), path)
+        shutil.copyfile(drawer.path(require_entry(request, "state", str)), path)
     return key, path
 
 
 def _keep_fit(request: Mapping[str, Any], fit: LogFit, desk: Desk, state: str) -> str:
     """A file from which the call `fit_files` makes others; its key."""
-    key, path = Drawer(desk.folder).place("fit.json")
+    key, path = UploadFolder(desk.folder).place("fit.json")
     ended = {name: getattr(fit, name) for name in ENDED}
     noted = {"request": {**request, "state": None, "finish": False}, "state": state}
     path.write_text(json.dumps({**noted, "ended": ended}), encoding="utf-8")
@@ -100,11 +100,11 @@ def write_fit_file(request: Mapping[str, Any], desk: Desk) -> dict[str, str]:
     page of HTML with figures. The fit is computed again at the numbers that were found, without a
     search.
     """
-    what = wanted(request, "what", str)
+    what = require_entry(request, "what", str)
     if what not in ENDINGS:
         raise BadMessageError(f"`what` must be one of {', '.join(ENDINGS)}, but is {what!r}.")
-    drawer = Drawer(desk.folder)
-    kept = _read_kept(drawer, wanted(request, "key", str))
+    drawer = UploadFolder(desk.folder)
+    kept = _read_kept(drawer, require_entry(request, "key", str))
     fit = _repeat_fit(kept, desk)
     source = fit.problem.experiments[0].record.source
     name = source.stem if source is not None else "fit"
@@ -125,18 +125,18 @@ def _write_file(fit: LogFit, what: str, path: Path) -> None:
 
 def _repeat_fit(kept: Mapping[str, Any], desk: Desk) -> LogFit:
     """The fit, at the numbers that were found."""
-    arranged = task_of_request(wanted(kept, "request", dict), desk).arranged()
+    arranged = read_task(require_entry(kept, "request", dict), desk).arranged()
     ended = Event()
     ended.set()
-    watching = Watching(arranged.problem.training, desk.tell, ended)
-    state = Drawer(desk.folder).path(wanted(kept, "state", str))
+    watching = FitProgress(arranged.problem.training, desk.tell, ended)
+    state = UploadFolder(desk.folder).path(require_entry(kept, "state", str))
     found = search_parameters(arranged, watching, state)
-    known = {name: wanted(kept, "ended", dict)[name] for name in ENDED}
+    known = {name: require_entry(kept, "ended", dict)[name] for name in ENDED}
     history = tuple((int(runs), float(cost)) for runs, cost in known.pop("history"))
     return replace(found, **known, history=history)
 
 
-def _read_kept(drawer: Drawer, key: str) -> dict[str, Any]:
+def _read_kept(drawer: UploadFolder, key: str) -> dict[str, Any]:
     try:
         found = json.loads(drawer.path(key).read_text(encoding="utf-8"))
         if isinstance(found, dict) and {"request", "state", "ended"} <= found.keys():

@@ -7,14 +7,14 @@ from functools import cache
 from pathlib import Path
 from typing import Any, cast
 
-from martensite.app.documents import scenario_of
+from martensite.app.documents import read_request_scenario
 from martensite.app.forms import controls, documents
-from martensite.app.forms.controls import Control, Spot
-from martensite.app.forms.filling import Missing
-from martensite.app.forms.kinds import switched
-from martensite.app.forms.sections import MATERIAL, Sections
-from martensite.app.forms.switched import Switched
-from martensite.app.messages import BadMessageError, wanted
+from martensite.app.forms.changed_scenario import ChangedScenario
+from martensite.app.forms.controls import Control, EntrySpot
+from martensite.app.forms.kind_change import change_kind
+from martensite.app.forms.sections import MATERIAL, FormSections
+from martensite.app.forms.table_filler import MissingNumber
+from martensite.app.messages import BadMessageError, require_entry
 from martensite.app.worker import Desk
 from martensite.base.files import toml_document
 from martensite.scenario.catalogue import list_registries, summarise_class
@@ -33,26 +33,30 @@ def build_form(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
         "assumed": [path], "missing": []}
 
     A text that is empty is a new scenario. A change of `element.material`, or of a path that ends
-    in `.kind`, takes the rest of the document with it (`martensite.app.forms.kinds`). If a kind
-    needs numbers that nothing is known for, `text` is null, `refused` a sentence, and `missing`
-    their controls; the same changes with these numbers beside them are the next request.
+    in `.kind`, takes the rest of the document with it (`forms.kind_change`). If a kind needs
+    numbers that nothing is known for, `text` is null, `refused` a sentence, and `missing` their
+    controls; the same changes with these numbers beside them are the next request.
     """
-    text = wanted(request, "text", str, "") or NEW.read_text("utf-8")
-    changes = cast("dict[str, Any]", wanted(request, "changes", dict, {}))
-    text = _remove_entries(text, wanted(request, "removed", list, []))
+    text = require_entry(request, "text", str, "") or NEW.read_text("utf-8")
+    changes = cast("dict[str, Any]", require_entry(request, "changes", dict, {}))
+    text = _remove_entries(text, require_entry(request, "removed", list, []))
     kinds = [path for path in changes if path == MATERIAL or path.endswith(".kind")]
     rest = {path: value for path, value in changes.items() if path not in kinds}
     if not kinds:
-        return _describe_form(scenario_of({"text": text, "changes": rest}, desk), Switched({}))
+        return _describe_form(
+            read_request_scenario({"text": text, "changes": rest}, desk), ChangedScenario({})
+        )
     notes: list[str] = []
     assumed: list[str] = []
     for path in kinds:
-        scenario = scenario_of({"text": text}, desk)
-        found = switched(scenario, path, str(changes[path]), rest)
+        scenario = read_request_scenario({"text": text}, desk)
+        found = change_kind(scenario, path, str(changes[path]), rest)
         if found.missing:
             return _describe_missing(found)
         text, notes, assumed = as_toml(found.document), notes + found.notes, assumed + found.assumed
-    return _describe_form(scenario_of({"text": text}, desk), Switched({}, notes, assumed))
+    return _describe_form(
+        read_request_scenario({"text": text}, desk), ChangedScenario({}, notes, assumed)
+    )
 
 
 def _remove_entries(text: str, removed: list[Any]) -> str:
@@ -63,15 +67,15 @@ def _remove_entries(text: str, removed: list[Any]) -> str:
     for path in removed:
         if not isinstance(path, str):
             raise BadMessageError("`removed` must be a list of texts.")
-        documents.removed(document, path)
+        documents.remove_entry(document, path)
     return as_toml(document)
 
 
-def _describe_form(scenario: Scenario, found: Switched) -> dict[str, Any]:
+def _describe_form(scenario: Scenario, found: ChangedScenario) -> dict[str, Any]:
     return {
         "text": scenario.text,
         "title": scenario.title,
-        "sections": [_strip_private(one) for one in Sections(scenario).all()],
+        "sections": [_strip_private(one) for one in FormSections(scenario).all()],
         "registries": list_choices(),
         "notes": found.notes,
         "assumed": found.assumed,
@@ -79,7 +83,7 @@ def _describe_form(scenario: Scenario, found: Switched) -> dict[str, Any]:
     }
 
 
-def _describe_missing(found: Switched) -> dict[str, Any]:
+def _describe_missing(found: ChangedScenario) -> dict[str, Any]:
     """What is still needed."""
     names = ", ".join(f"`{one.name}` ({one.declared.doc})" for one in found.missing)
     owner = found.missing[0].owner
@@ -90,14 +94,14 @@ def _describe_missing(found: Switched) -> dict[str, Any]:
     }
 
 
-def _build_control(one: Missing) -> Control:
+def _build_control(one: MissingNumber) -> Control:
     """The control of what is missing; one for a number is empty."""
-    spot = Spot(one.path, one.name, one.declared, "none")
+    spot = EntrySpot(one.path, one.name, one.declared, "none")
     if one.declared.kind == "option":
-        return controls.option(spot, "")
+        return controls.describe_option(spot, "")
     if one.declared.kind == "text":
-        return controls.text(spot, "")
-    return controls.number(spot, None, one.unit)
+        return controls.describe_text(spot, "")
+    return controls.describe_number(spot, None, one.unit)
 
 
 def _strip_private(control: Control) -> Control:

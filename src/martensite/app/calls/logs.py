@@ -6,16 +6,16 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from martensite.app.drawer import Drawer
-from martensite.app.gallery import followers, listed
-from martensite.app.identify.asked import scenario_for
-from martensite.app.identify.followed import drives_of, following
-from martensite.app.identify.mapped import cuts_told, record_of, records_of
-from martensite.app.identify.numbers import numbers_of
-from martensite.app.identify.raw import Raw, RawColumn, read_raw
-from martensite.app.identify.shown import shown, shown_difference
-from martensite.app.identify.thin import envelope
-from martensite.app.messages import wanted
+from martensite.app.identify.display_units import describe_difference, describe_display
+from martensite.app.identify.fit_request import build_scenario
+from martensite.app.identify.followed_columns import describe_drives, follow_column
+from martensite.app.identify.mapped_table import describe_cuts, read_record, read_records
+from martensite.app.identify.number_list import list_numbers
+from martensite.app.identify.raw_table import RawColumn, RawTable, read_raw
+from martensite.app.identify.thinning import find_envelope
+from martensite.app.messages import require_entry
+from martensite.app.packaged_scenarios import describe_scenarios, list_following
+from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import MartensiteError
 from martensite.base.files import toml_document
@@ -23,7 +23,7 @@ from martensite.fit.column_matching import list_echoes, match_columns
 from martensite.fit.losses import LOSSES
 from martensite.fit.solve import METHODS
 from martensite.scenario.assemble import waveform_path
-from martensite.scenario.guess import Guess, guess_headings, usual_units
+from martensite.scenario.heading_guess import Guess, guess_headings, usual_units
 from martensite.scenario.layout import CANONICAL
 from martensite.scenario.overrides import as_toml
 from martensite.scenario.scenario import Scenario
@@ -44,8 +44,8 @@ def describe_table(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
     Cells are text, whatever is in them. Numbers of columns are as they stand in the file.
     """
-    path = Drawer(desk.folder).path(wanted(request, "key", str))
-    raw = read_raw(path, wanted(request, "separator", str, "auto"))
+    path = UploadFolder(desk.folder).path(require_entry(request, "key", str))
+    raw = read_raw(path, require_entry(request, "separator", str, "auto"))
     meant = guess_headings([c.heading for c in raw.columns], [c.sample for c in raw.columns])
     columns = [_describe_column(c, g) for c, g in zip(raw.columns, meant, strict=True)]
     return {
@@ -62,7 +62,7 @@ def describe_table(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
 def _describe_column(column: RawColumn, guess: Guess) -> dict[str, Any]:
     known = [number for number in column.numbers if not math.isnan(number)]
-    rows = envelope(column.numbers, SMALL)
+    rows = find_envelope(column.numbers, SMALL)
     return {
         "heading": column.heading,
         "name": guess.name if known else "",
@@ -76,7 +76,7 @@ def _describe_column(column: RawColumn, guess: Guess) -> dict[str, Any]:
     }
 
 
-def _list_notes(raw: Raw, meant: list[Guess]) -> Iterator[str]:
+def _list_notes(raw: RawTable, meant: list[Guess]) -> Iterator[str]:
     """What to look at before going on."""
     if not raw.headed:
         yield "The file has no headings; say for every column what it is."
@@ -110,19 +110,19 @@ def describe_records(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     -> {"begin": 0, "end": …, "rows": …, "columns": [{name, times, values, unit, shown, …}], "cuts":
     [{name, rows, refused}]}: curves thinned so that lows and highs stay; times in s, values in SI.
     """
-    record = record_of(request, desk)
+    record = read_record(request, desk)
     columns: list[dict[str, Any]] = []
     for name, column in record.columns.items():
         if name == "time":
             continue
-        rows = envelope(column, DRAWN)
+        rows = find_envelope(column, DRAWN)
         columns.append(
             {
                 "name": name,
                 "times": [record.times[row] for row in rows],
                 "values": [column[row] for row in rows],
                 "missing": sum(map(math.isnan, column)),
-                **shown(name, record.units[name]),
+                **describe_display(name, record.units[name]),
             }
         )
     return {
@@ -131,7 +131,7 @@ def describe_records(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
         "rows": len(record),
         "dropped": record.dropped,
         "columns": columns,
-        "cuts": cuts_told(request, desk),
+        "cuts": describe_cuts(request, desk),
     }
 
 
@@ -140,7 +140,7 @@ def list_followers(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
     {} -> {"scenarios": [{name, title, text}]}
     """
-    return listed(followers())
+    return describe_scenarios(list_following())
 
 
 METHOD_WORDS = {
@@ -159,32 +159,33 @@ LOSS_WORDS = {
 def match_scenario(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     """A scenario beside a log: what follows which column, what is compared, and what could be free.
 
-    {the table as `identify.mapped` takes it, "text": TOML, "follow": {"path": …, "column": …}}
+    {the table as `identify.mapped_table` takes it, "text": TOML,
+    "follow": {"path": …, "column": …}}
     -> {"text": …, "title": …, "refused": "", "drives": […], "numbers": […], "outputs": […],
     "records": […], "methods": {…}, "losses": {…}}
 
     Where the scenario cannot be built with the log, `refused` says why; the rest is what is known.
     """
-    records = records_of(request, desk)
-    text = wanted(request, "text", str)
+    records = read_records(request, desk)
+    text = require_entry(request, "text", str)
     document = toml_document(text)
-    follow = wanted(request, "follow", dict, {})
+    follow = require_entry(request, "follow", dict, {})
     if follow:
-        column = wanted(follow, "column", str)
+        column = require_entry(follow, "column", str)
         records[0][column]  # refuses what is none
-        path, unit = wanted(follow, "path", str), records[0].units[column]
-        document = following(document, path, column, unit)
+        path, unit = require_entry(follow, "path", str), records[0].units[column]
+        document = follow_column(document, path, column, unit)
         text = as_toml(document)
     known = {
         "text": text,
-        "drives": drives_of(document),
+        "drives": describe_drives(document),
         "columns": {name: unit for name, unit in records[0].units.items() if name != "time"},
         "records": [one.name for one in records],
         "methods": {name: METHOD_WORDS.get(name, "") for name in METHODS},
         "losses": {name: LOSS_WORDS.get(name, "") for name in LOSSES},
     }
     try:
-        scenario = scenario_for({"text": text}, records[0])
+        scenario = build_scenario({"text": text}, records[0])
     except MartensiteError as error:
         return {**known, "title": "", "refused": str(error), "numbers": [], "outputs": []}
     return {
@@ -201,7 +202,7 @@ def _list_drives(document: Mapping[str, Any], scenario: Scenario) -> list[dict[s
         waveform_path(scenario.system, name, section).removesuffix("."): column
         for name, column in scenario.follows.items()
     }
-    return [one | {"column": followed.get(one["path"], "")} for one in drives_of(document)]
+    return [one | {"column": followed.get(one["path"], "")} for one in describe_drives(document)]
 
 
 def _describe_built(scenario: Scenario, record: Record) -> dict[str, Any]:
@@ -209,7 +210,9 @@ def _describe_built(scenario: Scenario, record: Record) -> dict[str, Any]:
     outputs, refused = list[dict[str, Any]](), ""
     try:
         found, _, notes = match_columns(record, system, (), scenario.follows)
-        outputs = [{"name": name, **shown(name, system.outputs()[name].unit)} for name in found]
+        outputs = [
+            {"name": name, **describe_display(name, system.outputs()[name].unit)} for name in found
+        ]
     except MartensiteError as error:
         refused, notes = str(error), []
     return {
@@ -218,9 +221,9 @@ def _describe_built(scenario: Scenario, record: Record) -> dict[str, Any]:
         "refused": refused,
         "follows": scenario.follows,
         "echoes": sorted(list_echoes(system)),
-        "numbers": numbers_of(scenario),
+        "numbers": list_numbers(scenario),
         "outputs": [
-            {**one, "difference": shown_difference(one["name"], one["unit"])} for one in outputs
+            {**one, "difference": describe_difference(one["name"], one["unit"])} for one in outputs
         ],
         "notes": [*notes, *scenario.cautions],
     }

@@ -7,18 +7,18 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, cast
 
-from martensite.app.documents import LONGEST, scenario_of
-from martensite.app.drawer import Drawer
-from martensite.app.engine import run
-from martensite.app.gallery import listed, scenarios
-from martensite.app.messages import BadMessageError, wanted
-from martensite.app.views.columns import columns
-from martensite.app.views.energy import energy
-from martensite.app.views.key_results import key_results
-from martensite.app.views.phase import phase
-from martensite.app.views.scene import scene
-from martensite.app.views.traces import loops, stretches, traces
-from martensite.app.views.warnings import alarms
+from martensite.app.documents import LONGEST_TEXT, read_request_scenario
+from martensite.app.engine import run_fast
+from martensite.app.messages import BadMessageError, require_entry
+from martensite.app.packaged_scenarios import describe_scenarios, list_standalone
+from martensite.app.uploads import UploadFolder
+from martensite.app.views.alarm_spans import list_alarms
+from martensite.app.views.columns import list_columns
+from martensite.app.views.energy import describe_energy
+from martensite.app.views.key_results import list_key_results
+from martensite.app.views.phase_bands import describe_phase
+from martensite.app.views.scene import describe_scene
+from martensite.app.views.traces import list_loops, list_panels, list_stretches
 from martensite.app.worker import Desk
 from martensite.base.errors import suggest_name
 from martensite.base.files import toml_document
@@ -29,7 +29,7 @@ from martensite.simulate.result import Result
 
 def list_scenarios(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     """The scenarios that come with the package: `{}` -> `{"scenarios": [{name, title, text}]}`."""
-    return listed(scenarios())
+    return describe_scenarios(list_standalone())
 
 
 MOST_DOCUMENTS = 12
@@ -42,9 +42,9 @@ def compare_documents(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     {"texts": [TOML, TOML, …]}
     -> {"rows": [{"path": "element.diameter", "values": ["0.2 mm", null]}]}
     """
-    texts = wanted(request, "texts", list)
+    texts = require_entry(request, "texts", list)
     if len(texts) > MOST_DOCUMENTS or not all(
-        isinstance(t, str) and len(t) <= LONGEST for t in texts
+        isinstance(t, str) and len(t) <= LONGEST_TEXT for t in texts
     ):
         raise BadMessageError(f"`texts` must be at most {MOST_DOCUMENTS} documents, each a text.")
     documents = [dict(_flatten_document(toml_document(text, "A document"))) for text in texts]
@@ -69,16 +69,16 @@ def run_scenario(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     {"text": TOML, "changes": {"element.diameter": "0.25 mm"}}
     -> {"text": TOML with the changes, "title": …, "times": […], "columns": {…}, …}
     """
-    scenario = scenario_of(request, desk)
+    scenario = read_request_scenario(request, desk)
     begun = time.perf_counter()
-    result, runtime = run(scenario)
+    result, runtime = run_fast(scenario)
     took = time.perf_counter() - begun
     return {
         "text": scenario.text,
         **_summarise_run(scenario, result),
         "runtime": runtime,
         "seconds": took,
-        **columns(result),
+        **list_columns(result),
         **_draw_run(scenario, result),
     }
 
@@ -96,21 +96,21 @@ def _summarise_run(scenario: Scenario, result: Result) -> dict[str, Any]:
         "ports": list(result.system.actuators()),
         "cautions": scenario.cautions,
         "warnings": list(result.warnings),
-        "alarms": alarms(result),
+        "alarms": list_alarms(result),
     }
 
 
 def _draw_run(scenario: Scenario, result: Result) -> dict[str, Any]:
     """What the charts need beside the columns."""
-    energies = energy(result)
+    energies = describe_energy(result)
     return {
-        "traces": traces(result, scenario.outside),
-        "loops": loops(result),
-        "stretches": stretches(result),
-        "phase": phase(result),
+        "traces": list_panels(result, scenario.outside),
+        "loops": list_loops(result),
+        "stretches": list_stretches(result),
+        "phase": describe_phase(result),
         "energy": energies,
-        "key": key_results(result, energies),
-        "scene": scene(scenario, result),
+        "key": list_key_results(result, energies),
+        "scene": describe_scene(scenario, result),
     }
 
 
@@ -121,12 +121,12 @@ def export_scenario(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
     The run is the one that `martensite run` makes, with all its samples.
     """
-    what = wanted(request, "what", str)
+    what = require_entry(request, "what", str)
     if what not in WRITERS:
         raise BadMessageError(f"`what` is `{what}`. {suggest_name(what, WRITERS)}")
-    scenario = scenario_of(request, desk)
+    scenario = read_request_scenario(request, desk)
     result = scenario.run()
-    key, path = Drawer(desk.folder).place(f"{scenario.title[:60]}.{what}")
+    key, path = UploadFolder(desk.folder).place(f"{scenario.title[:60]}.{what}")
     WRITERS[what](scenario, result, path)
     return {"key": key, "name": path.name}
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from martensite.app.messages import BadMessageError, wanted
+from martensite.app.messages import BadMessageError, require_entry
 from martensite.app.worker import Desk
 from martensite.base import units
 from martensite.base.errors import InputError, ParameterError, suggest_name
@@ -61,12 +61,12 @@ def read_fields(request: Mapping[str, Any]) -> dict[str, str]:
     Raises:
         BadMessageError: one is not text, too long, or not known.
     """
-    given = wanted(request, "fields", dict, {})
+    given = require_entry(request, "fields", dict, {})
     for name in given:
         if name not in WireRequest.declarations:
             nearest = suggest_name(str(name), WireRequest.declarations)
             raise BadMessageError(f"A sizing has no field `{str(name)[:60]}`. {nearest}")
-        if len(wanted(given, name, str)) > LONGEST_FIELD:
+        if len(require_entry(given, name, str)) > LONGEST_FIELD:
             raise BadMessageError(f"Field `{name}` has more than {LONGEST_FIELD} letters.")
     return {name: text.strip() for name, text in given.items() if text.strip()}
 
@@ -122,7 +122,7 @@ def describe_sizing(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
     Fields that there are not, as of an old link, are named in "unknown" and passed over.
     """
-    given = wanted(request, "fields", dict, {})
+    given = require_entry(request, "fields", dict, {})
     known = {name: text for name, text in given.items() if name in WireRequest.declarations}
     found, refused = convert_fields(read_fields({"fields": known}))
     return {

@@ -15,8 +15,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, get_args
 
-from martensite.app.drawer import Drawer
-from martensite.app.messages import dumps, wanted
+from martensite.app.messages import require_entry, write_message
+from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError
 from martensite.base.files import replace_file
@@ -31,7 +31,7 @@ def load_named_study(request: Mapping[str, Any]) -> AbstractStudy:
     Raises:
         UnknownNameError: there is none of that name.
     """
-    return load_study(wanted(request, "name", str))
+    return load_study(require_entry(request, "name", str))
 
 
 def describe_study(study: AbstractStudy) -> dict[str, Any]:
@@ -78,7 +78,7 @@ def read_results(study: AbstractStudy, folder: Path) -> dict[str, Any] | None:
     """Results that were computed before and still hold; None without any."""
     try:
         found: dict[str, Any] = json.loads(_locate_results(study, folder).read_text("utf-8"))
-        Drawer(folder).path(found["figure"])
+        UploadFolder(folder).path(found["figure"])
         same = found["missing"] == [one["name"] for one in list_missing_data(study)]
     except (OSError, ValueError, KeyError, TypeError, DataError):
         return None
@@ -90,7 +90,7 @@ def write_results(study: AbstractStudy, folder: Path, results: Mapping[str, Any]
     place = _locate_results(study, folder)
     place.parent.mkdir(exist_ok=True)
     with replace_file(place) as part:
-        part.write_bytes(dumps(results))
+        part.write_bytes(write_message(results))
 
 
 def list_studies(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
@@ -137,7 +137,7 @@ def compute_study(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
         new = [claim.to_dict() for claim in part()]
         claims += new
     desk.tell({"doing": "the figure", "done": len(parts), "of": len(parts) + 1, "claims": new})
-    key, path = Drawer(desk.folder).place(f"{study.key}.svg")
+    key, path = UploadFolder(desk.folder).place(f"{study.key}.svg")
     study.figure(path)
     results = {
         "name": study.key,

@@ -9,9 +9,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from martensite.app.drawer import Drawer
-from martensite.app.messages import wanted
-from martensite.app.sweeping.shelf import Shelf
+from martensite.app.messages import require_entry
+from martensite.app.sweeping.sweep_folder import SweepFolder
+from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import InputError, suggest_name
 from martensite.base.status import Status
@@ -27,12 +27,12 @@ def export_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
     {"key": …, "kind": "csv" or "zarr"} -> {"file": key of the file, "name": …, "bytes": …}
     """
-    store = Shelf(desk.folder).path(wanted(request, "key", str))
-    kind = wanted(request, "kind", str)
+    store = SweepFolder(desk.folder).path(require_entry(request, "key", str))
+    kind = require_entry(request, "kind", str)
     if kind not in KINDS:
         raise InputError(f"There is no export `{kind}`. {suggest_name(kind, KINDS)}")
     ending, write = KINDS[kind]
-    key, path = Drawer(desk.folder).place(f"{store.stem}{ending}")
+    key, path = UploadFolder(desk.folder).place(f"{store.stem}{ending}")
     write(store, path)
     return {"file": key, "name": path.name, "bytes": path.stat().st_size}
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from importlib.util import find_spec
 from typing import Any
 
-from martensite.app.documents import scenario_of
+from martensite.app.documents import read_request_scenario
 from martensite.app.worker import Desk
 from martensite.base import units
 from martensite.base.errors import MartensiteError
@@ -30,7 +30,7 @@ def describe_sweep_form(request: Mapping[str, Any], desk: Desk) -> dict[str, Any
 
     {"text": TOML} -> {"title", "targets": […], "designs": […], "measures": […], "outputs": […], …}
     """
-    scenario = scenario_of(request, desk)
+    scenario = read_request_scenario(request, desk)
     return {
         "title": scenario.title,
         "text": scenario.text,

@@ -9,16 +9,21 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from martensite.app.documents import scenario_of
-from martensite.app.gallery import built
-from martensite.app.messages import BadMessageError, wanted
-from martensite.app.sweeping.asked import checked, how_of, sized, wanted_of
-from martensite.app.sweeping.drawn import Drawn
-from martensite.app.sweeping.live import Live, named
-from martensite.app.sweeping.shelf import Shelf, busy, slug
-from martensite.app.sweeping.stored import asked_of, scenario_in, summary
-from martensite.app.sweeping.timing import chunk_for, timed
-from martensite.app.sweeping.words import command
+from martensite.app.documents import read_request_scenario
+from martensite.app.messages import BadMessageError, require_entry
+from martensite.app.packaged_scenarios import build_packaged
+from martensite.app.sweeping.command_line import write_command
+from martensite.app.sweeping.store_summary import read_scenario_of, read_wanted_of, summarise_store
+from martensite.app.sweeping.sweep_drawing import SweepDrawing
+from martensite.app.sweeping.sweep_folder import SweepFolder, hold_store, make_slug
+from martensite.app.sweeping.sweep_progress import SweepProgress, name_statuses
+from martensite.app.sweeping.sweep_request import (
+    check_request,
+    read_wanted,
+    read_workers,
+    require_size,
+)
+from martensite.app.sweeping.timing import choose_chunk, time_block
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError
 from martensite.design.backends.base import StoppedError
@@ -37,8 +42,8 @@ from martensite.scenario.scenario import Scenario
 
 def list_sweeps(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     """The sweeps in the folder, the newest first: `{}` -> `{"sweeps": [{key, title, …}]}`."""
-    shelf = Shelf(desk.folder)
-    return {"sweeps": [summary(key, path) for key, path in shelf.all().items()]}
+    shelf = SweepFolder(desk.folder)
+    return {"sweeps": [summarise_store(key, path) for key, path in shelf.all().items()]}
 
 
 def plan_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
@@ -46,12 +51,12 @@ def plan_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
     Request as of the job `sweep` -> {"faults": {field: sentence}, "runs": …, "command": …, …}
     """
-    scenario = scenario_of(request, desk)
-    plan, faults = checked(scenario, request)
+    scenario = read_request_scenario(request, desk)
+    plan, faults = check_request(scenario, request)
     if plan is None:
         return {"faults": faults, "runs": None, "command": "", "cautions": []}
-    workers, step = how_of(request).workers, str(request.get("step") or "")
-    words = command(slug(scenario.title), wanted_of(request), workers, step)
+    workers, step = read_workers(request).workers, str(request.get("step") or "")
+    words = write_command(make_slug(scenario.title), read_wanted(request), workers, step)
     return {
         "faults": faults,
         "runs": plan.size,
@@ -66,9 +71,9 @@ def estimate_time(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
     Request as of the job `sweep` -> {"seconds": …, "tried": runs of the block, "took": its time, …}
     """
-    plan, asked = prepared(scenario_of(request, desk), wanted_of(request))
-    one = timed(sized(plan))
-    workers = how_of(request).workers or cores()
+    plan, asked = prepared(read_request_scenario(request, desk), read_wanted(request))
+    one = time_block(require_size(plan))
+    workers = read_workers(request).workers or cores()
     return {
         "seconds": one.total(plan.size, workers),
         "tried": one.runs,
@@ -90,18 +95,18 @@ def run_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     or {"resume": key, "workers": 0}
     -> {"key": key, "stopped": "a sentence, if it was cancelled", "done": …, "runs": …, …}
 
-    Notes have a number, the state, and the runs made since the last one (`sweeping.live`).
-    Cancelled, it keeps what was made.
+    Notes have a number, the state, and the runs made since the last one
+    (`sweeping.sweep_progress`). Cancelled, it keeps what was made.
     """
     extra("zarr")
     desk.tell({"phase": "preparing", "number": 0})
     key, path, scenario, asked = _find_store(request, desk)
     if desk.stop.is_set():
         return {"key": None, "stopped": "Cancelled before the first run; nothing was made."}
-    begun = begin(scenario, asked, path, how_of(request))
-    live = Live(begun, key, desk)
+    begun = begin(scenario, asked, path, read_workers(request))
+    live = SweepProgress(begun, key, desk)
     began = time.monotonic()
-    with busy(path), _catch_stop(desk) as said:
+    with hold_store(path), _catch_stop(desk) as said:
         live.run()
     return {
         "key": key,
@@ -114,16 +119,16 @@ def run_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
 def _find_store(request: Mapping[str, Any], desk: Desk) -> tuple[str, Path, Scenario, Wanted]:
     """Key and store, and what is asked for: anew, or as a store has it."""
-    shelf, key = Shelf(desk.folder), wanted(request, "resume", str, "")
+    shelf, key = SweepFolder(desk.folder), require_entry(request, "resume", str, "")
     if key:
         path = shelf.path(key)
-        with busy(path):
+        with hold_store(path):
             spec = Store(path).spec
-        return key, path, scenario_in(spec), asked_of(spec)
-    scenario, asked = scenario_of(request, desk), wanted_of(request)
-    how_of(request)
+        return key, path, read_scenario_of(spec), read_wanted_of(spec)
+    scenario, asked = read_request_scenario(request, desk), read_wanted(request)
+    read_workers(request)
     plan, asked = prepared(scenario, asked)
-    asked = replace(asked, chunk=chunk_for(sized(plan)))
+    asked = replace(asked, chunk=choose_chunk(require_size(plan)))
     return *shelf.new(scenario.title), scenario, asked
 
 
@@ -145,7 +150,7 @@ def _count_ended(store: Store) -> dict[str, Any]:
     return {
         "done": sum(counts.values()),
         "runs": int(store.group["status"].shape[0]),
-        "counts": named(counts),
+        "counts": name_statuses(counts),
         "failed": [[int(status), counts[status], first] for status, first in sorted(rows.items())],
     }
 
@@ -159,19 +164,19 @@ def read_points(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     {"key": …}
     -> {"layout": {…}, "points": {"rows", "status", "columns"}, "done", "runs", "state", …}
     """
-    key = wanted(request, "key", str)
-    path = Shelf(desk.folder).path(key)
-    drawn = Drawn(Store(path))
+    key = require_entry(request, "key", str)
+    path = SweepFolder(desk.folder).path(key)
+    drawn = SweepDrawing(Store(path))
     counts, rows = statuses(drawn.store, NAMED)
-    asked = asked_of(drawn.spec)
+    asked = read_wanted_of(drawn.spec)
     step = f"{asked.step!r} s" if asked.step else ""
     return {
-        **summary(key, path),
+        **summarise_store(key, path),
         "layout": drawn.layout(),
         "points": drawn.points(drawn.store.made()),
-        "counts": named(counts),
+        "counts": name_statuses(counts),
         "failed": [[int(status), counts[status], first] for status, first in sorted(rows.items())],
-        "command": command(slug(drawn.spec["title"]), asked, step=step),
+        "command": write_command(make_slug(drawn.spec["title"]), asked, step=step),
     }
 
 
@@ -180,9 +185,9 @@ def read_row(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
     {"key": …, "row": 12} -> {"text": TOML, "values": [SI], "status": …}
     """
-    spec = Store(Shelf(desk.folder).path(wanted(request, "key", str))).spec
-    row = wanted(request, "row", int)
-    plan = plan_of(scenario_in(spec), asked_of(spec))
+    spec = Store(SweepFolder(desk.folder).path(require_entry(request, "key", str))).spec
+    row = require_entry(request, "row", int)
+    plan = plan_of(read_scenario_of(spec), read_wanted_of(spec))
     if not 0 <= row < plan.size:
         raise DataError(f"There is no run {row} in this sweep of {plan.size:,} runs.")
     values = plan.values(range(row, row + 1))[0].tolist()
@@ -190,7 +195,7 @@ def read_row(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
         one.target.name: exact_text(value, one.target.unit)
         for one, value in zip(plan.axes, values, strict=True)
     }
-    scenario = built(spec["scenario"], changes)
+    scenario = build_packaged(spec["scenario"], changes)
     return {"text": scenario.text, "values": values, "changes": changes}
 
 
@@ -205,7 +210,7 @@ def find_front(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     {"key": …, "minimise": ["energy"], "maximise": ["stroke"]}
     -> {"rows": […], "values": {name: [SI]}, "compared": …, "left_out": [[number, "why"]], "why": …}
     """
-    table = read_sweep(Shelf(desk.folder).path(wanted(request, "key", str)))
+    table = read_sweep(SweepFolder(desk.folder).path(require_entry(request, "key", str)))
     try:
         front = pareto_front(
             table, _read_names(request, "minimise"), _read_names(request, "maximise")
@@ -230,7 +235,7 @@ def find_front(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
 
 def _read_names(request: Mapping[str, Any], name: str) -> list[str]:
-    given = wanted(request, name, list, [])
+    given = require_entry(request, name, list, [])
     if not all(isinstance(one, str) for one in given):
         raise BadMessageError(f"`{name}` must be a list of texts.")
     return given
@@ -242,8 +247,8 @@ def estimate_indices(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     {"key": …, "measure": "stroke"}
     -> {"method", "used", "names": […], "indices": {kind: {"values": […], "wide": […]}}, "remarks"}
     """
-    table = read_sweep(Shelf(desk.folder).path(wanted(request, "key", str)))
-    (found,) = sensitivity(table, [wanted(request, "measure", str)])
+    table = read_sweep(SweepFolder(desk.folder).path(require_entry(request, "key", str)))
+    (found,) = sensitivity(table, [require_entry(request, "measure", str)])
     kinds = found.indices if found.deviation else {}
     return {
         "measure": found.measure,
@@ -260,5 +265,5 @@ def estimate_indices(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
 def delete_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     """Delete a sweep: `{"key": …}` -> `{}`. One that is running is refused."""
-    Shelf(desk.folder).delete(wanted(request, "key", str))
+    SweepFolder(desk.folder).delete(require_entry(request, "key", str))
     return {}

@@ -7,17 +7,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.app.forms import origins, ranges, words
+from martensite.app.forms import origins, ranges, wording
 from martensite.base.parameters import REQUIRED, Declared
 from martensite.physics.materials.base import Material
 
 Control = dict[str, Any]
-HAIR = 1e-9
+ROUNDING = 1e-9
 """Relative difference that is rounding."""
 
 
 @dataclass(frozen=True)
-class Spot:
+class EntrySpot:
     """Where an entry stands, and what is known of it there."""
 
     path: str
@@ -36,17 +36,17 @@ class Spot:
             "sort": sort,
             "path": self.path,
             "name": self.name,
-            "title": words.title(self.name),
-            "symbol": words.symbol(self.name),
+            "title": wording.spell_title(self.name),
+            "symbol": wording.spell_symbol(self.name),
             "meaning": declared.doc,
             "required": declared.default is REQUIRED,
-            "origin": origins.origin(self.noted, self.name, self.material),
+            "origin": origins.describe_origin(self.noted, self.name, self.material),
         }
 
 
-def number(spot: Spot, value: float | None, unit: str) -> Control:
+def describe_number(spot: EntrySpot, value: float | None, unit: str) -> Control:
     """A number in an SI unit, with its range; None for one that is not given yet."""
-    declared, material = spot.declared, origins.given(spot.material, spot.name)
+    declared, material = spot.declared, origins.find_material_number(spot.material, spot.name)
     default = None if declared.default is REQUIRED else declared.default
     endless = value is not None and ranges.is_unlimited(value, declared)
     size = None if endless else value
@@ -55,45 +55,49 @@ def number(spot: Spot, value: float | None, unit: str) -> Control:
     low, high = (b if math.isfinite(b) else None for b in declared.bounds)
     return {
         **spot.common("number"),
-        **words.shown(unit, size),
+        **wording.describe_display(unit, size),
         "unit": unit,
         "value": value,
         "low": low,
         "high": high,
-        "allowed": allowed(declared, unit),
+        "allowed": word_range(declared, unit),
         "default": default,
         "unlimited": endless,
-        "usual": None if default is None else _usual(default, declared, unit),
-        "slider": None if size is None else ranges.slider(size, unit, declared),
+        "usual": None if default is None else _word_default(default, declared, unit),
+        "slider": None if size is None else ranges.build_slider(size, unit, declared),
         "material": material if own else None,
         "own": own,
-        "changed": own and usual is not None and value is not None and not _same(value, usual),
+        "changed": own and usual is not None and value is not None and not _is_same(value, usual),
     }
 
 
-def _usual(default: float, declared: Declared, unit: str) -> str:
-    return "no limit" if ranges.is_unlimited(default, declared) else words.worded(default, unit)
+def _word_default(default: float, declared: Declared, unit: str) -> str:
+    return (
+        "no limit"
+        if ranges.is_unlimited(default, declared)
+        else wording.word_quantity(default, unit)
+    )
 
 
-def allowed(declared: Declared, unit: str) -> str:
+def word_range(declared: Declared, unit: str) -> str:
     """The allowed range in words."""
     low, high = declared.bounds
-    least = f"{'above' if declared.open_low else 'at least'} {words.worded(low, unit)}"
-    most = f"at most {words.worded(high, unit)}"
+    least = f"{'above' if declared.open_low else 'at least'} {wording.word_quantity(low, unit)}"
+    most = f"at most {wording.word_quantity(high, unit)}"
     if math.isinf(low):
         return "any number" if math.isinf(high) else most
     if math.isinf(high):
         return least
     if declared.open_low:
         return f"{least} and {most}"
-    return f"between {words.worded(low, unit)} and {words.worded(high, unit)}"
+    return f"between {wording.word_quantity(low, unit)} and {wording.word_quantity(high, unit)}"
 
 
-def _same(one: float, other: float) -> bool:
-    return one == other or abs(one - other) <= HAIR * max(abs(one), abs(other))
+def _is_same(one: float, other: float) -> bool:
+    return one == other or abs(one - other) <= ROUNDING * max(abs(one), abs(other))
 
 
-def option(spot: Spot, value: str) -> Control:
+def describe_option(spot: EntrySpot, value: str) -> Control:
     """A choice between words."""
     default = None if spot.declared.default is REQUIRED else spot.declared.default
     return {
@@ -105,7 +109,7 @@ def option(spot: Spot, value: str) -> Control:
     }
 
 
-def text(spot: Spot, value: str | Sequence[str]) -> Control:
+def describe_text(spot: EntrySpot, value: str | Sequence[str]) -> Control:
     """A free text, or several."""
     default = spot.declared.default
     several = isinstance(default, tuple) or not isinstance(value, str)
@@ -117,7 +121,7 @@ def text(spot: Spot, value: str | Sequence[str]) -> Control:
     }
 
 
-def row(spot: Spot, value: Any) -> Control:
+def describe_row(spot: EntrySpot, value: Any) -> Control:
     """A list of numbers or quantities, or a whole number, as the document holds it."""
     several = isinstance(value, (list, tuple))
     items = list(value) if several else [value]

@@ -8,7 +8,7 @@ from typing import Any, cast
 Table = dict[str, Any]
 
 
-def entry(document: Mapping[str, Any], path: str) -> Any:
+def find_entry(document: Mapping[str, Any], path: str) -> Any:
     """What stands at a path, or None."""
     node: Any = document
     for key in path.split("."):
@@ -18,15 +18,15 @@ def entry(document: Mapping[str, Any], path: str) -> Any:
     return node
 
 
-def table(document: Mapping[str, Any], path: str) -> Table:
+def find_table(document: Mapping[str, Any], path: str) -> Table:
     """The table at a path; a bare text is its kind, and nothing an empty one."""
-    found = entry(document, path)
+    found = find_entry(document, path)
     if isinstance(found, str):
         return {"kind": found}
     return cast("Table", found) if isinstance(found, dict) else {}
 
 
-def put(document: Table, path: str, value: Any) -> None:
+def put_entry(document: Table, path: str, value: Any) -> None:
     """Put a value at a path; tables on the way are made, bare kinds become tables."""
     *above, last = path.split(".")
     node = document
@@ -39,12 +39,12 @@ def put(document: Table, path: str, value: Any) -> None:
     node[last] = value
 
 
-def removed(document: Table, path: str) -> None:
+def remove_entry(document: Table, path: str) -> None:
     """Take an entry away, and the tables above it that are empty then."""
     head, _, last = path.rpartition(".")
-    owner = entry(document, head) if head else document
+    owner = find_entry(document, head) if head else document
     if not isinstance(owner, dict) or last not in owner:
         return
     del cast("Table", owner)[last]
     if head and not owner and "." in head:
-        removed(document, head)
+        remove_entry(document, head)

@@ -6,10 +6,10 @@ from copy import deepcopy
 
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.app.forms import documents
+from martensite.app.forms.changed_scenario import ChangedScenario
 from martensite.app.forms.documents import Table
-from martensite.app.forms.filling import KIND, Filler, as_kind, without_material
-from martensite.app.forms.switched import Switched
-from martensite.app.gallery import FOLDER
+from martensite.app.forms.table_filler import KIND, TableFiller, read_kind, without_material
+from martensite.app.packaged_scenarios import FOLDER
 from martensite.base.parameters import REQUIRED, Parametrised
 from martensite.physics.laws.base import LAWS
 from martensite.physics.materials.base import Material, load_material
@@ -18,14 +18,14 @@ USUAL_LAWS = ("liang-rogers", "lagoudas", "mas-hybrid", "brinson")
 """Laws among which one is chosen for a material that names none, the first if all fit."""
 
 
-def with_material(document: Table, name: str) -> Switched:
+def with_material(document: Table, name: str) -> ChangedScenario:
     """The document with another material; a law that it cannot serve goes to one that it can."""
     made = deepcopy(document)
     material = load_material(name, FOLDER) if name else None
-    old = documents.table(made, "element")
+    old = documents.find_table(made, "element")
     rest = without_material({k: v for k, v in old.items() if k != "material"}, material)
     cls = ELEMENTS[str(old[KIND])]
-    choices = [Filler(material=material) for _ in range(2)]
+    choices = [TableFiller(material=material) for _ in range(2)]
     tables = [
         choices[0].table(cls, ELEMENTS, rest, "element"),
         choices[1].table(cls, ELEMENTS, _with_law(rest, cls, _law_for(material)), "element"),
@@ -37,7 +37,7 @@ def with_material(document: Table, name: str) -> Switched:
     notes = []
     if best:
         notes.append(f"The law is one that material {name} has the numbers for.")
-    return Switched(made, notes, choices[best].assumed, choices[best].missing)
+    return ChangedScenario(made, notes, choices[best].assumed, choices[best].missing)
 
 
 def _law_for(material: Material | None) -> Table:
@@ -60,5 +60,5 @@ def _with_law(table: Table, cls: type[Parametrised], law: Table) -> Table:
     inner = next((n for n, d in cls.declarations.items() if d.registry is ELEMENTS), None)
     if inner is None or inner not in table:
         return table
-    below = as_kind(table[inner])
+    below = read_kind(table[inner])
     return {**table, inner: _with_law(below, ELEMENTS[str(below[KIND])], law)}

@@ -6,7 +6,7 @@ from typing import Any
 
 from martensite.physics.materials.base import DOUBTFUL, Material, MaterialNumber
 
-WORDS = {
+ORIGIN_WORDS = {
     "scenario": "written in the scenario",
     "default": "the default",
     "plant": "worked out from the plant",
@@ -15,7 +15,7 @@ WORDS = {
 }
 
 
-def origin(noted: str, name: str, material: Material | None) -> dict[str, Any]:
+def describe_origin(noted: str, name: str, material: Material | None) -> dict[str, Any]:
     """An origin as `Scenario.origins` notes it, told in full.
 
     `from` is scenario, default, plant, start, law or material; `words` a sentence; for a number of
@@ -23,16 +23,16 @@ def origin(noted: str, name: str, material: Material | None) -> dict[str, Any]:
     """
     kind, _, owner = noted.partition(", ")
     if not owner:
-        return {"from": kind, "words": WORDS.get(kind, kind)}
+        return {"from": kind, "words": ORIGIN_WORDS.get(kind, kind)}
     if kind == "law":
         return {"from": "law", "words": f"of the law that material {owner} holds for"}
     found = {"from": "material", "words": f"{kind}, material {owner}", "kind": kind}
     if material is not None and material.name == owner and name in material.values:
-        found |= sourced(material, material.values[name])
+        found |= describe_source(material, material.values[name])
     return found
 
 
-def sourced(material: Material, number: MaterialNumber) -> dict[str, Any]:
+def describe_source(material: Material, number: MaterialNumber) -> dict[str, Any]:
     """A number of a material with its source."""
     source = material.sources[number.source]
     return {
@@ -46,9 +46,9 @@ def sourced(material: Material, number: MaterialNumber) -> dict[str, Any]:
     }
 
 
-def given(material: Material | None, name: str) -> dict[str, Any] | None:
+def find_material_number(material: Material | None, name: str) -> dict[str, Any] | None:
     """What the material has for a number that the scenario gives itself; None if it has none."""
     if material is None or name not in material.values:
         return None
     number = material.values[name]
-    return {"text": number.text, "value": number.value, **sourced(material, number)}
+    return {"text": number.text, "value": number.value, **describe_source(material, number)}

@@ -57,14 +57,14 @@ def is_unlimited(value: float, declared: Declared) -> bool:
     return not math.isfinite(value) or largest
 
 
-def slider(value: float, unit: str, declared: Declared) -> dict[str, Any] | None:
+def build_slider(value: float, unit: str, declared: Declared) -> dict[str, Any] | None:
     """Ends of a slider in SI, whether it is logarithmic and goes in whole numbers; None for none.
 
     There is none for a number that says that there is no limit.
     """
     if is_unlimited(value, declared):
         return None
-    low, high, log = _ends(value, unit, declared)
+    low, high, log = _choose_ends(value, unit, declared)
     low, high = max(low, declared.low), min(high, declared.high)
     if declared.open_low and low <= declared.low:
         low = declared.low + (high - declared.low) / 200.0
@@ -76,12 +76,12 @@ def slider(value: float, unit: str, declared: Declared) -> dict[str, Any] | None
     return {"low": min(low, value), "high": max(high, value), "log": log, "whole": whole}
 
 
-def _ends(value: float, unit: str, declared: Declared) -> tuple[float, float, bool]:
+def _choose_ends(value: float, unit: str, declared: Declared) -> tuple[float, float, bool]:
     low, high = declared.bounds
     if unit == "K":
         return value - KELVINS, value + KELVINS, False
     if low < 0.0:
-        return _signed(value, unit, low, high)
+        return _choose_signed_ends(value, unit, low, high)
     if unit == "1" and high <= 1.0 and (not declared.open_low or value > high / 50.0):
         return low, high, False
     decades = declared.open_low if low == 0.0 else high >= DECADES * low
@@ -93,7 +93,9 @@ def _ends(value: float, unit: str, declared: Declared) -> tuple[float, float, bo
     return low, size, False
 
 
-def _signed(value: float, unit: str, low: float, high: float) -> tuple[float, float, bool]:
+def _choose_signed_ends(
+    value: float, unit: str, low: float, high: float
+) -> tuple[float, float, bool]:
     """Ends for a number that may be negative; a level is positive unless it is not."""
     if math.isfinite(low) and math.isfinite(high) and high - low <= 20.0 * abs(value):
         return low, high, False

@@ -9,9 +9,15 @@ from typing import Any
 
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.mechanisms.base import MECHANISMS
-from martensite.app.forms import conduct, controls, documents
-from martensite.app.forms.controls import Control, Spot
-from martensite.app.forms.tree import Walk, bare, below, flat, placed
+from martensite.app.forms import bench_sections, controls, documents
+from martensite.app.forms.control_tree import (
+    ControlWalk,
+    build_empty_group,
+    flatten_controls,
+    join_path,
+    place_units,
+)
+from martensite.app.forms.controls import Control, EntrySpot
 from martensite.base.files import toml_document
 from martensite.base.parameters import Declared, Parametrised
 from martensite.physics.electrical.base import SOURCES
@@ -33,7 +39,7 @@ ELEMENT, ENVIRONMENT, MECHANISM, DRIVE, ACTUATORS = (
 )
 
 
-class Sections:
+class FormSections:
     """Makes the form of a scenario."""
 
     def __init__(self, scenario: Scenario) -> None:
@@ -41,7 +47,7 @@ class Sections:
         self.document = toml_document(scenario.text)
         self.prefix = "plant." if scenario.bench is not None else ""
         places = scenario.places
-        self.walk = Walk(
+        self.walk = ControlWalk(
             self.document,
             scenario.origins,
             places.path,
@@ -56,17 +62,21 @@ class Sections:
             found = [self._model(), self._drive_alone()]
         else:
             found = [*self._actuator(), self._drive(), *self._actuators()]
-        loops = conduct.bench_section(self.scenario, self.walk)
-        return [*found, *loops, conduct.run_section(self.scenario, self.walk)]
+        loops = bench_sections.describe_bench(self.scenario, self.walk)
+        return [*found, *loops, bench_sections.describe_run(self.scenario, self.walk)]
 
     def _actuator(self) -> Iterator[Control]:
         """Element, environment and mechanism."""
-        port, common = self._common()
+        port, common = self._describe_common()
         element = common.group(
-            port.element, f"{self._at}element", "element", "what is made of the alloy", ELEMENTS
+            port.element,
+            f"{self._locate_entry}element",
+            "element",
+            "what is made of the alloy",
+            ELEMENTS,
         )
         element |= {"title": ELEMENT, "items": [self._material(), *element["items"]]}
-        element["note"] = self._shared
+        element["note"] = self._describe_shared
         yield element
         yield self._environment(port, replace(common, material=None))
         system = self.scenario.system
@@ -81,44 +91,46 @@ class Sections:
             "title": MECHANISM,
         }
 
-    def _environment(self, port: Any, walk: Walk) -> Control:
+    def _environment(self, port: Any, walk: ControlWalk) -> Control:
         """The surroundings; a drive that sets the temperature needs no heat-loss model."""
-        made = walk.group(port.environment, f"{self._at}environment", ENVIRONMENT)
-        made["note"] = self._shared
-        idle = documents.entry(self.document, COOLING) is None
+        made = walk.group(port.environment, f"{self._locate_entry}environment", ENVIRONMENT)
+        made["note"] = self._describe_shared
+        idle = documents.find_entry(self.document, COOLING) is None
         if port.source.sets_temperature and idle:
             made["items"] = [one for one in made["items"] if one["path"] != COOLING]
             made["note"] = "The drive sets the temperature: no heat balance is solved."
         return made
 
     @property
-    def _at(self) -> str:
-        return "" if self._several else self.prefix
+    def _locate_entry(self) -> str:
+        return "" if self._describe_several else self.prefix
 
     @property
-    def _several(self) -> bool:
+    def _describe_several(self) -> bool:
         return hasattr(self.scenario.system, "group")
 
     @property
-    def _shared(self) -> str:
+    def _describe_shared(self) -> str:
         return (
-            "The same at every port; [actuators] says what is different." if (self._several) else ""
+            "The same at every port; [actuators] says what is different."
+            if (self._describe_several)
+            else ""
         )
 
-    def _common(self) -> tuple[Any, Walk]:
+    def _describe_common(self) -> tuple[Any, ControlWalk]:
         """An actuator, and how its numbers are reached: those of all ports in the common sections.
 
         Of several the one is taken that has least for itself.
         """
         actuators = self.scenario.system.actuators()
-        own = documents.table(self.document, GROUP)
+        own = documents.find_table(self.document, GROUP)
         drive = self.scenario.places.drive
-        if not self._several:
+        if not self._describe_several:
             element = next(iter(actuators.values()))
             return element, replace(self.walk, material=self.scenario.material)
-        port = min(actuators, key=lambda name: len(_paths(own.get(name, {}), drive)))
-        different = set(_paths(own.get(port, {}), drive))
-        walk = Walk(
+        port = min(actuators, key=lambda name: len(_list_paths(own.get(name, {}), drive)))
+        different = set(_list_paths(own.get(port, {}), drive))
+        walk = ControlWalk(
             self.document,
             self.scenario.origins,
             written=lambda path: scenario_path(path, drive),
@@ -131,15 +143,15 @@ class Sections:
 
     def _material(self) -> Control:
         """The choice of a material; a file of one's own stands under its path."""
-        given = documents.entry(self.document, MATERIAL)
-        known = _materials()
+        given = documents.find_entry(self.document, MATERIAL)
+        known = _list_materials()
         own = {} if given is None or given in known else {given: "a file of your own"}
         declared = Declared("option", "where numbers come from that the scenario leaves out", "")
-        spot = Spot(MATERIAL, "material", declared, "default" if given is None else "scenario")
+        spot = EntrySpot(MATERIAL, "material", declared, "default" if given is None else "scenario")
         names = {NO_MATERIAL: "none: every number is given here", **known, **own}
         material = self.scenario.material
         return {
-            **controls.option(spot, given or NO_MATERIAL),
+            **controls.describe_option(spot, given or NO_MATERIAL),
             "sort": "material",
             "changed": False,
             "choices": [{"name": name, "summary": about} for name, about in names.items()],
@@ -151,21 +163,24 @@ class Sections:
 
     def _drive(self) -> Control:
         """Source and waveform; where there are several ports, the source alone."""
-        port, common = self._common()
+        port, common = self._describe_common()
         made = replace(common, material=None).group(
-            port.source, f"{self._at}source", DRIVE, "what heats the element", SOURCES
+            port.source, f"{self._locate_entry}source", DRIVE, "what heats the element", SOURCES
         )
-        made |= {"title": DRIVE, "note": self._shared}
+        made |= {"title": DRIVE, "note": self._describe_shared}
         name = self.scenario.places.drive
         made["path"] = name
         if made["kind"]:
             made["kind"]["path"] = f"{name}.kind"
-        if not self._several:
+        if not self._describe_several:
             made["items"] += self._waveforms()
         return made
 
     def _drive_alone(self) -> Control:
-        return {**bare(self.scenario.places.drive, DRIVE), "items": list(self._waveforms())}
+        return {
+            **build_empty_group(self.scenario.places.drive, DRIVE),
+            "items": list(self._waveforms()),
+        }
 
     def _waveforms(self, only: str | None = None) -> Iterator[Control]:
         """Groups of the waveforms, or of that of one drive."""
@@ -175,9 +190,11 @@ class Sections:
             if only not in (None, name):
                 continue
             begin = self._begin(name)
-            place = partial(below, begin)
-            unit = placed(units[name])
-            walk = Walk(self.document, scenario.origins, place, place, unit, seen=self.walk.seen)
+            place = partial(join_path, begin)
+            unit = place_units(units[name])
+            walk = ControlWalk(
+                self.document, scenario.origins, place, place, unit, seen=self.walk.seen
+            )
             signal = begin.startswith(SIGNALS)
             yield walk.group(
                 waveform,
@@ -191,20 +208,23 @@ class Sections:
         """Where the waveform of a drive stands; a model of one input may have it in [drive]."""
         drive = self.scenario.places.drive
         found = waveform_path(self.scenario.system, name, drive)
-        there = documents.entry(self.document, found.removesuffix(".")) is not None
+        there = documents.find_entry(self.document, found.removesuffix(".")) is not None
         return found if there or MODEL not in self.document else f"{drive}.waveform."
 
     def _actuators(self) -> Iterator[Control]:
         """What every port has for itself."""
-        if not self._several:
+        if not self._describe_several:
             return
-        made = {**bare(GROUP, ACTUATORS), "note": "What every port has for itself."}
+        made = {**build_empty_group(GROUP, ACTUATORS), "note": "What every port has for itself."}
         system, drive = self.scenario.system, self.scenario.places.drive
         for port, actuator in system.actuators().items():
             place = f"{GROUP}.{port}"
-            group = {**bare(place, port.replace("_", " ")), "items": list(self._waveforms(port))}
-            own = set(_paths(documents.table(self.document, place), drive))
-            group["items"] += self._different(port, actuator, own)
+            group = {
+                **build_empty_group(place, port.replace("_", " ")),
+                "items": list(self._waveforms(port)),
+            }
+            own = set(_list_paths(documents.find_table(self.document, place), drive))
+            group["items"] += self._describe_different(port, actuator, own)
             if group["items"]:
                 made["items"].append(group)
         signals = [
@@ -214,10 +234,12 @@ class Sections:
         if made["items"]:
             yield made
 
-    def _different(self, port: str, actuator: Parametrised, own: set[str]) -> list[Control]:
+    def _describe_different(
+        self, port: str, actuator: Parametrised, own: set[str]
+    ) -> list[Control]:
         """Controls of what a port has otherwise than the others."""
         begin, drive = f"{GROUP}.{port}.", self.scenario.places.drive
-        place = partial(_member, port, drive)
+        place = partial(_is_member, port, drive)
         walk = replace(
             self.walk,
             written=place,
@@ -228,32 +250,32 @@ class Sections:
         found = walk.group(actuator, "", port)["items"]
         return [
             one
-            for one in flat(found)
+            for one in flatten_controls(found)
             if one["path"].removeprefix(begin) in own and one["sort"] != "group"
         ]
 
     def _model(self) -> Control:
-        file = documents.entry(self.document, f"{MODEL}.file")
+        file = documents.find_entry(self.document, f"{MODEL}.file")
         note = f"A model of blocks from the file `{file}`: its numbers are those of the file."
-        return {**bare(MODEL, "Model"), "note": note}
+        return {**build_empty_group(MODEL, "Model"), "note": note}
 
 
 @cache
-def _materials() -> dict[str, str]:
+def _list_materials() -> dict[str, str]:
     """Names and titles of the materials that come with the package."""
     return {name: load_material(name).title for name in material_names()}
 
 
-def _member(port: str, drive: str, path: str) -> str:
+def _is_member(port: str, drive: str, path: str) -> str:
     return scenario_path(f"group.{port}.{path}", drive) if path else f"{GROUP}.{port}"
 
 
-def _paths(table: Any, drive: str, prefix: str = "") -> list[str]:
+def _list_paths(table: Any, drive: str, prefix: str = "") -> list[str]:
     """Dotted paths of what a port has for itself, its waveform aside."""
     found: list[str] = []
     for key, value in table.items() if isinstance(table, dict) else ():
         path = f"{prefix}{key}"
         if path == f"{drive}.waveform":
             continue
-        found += _paths(value, drive, f"{path}.") if isinstance(value, dict) else [path]
+        found += _list_paths(value, drive, f"{path}.") if isinstance(value, dict) else [path]
     return found

@@ -13,13 +13,13 @@ from martensite.design.backends.processes import cores
 from martensite.design.sweep.plan import CHUNK, Plan
 from martensite.simulate.variants import LANES
 
-ABOUT = 0.4
+CHUNK_TIME = 0.4
 """Time that a chunk shall take [s]."""
 MOST_CHUNKS = 500
 
 
 @dataclass(frozen=True)
-class Timed:
+class TimedBlock:
     """A block of runs, and how long it took."""
 
     runs: int
@@ -31,20 +31,20 @@ class Timed:
         return -(-size // self.lanes) * self.seconds / max(workers or cores(), 1)
 
 
-def timed(plan: Plan) -> Timed:
+def time_block(plan: Plan) -> TimedBlock:
     """Time one block of a plan; it is run twice, as the first one compiles."""
     lanes = LANES.get(plan.course.runtime, CHUNK)
     rows = range(min(lanes, plan.size))
     plan.compute(rows if plan.course.runtime != "floats" else range(1))
     begin = time.perf_counter()
     plan.compute(rows)
-    return Timed(len(rows), lanes, time.perf_counter() - begin)
+    return TimedBlock(len(rows), lanes, time.perf_counter() - begin)
 
 
-def chunk_for(plan: Plan) -> int:
+def choose_chunk(plan: Plan) -> int:
     """Runs in a chunk: whole blocks of about `ABOUT`, and no more chunks than are good."""
-    one = timed(plan)
-    blocks = max(int(ABOUT / max(one.seconds, 1e-6)), 1)
+    one = time_block(plan)
+    blocks = max(int(CHUNK_TIME / max(one.seconds, 1e-6)), 1)
     usual = min(blocks * one.lanes, CHUNK)
     least = -(-plan.size // MOST_CHUNKS)
     return max(usual, -(-least // one.lanes) * one.lanes)

@@ -7,39 +7,39 @@ from typing import Any
 from martensite.base import units
 from martensite.simulate.result import Result
 
-MOST = 2001
+MOST_ROWS = 2001
 """Points that are drawn of a column; more cannot be told apart on a screen."""
 
 
-def columns(result: Result) -> dict[str, Any]:
+def list_columns(result: Result) -> dict[str, Any]:
     """Times [s], columns in SI, and what each is called.
 
     `outputs` gives for every column its SI unit, the unit it is shown in with factor and offset
     (shown = SI · factor + offset), its long name and its symbol.
     """
-    kept = kept_rows(len(result.times))
+    kept = choose_rows(len(result.times))
     return {
         "times": [result.times[i] for i in kept],
         "columns": {name: [c[i] for i in kept] for name, c in result.columns.items()},
-        "outputs": {name: shown(result, name) for name in result.columns},
+        "outputs": {name: describe_column(result, name) for name in result.columns},
     }
 
 
-def kept_rows(count: int, most: int = MOST) -> list[int]:
+def choose_rows(count: int, most: int = MOST_ROWS) -> list[int]:
     """Rows, at most so many, first and last among them."""
     if count <= most:
         return list(range(count))
     return [round(i * (count - 1) / (most - 1)) for i in range(most)]
 
 
-def shown(result: Result, name: str) -> dict[str, Any]:
+def describe_column(result: Result, name: str) -> dict[str, Any]:
     """How a column is called, and how it is shown."""
     output = result.outputs[name]
-    how = converted(output.unit, units.of_column(name, output.unit))
+    how = describe_conversion(output.unit, units.of_column(name, output.unit))
     return {**how, "long_name": output.long_name, "symbol": output.symbol}
 
 
-def converted(unit: str, spelling: str) -> dict[str, Any]:
+def describe_conversion(unit: str, spelling: str) -> dict[str, Any]:
     """A SI unit, the unit it is shown in, and how: shown = SI · factor + offset."""
     offset = units.from_si(0.0, spelling, unit)
     return {

@@ -17,7 +17,7 @@ from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.elements.rows import AbstractRow
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine
-from martensite.app.views.columns import kept_rows
+from martensite.app.views.columns import choose_rows
 from martensite.design.analysis.energy import energy_courses
 from martensite.simulate.result import Result
 
@@ -29,7 +29,7 @@ NO_WORK = "The work is left out: this element does not say how far it pulls."
 
 
 @dataclass(frozen=True)
-class Course:
+class EnergyCourse:
     """One energy, over time."""
 
     key: str
@@ -42,16 +42,16 @@ class Course:
     """[J]"""
 
 
-def energy(result: Result) -> dict[str, Any]:
+def describe_energy(result: Result) -> dict[str, Any]:
     """Courses of the energies, efficiency over time, and what is not known, in a sentence."""
     actuators = result.system.actuators()
     if not actuators:
-        return _missing(NO_ELEMENT)
+        return _describe_missing(NO_ELEMENT)
     if any(one.source.sets_temperature for one in actuators.values()):
-        return _missing(PRESCRIBED)
-    ways = _ways(result)
+        return _describe_missing(PRESCRIBED)
+    ways = _list_ways(result)
     found = energy_courses(result, ways or [])
-    kept = kept_rows(len(result.times))
+    kept = choose_rows(len(result.times))
     stored = found.electrical - found.lost
     named: list[tuple[str, str, str, str, float, Any]] = [
         ("electrical", "E", "electrical energy in", "J", 1.0, found.electrical),
@@ -64,7 +64,7 @@ def energy(result: Result) -> dict[str, Any]:
             ("returned", "W_b", "work taken back while stretched", "mJ", 1e3, found.returned),
         ]
     courses = [
-        Course(key, symbol, words, unit, factor, [float(v) for v in values[kept]])
+        EnergyCourse(key, symbol, words, unit, factor, [float(v) for v in values[kept]])
         for key, symbol, words, unit, factor, values in named
     ]
     share = np.divide(
@@ -75,17 +75,17 @@ def energy(result: Result) -> dict[str, Any]:
     return {"courses": [vars(c) for c in courses], "efficiency": efficiency, "sentence": said}
 
 
-def _missing(sentence: str) -> dict[str, Any]:
+def _describe_missing(sentence: str) -> dict[str, Any]:
     return {"courses": [], "efficiency": None, "sentence": sentence}
 
 
-def _ways(result: Result) -> list[tuple[Any, Any]] | None:
+def _list_ways(result: Result) -> list[tuple[Any, Any]] | None:
     """Force and way of every element; None if one is not known."""
     system, found = result.system, list[tuple[Any, Any]]()
     on_line = isinstance(system.mechanism, AbstractLoadLine)
     for port, actuator in system.actuators().items():
         force = np.asarray(result.columns[system.label(port, "force")])
-        length = straight_length(actuator.element)
+        length = find_length(actuator.element)
         if on_line:
             found.append((force, np.asarray(result.columns[result.coordinate])))
         elif length is not None:
@@ -96,9 +96,9 @@ def _ways(result: Result) -> list[tuple[Any, Any]] | None:
     return found
 
 
-def straight_length(element: AbstractElement) -> float | None:
+def find_length(element: AbstractElement) -> float | None:
     """Elongation per strain [m] of straight wires; None for other elements."""
     if isinstance(element, AbstractRow):
-        one = straight_length(element.one)
+        one = find_length(element.one)
         return None if one is None else one * float(element.behind())
     return float(element.length) if isinstance(element, Wire) else None

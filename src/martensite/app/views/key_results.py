@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from martensite.app.views.columns import shown
+from martensite.app.views.columns import describe_column
 from martensite.base import units
 from martensite.simulate.result import Result
 
 
-def key_results(result: Result, energies: dict[str, Any]) -> list[dict[str, Any]]:
+def list_key_results(result: Result, energies: dict[str, Any]) -> list[dict[str, Any]]:
     """Rows `{key, name, value, shown, factor, offset}`; values in SI, shown as columns are.
 
     Args:
@@ -18,14 +18,16 @@ def key_results(result: Result, energies: dict[str, Any]) -> list[dict[str, Any]
         energies: what `energy` says of it.
     """
     return [
-        *_strokes(result),
-        *_peaks(result),
-        *_energies(energies),
-        _row("beyond", "time beyond limits", sum(a.duration for a in result.alarms), "s", 1.0),
+        *_list_strokes(result),
+        *_list_peaks(result),
+        *_list_energies(energies),
+        _build_row(
+            "beyond", "time beyond limits", sum(a.duration for a in result.alarms), "s", 1.0
+        ),
     ]
 
 
-def _row(
+def _build_row(
     key: str, name: str, value: float, unit: str, factor: float, offset: float = 0.0
 ) -> dict[str, Any]:
     return {
@@ -38,19 +40,21 @@ def _row(
     }
 
 
-def _strokes(result: Result) -> Iterator[dict[str, Any]]:
+def _list_strokes(result: Result) -> Iterator[dict[str, Any]]:
     """How far each coordinate goes that is judged."""
     judged = {result.coordinate, *result.system.mechanism.convergence_scales()}
     for name, output in result.system.mechanism.outputs().items():
         if name in judged:
-            how = shown(result, name)
+            how = describe_column(result, name)
             words = f"range of {output.long_name}"
             if name == result.coordinate:
                 words = f"stroke ({output.long_name})"
-            yield _row(f"range {name}", words, result.range(name), how["shown"], how["factor"])
+            yield _build_row(
+                f"range {name}", words, result.range(name), how["shown"], how["factor"]
+            )
 
 
-def _peaks(result: Result) -> Iterator[dict[str, Any]]:
+def _list_peaks(result: Result) -> Iterator[dict[str, Any]]:
     """Highest temperature, stress and force of all elements, and the lowest martensite fraction."""
     ports = list(result.system.actuators())
     for name, words, choose in (
@@ -61,16 +65,16 @@ def _peaks(result: Result) -> Iterator[dict[str, Any]]:
     ):
         columns = [result.system.label(port, name) for port in ports]
         if columns:
-            how = shown(result, columns[0])
+            how = describe_column(result, columns[0])
             value = choose(choose(result.columns[column]) for column in columns)
-            yield _row(name, words, value, how["shown"], how["factor"], how["offset"])
+            yield _build_row(name, words, value, how["shown"], how["factor"], how["offset"])
 
 
-def _energies(energies: dict[str, Any]) -> Iterator[dict[str, Any]]:
+def _list_energies(energies: dict[str, Any]) -> Iterator[dict[str, Any]]:
     """Each energy at the end, and the efficiency."""
     for course in energies["courses"]:
         if course["key"] != "stored":
-            yield _row(
+            yield _build_row(
                 course["key"],
                 course["long_name"],
                 course["values"][-1],
@@ -80,4 +84,4 @@ def _energies(energies: dict[str, Any]) -> Iterator[dict[str, Any]]:
     if energies["efficiency"]:
         share = energies["efficiency"][-1]
         percent = units.from_si(1.0, "%", "1")
-        yield _row("efficiency", "efficiency (work over electrical)", share, "%", percent)
+        yield _build_row("efficiency", "efficiency (work over electrical)", share, "%", percent)

@@ -13,49 +13,49 @@ from typing import Any
 from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, Point
-from martensite.app.views.columns import kept_rows
+from martensite.app.views.columns import choose_rows
 from martensite.kernels import floats
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 
 MOST, LEAST = 241, 61
 """Pictures of a run: as many, and as few where there are many shapes."""
-NUMBERS = 60_000
+MOST_NUMBERS = 60_000
 """Coordinates of all pictures together."""
 FINENESS = 1e-5
 """Quantum as a share of the size of the picture."""
-UNKNOWN = 0.1
+UNKNOWN_LENGTH = 0.1
 """Length of an element that has none of its own [m]."""
 SHOWN = ("temperature", "martensite_fraction", "force")
 
 
-def scene(scenario: Scenario, result: Result) -> dict[str, Any]:
+def describe_scene(scenario: Scenario, result: Result) -> dict[str, Any]:
     """Shapes and pictures of a run; see `Scene` in the page's types for what is what."""
     system: AbstractSystem = scenario.system
-    lengths = assembled(system, result)
+    lengths = measure_lengths(system, result)
     names = list(system.mechanism.outputs())
-    first = drawn(system, result, lengths, names, 0)
+    first = draw_row(system, result, lengths, names, 0)
     numbers = 3 * sum(len(shape.points) for shape in first)
-    rows = kept_rows(len(result.times), max(min(MOST, NUMBERS // max(numbers, 1)), LEAST))
-    pictures = [first, *(drawn(system, result, lengths, names, row) for row in rows[1:])]
-    low, high = _bounds(pictures)
-    quantum = _quantum(math.dist(low, high))
-    still = [_stands(pictures, k) for k in range(len(first))]
+    rows = choose_rows(len(result.times), max(min(MOST, MOST_NUMBERS // max(numbers, 1)), LEAST))
+    pictures = [first, *(draw_row(system, result, lengths, names, row) for row in rows[1:])]
+    low, high = _find_bounds(pictures)
+    quantum = _choose_quantum(math.dist(low, high))
+    still = [_is_still(pictures, k) for k in range(len(first))]
     return {
         "shapes": [
-            _described(shape, stands, system, quantum)
+            _describe_shape(shape, stands, system, quantum)
             for shape, stands in zip(first, still, strict=True)
         ],
         "times": [result.times[row] for row in rows],
         "quantum": quantum,
-        "frames": [_flat(_moving(shapes, still), quantum) for shapes in pictures],
+        "frames": [_flatten_points(_list_moving(shapes, still), quantum) for shapes in pictures],
         "turns": [[s.turn for s in shapes if s.kind in TURNING] for shapes in pictures],
         "low": low,
         "high": high,
         "ports": {
             port: {
                 **{name: system.label(port, name) for name in SHOWN},
-                "slack": _slack(result.columns[system.label(port, "force")], rows),
+                "slack": _list_slack(result.columns[system.label(port, "force")], rows),
             }
             for port in system.actuators()
         },
@@ -66,7 +66,7 @@ TURNING = ("pulley", "rotor")
 """Kinds of shapes that turn."""
 
 
-def drawn(
+def draw_row(
     system: AbstractSystem,
     result: Result,
     lengths: Mapping[str, float],
@@ -79,33 +79,33 @@ def drawn(
     )
 
 
-def assembled(system: AbstractSystem, result: Result) -> dict[str, float]:
+def measure_lengths(system: AbstractSystem, result: Result) -> dict[str, float]:
     """Length of the element at each port as the mechanism is assembled [m]."""
     mechanism, actuators = system.mechanism, system.actuators()
     signals = [result.columns[name][0] for name in mechanism.signals()]
     forces = mechanism.first_forces(floats, signals)
     return {
-        port: _length(one, force, result.columns[system.label(port, "drive")][0])
+        port: _measure_length(one, force, result.columns[system.label(port, "drive")][0])
         for (port, one), force in zip(actuators.items(), forces, strict=True)
     }
 
 
-def _length(actuator: Actuator, force: float, drive: float) -> float:
+def _measure_length(actuator: Actuator, force: float, drive: float) -> float:
     """Of an element at rest under a force [N] and a drive signal [m]."""
     element = actuator.element
     state = actuator.start(floats, force, drive)
-    return _natural(element) + element.elongation(floats, state, force)
+    return _find_natural_length(element) + element.elongation(floats, state, force)
 
 
-def _natural(element: AbstractElement) -> float:
+def _find_natural_length(element: AbstractElement) -> float:
     """Length from which elongation counts [m]."""
     one = getattr(element, "one", None)
     if isinstance(one, AbstractElement):
-        return _natural(one) * getattr(element, "behind", lambda: 1.0)()
-    return getattr(element, "length", getattr(element, "free_length", UNKNOWN))
+        return _find_natural_length(one) * getattr(element, "behind", lambda: 1.0)()
+    return getattr(element, "length", getattr(element, "free_length", UNKNOWN_LENGTH))
 
 
-def _described(
+def _describe_shape(
     shape: DrawingShape, stands: bool, system: AbstractSystem, quantum: float
 ) -> dict[str, Any]:
     """A shape without its places, unless it stands still."""
@@ -114,18 +114,18 @@ def _described(
         "kind": shape.kind,
         "size": shape.size,
         "count": len(shape.points),
-        "still": _flat([shape], quantum) if stands else None,
+        "still": _flatten_points([shape], quantum) if stands else None,
     }
     if shape.port:
-        found |= {"port": shape.port, **_made(system.actuators()[shape.port].element)}
+        found |= {"port": shape.port, **_describe_element(system.actuators()[shape.port].element)}
     return found
 
 
-def _made(element: AbstractElement) -> dict[str, Any]:
+def _describe_element(element: AbstractElement) -> dict[str, Any]:
     """What an element is made of: diameters of wire and coil [m], and turns of the coil."""
     one = getattr(element, "one", None)
     if isinstance(one, AbstractElement):
-        return _made(one)
+        return _describe_element(one)
     return {
         "diameter": getattr(element, "diameter", 0.0),
         "coil": getattr(element, "coil_diameter", 0.0),
@@ -133,34 +133,34 @@ def _made(element: AbstractElement) -> dict[str, Any]:
     }
 
 
-def _slack(force: Sequence[float], rows: Sequence[int]) -> list[int]:
+def _list_slack(force: Sequence[float], rows: Sequence[int]) -> list[int]:
     """1 where an element hangs slack, which it does without any force."""
     least = 1e-9 * max(map(abs, force), default=0.0)
     return [int(force[row] <= least) for row in rows]
 
 
-def _stands(pictures: Sequence[Sequence[DrawingShape]], k: int) -> bool:
+def _is_still(pictures: Sequence[Sequence[DrawingShape]], k: int) -> bool:
     """Whether a shape is at the same place in all pictures."""
     points = pictures[0][k].points
     return all(shapes[k].points == points for shapes in pictures)
 
 
-def _moving(shapes: Sequence[DrawingShape], still: Sequence[bool]) -> list[DrawingShape]:
+def _list_moving(shapes: Sequence[DrawingShape], still: Sequence[bool]) -> list[DrawingShape]:
     return [shape for shape, stands in zip(shapes, still, strict=True) if not stands]
 
 
-def _flat(shapes: Sequence[DrawingShape], quantum: float) -> list[int]:
+def _flatten_points(shapes: Sequence[DrawingShape], quantum: float) -> list[int]:
     """Coordinates, one after the other."""
     share = 1.0 / quantum
     return [round(x * share) for shape in shapes for point in shape.points for x in point]
 
 
-def _quantum(size: float) -> float:
+def _choose_quantum(size: float) -> float:
     """A round length [m] that nobody sees in a picture of a size."""
     return 10.0 ** math.floor(math.log10(max(size, 1e-9) * FINENESS))
 
 
-def _bounds(pictures: Sequence[Sequence[DrawingShape]]) -> tuple[Point, Point]:
+def _find_bounds(pictures: Sequence[Sequence[DrawingShape]]) -> tuple[Point, Point]:
     """Corners of a box that holds all points of all pictures."""
     columns = list(zip(*(p for shapes in pictures for s in shapes for p in s.points), strict=True))
     if not columns:

@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from martensite.actuators.assembly.outputs import OUTPUTS
-from martensite.app.views.columns import kept_rows
+from martensite.app.views.columns import choose_rows
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import MEASURED
@@ -30,13 +30,13 @@ TOGETHER = {
 """Output of an actuator -> the one in whose panel it stands."""
 USUAL = ("temperature", "martensite_fraction", "stress", "drive")
 """Panels of actuators that are shown until others are chosen."""
-TURNED = 32
+MOST_TURNS = 32
 """Most stretches of heating and cooling that are told apart."""
 Outside = Mapping[str, AbstractController]
 
 
 @dataclass
-class Panel:
+class TracePanel:
     """What is drawn together."""
 
     key: str
@@ -52,37 +52,37 @@ class Panel:
         self.ports.setdefault(port, []).append(column)
 
 
-def traces(result: Result, outside: Outside | None = None) -> list[dict[str, Any]]:
+def list_panels(result: Result, outside: Outside | None = None) -> list[dict[str, Any]]:
     """The panels over time, from top to bottom."""
-    panels: dict[str, Panel] = {}
-    homes = _homes(result, outside)
+    panels: dict[str, TracePanel] = {}
+    homes = _find_homes(result, outside)
     for name in result.columns:
         port, key, usual = homes.get(name, ("", name, False))
         if key not in panels:
-            title = OUTPUTS[key].long_name if key in OUTPUTS else _title(result, key, name)
-            panels[key] = Panel(key, title, usual, (0.0, 1.0) if key in FRACTIONS else ())
-        if not _repeated(result, panels[key], port, name):
+            title = OUTPUTS[key].long_name if key in OUTPUTS else _find_title(result, key, name)
+            panels[key] = TracePanel(key, title, usual, (0.0, 1.0) if key in FRACTIONS else ())
+        if not _is_repeated(result, panels[key], port, name):
             panels[key].add(port, name)
     for panel in panels.values():
         if sum(name in result.system.mechanism.outputs() for name in panel.ports.get("", [])) > 1:
             panel.title = "coordinates of the mechanism"
-    return [asdict(panel) for panel in sorted(panels.values(), key=_place)]
+    return [asdict(panel) for panel in sorted(panels.values(), key=_rank_panel)]
 
 
-def _homes(result: Result, outside: Outside | None) -> dict[str, tuple[str, str, bool]]:
+def _find_homes(result: Result, outside: Outside | None) -> dict[str, tuple[str, str, bool]]:
     """Column -> port, key of its panel, and whether that is usual."""
-    found = dict(_of_mechanism(result))
+    found = dict(_place_mechanism(result))
     for port, actuator in result.system.actuators().items():
         twice = actuator.source.sets_temperature
         for name in OUTPUTS:
             key = TOGETHER.get(name, name)
             usual = key in USUAL and not (twice and key == "drive")
             found[result.system.label(port, name)] = port, key, usual
-    beside = dict(_of_bench(result, outside)) | dict(_estimated(result))
+    beside = dict(_place_bench(result, outside)) | dict(_place_estimates(result))
     return found | {name: found[home] for name, home in beside.items() if home in found}
 
 
-def _of_mechanism(result: Result) -> Iterator[tuple[str, tuple[str, str, bool]]]:
+def _place_mechanism(result: Result) -> Iterator[tuple[str, tuple[str, str, bool]]]:
     """Coordinates of one unit stand together."""
     first: dict[str, str] = {}
     judged = result.system.mechanism.convergence_scales()
@@ -91,7 +91,7 @@ def _of_mechanism(result: Result) -> Iterator[tuple[str, tuple[str, str, bool]]]
         yield name, ("", key, key in judged or key == result.coordinate)
 
 
-def _of_bench(result: Result, outside: Outside | None) -> Iterator[tuple[str, str]]:
+def _place_bench(result: Result, outside: Outside | None) -> Iterator[tuple[str, str]]:
     """References and readings stand with the truth, wanted signals with what the drive got."""
     if not isinstance(result.system, Bench):
         return
@@ -108,29 +108,29 @@ def _of_bench(result: Result, outside: Outside | None) -> Iterator[tuple[str, st
             yield loop.wanted, drives[loop.drive]
 
 
-def _estimated(result: Result) -> Iterator[tuple[str, str]]:
+def _place_estimates(result: Result) -> Iterator[tuple[str, str]]:
     return ((n, n.removeprefix(ESTIMATED)) for n in result.columns if n.startswith(ESTIMATED))
 
 
-def _title(result: Result, key: str, name: str) -> str:
+def _find_title(result: Result, key: str, name: str) -> str:
     return result.outputs[key if key in result.outputs else name].long_name
 
 
-def _repeated(result: Result, panel: Panel, port: str, name: str) -> bool:
+def _is_repeated(result: Result, panel: TracePanel, port: str, name: str) -> bool:
     """Whether the panel shows these numbers already, as that of the only temperature."""
     base = name.rpartition(".")[-1]
     own = panel.ports.get(port, [])
     return base in TOGETHER and any(result.columns[name] == result.columns[other] for other in own)
 
 
-def _place(panel: Panel) -> tuple[bool, int]:
+def _rank_panel(panel: TracePanel) -> tuple[bool, int]:
     """Mechanism first, then actuators in the usual order, then others; the usual ones first."""
     order = [*USUAL, *(name for name in OUTPUTS if name not in USUAL)]
     known = panel.key in order
     return not panel.usual, order.index(panel.key) + 1 if known else 0 if panel.usual else 99
 
 
-def loops(result: Result) -> list[dict[str, Any]]:
+def list_loops(result: Result) -> list[dict[str, Any]]:
     """Quantities over one another, by port: `{key, ports: {port: [x, y]}}`.
 
     The first coordinate over temperature belongs to them if there is but one actuator.
@@ -147,16 +147,16 @@ def loops(result: Result) -> list[dict[str, Any]]:
     return found if ports else []
 
 
-def stretches(result: Result) -> dict[str, list[tuple[int, int, int]]]:
+def list_stretches(result: Result) -> dict[str, list[tuple[int, int, int]]]:
     """Where each actuator is heated (1), cooled (-1) or kept (0): sense, first and last row.
 
     Rows are those of `columns`. A path that turns more often than `TURNED` times is not told
     apart.
     """
-    kept = kept_rows(len(result.times))
+    kept = choose_rows(len(result.times))
     found: dict[str, list[tuple[int, int, int]]] = {}
     for port in result.system.actuators():
         column = result.columns[result.system.label(port, "temperature")]
         own = runs(senses([column[i] for i in kept]))
-        found[port] = own if len(own) <= TURNED else [(0, 0, len(kept) - 1)]
+        found[port] = own if len(own) <= MOST_TURNS else [(0, 0, len(kept) - 1)]
     return found

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from martensite.base.errors import InputError
 from martensite.kernels.c99 import find_compiler
 from martensite.scenario.assemble import waveform_path
-from martensite.scenario.scales import Scales
+from martensite.scenario.place_units import PlaceUnits
 from martensite.search.free_numbers import Target
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.drive_waveforms import by_name
@@ -108,6 +108,6 @@ def _of_waveforms(scenario: Scenario) -> Iterator[Target]:
         begin = waveform_path(scenario.system, name, scenario.places.drive)
         for leaf in waveform.leaves():
             if math.isfinite(leaf.value):
-                unit = Scales(signals[name]).unit(leaf.declared)
+                unit = PlaceUnits(signals[name]).unit(leaf.declared)
                 words = leaf.declared.doc
                 yield Target(begin + leaf.path, leaf.path, unit, float(leaf.value), words, name)

@@ -25,7 +25,7 @@ from martensite.fit.fit_provenance import find_scenario, list_cautions
 from martensite.fit.fit_task import LogFit
 from martensite.fit.fit_verdicts import describe_predictions, format_error, list_fit_warnings
 from martensite.fit.posterior import Posterior
-from martensite.scenario.law_match import KIND, law_words
+from martensite.scenario.law_cautions import KIND, law_words
 from martensite.search.free_numbers import FreeNumber
 from martensite.search.profile import Profile
 from martensite.search.quantity_text import format_number, join_phrases, list_names

@@ -10,14 +10,14 @@ from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.simulate.path_stages import PathStage, list_stages, residual_strain
 
 if TYPE_CHECKING:
-    from martensite.scenario.laws import Dressed
+    from martensite.scenario.laws import ConfiguredLaw
     from martensite.simulate.point import PointResult
 
 COLUMNS = ("path", "leg", "ξ", "transforms", "starts", "half", "ends", "strain", "stress")
 
 
 def summarise_laws(
-    path: str, dressed: Sequence[Dressed], results: Sequence[Sequence[PointResult]]
+    path: str, dressed: Sequence[ConfiguredLaw], results: Sequence[Sequence[PointResult]]
 ) -> Summary:
     """Everything about laws on a path.
 
@@ -31,7 +31,7 @@ def summarise_laws(
     return Summary("", blocks, {"path": path, "laws": [_collect_law(*pair) for pair in pairs]})
 
 
-def _describe_law(path: str, one: Dressed, own: Sequence[PointResult]) -> Iterator[Block]:
+def _describe_law(path: str, one: ConfiguredLaw, own: Sequence[PointResult]) -> Iterator[Block]:
     source = "" if one.material is None else f", numbers of {one.material.name}"
     yield Heading(f"{one.law.registered_name} on the path {path}{source}")
     rows = [row for result in own for row in _list_rows(result)]
@@ -41,7 +41,7 @@ def _describe_law(path: str, one: Dressed, own: Sequence[PointResult]) -> Iterat
     yield from (Sentence(words, "caution") for result in own for words in result.warnings)
 
 
-def _collect_law(one: Dressed, own: Sequence[PointResult]) -> dict[str, Any]:
+def _collect_law(one: ConfiguredLaw, own: Sequence[PointResult]) -> dict[str, Any]:
     return {
         "name": one.law.registered_name,
         "material": None if one.material is None else one.material.name,

@@ -16,7 +16,7 @@ from typing import cast
 
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.wire import Wire
-from martensite.scenario.laws import dressed_laws
+from martensite.scenario.laws import configure_laws
 from martensite.scenario.scenario import Scenario, load
 from martensite.signals.constant import Constant
 from martensite.signals.sine import Sine
@@ -61,7 +61,7 @@ def build_finger(law: Law = SINGLE, values: tuple[tuple[str, float], ...] = ()) 
     system = cast("System", load_scenario().system)
     if law != SINGLE:
         name, settings = law
-        (dressed,) = dressed_laws([name], "finger-mas", dict(settings))
+        (dressed,) = configure_laws([name], "finger-mas", dict(settings))
         system = system.with_parts(element=get_wire().with_parts(law=dressed.law))
     return system.with_values(dict(values))
 

@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from martensite.app.identify.followed import with_log_inside
-from martensite.app.identify.shown import shown, shown_difference
-from martensite.app.identify.thin import DRAWN as FEW
-from martensite.app.identify.watching import parameter, rounded
-from martensite.app.views.columns import kept_rows
+from martensite.app.identify.display_units import describe_difference, describe_display
+from martensite.app.identify.fit_progress import describe_parameter, round_digits
+from martensite.app.identify.followed_columns import embed_log
+from martensite.app.identify.thinning import MOST_CORNERS as FEW
+from martensite.app.views.columns import choose_rows
 from martensite.fit.compared_outputs import ComparedOutput, list_compared
 from martensite.fit.fit_task import LogFit
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
@@ -18,10 +18,10 @@ from martensite.fit.free_parameters import is_nuisance
 from martensite.scenario.exact_text import exact_text
 from martensite.search.free_numbers import FreeNumber
 
-DRAWN = 800
+DRAWN_ROWS = 800
 
 
-def outcome(fit: LogFit) -> dict[str, Any]:
+def describe_outcome(fit: LogFit) -> dict[str, Any]:
     """All that is shown of a fit; numbers in SI."""
     return {
         "title": fit.scenario.title if fit.scenario else "",
@@ -32,10 +32,10 @@ def outcome(fit: LogFit) -> dict[str, Any]:
         "simulations": fit.simulations,
         "jacobians": fit.jacobians,
         "seconds": fit.seconds,
-        "parameters": [_parameter(fit, free) for free in fit.problem.free],
+        "parameters": [_describe_parameter(fit, free) for free in fit.problem.free],
         "own": {name: value for one in fit.kept for name, value in one.numbers.items()},
         "scores": [
-            {**score.to_dict(), **shown_difference(score.output, score.unit)}
+            {**score.to_dict(), **describe_difference(score.output, score.unit)}
             for score in fit.scores
         ],
         "determined": fit.identifiability.determined,
@@ -45,33 +45,33 @@ def outcome(fit: LogFit) -> dict[str, Any]:
         "correlation": [list(row) for row in fit.uncertainty.correlation],
         "whiteness": [one.sentence for one in fit.whiteness],
         "predictions": describe_predictions(fit),
-        "warnings": list(dict.fromkeys([*fit.cautions, *_others(fit)])),
+        "warnings": list(dict.fromkeys([*fit.cautions, *_list_warnings(fit)])),
         "notes": list(fit.notes),
-        "history": [list(pair) for pair in _thinned(fit.history)],
-        "rows": [_curves(one) for one in list_compared(fit)],
+        "history": [list(pair) for pair in _thin_rows(fit.history)],
+        "rows": [_list_curves(one) for one in list_compared(fit)],
         "scenario": fitted_text(fit),
     }
 
 
-def _others(fit: LogFit) -> list[str]:
+def _list_warnings(fit: LogFit) -> list[str]:
     """Warnings but those that say what the data leave open, which is told by itself."""
     told = {one.sentence for one in fit.identifiability.weak}
     return [sentence for sentence in list_fit_warnings(fit) if sentence not in told]
 
 
-def _parameter(fit: LogFit, free: FreeNumber) -> dict[str, Any]:
+def _describe_parameter(fit: LogFit, free: FreeNumber) -> dict[str, Any]:
     low, high = fit.uncertainty.widened(free.name)
     known = math.isfinite(low) and math.isfinite(high)
     return {
-        **parameter(free),
+        **describe_parameter(free),
         "value": fit[free.name],
         "interval": [low, high] if known else None,
         "error": fit.uncertainty.errors[fit.problem.names.index(free.name)],
-        "mark": _mark(fit, free.name, known),
+        "mark": _mark_parameter(fit, free.name, known),
     }
 
 
-def _mark(fit: LogFit, name: str, known: bool) -> str:
+def _mark_parameter(fit: LogFit, name: str, known: bool) -> str:
     """What speaks against a number, in two words."""
     if not known:
         return "not determined"
@@ -80,22 +80,22 @@ def _mark(fit: LogFit, name: str, known: bool) -> str:
     return "weak" if any(name in one.names for one in fit.identifiability.weak) else ""
 
 
-def _thinned(history: tuple[tuple[int, float], ...]) -> list[tuple[int, float]]:
-    return [history[row] for row in kept_rows(len(history), FEW)]
+def _thin_rows(history: tuple[tuple[int, float], ...]) -> list[tuple[int, float]]:
+    return [history[row] for row in choose_rows(len(history), FEW)]
 
 
-def _curves(one: ComparedOutput) -> dict[str, Any]:
+def _list_curves(one: ComparedOutput) -> dict[str, Any]:
     """A record and output, measured and modelled; what was kept back is flagged."""
-    rows = kept_rows(len(one.times), DRAWN)
+    rows = choose_rows(len(one.times), DRAWN_ROWS)
     return {
         "record": one.record,
         "output": one.output,
         "long_name": one.description.long_name,
         "times": [float(one.times[row]) for row in rows],
-        "measured": [rounded(one.measured[row]) for row in rows],
-        "model": [rounded(one.model[row]) for row in rows],
+        "measured": [round_digits(one.measured[row]) for row in rows],
+        "model": [round_digits(one.model[row]) for row in rows],
         "held": [bool(one.held[row]) for row in rows],
-        **shown(one.output, one.description.unit),
+        **describe_display(one.output, one.description.unit),
     }
 
 
@@ -111,4 +111,4 @@ def fitted_text(fit: LogFit) -> str:
         for leaf in scenario.system.leaves()
         if free.moves(leaf.path)
     }
-    return with_log_inside(scenario, first.record, numbers)
+    return embed_log(scenario, first.record, numbers)

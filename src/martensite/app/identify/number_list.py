@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from martensite.app.identify.shown import shown_number
+from martensite.app.identify.display_units import shown_number
 from martensite.base import units
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Leaf
@@ -15,30 +15,32 @@ from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
 
 
-def numbers_of(scenario: Scenario) -> list[dict[str, Any]]:
+def list_numbers(scenario: Scenario) -> list[dict[str, Any]]:
     """One entry per number, or per numbers of one name and value, which then move together."""
     leaves = [leaf for leaf in scenario.system.leaves() if _can_be_free(leaf)]
     endings: dict[str, list[Leaf]] = {}
     for leaf in leaves:
         endings.setdefault(leaf.path.rpartition(".")[2], []).append(leaf)
-    return [entry for name, group in endings.items() for entry in _entries(scenario, name, group)]
+    return [
+        entry for name, group in endings.items() for entry in _list_entries(scenario, name, group)
+    ]
 
 
 def _can_be_free(leaf: Leaf) -> bool:
     return leaf.declared.unit not in units.OF_READINGS and math.isfinite(leaf.value)
 
 
-def _entries(scenario: Scenario, name: str, group: list[Leaf]) -> Iterator[dict[str, Any]]:
+def _list_entries(scenario: Scenario, name: str, group: list[Leaf]) -> Iterator[dict[str, Any]]:
     if len({(leaf.value, leaf.declared.unit) for leaf in group}) == 1:
-        yield _entry(scenario, name, group)
+        yield _describe_entry(scenario, name, group)
     else:
-        yield from (_entry(scenario, leaf.path, [leaf]) for leaf in group)
+        yield from (_describe_entry(scenario, leaf.path, [leaf]) for leaf in group)
 
 
-def _entry(scenario: Scenario, name: str, group: list[Leaf]) -> dict[str, Any]:
+def _describe_entry(scenario: Scenario, name: str, group: list[Leaf]) -> dict[str, Any]:
     leaf = group[0]
     path, declared = scenario.places.path(leaf.path), leaf.declared
-    low, high = _box(scenario, name)
+    low, high = _find_bounds(scenario, name)
     return {
         "name": name,
         "group": path.rpartition(".")[0],
@@ -53,7 +55,7 @@ def _entry(scenario: Scenario, name: str, group: list[Leaf]) -> dict[str, Any]:
     }
 
 
-def _box(scenario: Scenario, name: str) -> tuple[float | None, float | None]:
+def _find_bounds(scenario: Scenario, name: str) -> tuple[float | None, float | None]:
     """The bounds that a fit would choose; none where it has to be told."""
     try:
         (free,) = build_free_numbers([SearchRange(name)], [scenario.system])

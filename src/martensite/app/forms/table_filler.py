@@ -26,7 +26,7 @@ KIND = "kind"
 
 
 @dataclass(frozen=True)
-class Missing:
+class MissingNumber:
     """A number that nothing is known for."""
 
     path: str
@@ -38,7 +38,7 @@ class Missing:
 
 
 @dataclass
-class Filler:
+class TableFiller:
     """Fills tables; notes what it assumed and what is missing."""
 
     unit: Callable[[Leaf], str] = lambda leaf: leaf.declared.unit
@@ -51,7 +51,7 @@ class Filler:
     """Whether components are begun anew instead of being taken into what holds several."""
     assumed: list[str] = field(default_factory=list[str])
     """Paths of start values."""
-    missing: list[Missing] = field(default_factory=list[Missing])
+    missing: list[MissingNumber] = field(default_factory=list[MissingNumber])
 
     def table(
         self,
@@ -66,20 +66,20 @@ class Filler:
         made: Table = {KIND: cls.registered_name} if registry is not None else {}
         if was is cls:
             made |= {key: value for key, value in old.items() if key not in cls.declarations}
-        spread = self._spread(old, was, registry)
+        spread = self._collect_entries(old, was, registry)
         for name, declared in cls.declarations.items():
             below = f"{path}.{name}"
             if name in self.elsewhere:
                 found = old.get(name)
             elif declared.kind == "part":
-                found = self._part(cls, registry, name, old, below, was)
+                found = self._fill_part(cls, registry, name, old, below, was)
             else:
-                found = self._single(cls, registry, name, declared, spread, below)
+                found = self._fill_single(cls, registry, name, declared, spread, below)
             if found is not None:
                 made[name] = found
         return made
 
-    def _spread(
+    def _collect_entries(
         self, old: Table, was: type[Parametrised], registry: Registry[Any] | None
     ) -> dict[str, tuple[Any, Declared]]:
         """Entries by name with their declarations, those of a component of the same sort too."""
@@ -88,14 +88,17 @@ class Filler:
             if name not in old:
                 continue
             if registry is not None and declared.registry is registry:
-                inner = as_kind(old[name])
+                inner = read_kind(old[name])
                 if KIND in inner:
-                    found = {**self._spread(inner, registry[str(inner[KIND])], registry), **found}
+                    found = {
+                        **self._collect_entries(inner, registry[str(inner[KIND])], registry),
+                        **found,
+                    }
             else:
                 found[name] = old[name], declared
         return found
 
-    def _single(
+    def _fill_single(
         self,
         cls: type[Parametrised],
         registry: Registry[Any] | None,
@@ -105,7 +108,7 @@ class Filler:
         path: str,
     ) -> Any:
         """Value of a number, option or text; None if it can be left out."""
-        if name in old and self._fits(declared, *old[name], path):
+        if name in old and self._can_keep(declared, *old[name], path):
             return old[name][0]
         if declared.default is not REQUIRED:
             return None
@@ -115,14 +118,14 @@ class Filler:
         owner = cls.registered_name or cls.__name__
         value = declared.typical_in(unit)
         if value is None:
-            self.missing.append(Missing(path, name, declared, unit, owner))
+            self.missing.append(MissingNumber(path, name, declared, unit, owner))
         else:
             self.assumed.append(path)
             if isinstance(value, str) and value.startswith("="):  # the same as another entry
                 value = old[value[1:]][0] if value[1:] in old else None
         return value
 
-    def _fits(self, declared: Declared, value: Any, was: Declared, path: str) -> bool:
+    def _can_keep(self, declared: Declared, value: Any, was: Declared, path: str) -> bool:
         """Whether what stood under a name may stay there."""
         if (declared.kind, declared.unit) != (was.kind, was.unit):
             return False
@@ -140,7 +143,7 @@ class Filler:
 
     # ---------------------------------------------------------------- components
 
-    def _part(
+    def _fill_part(
         self,
         cls: type[Parametrised],
         registry: Registry[Any] | None,
@@ -152,14 +155,14 @@ class Filler:
         """Table of a component; None if it can be left out."""
         declared = cls.declarations[name]
         before = was.declarations.get(name)
-        given = old.get(name) if before is not None and _alike(before, declared) else None
+        given = old.get(name) if before is not None and _is_alike(before, declared) else None
         if declared.registry is None:
-            return self._known(cls, registry, name, given, path)
+            return self._fill_known(cls, registry, name, given, path)
         if registry is not None and declared.registry is registry and not given and was is not cls:
-            given = self._taken_in(cls, registry, name, old, path, was)
-        return self._chosen(name, declared, given, path)
+            given = self._take_in(cls, registry, name, old, path, was)
+        return self._fill_chosen(name, declared, given, path)
 
-    def _known(
+    def _fill_known(
         self,
         cls: type[Parametrised],
         registry: Registry[Any] | None,
@@ -170,12 +173,12 @@ class Filler:
         """A component whose class is known, or a row of numbers."""
         declared, inner = cls.declarations[name], component_class(cls, name)
         if inner is None or is_members(inner) or not isinstance(inner.declarations, dict):
-            return self._begun_row(declared, path) if given is None else given
+            return self._begin_row(declared, path) if given is None else given
         if given is None and declared.default is not REQUIRED:
             return None
         return self.table(inner, None, cast("Table", given or {}), path) or None
 
-    def _begun_row(self, declared: Declared, path: str) -> Any:
+    def _begin_row(self, declared: Declared, path: str) -> Any:
         """Typical value of what is no single number, such as the samples of a table."""
         unit = self.unit(Leaf(path, Declared("parameter", "", None, DRIVE), None))
         typical = declared.typical_in(unit)
@@ -184,7 +187,7 @@ class Filler:
         self.assumed.append(path)
         return list(cast("tuple[Any, ...]", typical)) if isinstance(typical, tuple) else typical
 
-    def _taken_in(
+    def _take_in(
         self,
         cls: type[Parametrised],
         registry: Registry[Any],
@@ -204,16 +207,16 @@ class Filler:
         if not self.fresh or start is None:
             rest = {key: value for key, value in old.items() if key in (*was.declarations, KIND)}
             return {**rest, KIND: was.registered_name}
-        return self.table(registry[as_kind(start)[KIND]], registry, old, path, was)
+        return self.table(registry[read_kind(start)[KIND]], registry, old, path, was)
 
-    def _chosen(self, name: str, declared: Declared, given: Any, path: str) -> Any:
+    def _fill_chosen(self, name: str, declared: Declared, given: Any, path: str) -> Any:
         """A component from a registry, completed; None if the one that is meant needs nothing."""
         registry = cast("Registry[Any]", declared.registry)
-        full = as_kind(given) if given is not None else {}
-        meant = self._meant(name, declared, full)
+        full = read_kind(given) if given is not None else {}
+        meant = self._find_meant(name, declared, full)
         if meant is None:
             if declared.default is REQUIRED:
-                full = as_kind(declared.typical_in(""))
+                full = read_kind(declared.typical_in(""))
             if KIND not in full:
                 return given
             meant = full
@@ -228,7 +231,7 @@ class Filler:
         implied = set(made) - set(full) == {KIND} and KIND not in full
         return given if implied and given is not None else made
 
-    def _meant(self, name: str, declared: Declared, full: Table) -> Table | None:
+    def _find_meant(self, name: str, declared: Declared, full: Table) -> Table | None:
         """The kind that a table names, or that is meant without one."""
         if KIND in full:
             return full
@@ -241,12 +244,12 @@ class Filler:
         return None
 
 
-def as_kind(value: Any) -> Table:
+def read_kind(value: Any) -> Table:
     """A table; a bare text is its kind, and nothing is empty."""
     return {KIND: value} if isinstance(value, str) else dict(cast("Table", value or {}))
 
 
-def _alike(one: Declared, other: Declared) -> bool:
+def _is_alike(one: Declared, other: Declared) -> bool:
     """Whether a component may stand where another one stood."""
     return one.kind == other.kind and one.registry is other.registry
 

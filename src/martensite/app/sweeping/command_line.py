@@ -12,23 +12,23 @@ _PLAIN = re.compile(r"^[\w./:=,-]+$")
 _QUOTABLE = re.compile(r"^[\w .,:;=+/()%^*·µΩ°±²³-]*$")
 
 
-def quoted(words: str) -> str:
+def quote_words(words: str) -> str:
     """Words as a shell takes them: in double quotes, which all shells know, where that is safe."""
     if _PLAIN.match(words):
         return words
     return f'"{words}"' if _QUOTABLE.match(words) else shlex.quote(words)
 
 
-def command(name: str, asked: Wanted, workers: int = 0, step: str = "") -> str:
+def write_command(name: str, asked: Wanted, workers: int = 0, step: str = "") -> str:
     """`martensite sweep …` for a scenario that lies in the folder as `name`.toml."""
-    pieces = ["martensite sweep", quoted(f"{name}.toml")]
-    pieces += [f"--over {quoted(words)}" for words in asked.over]
+    pieces = ["martensite sweep", quote_words(f"{name}.toml")]
+    pieces += [f"--over {quote_words(words)}" for words in asked.over]
     if asked.sample != "grid":
-        pieces.append(f"--sample {quoted(asked.sample)}")
-    pieces += [f"--output {quoted(words)}" for words in asked.measures]
+        pieces.append(f"--sample {quote_words(asked.sample)}")
+    pieces += [f"--output {quote_words(words)}" for words in asked.measures]
     options = {
         "seed": asked.seed or None,
-        "step": quoted(step) if step else None,
+        "step": quote_words(step) if step else None,
         "runtime": asked.runtime,
         "workers": workers or None,
         "chunk-size": asked.chunk if asked.chunk != CHUNK else None,

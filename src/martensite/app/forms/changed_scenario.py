@@ -5,15 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from martensite.app.forms.documents import Table
-from martensite.app.forms.filling import Missing
+from martensite.app.forms.table_filler import MissingNumber
 
 
 @dataclass
-class Switched:
+class ChangedScenario:
     """A document with another kind in it."""
 
     document: Table
     notes: list[str] = field(default_factory=list[str])
     assumed: list[str] = field(default_factory=list[str])
     """Paths of start values."""
-    missing: list[Missing] = field(default_factory=list[Missing])
+    missing: list[MissingNumber] = field(default_factory=list[MissingNumber])

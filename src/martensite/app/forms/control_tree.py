@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from martensite.actuators.assembly import Members
-from martensite.app.forms import controls, documents, words
-from martensite.app.forms.controls import Control, Spot
+from martensite.app.forms import controls, documents, wording
+from martensite.app.forms.controls import Control, EntrySpot
 from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
 from martensite.base.registry import Registry
 from martensite.control.controllers.numbered_gains import NumberedGains
@@ -26,7 +26,7 @@ Paths = Callable[[str], str]
 
 
 @dataclass
-class Walk:
+class ControlWalk:
     """Makes groups of some components of a scenario."""
 
     document: dict[str, Any]
@@ -58,7 +58,7 @@ class Walk:
         made: Control = {
             "sort": "group",
             "path": place,
-            "title": words.title(title),
+            "title": wording.spell_title(title),
             "meaning": meaning,
             "note": "",
             "kind": None,
@@ -84,10 +84,10 @@ class Walk:
 
     def _items(self, part: Parametrised, path: str, owner: Control) -> Iterator[Control]:
         table, later = isinstance(part, Table), list[Control]()
-        for name, declared in sorted(part.declarations.items(), key=_rank(part)):
+        for name, declared in sorted(part.declarations.items(), key=_rank_entry(part)):
             below = f"{path}.{name}" if path else name
             if table:
-                yield from self._listed(below, name, declared)
+                yield from self._list_texts(below, name, declared)
             elif declared.kind != "part":
                 yield from self._single(part, below, name, declared)
             elif is_plain(type(part), name) or isinstance(part.__dict__[name], NumberedGains):
@@ -119,14 +119,16 @@ class Walk:
         return {
             "sort": "group",
             "path": self.written(path),
-            "title": words.title(title),
+            "title": wording.spell_title(title),
             "meaning": meaning,
             "note": "",
             "kind": None,
             "items": below,
         }
 
-    def _spot(self, part: Parametrised, path: str, name: str, declared: Declared) -> Spot | None:
+    def _spot(
+        self, part: Parametrised, path: str, name: str, declared: Declared
+    ) -> EntrySpot | None:
         """Where an entry stands; None if it has a control already."""
         place, noted = self.written(path), self.noted(path)
         if place in self.seen:
@@ -134,11 +136,11 @@ class Walk:
         self.seen.add(place)
         said = self.origins.get(noted, self.origins.get(place, "default"))
         if said == "scenario" and declared.kind == "parameter":
-            raw = documents.entry(self.document, place)
+            raw = documents.find_entry(self.document, place)
             unit = self.unit(Leaf(path, declared, None))
             if raw is not None and raw == declared.typical_in(unit):  # nobody has changed it
                 said = "start"
-        return Spot(place, name, declared, said, self.material)
+        return EntrySpot(place, name, declared, said, self.material)
 
     def _single(
         self, part: Parametrised, path: str, name: str, declared: Declared
@@ -148,9 +150,11 @@ class Walk:
         if spot is None:
             return
         if declared.kind == "parameter":
-            yield controls.number(spot, value, self.unit(Leaf(path, declared, value)))
+            yield controls.describe_number(spot, value, self.unit(Leaf(path, declared, value)))
         else:
-            yield (controls.option if declared.kind == "option" else controls.text)(spot, value)
+            yield (
+                controls.describe_option if declared.kind == "option" else controls.describe_text
+            )(spot, value)
 
     def _row(
         self, part: Parametrised, path: str, name: str, declared: Declared
@@ -158,29 +162,31 @@ class Walk:
         spot = self._spot(part, path, name, declared)
         value = part.__dict__[name]
         if spot is not None:
-            raw = documents.entry(self.document, spot.path)
+            raw = documents.find_entry(self.document, spot.path)
             value = list(value.numbers) if isinstance(value, NumberedGains) else value
-            yield controls.row(spot, value if raw is None else raw)
+            yield controls.describe_row(spot, value if raw is None else raw)
 
-    def _listed(self, path: str, name: str, declared: Declared) -> Iterator[Control]:
+    def _list_texts(self, path: str, name: str, declared: Declared) -> Iterator[Control]:
         """Samples as the document lists them; what a file holds is not shown."""
-        raw = documents.entry(self.document, self.written(path))
+        raw = documents.find_entry(self.document, self.written(path))
         if raw is not None:
-            yield controls.row(Spot(self.written(path), name, declared, "scenario"), raw)
+            yield controls.describe_row(
+                EntrySpot(self.written(path), name, declared, "scenario"), raw
+            )
 
 
-def _rank(part: Parametrised) -> Callable[[tuple[str, Declared]], tuple[bool, bool]]:
+def _rank_entry(part: Parametrised) -> Callable[[tuple[str, Declared]], tuple[bool, bool]]:
     """Where a part has numbers of the material, its own that are needed stand first."""
     mixed = any(name in NAMES for name in part.declarations)
     return lambda item: (mixed and item[0] in NAMES, mixed and item[1].default is not REQUIRED)
 
 
-def placed(drive_unit: str) -> Callable[[Leaf], str]:
+def place_units(drive_unit: str) -> Callable[[Leaf], str]:
     """Units of the numbers of a waveform of a drive."""
     return lambda leaf: drive_unit if leaf.declared.unit == DRIVE else leaf.declared.unit
 
 
-def bare(path: str, title: str) -> Control:
+def build_empty_group(path: str, title: str) -> Control:
     """A group with nothing in it."""
     return {
         "sort": "group",
@@ -193,13 +199,13 @@ def bare(path: str, title: str) -> Control:
     }
 
 
-def below(begin: str, path: str) -> str:
+def join_path(begin: str, path: str) -> str:
     """A path below a beginning that ends in a dot."""
     return f"{begin}{path}" if path else begin.removesuffix(".")
 
 
-def flat(items: list[Control]) -> Iterator[Control]:
+def flatten_controls(items: list[Control]) -> Iterator[Control]:
     """All controls and groups below some, at any depth."""
     for item in items:
         yield item
-        yield from flat(item.get("items", []))
+        yield from flatten_controls(item.get("items", []))

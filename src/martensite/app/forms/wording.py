@@ -29,7 +29,7 @@ _SLOPE = re.compile(r"^d([a-z]+)_d([A-Z])$")
 _PRINTED = (("degC", "°C"), ("deg", "°"), ("ohm", "Ω"), ("^2", "²"), ("^3", "³"), ("^0.5", "^½"))
 
 
-def symbol(name: str) -> str:
+def spell_symbol(name: str) -> str:
     """The symbol that a name spells, with `_` before its index; empty if it is a word.
 
     `E_A` is E_A, `rho_inf` ρ_∞, `dsigma_dT` dσ/dT, `Kp` K_p; `diameter` has none.
@@ -51,12 +51,12 @@ def symbol(name: str) -> str:
     return GREEK.get(head, head) + (f"_{below}" if below else "")
 
 
-def title(name: str) -> str:
+def spell_title(name: str) -> str:
     """A name in words: `coil_diameter` is coil diameter."""
     return name.replace("_", " ").replace(".", " ")
 
 
-def printed(unit: str) -> str:
+def print_unit(unit: str) -> str:
     """A unit as it is read, such as W/(m²·K); empty for 1."""
     text = {"1": "", units.DEGREES: "K"}.get(unit, unit)
     over, *under = text.split("/")
@@ -67,7 +67,7 @@ def printed(unit: str) -> str:
     return text.replace("*", "·")
 
 
-def shown(unit: str, value: float | None = None) -> dict[str, Any]:
+def describe_display(unit: str, value: float | None = None) -> dict[str, Any]:
     """How a number in an SI unit is shown: spelling, label, factor and offset.
 
     shown = SI · factor + offset; the spelling is empty where there is no unit.
@@ -84,13 +84,13 @@ def shown(unit: str, value: float | None = None) -> dict[str, Any]:
     spelled = "K" if spelling == units.DEGREES else spelling
     return {
         "shown": "" if spelling == "1" else spelled,
-        "label": printed(spelling),
+        "label": print_unit(spelling),
         "factor": 1.0 / size,
         "offset": -zero / size,
     }
 
 
-def worded(value: float, unit: str) -> str:
+def word_quantity(value: float, unit: str) -> str:
     """A number in SI as a person reads it, such as `75 GPa`."""
-    how = shown(unit, value)
+    how = describe_display(unit, value)
     return f"{value * how['factor'] + how['offset']:.6g} {how['label']}".strip()

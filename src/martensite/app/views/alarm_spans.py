@@ -10,7 +10,7 @@ from dataclasses import asdict
 from itertools import pairwise
 from typing import Any
 
-from martensite.app.views.columns import shown
+from martensite.app.views.columns import describe_column
 from martensite.app.views.traces import TOGETHER
 from martensite.control.loop.names import ALARM
 from martensite.show.figures.bench_loops import alarmed
@@ -20,31 +20,31 @@ from martensite.simulate.result import Result
 LEVELS = ("temperature", "stress")
 """Kinds whose limit is a level of the column itself."""
 Span = tuple[float, float]
-MOST = 400
+MOST_SPANS = 400
 """Spans that are told; what follows is one."""
 
 
-def alarms(result: Result) -> list[dict[str, Any]]:
+def list_alarms(result: Result) -> list[dict[str, Any]]:
     """All alarms with panel, column, how it is shown, and spans [s]; then the supervisor's."""
-    found = [_alarm(result, alarm) for alarm in result.alarms]
-    return [*found, *_supervised(result)]
+    found = [_describe_alarm(result, alarm) for alarm in result.alarms]
+    return [*found, *_list_supervised(result)]
 
 
-def _alarm(result: Result, alarm: Alarm) -> dict[str, Any]:
+def _describe_alarm(result: Result, alarm: Alarm) -> dict[str, Any]:
     port = alarm.port or next(iter(result.system.actuators()))
     column = result.system.label(port, alarm.quantity)
-    spans = list(_above(result.times, margins(result, alarm, port)))
+    spans = list(_find_spans(result.times, list_margins(result, alarm, port)))
     return {
         **asdict(alarm),
         "column": column,
-        "how": shown(result, column),
+        "how": describe_column(result, column),
         "panel": TOGETHER.get(alarm.quantity, alarm.quantity),
-        "spans": _few(spans),
+        "spans": _limit_spans(spans),
         "level": alarm.limit if alarm.kind in LEVELS else None,
     }
 
 
-def margins(result: Result, alarm: Alarm, port: str) -> Sequence[float]:
+def list_margins(result: Result, alarm: Alarm, port: str) -> Sequence[float]:
     """How far beyond its limit the quantity is at every sample."""
     system = result.system
     values = result.columns[system.label(port, alarm.quantity)]
@@ -57,7 +57,7 @@ def margins(result: Result, alarm: Alarm, port: str) -> Sequence[float]:
     return [value - alarm.limit for value in judged]
 
 
-def _above(times: Sequence[float], margins: Sequence[float]) -> Iterator[Span]:
+def _find_spans(times: Sequence[float], margins: Sequence[float]) -> Iterator[Span]:
     """Spans in which a margin, linear between samples, is above zero."""
     begin = times[0] if margins[0] > 0.0 else None
     for (t0, m0), (t1, m1) in pairwise(zip(times, margins, strict=True)):
@@ -73,12 +73,16 @@ def _above(times: Sequence[float], margins: Sequence[float]) -> Iterator[Span]:
         yield begin, times[-1]
 
 
-def _few(spans: list[Span]) -> list[Span]:
+def _limit_spans(spans: list[Span]) -> list[Span]:
     """At most `MOST` spans."""
-    return spans if len(spans) <= MOST else [*spans[: MOST - 1], (spans[MOST - 1][0], spans[-1][1])]
+    return (
+        spans
+        if len(spans) <= MOST_SPANS
+        else [*spans[: MOST_SPANS - 1], (spans[MOST_SPANS - 1][0], spans[-1][1])]
+    )
 
 
-def _supervised(result: Result) -> Iterator[dict[str, Any]]:
+def _list_supervised(result: Result) -> Iterator[dict[str, Any]]:
     """The alarm of the supervisor of a bench, if it was raised."""
     spans = alarmed(result)
     if not spans:
@@ -99,7 +103,7 @@ def _supervised(result: Result) -> Iterator[dict[str, Any]]:
         f"{duration:.3g} s in all.",
         "column": ALARM,
         "panel": ALARM,
-        "how": shown(result, ALARM),
-        "spans": _few(spans),
+        "how": describe_column(result, ALARM),
+        "spans": _limit_spans(spans),
         "level": None,
     }

@@ -17,22 +17,22 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from martensite.app.drawer import is_key, new_key
+from martensite.app.uploads import is_key, make_key
 from martensite.base.errors import DataError
 
-PLACE = "sweeps"
-LONGEST = 40
+STORES = "sweeps"
+LONGEST_SLUG = 40
 _STORE = re.compile(r"^[a-z0-9-]+-([0-9a-f]{16})\.zarr$")
 
 
-def slug(title: str) -> str:
+def make_slug(title: str) -> str:
     """Small letters, digits and dashes that are left of a title."""
-    short = re.sub(r"[^a-z0-9]+", "-", title.lower())[:LONGEST].strip("-")
+    short = re.sub(r"[^a-z0-9]+", "-", title.lower())[:LONGEST_SLUG].strip("-")
     return short or "sweep"
 
 
 @dataclass(frozen=True)
-class Shelf:
+class SweepFolder:
     """Stores of sweeps by key."""
 
     folder: Path
@@ -41,13 +41,13 @@ class Shelf:
     @property
     def place(self) -> Path:
         """Where the stores lie."""
-        return self.folder / PLACE
+        return self.folder / STORES
 
     def new(self, title: str) -> tuple[str, Path]:
         """A new key, and where its store shall be; nothing is made there."""
-        key = new_key()
+        key = make_key()
         self.place.mkdir(parents=True, exist_ok=True)
-        return key, self.place / f"{slug(title)}-{key}.zarr"
+        return key, self.place / f"{make_slug(title)}-{key}.zarr"
 
     def path(self, key: str) -> Path:
         """The store of a key.
@@ -74,14 +74,14 @@ class Shelf:
             DataError: there is none, or it is being written.
         """
         path = self.path(key)
-        with busy(path):
+        with hold_store(path):
             gone = path.with_name(f".{path.name}.gone")
             path.rename(gone)
         shutil.rmtree(gone)
 
 
 @contextmanager
-def busy(path: Path) -> Iterator[None]:
+def hold_store(path: Path) -> Iterator[None]:
     """Hold a store while it is written; the hold ends with the process, whatever ends it.
 
     Where the system has no such locks, as on Windows, nothing is held.
@@ -108,12 +108,12 @@ def busy(path: Path) -> Iterator[None]:
 def is_busy(path: Path) -> bool:
     """Whether a store is being written."""
     try:
-        with busy(path):
+        with hold_store(path):
             return False
     except DataError:
         return True
 
 
-def bytes_of(path: Path) -> int:
+def measure_bytes(path: Path) -> int:
     """Size of a store on disk [B]."""
     return sum(one.stat().st_size for one in path.rglob("*") if one.is_file())

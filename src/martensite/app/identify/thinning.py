@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-DRAWN = 400
+MOST_CORNERS = 400
 """Points that are drawn of a curve."""
 
 
-def envelope(numbers: Sequence[float], most: int = DRAWN) -> list[int]:
+def find_envelope(numbers: Sequence[float], most: int = MOST_CORNERS) -> list[int]:
     """Rows of a long column that keep its lows and highs."""
     import numpy as np
 
@@ -25,7 +25,7 @@ def envelope(numbers: Sequence[float], most: int = DRAWN) -> list[int]:
     return sorted(rows)
 
 
-def corners(times: Sequence[float], values: Sequence[float], most: int = 150) -> list[int]:
+def find_corners(times: Sequence[float], values: Sequence[float], most: int = 150) -> list[int]:
     """Rows between which straight lines come nearest to a curve (Douglas and Peucker, 1973).
 
     The row that is farthest from the lines so far is added until `most` are kept, or all others
@@ -35,18 +35,18 @@ def corners(times: Sequence[float], values: Sequence[float], most: int = 150) ->
 
     t, y = np.asarray(times, float), np.asarray(values, float)
     near = 1e-3 * float(np.ptp(y)) or 1.0
-    chosen, pieces = {0, len(t) - 1}, [_farthest(t, y, 0, len(t) - 1)]
+    chosen, pieces = {0, len(t) - 1}, [_find_farthest(t, y, 0, len(t) - 1)]
     while pieces and len(chosen) < most:
         pieces.sort(key=lambda piece: piece[0])
         distance, row, first, last = pieces.pop()
         if distance <= near:
             break
         chosen.add(row)
-        pieces += [_farthest(t, y, a, b) for a, b in ((first, row), (row, last)) if b - a > 1]
+        pieces += [_find_farthest(t, y, a, b) for a, b in ((first, row), (row, last)) if b - a > 1]
     return sorted(chosen)
 
 
-def _farthest(t: Any, y: Any, first: int, last: int) -> tuple[float, int, int, int]:
+def _find_farthest(t: Any, y: Any, first: int, last: int) -> tuple[float, int, int, int]:
     """Distance and row of what is farthest from the line between two rows."""
     import numpy as np
 

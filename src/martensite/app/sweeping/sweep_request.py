@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, TypeVar
 
-from martensite.app.messages import BadMessageError, wanted
+from martensite.app.messages import BadMessageError, require_entry
 from martensite.base import units
 from martensite.base.errors import MartensiteError, ParameterError
 from martensite.design.sampling.base import AbstractDesign, design
@@ -25,35 +25,35 @@ from martensite.simulate.measures.base import parse_measure
 T = TypeVar("T")
 MOST_RUNS = 1_000_000
 MOST_WORDS = 64
-LONGEST = 400
+LONGEST_ENTRY = 400
 
 
-def wanted_of(request: Mapping[str, Any]) -> Wanted:
+def read_wanted(request: Mapping[str, Any]) -> Wanted:
     """What is asked for, as the library takes it.
 
     Raises:
         InputError: an entry is missing or of another sort, or the step is none.
     """
-    step = str(wanted(request, "step", str, "")).strip()
+    step = str(require_entry(request, "step", str, "")).strip()
     return Wanted(
-        over=_texts(request, "over"),
-        sample=_sample(wanted(request, "sample", str, "grid")),
-        measures=_texts(request, "measures"),
-        seed=wanted(request, "seed", int, 0),
-        step=step_of(step),
-        runtime=wanted(request, "runtime", str, "") or None,
+        over=_read_texts(request, "over"),
+        sample=_read_sample(require_entry(request, "sample", str, "grid")),
+        measures=_read_texts(request, "measures"),
+        seed=require_entry(request, "seed", int, 0),
+        step=parse_step(step),
+        runtime=require_entry(request, "runtime", str, "") or None,
     )
 
 
-def how_of(request: Mapping[str, Any]) -> How:
+def read_workers(request: Mapping[str, Any]) -> How:
     """Who runs it: as many processes as are asked for, or what the library chooses."""
-    workers = wanted(request, "workers", int, 0)
+    workers = require_entry(request, "workers", int, 0)
     if not 0 <= workers <= 256:
         raise ParameterError(f"Processes must be between 0 and 256, but are {workers}.")
     return How(workers=workers)
 
 
-def step_of(words: str) -> float | None:
+def parse_step(words: str) -> float | None:
     """A longest step [s]; None if the library shall choose it."""
     if not words:
         return None
@@ -63,7 +63,7 @@ def step_of(words: str) -> float | None:
     return found
 
 
-def sized(plan: Plan) -> Plan:
+def require_size(plan: Plan) -> Plan:
     """A plan that is not too large for the page.
 
     Raises:
@@ -77,23 +77,24 @@ def sized(plan: Plan) -> Plan:
     return plan
 
 
-def _texts(request: Mapping[str, Any], name: str) -> tuple[str, ...]:
-    given = wanted(request, name, list)
-    fits = (isinstance(one, str) and len(one) <= LONGEST for one in given)
+def _read_texts(request: Mapping[str, Any], name: str) -> tuple[str, ...]:
+    given = require_entry(request, name, list)
+    fits = (isinstance(one, str) and len(one) <= LONGEST_ENTRY for one in given)
     if len(given) > MOST_WORDS or not all(fits):
         raise BadMessageError(
-            f"`{name}` must be a list of at most {MOST_WORDS} texts of at most {LONGEST} letters."
+            f"`{name}` must be a list of at most {MOST_WORDS} texts of at most {LONGEST_ENTRY} "
+            "letters."
         )
     return tuple(given)
 
 
-def _sample(words: str) -> str:
-    if len(words) > LONGEST or not words.isascii():
+def _read_sample(words: str) -> str:
+    if len(words) > LONGEST_ENTRY or not words.isascii():
         raise BadMessageError(f"`{words[:40]}` is no sample; write for example `sobol:1024`.")
     return words
 
 
-class Faults(dict[str, str]):
+class FieldFaults(dict[str, str]):
     """Field of the form -> sentence on what is wrong there."""
 
     def attempt(self, field: str, action: Callable[[], T]) -> T | None:
@@ -105,54 +106,58 @@ class Faults(dict[str, str]):
             return None
 
 
-def checked(scenario: Scenario, request: Mapping[str, Any]) -> tuple[Plan | None, Faults]:
+def check_request(
+    scenario: Scenario, request: Mapping[str, Any]
+) -> tuple[Plan | None, FieldFaults]:
     """The plan that a request asks for, or what is wrong with it, by field of the form.
 
     Fields are `over.0`, `over.1` …, `sample`, `seed`, `measures.0` …, `step`, `runtime`,
     `workers`, and `` (the whole).
     """
-    found = Faults()
-    found.attempt("step", lambda: step_of(str(wanted(request, "step", str, "")).strip()))
-    found.attempt("workers", lambda: how_of(request))
-    known = found.attempt("", lambda: wanted_of({**request, "step": ""}))
+    found = FieldFaults()
+    found.attempt("step", lambda: parse_step(str(require_entry(request, "step", str, "")).strip()))
+    found.attempt("workers", lambda: read_workers(request))
+    known = found.attempt("", lambda: read_wanted({**request, "step": ""}))
     if known is None:
         return None, found
     found.attempt("runtime", lambda: course_of(scenario, None, known.runtime))
-    _measures(scenario, known, found)
-    chosen = found.attempt("seed" if known.seed < 0 else "sample", lambda: _design(known))
-    _axes(scenario, known, chosen, found)
+    _check_measures(scenario, known, found)
+    chosen = found.attempt("seed" if known.seed < 0 else "sample", lambda: _build_design(known))
+    _check_axes(scenario, known, chosen, found)
     if found:
         return None, found
-    step = step_of(str(request.get("step") or "").strip())
+    step = parse_step(str(request.get("step") or "").strip())
     plan = found.attempt("", lambda: plan_of(scenario, replace(known, step=step)))
     if plan is not None:
-        found.attempt("sample", lambda: sized(plan))
+        found.attempt("sample", lambda: require_size(plan))
     if plan is not None and not found:
         found.attempt("", lambda: plan.lost(range(1)))
     return (None if found else plan), found
 
 
-def _design(known: Wanted) -> AbstractDesign:
+def _build_design(known: Wanted) -> AbstractDesign:
     return design(known.sample, known.seed)
 
 
-def _measures(scenario: Scenario, known: Wanted, found: Faults) -> None:
+def _check_measures(scenario: Scenario, known: Wanted, found: FieldFaults) -> None:
     for k, words in enumerate(known.measures):
         found.attempt(
             f"measures.{k}", lambda words=words: parse_measure(words).unit_in(scenario.whole)
         )
 
 
-def _axes(scenario: Scenario, known: Wanted, chosen: AbstractDesign | None, found: Faults) -> None:
+def _check_axes(
+    scenario: Scenario, known: Wanted, chosen: AbstractDesign | None, found: FieldFaults
+) -> None:
     """Each axis by itself: its words, its bounds, and its levels if it is one of a grid."""
     targets = targets_of(scenario)
     for k, words in enumerate(known.over):
         one = found.attempt(f"over.{k}", lambda words=words: axis(words, targets))
         if one is not None:
-            found.attempt(f"over.{k}", lambda one=one: _alone(scenario, one, chosen))
+            found.attempt(f"over.{k}", lambda one=one: _check_axis(scenario, one, chosen))
 
 
-def _alone(scenario: Scenario, one: Axis, chosen: AbstractDesign | None) -> None:
+def _check_axis(scenario: Scenario, one: Axis, chosen: AbstractDesign | None) -> None:
     course = course_of(scenario)
     Plan(course, (one,), design("monte-carlo:1"), {"stroke": parse_measure("stroke")})
     if chosen is not None and chosen.registered_name == "grid":

@@ -17,7 +17,7 @@ from martensite.signals.base import DRIVE
 
 
 @dataclass(frozen=True)
-class Scales:
+class PlaceUnits:
     """What units are there, and which of the readings is meant."""
 
     drive: str = "1"
@@ -27,7 +27,7 @@ class Scales:
     named: tuple[str, ...] = ()
     """Names of the readings that are meant."""
 
-    def within(self, cls: type[Parametrised], texts: Mapping[str, Any]) -> Scales:
+    def within(self, cls: type[Parametrised], texts: Mapping[str, Any]) -> PlaceUnits:
         """Those of the numbers of a component with these texts."""
         named = named_readings(cls, texts)
         return replace(self, named=named) if named not in ((), self.named) else self

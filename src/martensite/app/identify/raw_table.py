@@ -11,14 +11,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from martensite.base.errors import DataError, InputError, ParameterError, suggest_name
-from martensite.scenario.layout import CLOCK, Column, Layout
+from martensite.scenario.layout import CLOCK, FileColumn, Layout
 from martensite.scenario.sampled_files import read_arrays
 from martensite.scenario.sheets import SEPARATORS, Sheet, can_parse, is_gap, is_number, read_sheet
 
 BINARY = (".mat", ".nc", ".parquet")
-SHOWN = 20
+PREVIEW_ROWS = 20
 """Rows of the preview."""
-WIDEST = 200
+MOST_COLUMNS = 200
 """Columns that are looked at."""
 LONGEST_CELL = 60
 _WIDE = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
@@ -41,7 +41,7 @@ class RawColumn:
 
 
 @dataclass(frozen=True)
-class Raw:
+class RawTable:
     """A table."""
 
     name: str
@@ -61,7 +61,7 @@ class Raw:
         return len(self.columns[0].numbers)
 
 
-def read_raw(path: Path, separator: str = "auto") -> Raw:
+def read_raw(path: Path, separator: str = "auto") -> RawTable:
     """Read a file without knowing what is in it.
 
     Raises:
@@ -69,16 +69,16 @@ def read_raw(path: Path, separator: str = "auto") -> Raw:
     """
     if separator not in ("auto", *SEPARATORS):
         raise ParameterError(f"There is no separator `{separator}`. {suggest_name('', SEPARATORS)}")
-    found = _arrays(path) if path.suffix.lower() in BINARY else _text(path, separator)
-    if len(found.columns) > WIDEST:
+    found = _read_arrays(path) if path.suffix.lower() in BINARY else _read_text(path, separator)
+    if len(found.columns) > MOST_COLUMNS:
         raise DataError(
-            f"`{path.name}` has {len(found.columns)} columns; at most {WIDEST} are read. Is the "
-            "separator right, and does every row stand in a line of its own?"
+            f"`{path.name}` has {len(found.columns)} columns; at most {MOST_COLUMNS} are read. Is "
+            "the separator right, and does every row stand in a line of its own?"
         )
     return found
 
 
-def _text(path: Path, separator: str) -> Raw:
+def _read_text(path: Path, separator: str) -> RawTable:
     with path.open("rb") as file:
         encoding = _WIDE.get(file.read(2))
     if encoding:
@@ -93,7 +93,7 @@ def _text(path: Path, separator: str) -> Raw:
     if not body.rows:
         raise DataError(f"`{path.name}` holds headings but no rows of numbers.")
     width = len(first)
-    preview = [[cell[:LONGEST_CELL] for cell in row] for row in body.rows[:SHOWN]]
+    preview = [[cell[:LONGEST_CELL] for cell in row] for row in body.rows[:PREVIEW_ROWS]]
     odd = [i for i, row in enumerate(body.rows) if len(row) != width]
     even = body.part([i for i, row in enumerate(body.rows) if len(row) == width]) if odd else body
     if not even.rows:
@@ -102,11 +102,12 @@ def _text(path: Path, separator: str) -> Raw:
             "right, and are the headings the first line?"
         )
     columns = [
-        _column(even, place, first[place].strip() if headed else "") for place in range(width)
+        _describe_column(even, place, first[place].strip() if headed else "")
+        for place in range(width)
     ]
-    return Raw(
+    return RawTable(
         path.name,
-        _separator(path, separator, first),
+        _name_separator(path, separator, first),
         headed,
         preview,
         columns,
@@ -115,7 +116,7 @@ def _text(path: Path, separator: str) -> Raw:
     )
 
 
-def _separator(path: Path, asked: str, first: Sequence[str]) -> str:
+def _name_separator(path: Path, asked: str, first: Sequence[str]) -> str:
     """How the columns were told apart."""
     if asked != "auto":
         return asked
@@ -125,16 +126,16 @@ def _separator(path: Path, asked: str, first: Sequence[str]) -> str:
     return next((name for name, sign in SEPARATORS.items() if sign in line), "whitespace")
 
 
-def _column(sheet: Sheet, place: int, heading: str) -> RawColumn:
+def _describe_column(sheet: Sheet, place: int, heading: str) -> RawColumn:
     cells = [row[place] for row in sheet.rows]
     sample = next((cell.strip() for cell in cells if not is_gap(cell)), "")
-    parse = sheet.parser(Column("", "1", "1"))
-    clock = sheet.parser(Column("time", CLOCK, "s"))
+    parse = sheet.parser(FileColumn("", "1", "1"))
+    clock = sheet.parser(FileColumn("time", CLOCK, "s"))
     if sample and not can_parse(parse, sample) and can_parse(clock, sample):
         parse = clock
     wrong, first_wrong, numbers = 0, "", list[float]()
     for index, cell in enumerate(cells):
-        number = _number(parse, cell)
+        number = _parse_number(parse, cell)
         if number is None:
             if not wrong:
                 first_wrong = f"row {sheet.numbers[index]}: {cell.strip()[:LONGEST_CELL]}"
@@ -143,7 +144,7 @@ def _column(sheet: Sheet, place: int, heading: str) -> RawColumn:
     return RawColumn(heading[:LONGEST_CELL], sample[:LONGEST_CELL], numbers, wrong, first_wrong)
 
 
-def _number(parse: Callable[[str], float], cell: str) -> float | None:
+def _parse_number(parse: Callable[[str], float], cell: str) -> float | None:
     """The number in a cell, NaN for a gap, None for something else."""
     try:
         number = parse(cell)
@@ -152,7 +153,7 @@ def _number(parse: Callable[[str], float], cell: str) -> float | None:
     return None if math.isinf(number) else number
 
 
-def _arrays(path: Path) -> Raw:
+def _read_arrays(path: Path) -> RawTable:
     """A file that holds arrays; those of the length that holds most of its numbers."""
     try:
         found = read_arrays(path)
@@ -167,18 +168,18 @@ def _arrays(path: Path) -> Raw:
         raise DataError(f"`{path.name}` holds no columns of numbers.")
     length = max(set(lengths), key=lambda n: n * lengths.count(n))
     columns = [
-        _finite(RawColumn(name, f"{array[0]:.9g}", array))
+        _replace_infinite(RawColumn(name, f"{array[0]:.9g}", array))
         for name, array in arrays.items()
         if len(array) == length
     ]
-    rows = min(length, SHOWN)
+    rows = min(length, PREVIEW_ROWS)
     preview = [[f"{column.numbers[k]:.9g}" for column in columns] for k in range(rows)]
     others = len(arrays) - len(columns)
     words = f"{others} arrays of another length than {length} are left out" if others else ""
-    return Raw(path.name, "", True, preview, columns, others, words)
+    return RawTable(path.name, "", True, preview, columns, others, words)
 
 
-def _finite(column: RawColumn) -> RawColumn:
+def _replace_infinite(column: RawColumn) -> RawColumn:
     """A column with NaN for what is infinite."""
     rows = [k for k, number in enumerate(column.numbers) if math.isinf(number)]
     if not rows:

@@ -18,8 +18,8 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from martensite.app.answers import refusal_response
 from martensite.app.messages import Refusal
+from martensite.app.responses import refusal_response
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
@@ -35,7 +35,7 @@ HEADERS: Mapping[str, str] = {
     "Cache-Control": "no-cache",
 }
 NAMES = ("127.0.0.1", "localhost")
-ONCE = ("host", "origin", "authorization", "cookie", "sec-fetch-site", "sec-fetch-mode")
+TOKEN_ONCE = ("host", "origin", "authorization", "cookie", "sec-fetch-site", "sec-fetch-mode")
 """Headers of which there is one at most, lest this reads one and others another."""
 STRANGER = (
     "This page needs the token of the running bench: open the address that `martensite app` "
@@ -44,7 +44,7 @@ STRANGER = (
 
 
 @dataclass(frozen=True)
-class Guard:
+class RequestGuard:
     """ASGI middleware that refuses strangers."""
 
     app: ASGIApp
@@ -62,23 +62,23 @@ class Guard:
             await self.app(scope, receive, send)
             return
         try:
-            host = self._place(scope)
-            entered = self._entering(scope)
+            host = self._answer_place(scope)
+            entered = self._let_in(scope)
             if entered is None:
-                self._known(scope)
+                self._is_known(scope)
         except Refusal as refusal:
             sending = _with_headers(send, f"{NAMES[0]}:{self.port}")
             await _refuse(scope, receive, sending, refusal)
             return
         await (entered or self.app)(scope, receive, _with_headers(send, host))
 
-    def _place(self, scope: Scope) -> str:
+    def _answer_place(self, scope: Scope) -> str:
         """The name it is asked by; what is meant for, or comes from, elsewhere is refused."""
         headers = Headers(scope=scope)
         host = headers.get("host", "")
         if host not in [f"{name}:{self.port}" for name in NAMES]:
             raise Refusal("This server answers to its own address on this machine only.", 421)
-        doubled = next((name for name in ONCE if len(headers.getlist(name)) > 1), None)
+        doubled = next((name for name in TOKEN_ONCE if len(headers.getlist(name)) > 1), None)
         if doubled is not None:
             raise Refusal(f"There must be one header `{doubled}`.")
         origin = headers.get("origin")
@@ -90,23 +90,23 @@ class Guard:
                 raise Refusal("Other pages may not use this server.", 403)
         return host
 
-    def _known(self, scope: Scope) -> None:
+    def _is_known(self, scope: Scope) -> None:
         """Refuse who does not hold the token."""
         headers = Headers(scope=scope)
         scheme, _, given = headers.get("authorization", "").partition(" ")
-        held = given if scheme.lower() == "bearer" else _cookie(headers, self.cookie)
-        if not self._right(held):
+        held = given if scheme.lower() == "bearer" else _read_cookie(headers, self.cookie)
+        if not self._is_right(held):
             raise Refusal(STRANGER, 401)
 
-    def _right(self, held: str) -> bool:
+    def _is_right(self, held: str) -> bool:
         return hmac.compare_digest(held.encode("utf-8", "replace"), self.token.encode())
 
-    def _entering(self, scope: Scope) -> Response | None:
+    def _let_in(self, scope: Scope) -> Response | None:
         """The answer to an address with the token in it: the page, with a cookie."""
         if scope["type"] != "http" or scope["path"] != "/" or scope["method"] != "GET":
             return None
         tokens = parse_qs(scope["query_string"].decode("latin-1")).get("token", [])
-        if not tokens or not self._right(tokens[0]):
+        if not tokens or not self._is_right(tokens[0]):
             return None
         response = RedirectResponse("/", 303)
         # lax: the first page may be opened from elsewhere, such as a terminal in a browser;
@@ -115,7 +115,7 @@ class Guard:
         return response
 
 
-def _cookie(headers: Headers, name: str) -> str:
+def _read_cookie(headers: Headers, name: str) -> str:
     try:
         found = SimpleCookie(headers.get("cookie", "")).get(name)
     except CookieError:

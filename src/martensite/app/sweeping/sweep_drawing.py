@@ -10,21 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.app.views.columns import converted
+from martensite.app.views.columns import describe_conversion
 from martensite.base.status import Status
 from martensite.design.sweep.axes import Axis
 from martensite.design.sweep.reading import axes_of, levels_of
 from martensite.design.sweep.store import STATUS, Store
 from martensite.design.sweep.table import Column, short_names
 
-MOST = 20_000
+MOST_DRAWN = 20_000
 """Runs that are drawn of a sweep."""
 DIGITS = 6
 Rows = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class Drawn:
+class SweepDrawing:
     """A store as the page sees it."""
 
     store: Store
@@ -53,10 +53,12 @@ class Drawn:
     def strides(self) -> list[int]:
         """Every how many-th level of each axis of a grid is drawn, or run of a sample."""
         if self.levels is None:
-            return [-(-self.size // MOST)]
+            return [-(-self.size // MOST_DRAWN)]
         shape = [len(one) for one in self.levels]
         found = [1] * len(shape)
-        while np.prod(drawn := [-(-n // k) for n, k in zip(shape, found, strict=True)]) > MOST:
+        while (
+            np.prod(drawn := [-(-n // k) for n, k in zip(shape, found, strict=True)]) > MOST_DRAWN
+        ):
             found[int(np.argmax(drawn))] += 1
         return found
 
@@ -79,7 +81,7 @@ class Drawn:
         Columns of a grid are its measures alone: levels say the rest.
         """
         found: dict[str, Any] = {"rows": [], "status": [], "columns": {n: [] for n in self._names}}
-        for first, last in _stretches(sorted(chunks)):
+        for first, last in _list_stretches(sorted(chunks)):
             rows = np.arange(self.rows(first)[0], self.rows(last)[-1] + 1)
             kept = self.kept(rows)
             if len(kept):
@@ -91,7 +93,7 @@ class Drawn:
         found["rows"] += kept.tolist()
         found["status"] += self.store.group[STATUS][region][places].tolist()
         for name, column in found["columns"].items():
-            column += _short(self.store.group[name][region][places])
+            column += _shorten_digits(self.store.group[name][region][places])
 
     @cached_property
     def _names(self) -> list[str]:
@@ -125,12 +127,12 @@ class Drawn:
     def _shown(self, name: str) -> dict[str, Any]:
         array = self.store.group[name]
         column = Column(name, str(array.attrs["units"]), np.empty(0))
-        how = converted(column.declared, column.shown)
+        how = describe_conversion(column.declared, column.shown)
         about = str(array.attrs["long_name"])
         return {**how, "name": name, "about": about, "unit": column.unit}
 
 
-def _stretches(chunks: Sequence[int]) -> Iterable[tuple[int, int]]:
+def _list_stretches(chunks: Sequence[int]) -> Iterable[tuple[int, int]]:
     """First and last of chunks that follow each other."""
     begin = 0
     for k in range(1, len(chunks) + 1):
@@ -139,6 +141,6 @@ def _stretches(chunks: Sequence[int]) -> Iterable[tuple[int, int]]:
             begin = k
 
 
-def _short(values: Any) -> list[float]:
+def _shorten_digits(values: Any) -> list[float]:
     """Numbers with as many digits as can be seen."""
     return [float(f"{value:.{DIGITS}g}") for value in values.tolist()]

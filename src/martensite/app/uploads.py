@@ -26,7 +26,7 @@ _RESERVED = re.compile(r"(con|prn|aux|nul|conin|conout|com[\d¹²³]|lpt[\d¹²�
 """Names of devices, whatever their ending."""
 
 
-def new_key() -> str:
+def make_key() -> str:
     """A key that nobody guesses."""
     return secrets.token_hex(8)
 
@@ -36,22 +36,22 @@ def is_key(text: str) -> bool:
     return bool(_KEY.fullmatch(text))
 
 
-def safe_name(name: str) -> str:
+def clean_name(name: str) -> str:
     """What is left of a name when all that could be a path, or hide the file, is taken out."""
     last = unicodedata.normalize("NFC", name).replace("\\", "/").rpartition("/")[2]
     kept = _UNSAFE.sub("_", last).strip(" .")
     stem, dot, ending = kept.rpartition(".")
-    short = f"{_cut(stem)}{dot}{_cut(ending, 12)}" if dot else _cut(kept)
+    short = f"{_shorten_text(stem)}{dot}{_shorten_text(ending, 12)}" if dot else _shorten_text(kept)
     return f"_{short}" if not short or _RESERVED.match(short) else short
 
 
-def _cut(text: str, most: int = LONGEST_NAME) -> str:
+def _shorten_text(text: str, most: int = LONGEST_NAME) -> str:
     """The beginning of a text, at most so many bytes, without a space at its end."""
     return text.encode()[:most].decode("utf-8", "ignore").rstrip(" .")
 
 
 @dataclass(frozen=True)
-class Drawer:
+class UploadFolder:
     """Files by key."""
 
     folder: Path
@@ -74,13 +74,13 @@ class Drawer:
         Raises:
             DataError: the folder cannot be written to.
         """
-        key = new_key()
+        key = make_key()
         below = self.folder / key
         try:
             below.mkdir(parents=True)
         except OSError as error:
             raise DataError(f"The folder of the bench cannot be used: {error.strerror}.") from None
-        return key, below / safe_name(name)
+        return key, below / clean_name(name)
 
     async def take(self, name: str, chunks: AsyncIterator[bytes]) -> tuple[str, Path]:
         """Put what is uploaded into the folder; its key and path.

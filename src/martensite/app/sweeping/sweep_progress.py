@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
-from martensite.app.sweeping.drawn import Drawn
+from martensite.app.sweeping.sweep_drawing import SweepDrawing
 from martensite.app.worker import Desk
 from martensite.base.status import Status
 from martensite.design.backends.base import AbstractBackend, Job, Report
@@ -18,14 +18,14 @@ from martensite.design.sweep.api import Begun
 from martensite.design.sweep.running import Progress
 from martensite.design.sweep.summary import statuses
 
-BETWEEN = 0.3
+LEAST_PAUSE = 0.3
 """Least time between two notes [s]."""
 MOST_POINTS = 4000
 """Runs in a note."""
 
 
 @dataclass(frozen=True)
-class Heard(AbstractBackend):
+class ReportingBackend(AbstractBackend):
     """A backend whose reports are also put on a pile."""
 
     inner: AbstractBackend
@@ -41,7 +41,7 @@ class Heard(AbstractBackend):
 
 
 @dataclass
-class Live:
+class SweepProgress:
     """One sweep, from its first missing chunk to its end."""
 
     begun: Begun
@@ -62,17 +62,17 @@ class Live:
         """
         self._before = statuses(self.begun.store, 0)[0]
         self._began = time.monotonic()
-        heard = replace(self.begun, backend=Heard(self.begun.backend, self.fresh))
+        heard = replace(self.begun, backend=ReportingBackend(self.begun.backend, self.fresh))
         return heard.run(self._tell)
 
     @cached_property
-    def draw_shapes(self) -> Drawn:
+    def drawing(self) -> SweepDrawing:
         """What is drawn of it."""
-        return Drawn(self.begun.store)
+        return SweepDrawing(self.begun.store)
 
     def _tell(self, progress: Progress) -> None:
         now = time.monotonic()
-        if now - self._last >= BETWEEN or progress.done == progress.runs or self._stopped:
+        if now - self._last >= LEAST_PAUSE or progress.done == progress.runs or self._stopped:
             self._last = now
             self._note(progress, now - self._began)
         if self._stopped:
@@ -84,7 +84,7 @@ class Live:
 
     def _note(self, progress: Progress, elapsed: float) -> None:
         """Tell how far it is, with the runs since the last note, in pieces if they are many."""
-        found = self.draw_shapes.points(self.fresh)
+        found = self.drawing.points(self.fresh)
         self.fresh.clear()
         for begin in range(0, max(len(found["rows"]), 1), MOST_POINTS):
             self.number += 1
@@ -108,11 +108,11 @@ class Live:
             "done": progress.done,
             "rate": rate,
             "left": (progress.runs - progress.done) / rate if rate else None,
-            "counts": named(self._before + progress.status),
+            "counts": name_statuses(self._before + progress.status),
             "remarks": progress.remarks[-5:],
         }
 
 
-def named(counts: Counter[int]) -> dict[str, int]:
+def name_statuses(counts: Counter[int]) -> dict[str, int]:
     """Runs by the name of their status."""
     return {Status(one).name.lower(): n for one, n in sorted(counts.items()) if n}

@@ -9,14 +9,14 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
-from martensite.app.identify.thin import corners
+from martensite.app.identify.thinning import find_corners
 from martensite.base import units
 from martensite.base.errors import ParameterError
 from martensite.base.files import toml_document
 from martensite.physics.electrical.base import SOURCES
 from martensite.scenario.assemble import GROUP, SIGNALS, drive_section, waveform_path
 from martensite.scenario.overrides import as_toml, change_document
-from martensite.scenario.recorded import KIND, LOG, NATURAL, from_zero
+from martensite.scenario.recorded_waveforms import KIND, LOG, NATURAL, from_zero
 from martensite.scenario.scenario import Scenario
 from martensite.signals.records import Record
 
@@ -25,34 +25,34 @@ SOURCE_OF = {"V": "voltage", "A": "current", "W": "power", "K": "temperature"}
 """Unit of a column -> the source that takes it as it is."""
 
 
-def drives_of(document: Mapping[str, Any]) -> list[dict[str, str]]:
+def describe_drives(document: Mapping[str, Any]) -> list[dict[str, str]]:
     """What may follow a column: path of its waveform, kind of source, column that it follows.
 
     Raises:
         ParameterError: a section is no table.
     """
-    return [_drive(path, table) for path, table in _driven(document)]
+    return [_describe_drive(path, table) for path, table in _list_driven(document)]
 
 
-def _driven(document: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+def _list_driven(document: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """Path of every waveform, and the table that holds it."""
     drive = drive_section(document)
     if isinstance(document.get(drive), dict):
         yield f"{drive}.{WAVEFORM}", document[drive]
-    for port, table in _tables(document.get(GROUP)):
-        if WAVEFORM in dict(_tables(table)).get(drive, {}):
+    for port, table in _list_tables(document.get(GROUP)):
+        if WAVEFORM in dict(_list_tables(table)).get(drive, {}):
             yield f"{GROUP}.{port}.{drive}.{WAVEFORM}", table[drive]
-    for name, table in _tables(document.get(SIGNALS)):
+    for name, table in _list_tables(document.get(SIGNALS)):
         yield f"{SIGNALS}.{name}", {WAVEFORM: table}
 
 
-def _tables(given: Any) -> Iterator[tuple[str, dict[str, Any]]]:
+def _list_tables(given: Any) -> Iterator[tuple[str, dict[str, Any]]]:
     for name, table in cast("dict[str, Any]", given if isinstance(given, dict) else {}).items():
         if isinstance(table, dict):
             yield name, cast("dict[str, Any]", table)
 
 
-def _drive(path: str, table: Mapping[str, Any]) -> dict[str, str]:
+def _describe_drive(path: str, table: Mapping[str, Any]) -> dict[str, str]:
     given = table.get(WAVEFORM)
     waveform = cast("dict[str, Any]", given if isinstance(given, dict) else {"kind": given})
     kind = str(table.get("kind", ""))
@@ -68,7 +68,7 @@ def _drive(path: str, table: Mapping[str, Any]) -> dict[str, str]:
     }
 
 
-def following(document: dict[str, Any], path: str, column: str, unit: str) -> dict[str, Any]:
+def follow_column(document: dict[str, Any], path: str, column: str, unit: str) -> dict[str, Any]:
     """A scenario whose drive, or signal, follows a column of a log in such a unit.
 
     A source of another unit gives way to the one that takes the column as it is. A fixed
@@ -77,7 +77,7 @@ def following(document: dict[str, Any], path: str, column: str, unit: str) -> di
     Raises:
         ParameterError: there is no such drive, or no source takes the unit.
     """
-    known = dict(_driven(document))
+    known = dict(_list_driven(document))
     if path not in known:
         raise ParameterError(f"The scenario has no drive or signal at `{path}`.")
     waveform = {"kind": LOG, "column": column}
@@ -98,7 +98,7 @@ def following(document: dict[str, Any], path: str, column: str, unit: str) -> di
     return found
 
 
-def with_log_inside(scenario: Scenario, log: Record, numbers: Mapping[str, str]) -> str:
+def embed_log(scenario: Scenario, log: Record, numbers: Mapping[str, str]) -> str:
     """The document of a scenario with other numbers, by dotted path, that needs no log.
 
     Args:
@@ -110,7 +110,7 @@ def with_log_inside(scenario: Scenario, log: Record, numbers: Mapping[str, str])
     changes: dict[str, Any] = dict(numbers)
     for name, column in scenario.follows.items():
         path = waveform_path(scenario.system, name, section).removesuffix(".")
-        changes[path] = _listed(record, column)
+        changes[path] = _list_corners(record, column)
     document = change_document(toml_document(scenario.text), changes)
     run = document.get("run")
     if scenario.follows and isinstance(run, dict):
@@ -118,11 +118,11 @@ def with_log_inside(scenario: Scenario, log: Record, numbers: Mapping[str, str])
     return as_toml(document)
 
 
-def _listed(record: Record, column: str) -> dict[str, Any]:
+def _list_corners(record: Record, column: str) -> dict[str, Any]:
     """A waveform through the corners of a column."""
     known = [(t, x) for t, x in zip(record.times, record[column], strict=True) if math.isfinite(x)]
     times, values = zip(*known, strict=True)
-    rows, unit = corners(times, values), record.units[column]
+    rows, unit = find_corners(times, values), record.units[column]
     spelling = units.choose_readable_unit(unit)
     label = "" if spelling == "1" else f" {spelling}"
     return {

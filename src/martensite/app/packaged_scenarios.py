@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from martensite.scenario.recorded import LOG
+from martensite.scenario.recorded_waveforms import LOG
 
 if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
@@ -18,18 +18,18 @@ FOLDER = PACKAGED if PACKAGED.is_dir() else Path(__file__).parents[3] / "example
 """Inside of the installed package, or of the source tree."""
 
 
-def scenarios() -> dict[str, str]:
+def list_standalone() -> dict[str, str]:
     """Name and text of every scenario that stands by itself."""
     data = "flexinol-isobaric/"  # measured by others, not packaged
-    return {n: text for n, text in _texts() if data not in text and not _follows(text)}
+    return {n: text for n, text in _list_texts() if data not in text and not _is_following(text)}
 
 
-def followers() -> dict[str, str]:
+def list_following() -> dict[str, str]:
     """Name and text of every scenario that follows a log."""
-    return {name: text for name, text in _texts() if _follows(text)}
+    return {name: text for name, text in _list_texts() if _is_following(text)}
 
 
-def listed(texts: Mapping[str, str]) -> dict[str, Any]:
+def describe_scenarios(texts: Mapping[str, str]) -> dict[str, Any]:
     """Scenarios as the page lists them, with their titles."""
     found = [
         {"name": name, "title": str(tomllib.loads(text).get("title", name)), "text": text}
@@ -38,7 +38,7 @@ def listed(texts: Mapping[str, str]) -> dict[str, Any]:
     return {"scenarios": found}
 
 
-def built(
+def build_packaged(
     text: str, changes: Mapping[str, Any] | None = None, log: Record | None = None
 ) -> Scenario:
     """The scenario in a text; files that it names lie beside the packaged ones."""
@@ -47,7 +47,7 @@ def built(
     return read_scenario(text, FOLDER / "scenario.toml", changes, log=log)
 
 
-def _texts() -> Iterator[tuple[str, str]]:
+def _list_texts() -> Iterator[tuple[str, str]]:
     """Name and text of all, without what is a fit of one."""
     for path in sorted(FOLDER.glob("*.toml")):
         text = path.read_text("utf-8")
@@ -55,5 +55,5 @@ def _texts() -> Iterator[tuple[str, str]]:
             yield path.stem, text
 
 
-def _follows(text: str) -> bool:
+def _is_following(text: str) -> bool:
     return f'"{LOG}"' in text

@@ -15,9 +15,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, cast
 
-from martensite.app.drawer import Drawer
-from martensite.app.identify.raw import BINARY, read_raw
-from martensite.app.messages import BadMessageError, wanted
+from martensite.app.identify.raw_table import BINARY, read_raw
+from martensite.app.messages import BadMessageError, require_entry
+from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base import units
 from martensite.base.errors import DataError, ParameterError, suggest_name
@@ -26,47 +26,47 @@ from martensite.scenario.sheets import SEPARATORS, read_sheet
 from martensite.scenario.tables import read_table
 from martensite.signals.records import Record, out_of_order
 
-FEWEST = 8
+FEWEST_ROWS = 8
 """Rows of a record without which nothing can be fitted."""
 MOST_RECORDS = 40
 
 
-def record_of(request: Mapping[str, Any], desk: Desk) -> Record:
+def read_record(request: Mapping[str, Any], desk: Desk) -> Record:
     """The whole table in SI.
 
     Raises:
         InputError: a column has no or a wrong unit, a cell is no number, time does not increase.
     """
-    path = Drawer(desk.folder).path(wanted(request, "key", str))
+    path = UploadFolder(desk.folder).path(require_entry(request, "key", str))
     interval = request.get("interval")
     if interval is not None:
-        interval = wanted(request, "interval", float)
-    return _record(
+        interval = require_entry(request, "interval", float)
+    return _read_record(
         path,
-        tuple(_columns(request)),
+        tuple(_read_columns(request)),
         interval,
-        wanted(request, "drop", bool, False),
-        wanted(request, "separator", str, "auto"),
+        require_entry(request, "drop", bool, False),
+        require_entry(request, "separator", str, "auto"),
     )
 
 
-def records_of(request: Mapping[str, Any], desk: Desk) -> list[Record]:
+def read_records(request: Mapping[str, Any], desk: Desk) -> list[Record]:
     """The records that a table was cut into, in the order of the request.
 
     Raises:
         InputError: as of `record_of`; or a cut is none.
     """
-    whole = record_of(request, desk)
-    return [_cut(whole, cut) for cut in _cuts(request)] or [whole]
+    whole = read_record(request, desk)
+    return [_cut_record(whole, cut) for cut in _read_cuts(request)] or [whole]
 
 
-def cuts_told(request: Mapping[str, Any], desk: Desk) -> list[dict[str, Any]]:
+def describe_cuts(request: Mapping[str, Any], desk: Desk) -> list[dict[str, Any]]:
     """Of every cut its name and rows, or why it is no record; for who is still cutting."""
-    whole = record_of(request, desk)
+    whole = read_record(request, desk)
     found: list[dict[str, Any]] = []
-    for cut in _cuts(request):
+    for cut in _read_cuts(request):
         try:
-            record = _cut(whole, cut)
+            record = _cut_record(whole, cut)
         except DataError as error:
             found.append({"name": str(cut.get("name", "")), "rows": 0, "refused": str(error)})
         else:
@@ -74,18 +74,22 @@ def cuts_told(request: Mapping[str, Any], desk: Desk) -> list[dict[str, Any]]:
     return found
 
 
-def _cuts(request: Mapping[str, Any]) -> list[dict[str, Any]]:
-    cuts = [_table(cut, "cuts") for cut in wanted(request, "cuts", list, [])]
+def _read_cuts(request: Mapping[str, Any]) -> list[dict[str, Any]]:
+    cuts = [_require_table(cut, "cuts") for cut in require_entry(request, "cuts", list, [])]
     if len(cuts) > MOST_RECORDS:
         raise DataError(f"{len(cuts)} records are too many; at most {MOST_RECORDS} are fitted.")
     return cuts
 
 
-def _columns(request: Mapping[str, Any]) -> list[tuple[int, str, str]]:
+def _read_columns(request: Mapping[str, Any]) -> list[tuple[int, str, str]]:
     """Place, name and unit of every column that is used."""
-    found = [_table(entry, "columns") for entry in wanted(request, "columns", list)]
+    found = [_require_table(entry, "columns") for entry in require_entry(request, "columns", list)]
     columns = [
-        (wanted(x, "at", int), wanted(x, "name", str).strip(), wanted(x, "unit", str, "").strip())
+        (
+            require_entry(x, "at", int),
+            require_entry(x, "name", str).strip(),
+            require_entry(x, "unit", str, "").strip(),
+        )
         for x in found
     ]
     if not columns:
@@ -93,14 +97,14 @@ def _columns(request: Mapping[str, Any]) -> list[tuple[int, str, str]]:
     return columns
 
 
-def _table(entry: Any, name: str) -> dict[str, Any]:
+def _require_table(entry: Any, name: str) -> dict[str, Any]:
     if not isinstance(entry, dict):
         raise BadMessageError(f"`{name}` must hold tables, but holds {str(entry)[:40]!r}.")
     return cast("dict[str, Any]", entry)
 
 
 @lru_cache(maxsize=2)
-def _record(
+def _read_record(
     path: Path,
     columns: tuple[tuple[int, str, str], ...],
     interval: float | None,
@@ -110,7 +114,7 @@ def _record(
     """The record of a file; the last ones are remembered."""
     headings = {at: f"{name} [{unit}]" if unit else name for at, name, unit in columns}
     if path.suffix.lower() in BINARY:
-        return _arrays(path, headings, interval)
+        return _read_arrays(path, headings, interval)
     if separator not in ("auto", *SEPARATORS):
         raise ParameterError(f"There is no separator `{separator}`. {suggest_name('', SEPARATORS)}")
     width = len(read_sheet(path, Layout((), separator)).rows[0])
@@ -125,7 +129,7 @@ def _check_places(headings: Mapping[int, str], count: int) -> None:
         raise DataError(f"There is no column {wrong + 1}; the file has {count}.")
 
 
-def _arrays(path: Path, headings: Mapping[int, str], interval: float | None) -> Record:
+def _read_arrays(path: Path, headings: Mapping[int, str], interval: float | None) -> Record:
     """The record of a file that is no text; its columns in the order of the preview."""
     raw = read_raw(path)
     _check_places(headings, len(raw.columns))
@@ -150,19 +154,22 @@ def _arrays(path: Path, headings: Mapping[int, str], interval: float | None) -> 
     return Record(path.stem, found, spelt, path)
 
 
-def _cut(whole: Record, cut: Mapping[str, Any]) -> Record:
+def _cut_record(whole: Record, cut: Mapping[str, Any]) -> Record:
     """The rows of a stretch of time, every so many of them."""
     times = whole.times
-    first, last = wanted(cut, "from", float, times[0]), wanted(cut, "to", float, times[-1])
-    every = wanted(cut, "every", int, 1)
-    name = wanted(cut, "name", str, "").strip().replace(",", " ")[:60] or whole.name
+    first, last = (
+        require_entry(cut, "from", float, times[0]),
+        require_entry(cut, "to", float, times[-1]),
+    )
+    every = require_entry(cut, "every", int, 1)
+    name = require_entry(cut, "name", str, "").strip().replace(",", " ")[:60] or whole.name
     if every < 1:
         raise DataError(f"Record `{name}`: every {every}th row cannot be taken; 1 is the least.")
     rows = range(bisect_left(times, first), bisect_right(times, last), every)
-    if len(rows) < FEWEST:
+    if len(rows) < FEWEST_ROWS:
         raise DataError(
             f"Record `{name}`, {first:.6g} s to {last:.6g} s, has {len(rows)} rows; a fit needs "
-            f"at least {FEWEST}."
+            f"at least {FEWEST_ROWS}."
         )
     columns = {key: [column[row] for row in rows] for key, column in whole.columns.items()}
     return Record(name, columns, whole.units, whole.source, whole.dropped, whole.interval)

@@ -6,12 +6,12 @@ from typing import Any
 
 from starlette.responses import Response
 
-from martensite.app.messages import Refusal, Written, dumps
+from martensite.app.messages import Refusal, Written, write_message
 
 
 def json_response(content: Any, status: int = 200) -> Response:
     """An answer in JSON."""
-    body = content if isinstance(content, Written) else dumps(content)
+    body = content if isinstance(content, Written) else write_message(content)
     return Response(body, status, media_type="application/json")
 
 

@@ -6,27 +6,32 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from martensite.app.gallery import built
-from martensite.app.sweeping.shelf import bytes_of, is_busy
+from martensite.app.packaged_scenarios import build_packaged
+from martensite.app.sweeping.sweep_folder import is_busy, measure_bytes
 from martensite.base.errors import MartensiteError
 from martensite.design.sweep.job import Wanted
 from martensite.design.sweep.store import STATUS, Store
 from martensite.scenario.scenario import Scenario
 
 
-def scenario_in(spec: Mapping[str, Any]) -> Scenario:
+def read_scenario_of(spec: Mapping[str, Any]) -> Scenario:
     """The scenario that a sweep varies."""
-    return built(spec["scenario"])
+    return build_packaged(spec["scenario"])
 
 
-def asked_of(spec: Mapping[str, Any]) -> Wanted:
+def read_wanted_of(spec: Mapping[str, Any]) -> Wanted:
     """What was asked for."""
     return Wanted.of_spec(spec)
 
 
-def summary(key: str, path: Path) -> dict[str, Any]:
+def summarise_store(key: str, path: Path) -> dict[str, Any]:
     """A line about a sweep: `state` is running, done, stopped or unreadable."""
-    told = {"key": key, "path": str(path), "bytes": bytes_of(path), "made": path.stat().st_mtime}
+    told = {
+        "key": key,
+        "path": str(path),
+        "bytes": measure_bytes(path),
+        "made": path.stat().st_mtime,
+    }
     try:
         store = Store(path)
         spec, runs = store.spec, int(store.group[STATUS].shape[0])

@@ -12,14 +12,14 @@ from copy import deepcopy
 from typing import Any
 
 from martensite.app.forms import documents
-from martensite.app.forms.around import followed, loosened, source_changed
+from martensite.app.forms.changed_scenario import ChangedScenario
+from martensite.app.forms.control_tree import flatten_controls
 from martensite.app.forms.documents import Table
-from martensite.app.forms.filling import KIND, Filler
 from martensite.app.forms.material import with_material
-from martensite.app.forms.sections import MATERIAL, Sections
-from martensite.app.forms.switched import Switched
-from martensite.app.forms.tree import flat
-from martensite.app.gallery import FOLDER, scenarios
+from martensite.app.forms.sections import MATERIAL, FormSections
+from martensite.app.forms.surroundings import change_reference, change_source, relax_surroundings
+from martensite.app.forms.table_filler import KIND, TableFiller
+from martensite.app.packaged_scenarios import FOLDER, list_standalone
 from martensite.base.errors import InputError, ParameterError
 from martensite.base.files import toml_document
 from martensite.base.parameters import Leaf, Parametrised
@@ -35,7 +35,7 @@ from martensite.scenario.sections import MODEL, NAME, PERIOD, REFERENCE
 Unit = Callable[[Leaf], str]
 
 
-def switched(scenario: Scenario, path: str, kind: str, given: Table) -> Switched:
+def change_kind(scenario: Scenario, path: str, kind: str, given: Table) -> ChangedScenario:
     """Put another kind into a scenario.
 
     Args:
@@ -51,12 +51,12 @@ def switched(scenario: Scenario, path: str, kind: str, given: Table) -> Switched
     if path == MATERIAL:
         found = [with_material(document, kind)]
     else:
-        found = list(_candidates(scenario, document, path, kind))
+        found = list(_list_candidates(scenario, document, path, kind))
     fault: InputError | None = None
     for one in found:
         for name, value in given.items():
-            documents.put(one.document, name, value)
-        one.missing = [m for m in one.missing if documents.entry(one.document, m.path) is None]
+            documents.put_entry(one.document, name, value)
+        one.missing = [m for m in one.missing if documents.find_entry(one.document, m.path) is None]
         if one.missing:
             return one
         try:
@@ -71,66 +71,68 @@ def switched(scenario: Scenario, path: str, kind: str, given: Table) -> Switched
 # ---------------------------------------------------------------- places
 
 
-def _candidates(scenario: Scenario, document: Table, path: str, kind: str) -> Iterator[Switched]:
+def _list_candidates(
+    scenario: Scenario, document: Table, path: str, kind: str
+) -> Iterator[ChangedScenario]:
     """Documents with the other kind, the one that keeps most first."""
-    group = _place(scenario, path)
-    registry = _registry(group["kind"]["registry"])
+    group = _find_group(scenario, path)
+    registry = _find_registry(group["kind"]["registry"])
     cls, example = registry[kind], getattr(registry[kind], "typical_scenario", "")
     if example:
         note = f"`{kind}` needs more than one number, so a whole packaged scenario is on the bench."
-        yield Switched(toml_document(scenarios()[example]), [note])
+        yield ChangedScenario(toml_document(list_standalone()[example]), [note])
         return
     for fresh in (False, True):
-        made = _put(scenario, document, group, cls, registry, fresh)
-        yield from loosened(scenario, made)
+        made = _put_kind(scenario, document, group, cls, registry, fresh)
+        yield from relax_surroundings(scenario, made)
     if registry.kind == "controller":
-        yield from followed(scenario, made, path.removesuffix(f".{KIND}"))
+        yield from change_reference(scenario, made, path.removesuffix(f".{KIND}"))
 
 
-def _place(scenario: Scenario, path: str) -> Table:
+def _find_group(scenario: Scenario, path: str) -> Table:
     """The group whose kind stands at a path."""
-    for one in flat(Sections(scenario).all()):
+    for one in flatten_controls(FormSections(scenario).all()):
         if one.get("kind") and one["kind"]["path"] == path:
             return one
     raise ParameterError(f"The scenario has no kind at `{path}`.")
 
 
-def _registry(kind: str) -> Registry[Any]:
+def _find_registry(kind: str) -> Registry[Any]:
     from martensite.scenario.catalogue import list_registries
 
     return list_registries()[kind]
 
 
-def _put(
+def _put_kind(
     scenario: Scenario,
     document: Table,
     group: Table,
     cls: type[Parametrised],
     registry: Registry[Any],
     fresh: bool,
-) -> Switched:
+) -> ChangedScenario:
     """The document with a table for another class in the place of a group."""
     made, place = deepcopy(document), group["kind"]["path"].removesuffix(f".{KIND}")
     walk, at, part = group["_spot"]
-    was, old = type(part), documents.table(made, place)
+    was, old = type(part), documents.find_table(made, place)
     elsewhere = {"controller": (PERIOD, REFERENCE, MODEL), "observer": (MODEL,)}
-    filler = Filler(
-        _units(walk.unit, at, place),
-        _drawn(scenario, place),
+    filler = TableFiller(
+        _place_units(walk.unit, at, place),
+        _find_material(scenario, place),
         elsewhere.get(registry.kind, ()),
         fresh,
     )
-    kept = _kept(registry, cls, was, old, fresh)
+    kept = _keep_entries(registry, cls, was, old, fresh)
     full = {**old, KIND: was.registered_name}
     table = {**kept, **filler.table(cls, registry, full, place, was)}
-    documents.put(made, place, table)
-    found = Switched(made, [], filler.assumed, filler.missing)
+    documents.put_entry(made, place, table)
+    found = ChangedScenario(made, [], filler.assumed, filler.missing)
     if registry is SOURCES and isinstance(part, Parametrised):
-        source_changed(found, scenario, place, getattr(part, "unit", "1"), cls)
+        change_source(found, scenario, place, getattr(part, "unit", "1"), cls)
     return found
 
 
-def _units(unit: Unit, at: str, place: str) -> Unit:
+def _place_units(unit: Unit, at: str, place: str) -> Unit:
     """Units of numbers at paths of the document, as the walk knows them by paths of objects."""
 
     def known(leaf: Leaf) -> str:
@@ -140,12 +142,12 @@ def _units(unit: Unit, at: str, place: str) -> Unit:
     return known
 
 
-def _drawn(scenario: Scenario, place: str) -> Material | None:
+def _find_material(scenario: Scenario, place: str) -> Material | None:
     """The material, for what may draw on it."""
     return scenario.material if "element" in place.split(".")[:3] else None
 
 
-def _kept(
+def _keep_entries(
     registry: Registry[Any],
     cls: type[Parametrised],
     was: type[Parametrised],

@@ -13,25 +13,27 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from martensite.app.messages import Refusal, Written, dumps
+from martensite.app.messages import Refusal, Written, write_message
 
 COMMAND = (sys.executable, "-m", "martensite.app.worker")
 LONGEST_LINE = 64 * 2**20
-QUICK = 60.0
+QUICK_LIMIT = 60.0
 """Seconds after which a quick call is given up."""
-POLITE = 5.0
+STOP_LIMIT = 5.0
 """Seconds that a call is given to stop by itself."""
 
 ANSWER = b'{"answer":'
-LONG = 2**16
+LONG_ANSWER = 2**16
 """Bytes from which an answer is passed on unread: reading and writing it again takes time."""
 LOOKED_AFTER = 1.0
 """Seconds after which a silent process is looked after."""
-LOST = (
+LOST_SENTENCE = (
     "The process that computed this ended unexpectedly (out of memory?); try a shorter run or "
     "fewer samples."
 )
-GARBLED = "The process that computed this gave an answer that cannot be read. Please report it."
+GARBLED_SENTENCE = (
+    "The process that computed this gave an answer that cannot be read. Please report it."
+)
 
 Tell = Callable[[dict[str, Any]], None]
 
@@ -66,11 +68,13 @@ class Worker:
         """
         try:
             process = await self.start()
-            await _write(process, {"call": call, "request": request, "folder": str(self.folder)})
+            await _write_line(
+                process, {"call": call, "request": request, "folder": str(self.folder)}
+            )
             if self._stopped:  # before it had begun
-                await _write(process, {"stop": True})
+                await _write_line(process, {"stop": True})
             while True:
-                said = _read(await _line(process))
+                said = _parse_line(await _read_line(process))
                 if "tell" not in said:
                     break
                 if tell is not None:
@@ -81,14 +85,14 @@ class Worker:
         except BaseException:  # what it would answer later is not for the next call
             await self.kill()
             raise
-        return _answer(said)
+        return _take_answer(said)
 
     async def stop(self) -> None:
         """Ask what is being done to end."""
         self._stopped = True
         if self._process is not None and self._process.returncode is None:
             with contextlib.suppress(ConnectionError):
-                await _write(self._process, {"stop": True})
+                await _write_line(self._process, {"stop": True})
 
     async def kill(self) -> None:
         """End the process and all that it has started."""
@@ -102,7 +106,7 @@ class Worker:
                 process.kill()
         try:
             with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(process.wait(), POLITE)
+                await asyncio.wait_for(process.wait(), STOP_LIMIT)
         finally:  # whoever waits may be given up, which is when the server ends
             # asyncio closes it by itself only if nobody else holds the pipes open
             transport = getattr(process, "_transport", None)
@@ -110,15 +114,15 @@ class Worker:
                 transport.close()
 
 
-async def _write(process: asyncio.subprocess.Process, message: dict[str, Any]) -> None:
+async def _write_line(process: asyncio.subprocess.Process, message: dict[str, Any]) -> None:
     pipe = process.stdin
     if pipe is not None:
-        pipe.write(dumps(message) + b"\n")
+        pipe.write(write_message(message) + b"\n")
         with contextlib.suppress(ConnectionError):
             await pipe.drain()
 
 
-async def _line(process: asyncio.subprocess.Process) -> bytes:
+async def _read_line(process: asyncio.subprocess.Process) -> bytes:
     """The next line; empty once the process has ended."""
     if process.stdout is None:
         return b""
@@ -134,15 +138,15 @@ async def _line(process: asyncio.subprocess.Process) -> bytes:
         reading.cancel()
 
 
-def _read(line: bytes) -> dict[str, Any]:
+def _parse_line(line: bytes) -> dict[str, Any]:
     """What a worker says in a line.
 
     Raises:
         Refusal: the line is empty, for the process has ended, or nothing that a worker says.
     """
     if not line.endswith(b"\n"):
-        raise Refusal(LOST, 500, "lost")
-    if len(line) > LONG and line.startswith(ANSWER) and line.endswith(b"}\n"):
+        raise Refusal(LOST_SENTENCE, 500, "lost")
+    if len(line) > LONG_ANSWER and line.startswith(ANSWER) and line.endswith(b"}\n"):
         return {"answer": Written(line[len(ANSWER) : -2])}
     try:
         said = json.loads(line)
@@ -150,10 +154,10 @@ def _read(line: bytes) -> dict[str, Any]:
             return said
     except (ValueError, TypeError, LookupError):
         pass
-    raise Refusal(GARBLED, 500, "lost")
+    raise Refusal(GARBLED_SENTENCE, 500, "lost")
 
 
-def _answer(said: dict[str, Any]) -> Any:
+def _take_answer(said: dict[str, Any]) -> Any:
     if "refused" in said:
         status = 400 if said["kind"] == "input" else 422
         raise Refusal(said["refused"], status, said["kind"])
@@ -161,12 +165,12 @@ def _answer(said: dict[str, Any]) -> Any:
 
 
 @dataclass
-class Pool:
+class WorkerPool:
     """A few workers for quick calls; who asks anew gives up what he asked and waits for."""
 
     folder: Path
     size: int = 2
-    quick: float = QUICK
+    quick: float = QUICK_LIMIT
     """[s]"""
     idle: list[Worker] = field(default_factory=list[Worker])
     """The last used is the next: it remembers what it has compiled."""

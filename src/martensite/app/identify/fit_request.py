@@ -1,6 +1,6 @@
 """From the request for a fit to its task: the records, the scenario, what is free, how to search.
 
-"text": TOML, and the table as `identify.mapped` takes it
+"text": TOML, and the table as `identify.mapped_table` takes it
 "free": [{"name": "A_s", "low": 313.0, "high": 363.0, "start": 340.0}]    SI; all but the name
 "each": [{"name": "offset.strain"}, {"name": "delay"}]                    may be left out
 "compare": ["strain"], "hold_out": "auto" (or names), "method": "trf", "loss": "linear",
@@ -13,9 +13,9 @@ from collections.abc import Mapping
 from typing import Any, cast
 
 from martensite.app.documents import check_files
-from martensite.app.gallery import built
-from martensite.app.identify.mapped import records_of
-from martensite.app.messages import BadMessageError, wanted
+from martensite.app.identify.mapped_table import read_records
+from martensite.app.messages import BadMessageError, require_entry
+from martensite.app.packaged_scenarios import build_packaged
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError, ParameterError
 from martensite.fit.fit_task import FitSearch, FitTask
@@ -30,30 +30,30 @@ MOST_ROWS = 50_000
 """Rows of a record: each is a step of every run where the scenario follows it."""
 
 
-def scenario_for(request: Mapping[str, Any], record: Record) -> Scenario:
+def build_scenario(request: Mapping[str, Any], record: Record) -> Scenario:
     """The scenario of a request, with a record that it may follow.
 
     Raises:
         InputError: it is none, or follows a column that the record has not.
     """
-    text = wanted(request, "text", str)
+    text = require_entry(request, "text", str)
     check_files(text, {})
-    return built(text, log=record)
+    return build_packaged(text, log=record)
 
 
-def task_of_request(request: Mapping[str, Any], desk: Desk) -> FitTask:
+def read_task(request: Mapping[str, Any], desk: Desk) -> FitTask:
     """The task of a request.
 
     Raises:
         InputError: something in it is none, or does not fit.
     """
-    records = records_of(request, desk)
+    records = read_records(request, desk)
     long = next((one for one in records if len(one) > MOST_ROWS), None)
     if long is not None:
         raise DataError(
             f"Record `{long.name}` has {len(long):,} rows; thin it out to at most {MOST_ROWS:,}."
         )
-    logs = tuple(Log(one, scenario_for(request, one), name=one.name) for one in records)
+    logs = tuple(Log(one, build_scenario(request, one), name=one.name) for one in records)
     free = _list_ranges(request, "free")
     if not free:
         raise ParameterError("Nothing is free; choose at least one parameter to be found.")
@@ -61,49 +61,49 @@ def task_of_request(request: Mapping[str, Any], desk: Desk) -> FitTask:
         logs=logs,
         free=free,
         each=_list_ranges(request, "each"),
-        hold_out=_hold_out(request),
-        columns=[str(name) for name in wanted(request, "compare", list, [])] or None,
-        noise=_noise(request),
-        step=None if request.get("step") is None else wanted(request, "step", float),
-        search=_search(request),
+        hold_out=_read_hold_out(request),
+        columns=[str(name) for name in require_entry(request, "compare", list, [])] or None,
+        noise=_read_noise(request),
+        step=None if request.get("step") is None else require_entry(request, "step", float),
+        search=_read_search(request),
     )
 
 
 def _list_ranges(request: Mapping[str, Any], name: str) -> list[SearchRange]:
     found: list[SearchRange] = []
-    for entry in wanted(request, name, list, []):
+    for entry in require_entry(request, name, list, []):
         if not isinstance(entry, dict):
             raise BadMessageError(f"`{name}` must hold tables with a `name`.")
         table = cast("dict[str, Any]", entry)
-        low, high, start = (_number(table, key) for key in ("low", "high", "start"))
-        found.append(SearchRange(wanted(table, "name", str), low, high, start))
+        low, high, start = (_read_number(table, key) for key in ("low", "high", "start"))
+        found.append(SearchRange(require_entry(table, "name", str), low, high, start))
     return found
 
 
-def _number(table: Mapping[str, Any], key: str) -> float | None:
-    return None if table.get(key) is None else wanted(table, key, float)
+def _read_number(table: Mapping[str, Any], key: str) -> float | None:
+    return None if table.get(key) is None else require_entry(table, key, float)
 
 
-def _hold_out(request: Mapping[str, Any]) -> str | list[str]:
+def _read_hold_out(request: Mapping[str, Any]) -> str | list[str]:
     given = request.get("hold_out", AUTO)
     if isinstance(given, list):
         return [str(name) for name in cast("list[Any]", given)]
-    return wanted(request, "hold_out", str, AUTO)
+    return require_entry(request, "hold_out", str, AUTO)
 
 
-def _noise(request: Mapping[str, Any]) -> dict[str, float]:
-    given = wanted(request, "noise", dict, {})
-    return {str(name): wanted(given, name, float) for name in given}
+def _read_noise(request: Mapping[str, Any]) -> dict[str, float]:
+    given = require_entry(request, "noise", dict, {})
+    return {str(name): require_entry(given, name, float) for name in given}
 
 
-def _search(request: Mapping[str, Any]) -> FitSearch:
+def _read_search(request: Mapping[str, Any]) -> FitSearch:
     usual = FitSearch()
-    starts = wanted(request, "starts", int, usual.starts)
+    starts = require_entry(request, "starts", int, usual.starts)
     if not 0 <= starts <= MOST_STARTS:
         raise InputError(f"Further starts must be 0 to {MOST_STARTS}, but are {starts}.")
     return FitSearch(
-        wanted(request, "method", str, usual.method),
-        wanted(request, "loss", str, usual.loss),
+        require_entry(request, "method", str, usual.method),
+        require_entry(request, "loss", str, usual.loss),
         starts,
-        wanted(request, "seed", int, usual.seed),
+        require_entry(request, "seed", int, usual.seed),
     )

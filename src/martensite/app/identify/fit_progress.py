@@ -8,9 +8,13 @@ from dataclasses import dataclass, field
 from threading import Event
 from typing import Any
 
-from martensite.app.identify.shown import shown, shown_difference, shown_number
-from martensite.app.identify.thin import DRAWN
-from martensite.app.views.columns import kept_rows
+from martensite.app.identify.display_units import (
+    describe_difference,
+    describe_display,
+    shown_number,
+)
+from martensite.app.identify.thinning import MOST_CORNERS
+from martensite.app.views.columns import choose_rows
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.free_parameters import is_nuisance
@@ -26,7 +30,7 @@ DIGITS = 5
 
 
 @dataclass
-class Watching:
+class FitProgress:
     """Told of every evaluation of a search, it tells the page, and ends the search if asked."""
 
     problem: Problem
@@ -73,7 +77,7 @@ class Watching:
                 "share": 1.0,
                 "seconds": time.monotonic() - self.began,
                 "values": fit.numbers,
-                "curves": [curves(one, fitted.model) for one, fitted in pairs],
+                "curves": [model_curves(one, fitted.model) for one, fitted in pairs],
             }
         )
 
@@ -87,23 +91,23 @@ class Watching:
             return {}
         self._drawn = values
         pairs = zip(self.problem.experiments, found.fitted, strict=True)
-        return {"curves": [curves(one, fitted.model) for one, fitted in pairs]}
+        return {"curves": [model_curves(one, fitted.model) for one, fitted in pairs]}
 
 
-def curves(one: Experiment, model: Any) -> list[list[float]]:
+def model_curves(one: Experiment, model: Any) -> list[list[float]]:
     """Modelled outputs of a record at the rows that are drawn."""
-    rows = kept_rows(len(one.times), DRAWN)
-    return [[rounded(model[row, k]) for row in rows] for k in range(len(one.outputs))]
+    rows = choose_rows(len(one.times), MOST_CORNERS)
+    return [[round_digits(model[row, k]) for row in rows] for k in range(len(one.outputs))]
 
 
-def rounded(value: float) -> float:
+def round_digits(value: float) -> float:
     """As much of a number as can be seen."""
     return float(f"{value:.{DIGITS}g}")
 
 
-def measured(one: Experiment) -> dict[str, Any]:
+def describe_measured(one: Experiment) -> dict[str, Any]:
     """A record as it was measured, at the rows that are drawn."""
-    rows, known = kept_rows(len(one.times), DRAWN), one.system.outputs()
+    rows, known = choose_rows(len(one.times), MOST_CORNERS), one.system.outputs()
     return {
         "name": one.name,
         "times": [float(one.times[row]) for row in rows],
@@ -112,19 +116,19 @@ def measured(one: Experiment) -> dict[str, Any]:
             {
                 "name": name,
                 "long_name": known[name].long_name,
-                "measured": [rounded(one.measured[row, k]) for row in rows],
-                **shown(name, known[name].unit),
+                "measured": [round_digits(one.measured[row, k]) for row in rows],
+                **describe_display(name, known[name].unit),
             }
             for k, name in enumerate(one.outputs)
         ],
     }
 
 
-def parameter(free: FreeNumber) -> dict[str, Any]:
+def describe_parameter(free: FreeNumber) -> dict[str, Any]:
     """A parameter that is searched: where from, between which bounds, shown in which unit."""
     how = shown_number(free.start, free.unit)
     if is_nuisance(free.path):
-        how = shown_difference(free.path.removeprefix("offset."), free.unit)
+        how = describe_difference(free.path.removeprefix("offset."), free.unit)
     return {
         "name": free.name,
         "record": free.record,

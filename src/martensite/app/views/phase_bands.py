@@ -17,46 +17,46 @@ from martensite.show.figures.phase_diagram import LEAST_STRESS, Band, bands
 from martensite.simulate.result import Result
 from martensite.simulate.transformation_points import find_isobar
 
-ROOM = 1.12
+HEADROOM = 1.12
 """The diagram reaches so far beyond the highest stress of the run."""
 STRESSES, TEMPERATURES = 100e6, 10.0
 """Limits are rounded outwards to multiples of these [Pa], [K]: a slider asks for the same ones."""
-NONE = "This law has no transformation lines in the plane of temperature and stress."
+NO_LINES = "This law has no transformation lines in the plane of temperature and stress."
 
 
-def phase(result: Result) -> dict[str, Any]:
+def describe_phase(result: Result) -> dict[str, Any]:
     """Bands of the laws of a run; actuators with the same law share a diagram."""
     laws: dict[AbstractLaw, int] = {}
     ports: dict[str, dict[str, Any]] = {}
-    highest, coldest = _limits(result)
+    highest, coldest = _find_limits(result)
     for port, actuator in result.system.actuators().items():
         ports[port] = {
             "diagram": laws.setdefault(actuator.element.law, len(laws)),
             "x": result.system.label(port, "temperature"),
             "y": result.system.label(port, "stress"),
         }
-    return {"diagrams": [_diagram(law, highest, coldest) for law in laws], "ports": ports}
+    return {"diagrams": [_describe_diagram(law, highest, coldest) for law in laws], "ports": ports}
 
 
-def _limits(result: Result) -> tuple[float, float]:
+def _find_limits(result: Result) -> tuple[float, float]:
     """Highest stress [Pa] and lowest temperature [K] of the diagrams, rounded outwards."""
     system = result.system
     ports = list(system.actuators())
     stress = max((max(result[system.label(p, "stress")]) for p in ports), default=0.0)
     cold = min((min(result[system.label(p, "temperature")]) for p in ports), default=300.0)
-    highest = STRESSES * math.ceil(max(LEAST_STRESS, ROOM * stress) / STRESSES)
+    highest = STRESSES * math.ceil(max(LEAST_STRESS, HEADROOM * stress) / STRESSES)
     return highest, TEMPERATURES * math.floor((cold - 8.0) / TEMPERATURES)
 
 
-def _diagram(law: AbstractLaw, highest: float, coldest: float) -> dict[str, Any]:
+def _describe_diagram(law: AbstractLaw, highest: float, coldest: float) -> dict[str, Any]:
     try:
-        found = _bands(law, highest, coldest)
+        found = _find_bands(law, highest, coldest)
     except MartensiteError as error:
         return {"bands": [], "highest": highest, "sentence": str(error)}
-    said = "" if found else NONE
+    said = "" if found else NO_LINES
     return {"bands": [asdict(band) for band in found], "highest": highest, "sentence": said}
 
 
 @lru_cache(maxsize=64)
-def _bands(law: AbstractLaw, highest: float, coldest: float) -> list[Band]:
+def _find_bands(law: AbstractLaw, highest: float, coldest: float) -> list[Band]:
     return bands(law, highest, min(coldest, find_isobar(law).M_f - 15.0))
