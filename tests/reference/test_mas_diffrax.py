@@ -23,7 +23,7 @@ def by_kvaerno(p, form):
     ("form", "wire", "step"),
     [
         pytest.param("edge", Wire(), 10e-3, marks=pytest.mark.slow),
-        ("edge", stiff(Wire()), 10e-3),
+        pytest.param("edge", stiff(Wire()), 10e-3, marks=pytest.mark.slow),
         pytest.param("barrier", Wire(), 10e-3, marks=pytest.mark.slow),
         pytest.param("well", Wire(), 5e-3, marks=pytest.mark.slow),
     ],

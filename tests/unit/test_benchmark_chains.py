@@ -8,17 +8,13 @@ import pytest
 from benchmarks import sections_chains, sections_records
 from benchmarks.engines import available
 from benchmarks.peers import jaxsysid_fit
-from benchmarks.sections import SECTIONS, Options
+from benchmarks.sections import Options
 
 from martensite.base.errors import DataError
 from martensite.identify.chains.estimate import Options as Search
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 
 OURS = Options(available(["ours"]), repeats=1)
-
-
-def test_the_sections_are_entered():
-    assert {"chains", "searches", "chain_memory", "records"} <= set(SECTIONS)
 
 
 @pytest.mark.slow
@@ -57,6 +53,7 @@ def split() -> dict[str, Any]:
     return {"estimation": record.rows(0, 400), "test": record.rows(400, None)}
 
 
+@pytest.mark.slow
 def test_records_beside_a_peer(c_compiler):
     ours = sections_records.searched("oe(1,1,1) | poly2", Search(starts=1, iterations=5))
     budget = jaxsysid_fit.Budget(2, 3, adam=2, lbfgs=2)

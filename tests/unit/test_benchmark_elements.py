@@ -3,17 +3,14 @@
 import pytest
 from benchmarks import sections_elements
 from benchmarks.engines import available
-from benchmarks.sections import SECTIONS, Options
+from benchmarks.sections import Options
 
 from martensite.kernels.c99 import find_compiler
 
 OURS = Options(available(["ours"]), repeats=1)
 
 
-def test_the_section_is_entered():
-    assert "cells" in SECTIONS
-
-
+@pytest.mark.slow
 @pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 def test_cells():
     floats, native = sections_elements.cells(OURS, counts=("5",))

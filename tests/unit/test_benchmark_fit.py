@@ -3,17 +3,14 @@
 import pytest
 from benchmarks import sections_fit
 from benchmarks.engines import available
-from benchmarks.sections import SECTIONS, Options
+from benchmarks.sections import Options
 
 from martensite.kernels.c99 import find_compiler
 
 OURS = Options(available(["ours"]), repeats=1)
 
 
-def test_the_sections_are_entered():
-    assert {"derivatives", "fits"} <= set(SECTIONS)
-
-
+@pytest.mark.slow
 @pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 def test_derivatives_are_those_of_differences(monkeypatch):
     name, case = next(iter(sections_fit.CASES.items()))

@@ -8,7 +8,7 @@ from benchmarks import law_paths, mas_batches, mas_runs, sections_laws, sections
 from benchmarks.engines import available
 from benchmarks.peers import mas_ode, simcoon_path
 from benchmarks.problem_b import Wire
-from benchmarks.sections import SECTIONS, Options
+from benchmarks.sections import Options
 
 from martensite.kernels.c99 import find_compiler
 from martensite.physics.laws.base import LAWS
@@ -29,10 +29,6 @@ def row(table, **wanted):
     return found[0]
 
 
-def test_the_sections_are_entered():
-    assert {"laws", "mas"} <= set(SECTIONS)
-
-
 @needs_c
 @pytest.mark.slow
 def test_laws():
@@ -49,6 +45,7 @@ def test_laws():
     assert [r["law"] for r in verdict.rows] == list(SOME)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("loop", sections_laws.LOOPS)
 @pytest.mark.parametrize("name", LAWS.names())
 def test_every_law_transforms_wholly_and_back(name, loop):

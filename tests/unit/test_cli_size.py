@@ -32,8 +32,8 @@ def rows(text: str) -> list[str]:
     return [line for line in text.splitlines() if line.strip()[:1].isdigit() and ".." in line]
 
 
-def test_table_and_words(folder: Path) -> None:
-    text = fine(*SMALL, "--alloy", "90")
+def test_table_words_and_a_scenario_that_runs(folder: Path) -> None:
+    text = fine(*SMALL, "--alloy", "90", "--out", "wire.toml")
     verdicts = [line.split() for line in text.splitlines() if line.endswith(" does")]
     assert [place for place, *_ in verdicts] == [line.split()[0] for line in rows(text)]
     assert rows(text)[0].split()[:3] == ["1", "0.10", "90"]
@@ -41,12 +41,14 @@ def test_table_and_words(folder: Path) -> None:
     assert "Recalled cells of the catalogue: diameter, resistance." in text
     assert "Assumed or recalled numbers of flexinol-90:" in text
     assert "--all shows them" in text
-    assert list(folder.iterdir()) == []
+    assert "wrote wire.toml" in text
+    run = RUN.report("wire.toml", "--no-figure")
+    assert run["stroke"] == pytest.approx(3e-3, rel=0.05)
+    assert run["warnings"] == []
+    assert "is there already" in refused(*SMALL, "--out", "wire.toml")
 
 
-def test_all_shows_reasons_for_every_size() -> None:
-    text = fine(*SMALL, "--alloy", "90", "--all")
-    assert "too slow" in text
+def test_every_size_has_a_reason_or_does() -> None:
     found = report()["candidates"]
     assert len(found) == 12
     assert all(one["feasible"] != bool(one["reasons"]) for one in found)
@@ -74,12 +76,9 @@ def test_no_wire_at_all_is_said_with_the_nearest() -> None:
     assert "1 does not: " in text
 
 
-def test_written_scenario_runs(folder: Path) -> None:
-    assert "wrote wire.toml" in fine(*SMALL, "--alloy", "90", "--out", "wire.toml")
-    report = RUN.report("wire.toml", "--no-figure")
-    assert report["stroke"] == pytest.approx(3e-3, rel=0.05)
-    assert report["warnings"] == []
-    assert "is there already" in refused(*SMALL, "--out", "wire.toml")
+@pytest.mark.slow
+def test_another_wire_takes_the_place_of_the_first(folder: Path) -> None:
+    assert "too slow" in fine(*SMALL, "--alloy", "90", "--all", "--out", "wire.toml")
     before = (folder / "wire.toml").read_text(encoding="utf-8")
     fine(*SMALL, "--alloy", "90", "--out", "wire.toml", "--overwrite", "--pick", "2")
     assert (folder / "wire.toml").read_text(encoding="utf-8") != before
@@ -109,7 +108,9 @@ REFUSED = [
     ((*SMALL, "--alloy", "80"), "Option `alloy`"),
     ((*SMALL, "--out", "wire.txt"), "must end in .toml"),
     ((*SMALL, "--out", "nowhere/wire.toml"), "no folder"),
-    ((*SMALL, "--alloy", "90", "--pick", "13"), "between 1 and 12"),
+    pytest.param(
+        (*SMALL, "--alloy", "90", "--pick", "13"), "between 1 and 12", marks=pytest.mark.slow
+    ),
     pytest.param(
         (*SMALL[:4], "--rate", "30 Hz", "--supply", "5 V", "--strands", "1", "--out", "x.toml"),
         "No wire does, so no scenario was written", marks=pytest.mark.slow,
