@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.throughput_once import peak
-from martensite.design.sweep.api import How, begin
-from martensite.design.sweep.job import MEASURES, Wanted
+from martensite.design.sweep.api import SweepExecution, begin_sweep
+from martensite.design.sweep.job import MEASURES, SweepRequest
 from martensite.scenario.scenario import read_scenario
 
 SCENARIO = """
@@ -57,10 +57,13 @@ FEW = 64
 
 def sweep(count: int, folder: str) -> tuple[int, float]:
     """Runs of a sweep that failed, and the mean stroke [m] of the others."""
-    wanted = Wanted(OVER, f"monte-carlo:{count}", MEASURES, runtime="c")
+    wanted = SweepRequest(OVER, f"monte-carlo:{count}", MEASURES, runtime="c")
     place = Path(folder) / f"{count}.zarr"
-    begun = begin(
-        read_scenario(SCENARIO, Path(folder) / "scenario.toml"), wanted, place, How("serial")
+    begun = begin_sweep(
+        read_scenario(SCENARIO, Path(folder) / "scenario.toml"),
+        wanted,
+        place,
+        SweepExecution("serial"),
     )
     begun.run()
     failed, strokes, made = 0, 0.0, 0

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.design.optimise.evaluate import Designs
+from martensite.design.optimise.evaluate import DesignEvaluator
 from martensite.design.optimise.question import read_question
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.waveform_levels import WaveformLevels
@@ -59,14 +59,14 @@ def steering(**changes: float) -> WaveformLevels:
 def designs(
     free: Sequence[str], goal: str, subject: Sequence[str], begin: WaveformLevels | None = None,
     **options: Any,
-) -> Designs:  # fmt: skip
+) -> DesignEvaluator:  # fmt: skip
     """Designs of the bundle; options are those of `Designs`."""
     given = begin or steering()
     question = read_question(given, free, goal, subject)
-    return Designs(given, question, samples=SAMPLES, step=STEP, **options)
+    return DesignEvaluator(given, question, samples=SAMPLES, step=STEP, **options)
 
 
-def differences(one: Designs, z: NDArray[np.float64], apart: float) -> NDArray[np.float64]:
+def differences(one: DesignEvaluator, z: NDArray[np.float64], apart: float) -> NDArray[np.float64]:
     """Central differences of what a design is judged by, (cases, aims, free)."""
     moved = apart * np.eye(len(z))
     up, down = one.values(z + moved), one.values(z - moved)

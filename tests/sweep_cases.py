@@ -14,9 +14,9 @@ from thin_wire import THIN_WIRE
 
 from martensite.base.status import Status
 from martensite.design.backends.base import AbstractBackend, Report
-from martensite.design.sweep.api import How, begin
-from martensite.design.sweep.job import Wanted
-from martensite.design.sweep.plan import Piece
+from martensite.design.sweep.api import SweepExecution, begin_sweep
+from martensite.design.sweep.job import SweepRequest
+from martensite.design.sweep.plan import SweepPiece
 from martensite.design.sweep.running import Progress, run_chunks
 from martensite.scenario.scenario import Scenario, read_scenario
 
@@ -42,10 +42,10 @@ def wire(text: str = WIRE, **changed: Any) -> Scenario:
     return read_scenario(text, overrides={k.replace("__", "."): v for k, v in changed.items()})
 
 
-def wanted(*over: str, **more: Any) -> Wanted:
+def wanted(*over: str, **more: Any) -> SweepRequest:
     """A small grid on plain floats, in chunks of 3."""
     known: dict[str, Any] = {"chunk": 3, "runtime": "floats"}
-    return Wanted(over=over or OVER, **(known | more))
+    return SweepRequest(over=over or OVER, **(known | more))
 
 
 def arrays(path: Path) -> Iterator[tuple[str, bytes]]:
@@ -84,7 +84,7 @@ class Doubling:
     def rows(self, chunk: int) -> range:
         return range(chunk * self.chunk, min((chunk + 1) * self.chunk, self.size))
 
-    def compute(self, rows: range) -> Piece:
+    def compute(self, rows: range) -> SweepPiece:
         if set(self.deadly) & set(rows):
             mark = self.folder / "dead"
             if not (self.once and mark.exists()):
@@ -94,15 +94,15 @@ class Doubling:
             raise self.error
         return self.piece(rows, 2.0 * np.array(rows), Status.OK)
 
-    def lost(self, rows: range) -> Piece:
+    def lost(self, rows: range) -> SweepPiece:
         return self.piece(rows, np.full(len(rows), np.nan), Status.LOST)
 
     @staticmethod
-    def piece(rows: range, found: np.ndarray, status: Status) -> Piece:
+    def piece(rows: range, found: np.ndarray, status: Status) -> SweepPiece:
         numbers = np.array(rows, float)[:, None]
-        return Piece(numbers, {"double": found}, {}, np.full(len(rows), status, np.int8))
+        return SweepPiece(numbers, {"double": found}, {}, np.full(len(rows), status, np.int8))
 
-    def store(self, chunk: int, piece: Piece, remarks: tuple[str, ...] = ()) -> Report:
+    def store(self, chunk: int, piece: SweepPiece, remarks: tuple[str, ...] = ()) -> Report:
         np.save(self.folder / f"{chunk}.npy", piece.scalars["double"])
         return Report(chunk, dict(Counter(piece.status.tolist())), remarks=remarks)
 
@@ -125,5 +125,5 @@ def ran(backend: AbstractBackend, job: Doubling) -> Progress:
 
 def undisturbed(path: Path, *over: str, **more: Any) -> dict[str, bytes]:
     """Arrays of a sweep of the wire that is made in one go."""
-    begin(wire(), wanted(*over, **more), path, How("serial")).run()
+    begin_sweep(wire(), wanted(*over, **more), path, SweepExecution("serial")).run()
     return dict(arrays(path))

@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from martensite.design.sampling.base import design
-from martensite.design.sweep.axes import Axis
-from martensite.design.sweep.table import Column, SweepTable
+from martensite.design.sampling.base import parse_sampling
+from martensite.design.sweep.axes import SweepAxis
+from martensite.design.sweep.table import SweepColumn, SweepTable
 from martensite.search.free_numbers import Target
 
 Function = Callable[[np.ndarray], np.ndarray]
 ISHIGAMI_A, ISHIGAMI_B = 7.0, 0.1
 ANGLES = [
-    Axis(Target(f"part.x{k}", f"x{k}", "1", 0.0), "range", (-np.pi, np.pi)) for k in (1, 2, 3)
+    SweepAxis(Target(f"part.x{k}", f"x{k}", "1", 0.0), "range", (-np.pi, np.pi)) for k in (1, 2, 3)
 ]
 
 
@@ -35,20 +35,20 @@ def ishigami_indices() -> tuple[np.ndarray, np.ndarray]:
 
 
 def table(
-    sample: str, axes: Sequence[Axis] = ANGLES, seed: int = 1, **measures: Function
+    sample: str, axes: Sequence[SweepAxis] = ANGLES, seed: int = 1, **measures: Function
 ) -> SweepTable:
     """A sweep of functions of the varied numbers, all runs made."""
-    found = design(sample, seed)
+    found = parse_sampling(sample, seed)
     x = found.values(axes, 0, found.size(axes))
     columns = zip(axes, x.T, strict=True)
     return SweepTable(
         "Functions",
         sample,
         {
-            one.target.name: Column(one.target.name, one.target.unit, v, one.log)
+            one.target.name: SweepColumn(one.target.name, one.target.unit, v, one.log)
             for one, v in columns
         },
-        {name: Column(name, "m", function(x)) for name, function in measures.items()},
+        {name: SweepColumn(name, "m", function(x)) for name, function in measures.items()},
         np.zeros(len(x), np.int8),
         tuple(one.levels() for one in axes) if found.shape(axes) else None,
     )

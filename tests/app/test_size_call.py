@@ -12,8 +12,8 @@ from martensite.app.calls.sizing import EXAMPLE
 from martensite.app.messages import BadMessageError
 from martensite.app.worker import Desk
 from martensite.base.errors import InputError
-from martensite.design.sizing.candidates import judge, size_wire
-from martensite.design.sizing.margins import margins, tightest
+from martensite.design.sizing.candidates import judge_candidate, size_wire
+from martensite.design.sizing.margins import find_tightest, list_margins
 from martensite.design.sizing.request import WireRequest
 from martensite.scenario.plain_values import convert_to_plain
 from martensite.scenario.scenario import read_scenario
@@ -157,15 +157,15 @@ def test_margins_say_what_fails(found: dict[str, Any]) -> None:
 
 def test_a_margin_is_used_over_limit() -> None:
     request = WireRequest(force=0.5, stroke=3e-3, rate=0.2, supply=5.0, current_limit=1.0)
-    candidate = judge(request, size_wire_sizes()["0.10 mm"], "90")
-    named = {margin.name: margin for margin in margins(request, candidate)}
+    candidate = judge_candidate(request, size_wire_sizes()["0.10 mm"], "90")
+    named = {margin.name: margin for margin in list_margins(request, candidate)}
     drive = candidate.drive
     assert drive is not None
     assert named["current"].share == pytest.approx(drive.current / 1.0)
     assert named["voltage"].share == pytest.approx(drive.voltage / 5.0)
     assert named["stress"].share == pytest.approx(candidate.statics.hot_stress / 172e6)
     assert named["strain"].share == 1.0 and named["strain"].chosen
-    assert not tightest(list(named.values())).chosen
+    assert not find_tightest(list(named.values())).chosen
 
 
 def size_wire_sizes() -> Any:
@@ -177,7 +177,7 @@ def size_wire_sizes() -> Any:
 def test_the_example_has_wires_that_do() -> None:
     request = WireRequest(force=8.0, stroke=5e-3, rate=0.05, supply=12.0)
     assert EXAMPLE == {"force": "8 N", "stroke": "5 mm", "rate": "0.05 Hz", "supply": "12 V"}
-    assert judge(request, size_wire_sizes()["0.20 mm"], "70").feasible
+    assert judge_candidate(request, size_wire_sizes()["0.20 mm"], "70").feasible
 
 
 # ---------------------------------------------------------------- the check of the catalogue

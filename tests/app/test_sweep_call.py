@@ -32,8 +32,8 @@ from martensite.app.sweeping.sweep_folder import SweepFolder, hold_store, make_s
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError
 from martensite.cli.app import app
-from martensite.design.sweep.indices import sensitivity as sensitivity_indices
-from martensite.design.sweep.pareto import pareto_front
+from martensite.design.sweep.indices import compute_sensitivity as sensitivity_indices
+from martensite.design.sweep.pareto import find_pareto_front
 from martensite.design.sweep.reading import read_sweep
 from martensite.design.sweep.store import Store
 
@@ -122,7 +122,7 @@ def test_the_front_is_that_of_the_library(made: tuple[Desk, str, list[dict[str, 
     desk, key, _ = made
     found = front({"key": key, "minimise": ["max(temperature)"], "maximise": ["stroke"]}, desk)
     table = read_sweep(SweepFolder(desk.folder).path(key))
-    known = pareto_front(table, ["max(temperature)"], ["stroke"])
+    known = find_pareto_front(table, ["max(temperature)"], ["stroke"])
     assert found["rows"] == known.runs.tolist()
     assert 1 < found["count"] < found["compared"]
 

@@ -19,7 +19,7 @@ from martensite.app.views.phase_bands import describe_phase
 from martensite.app.views.traces import list_loops, list_panels, list_stretches
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError
-from martensite.design.analysis.energy import energy_per_cycle
+from martensite.design.analysis.energy import compute_cycle_energies
 from martensite.scenario.scenario import load
 from martensite.simulate.result import Result
 
@@ -86,7 +86,7 @@ def test_stretches_cover_the_path() -> None:
 
 def test_the_energies_are_those_of_the_analysis() -> None:
     result = power("0.45 W")
-    whole = energy_per_cycle(result, result.times[-1])
+    whole = compute_cycle_energies(result, result.times[-1])
     last = {course["key"]: course["values"][-1] for course in describe_energy(result)["courses"]}
     assert last["electrical"] == pytest.approx(whole.electrical[0], rel=1e-12)
     assert last["lost"] == pytest.approx(whole.lost[0], rel=1e-12)

@@ -291,7 +291,8 @@ def test_readme_has_the_computed_numbers() -> None:
     assert f"| {h0:.3f}, 0, {h2:.7f} | {even.r_squared:.5f} |" in text
     assert f"| {line.coefficients[0]:.3f}, {line.coefficients[1]:.5f}, 0 |" in text
     assert f"about 1 s: {bench.actuation_time(PRINTED, PRINTED.ambient):.2f} s" in text
-    spread = f"{motion_numbers.fastest_time(PRINTED):.2f} to {motion_numbers.slowest_time(PRINTED):.2f} s"
+    fastest = motion_numbers.fastest_time(PRINTED)
+    spread = f"{fastest:.2f} to {motion_numbers.slowest_time(PRINTED):.2f} s"
     assert spread in text
     mean = film_numbers.steady_errors("constant", PRINTED)
     assert "{:+.1f}, {:+.1f}, {:+.1f} and {:+.1f} K".format(*mean) in text

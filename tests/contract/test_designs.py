@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from martensite.base.errors import InputError
-from martensite.design.sampling.base import DESIGNS, AbstractSample, design
-from martensite.design.sweep.axes import Axis, axis
+from martensite.design.sampling.base import DESIGNS, AbstractSample, parse_sampling
+from martensite.design.sweep.axes import SweepAxis, parse_axis
 from martensite.search.free_numbers import Target
 
 COUNT = 60
@@ -23,7 +23,7 @@ TARGETS = {
     for name, unit, nominal in (("length", "m", 0.25), ("h", "W/m^2/K", 50.0), ("A_s", "K", 340.0))
 }
 RANGES = [
-    axis(words, TARGETS)
+    parse_axis(words, TARGETS)
     for words in ("length=0.1..0.5 m:5", "h=10..1000 W/m^2/K:4 log", "A_s=60, 70, 90 degC")
 ]
 SIZES = {"saltelli": COUNT * (len(RANGES) + 2)}
@@ -35,8 +35,8 @@ def words(name: str) -> str:
     return f"{name}:{COUNT}" if name in SAMPLES else name
 
 
-def every(name: str, axes: list[Axis] = RANGES, seed: int = 3) -> np.ndarray:
-    found = design(words(name), seed)
+def every(name: str, axes: list[SweepAxis] = RANGES, seed: int = 3) -> np.ndarray:
+    found = parse_sampling(words(name), seed)
     return found.values(axes, 0, found.size(axes))
 
 
@@ -44,12 +44,12 @@ def every(name: str, axes: list[Axis] = RANGES, seed: int = 3) -> np.ndarray:
 class TestDesigns:
     def test_it_has_as_many_runs_as_it_says(self, name: str) -> None:
         size = SIZES.get(name, COUNT)
-        assert design(words(name)).size(RANGES) == size
+        assert parse_sampling(words(name)).size(RANGES) == size
         assert every(name).shape == (size, len(RANGES))
 
     @pytest.mark.parametrize(("first", "count"), [(0, 7), (7, 1), (13, 47), (59, 1)])
     def test_any_stretch_is_that_of_the_whole(self, name: str, first: int, count: int) -> None:
-        part = design(words(name), 3).values(RANGES, first, count)
+        part = parse_sampling(words(name), 3).values(RANGES, first, count)
         assert np.array_equal(part, every(name)[first : first + count])
 
     def test_the_seed_decides(self, name: str) -> None:
@@ -58,7 +58,7 @@ class TestDesigns:
 
     def test_a_seed_is_no_negative_number(self, name: str) -> None:
         with pytest.raises(InputError, match="seed"):
-            design(words(name), -1)
+            parse_sampling(words(name), -1)
 
     def test_numbers_are_within_the_axes(self, name: str) -> None:
         for one, column in zip(RANGES, every(name).T, strict=True):
@@ -67,36 +67,36 @@ class TestDesigns:
             assert column.max() <= max(ends)
 
     def test_a_shape_is_that_of_a_grid(self, name: str) -> None:
-        assert design(words(name)).shape(RANGES) == (None if name in SAMPLES else (5, 4, 3))
+        assert parse_sampling(words(name)).shape(RANGES) == (None if name in SAMPLES else (5, 4, 3))
 
 
 @pytest.mark.parametrize("name", SAMPLES)
 class TestSamples:
     def test_medians_are_those_of_the_axes(self, name: str) -> None:
-        axes = [*RANGES[:2], axis("length=250 mm +- 10 mm", TARGETS)]
-        middle = np.median(design(f"{name}:4096", 1).values(axes, 0, 4096), axis=0)
+        axes = [*RANGES[:2], parse_axis("length=250 mm +- 10 mm", TARGETS)]
+        middle = np.median(parse_sampling(f"{name}:4096", 1).values(axes, 0, 4096), axis=0)
         assert middle == pytest.approx([0.3, 100.0, 0.25], rel=0.1)
 
     def test_points_are_inside_of_the_cube(self, name: str) -> None:
-        cube = design(words(name), 0).cube(3, 0, COUNT)  # type: ignore[attr-defined]
+        cube = parse_sampling(words(name), 0).cube(3, 0, COUNT)  # type: ignore[attr-defined]
         assert (cube > 0.0).all()
         assert (cube < 1.0).all()
 
     @pytest.mark.parametrize("wrong", ["", ":0", ":x", ":-3"])
     def test_it_needs_a_number(self, name: str, wrong: str) -> None:
         with pytest.raises(InputError, match="1024"):
-            design(name + wrong)
+            parse_sampling(name + wrong)
 
 
 @pytest.mark.parametrize("name", ["latin-hypercube", "sobol"])
 def test_every_stratum_is_met_once(name: str) -> None:
-    cube = design(f"{name}:64", 5).cube(3, 0, 64)  # type: ignore[attr-defined]
+    cube = parse_sampling(f"{name}:64", 5).cube(3, 0, 64)  # type: ignore[attr-defined]
     strata = np.sort((64 * cube).astype(int), axis=0)
     assert np.array_equal(strata, np.repeat(np.arange(64)[:, None], 3, axis=1))
 
 
 def test_strata_that_are_met_twice_are_noticed() -> None:
-    cube = design("monte-carlo:64", 5).cube(3, 0, 64)  # type: ignore[attr-defined]
+    cube = parse_sampling("monte-carlo:64", 5).cube(3, 0, 64)  # type: ignore[attr-defined]
     strata = np.sort((64 * cube).astype(int), axis=0)
     assert not np.array_equal(strata, np.repeat(np.arange(64)[:, None], 3, axis=1))
 
@@ -109,7 +109,7 @@ def test_a_grid_is_every_combination_and_the_last_axis_is_fastest() -> None:
 
 def test_quantiles_are_those_of_the_distribution() -> None:
     shares = np.array([0.01, 0.25, 0.5, 0.9])
-    normal = axis("length=+- 4 %", TARGETS)
+    normal = parse_axis("length=+- 4 %", TARGETS)
     known = NormalDist(0.25, 0.01)
     assert normal.quantile(shares) == pytest.approx([known.inv_cdf(s) for s in shares], rel=1e-12)
     assert RANGES[0].quantile(shares) == pytest.approx(0.1 + 0.4 * shares, rel=1e-12)
@@ -124,11 +124,11 @@ def test_quantiles_are_those_of_the_distribution() -> None:
 )
 def test_wrong_words_are_refused(name: str, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
-        design(name)
+        parse_sampling(name)
 
 
 def test_a_grid_needs_levels_and_must_not_be_endless() -> None:
     with pytest.raises(InputError, match=r"no levels.*:9"):
-        design("grid").size([axis("length=0.1..0.5 m", TARGETS)])
+        parse_sampling("grid").size([parse_axis("length=0.1..0.5 m", TARGETS)])
     with pytest.raises(InputError, match="at most"):
-        design("grid").size([axis("length=0.1..0.5 m:100000", TARGETS)] * 2)
+        parse_sampling("grid").size([parse_axis("length=0.1..0.5 m:100000", TARGETS)] * 2)

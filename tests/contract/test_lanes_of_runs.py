@@ -18,7 +18,7 @@ from builders import problem_a
 import martensite as ms
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.status import Status
-from martensite.design.sweep.subject import waveforms_of
+from martensite.design.sweep.subject import list_waveforms
 from martensite.scenario.scenario import load
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.variants import Ran, VariantSetup
@@ -56,7 +56,7 @@ def check_run(
 def test_examples_in_lanes(name: str, c_compiler: str) -> None:
     """Several drives, a prescribed one, pulses."""
     scenario = load(EXAMPLES / f"{name}.toml")
-    whole, waves = scenario.whole, waveforms_of(scenario)
+    whole, waves = scenario.whole, list_waveforms(scenario)
     path = next(leaf.path for leaf in whole.leaves() if leaf.path.endswith("diameter"))
     nominal = next(leaf.value for leaf in whole.leaves() if leaf.path == path)
     values = {path: nominal * np.linspace(0.99, 1.0, 18)}

@@ -11,7 +11,7 @@ import pytest
 from builders import ZERO, hanging_wire
 
 from martensite.base.errors import InputError
-from martensite.design.tuning.averaging import compare_averaging, ripples
+from martensite.design.tuning.averaging import compare_averaging, measure_ripples
 from martensite.kernels import floats
 from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.physics.electrical.voltage import VoltageSource
@@ -85,7 +85,7 @@ def test_ripple_of_the_periodic_state(duty, frequency):
     )
     expected = swing(duty, frequency, system)
     assert max(found.pulsed.result["temperature"]) < 60.0 + ZERO
-    assert ripples(found.pulsed)[-1] == pytest.approx(expected, rel=1e-3)
+    assert measure_ripples(found.pulsed)[-1] == pytest.approx(expected, rel=1e-3)
     assert found.ripple >= 0.999 * expected  # the largest is on the way there
     mean = 20.0 + ZERO + duty * watts_on() / loss
     assert found.pulsed.means["temperature"][-1] == pytest.approx(mean, abs=1e-3)

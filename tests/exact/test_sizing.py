@@ -14,13 +14,13 @@ import pytest
 
 from martensite.base.errors import InputError, ParameterError
 from martensite.design.sizing import catalogue_check
-from martensite.design.sizing.candidates import Candidate, judge, size_wire
-from martensite.design.sizing.cycle import crossing, current_for, pulsed
+from martensite.design.sizing.candidates import Candidate, judge_candidate, size_wire
+from martensite.design.sizing.cycle import find_crossing, find_current, simulate_pulse
 from martensite.design.sizing.request import WireRequest
-from martensite.design.sizing.scenario import scenario_text
-from martensite.design.sizing.statics import statics
+from martensite.design.sizing.scenario import format_scenario
+from martensite.design.sizing.statics import compute_statics
 from martensite.design.sizing.strand import Strand
-from martensite.design.sizing.wiring import best_wiring
+from martensite.design.sizing.wiring import choose_wiring
 from martensite.physics.materials.base import load_material
 from martensite.physics.materials.wires import load_wires
 from martensite.scenario.scenario import read_scenario
@@ -38,7 +38,7 @@ def asked(**changes: Any) -> WireRequest:
 
 
 def run_of(request: WireRequest, candidate: Candidate) -> Any:
-    return read_scenario(scenario_text(request, candidate, WIRES)).run(tolerance=1e-3)
+    return read_scenario(format_scenario(request, candidate, WIRES)).run(tolerance=1e-3)
 
 
 # ---------------------------------------------------------------- statics
@@ -51,7 +51,7 @@ class TestStatics:
 
     def test_spring(self, size: Any, force: float) -> None:
         request = asked(force=force)
-        found = statics(request, size, "90")
+        found = compute_statics(request, size, "90")
         area = found.count * 0.25 * math.pi * size.diameter.value**2
         spring_end = found.preload + found.stiffness * request.stroke
         assert found.preload == pytest.approx(69e6 * area, rel=1e-12)
@@ -64,7 +64,7 @@ class TestStatics:
             assert force / less + 1.25 * 69e6 > 172e6
 
     def test_weight(self, size: Any, force: float) -> None:
-        found = statics(asked(force=force, bias="weight"), size, "90")
+        found = compute_statics(asked(force=force, bias="weight"), size, "90")
         area = found.count * size.section
         assert found.preload == pytest.approx(max(force, 69e6 * area), rel=1e-12)
         assert found.extra == pytest.approx(found.preload - force, abs=1e-12)
@@ -72,7 +72,7 @@ class TestStatics:
         assert found.cold_stress == found.hot_stress <= 172e6 * (1.0 + 1e-9)
 
     def test_length_follows_from_stroke_and_strain(self, size: Any, force: float) -> None:
-        found = statics(asked(force=force, strain=0.08), size, "70")
+        found = compute_statics(asked(force=force, strain=0.08), size, "70")
         values = load_material("flexinol-70").values
         full = values["eps_L"].value + found.cold_stress / values["E_M"].value
         full -= found.hot_stress / values["E_A"].value
@@ -83,7 +83,7 @@ class TestStatics:
 
 def test_reachable_strain_is_what_a_heated_wire_does() -> None:
     strand = Strand(THIN, "90", 0.1, 295.15)
-    found = statics(asked(bias="weight"), THIN, "90")
+    found = compute_statics(asked(bias="weight"), THIN, "90")
     system = strand.system(found.mechanism(3e-3))
     run = simulate(system, Constant(level=0.25), 4.0, step=0.02, samples=101)
     full = strand.reachable_strain(found.cold_stress, found.hot_stress)
@@ -93,7 +93,7 @@ def test_reachable_strain_is_what_a_heated_wire_does() -> None:
 def test_steady_current_holds_the_temperature() -> None:
     strand = Strand(THIN, "90", 0.1, 295.15)
     current = strand.steady_current(413.15)
-    system = strand.system(statics(asked(), THIN, "90").mechanism(3e-3))
+    system = strand.system(compute_statics(asked(), THIN, "90").mechanism(3e-3))
     run = simulate(system, Constant(level=current), 60.0, step=0.05, samples=11)
     assert run["temperature"][-1] == pytest.approx(413.15, abs=0.01)
 
@@ -105,7 +105,7 @@ def test_steady_current_holds_the_temperature() -> None:
 @pytest.mark.parametrize("alloy", ["70", "90"])
 def test_written_scenario_reaches_stroke_and_force(bias: str, alloy: str) -> None:
     request = asked(bias=bias, alloy=alloy)
-    found = judge(request, THIN, alloy)
+    found = judge_candidate(request, THIN, alloy)
     assert found.feasible
     run = run_of(request, found)
     first = [i for i, time in enumerate(run.times) if time <= request.period]
@@ -123,11 +123,11 @@ def test_written_scenario_reaches_stroke_and_force(bias: str, alloy: str) -> Non
 def test_cycle_times_are_those_of_the_run(rate: float) -> None:
     """Every pulse ends at the stroke, and before the next one 98 % of it are given back."""
     request = asked(rate=rate, alloy="90")
-    found = judge(request, THIN, "90")
+    found = judge_candidate(request, THIN, "90")
     assert found.feasible and found.cycle is not None and found.cycle.cooling is not None
     run = run_of(request, found)
     after = found.cycle.heating + found.cycle.cooling
-    late = crossing(
+    late = find_crossing(
         [t for t in run.times if found.cycle.heating < t <= request.period],
         [-x for t, x in zip(run.times, run["position"], strict=True)
          if found.cycle.heating < t <= request.period],
@@ -137,7 +137,9 @@ def test_cycle_times_are_those_of_the_run(rate: float) -> None:
 
 
 def test_pulse_is_shortened_where_the_rate_asks_for_it() -> None:
-    slow, fast = (judge(asked(rate=rate, supply=12.0), THIN, "90") for rate in (0.2, 0.45))
+    slow, fast = (
+        judge_candidate(asked(rate=rate, supply=12.0), THIN, "90") for rate in (0.2, 0.45)
+    )
     assert slow.feasible and fast.feasible
     assert slow.cycle is not None and fast.cycle is not None
     assert slow.cycle.heating == 1.0
@@ -149,7 +151,7 @@ def test_pulse_is_shortened_where_the_rate_asks_for_it() -> None:
 @pytest.mark.parametrize(("rate", "rise"), [(0.2, 5.0), (0.45, 20.0)])
 def test_repeated_pulses_get_hotter_as_the_run_says(rate: float, rise: float) -> None:
     request = asked(rate=rate, supply=12.0)
-    found = judge(request, THIN, "90")
+    found = judge_candidate(request, THIN, "90")
     assert found.cycle is not None and found.cycle.running is not None
     run = run_of(request, found)
     first = [i for i, time in enumerate(run.times) if time <= request.period]
@@ -160,8 +162,8 @@ def test_repeated_pulses_get_hotter_as_the_run_says(rate: float, rise: float) ->
 
 def test_strands_wired_both_ways_do_the_same_work() -> None:
     request = asked(force=2.0, supply=24.0, alloy="90", rate=0.1)
-    series = judge(request, THIN, "90")
-    parallel = judge(asked(force=2.0, supply=4.0, alloy="90", rate=0.1), THIN, "90")
+    series = judge_candidate(request, THIN, "90")
+    parallel = judge_candidate(asked(force=2.0, supply=4.0, alloy="90", rate=0.1), THIN, "90")
     assert series.wiring is not None and parallel.wiring is not None
     assert series.drive is not None and parallel.drive is not None
     assert (series.wiring.kind, parallel.wiring.kind) == ("series", "parallel")
@@ -179,22 +181,26 @@ def test_strands_wired_both_ways_do_the_same_work() -> None:
 
 def test_limits_of_the_supply_choose_the_wiring() -> None:
     def kind(**limits: Any) -> str:
-        return best_wiring(asked(**limits), 3, 10.0, 0.2).kind
+        return choose_wiring(asked(**limits), 3, 10.0, 0.2).kind
 
     assert kind(supply=6.0) == "series"
     assert kind(supply=5.9) == "parallel"
     assert kind(supply=5.9, current_limit=0.3) == "series"  # neither; series drives 0.197 A
-    assert best_wiring(asked(), 1, 10.0, 9.0).kind == "single"
+    assert choose_wiring(asked(), 1, 10.0, 9.0).kind == "single"
 
 
 def test_current_is_the_least_that_does_it_in_time() -> None:
-    found = statics(asked(), THIN, "90")
+    found = compute_statics(asked(), THIN, "90")
     system = found.strand.system(found.mechanism(3e-3, found.count))
-    current = current_for(system, 3e-3, 1.0, 0.05)
+    current = find_current(system, 3e-3, 1.0, 0.05)
     assert current is not None
-    assert pulsed(system, current, 1.0) >= 3e-3 > pulsed(system, current * (1 - 1e-3), 1.0)
-    assert current_for(system, 3e-3, 1.0, 3.0) == pytest.approx(current, rel=2e-3)
-    assert current_for(system, 9e-3, 1.0, 0.05) is None
+    assert (
+        simulate_pulse(system, current, 1.0)
+        >= 3e-3
+        > simulate_pulse(system, current * (1 - 1e-3), 1.0)
+    )
+    assert find_current(system, 3e-3, 1.0, 3.0) == pytest.approx(current, rel=2e-3)
+    assert find_current(system, 9e-3, 1.0, 0.05) is None
 
 
 # ---------------------------------------------------------------- refusals and warnings
@@ -223,7 +229,7 @@ def test_ranking_puts_the_feasible_first_and_the_frugal_before_others() -> None:
     ],
 )
 def test_infeasible_requests_are_explained(changes: dict[str, Any], size: str, reason: str) -> None:
-    found = judge(asked(**changes), WIRES[size], "90")
+    found = judge_candidate(asked(**changes), WIRES[size], "90")
     assert not found.feasible
     assert any(reason in text for text in found.reasons), found.reasons
 
@@ -233,7 +239,7 @@ def test_a_close_ambient_is_warned_of() -> None:
     finish = 273.15 + 19.1 + 69.0 / 7.5
 
     def cold(ambient: float) -> list[str]:
-        found = judge(asked(ambient=ambient), THIN, "70")
+        found = judge_candidate(asked(ambient=ambient), THIN, "70")
         return [text for text in found.warnings if "M_f" in text]
 
     assert "the wire never cools far enough" in cold(finish + 0.1)[0]
@@ -243,7 +249,7 @@ def test_a_close_ambient_is_warned_of() -> None:
 
 
 def test_limits_are_warned_of_and_life_is_claimed_only_where_a_source_does() -> None:
-    usual, high = (judge(asked(force=1.0, stress=s), THIN, "90") for s in (172e6, 300e6))
+    usual, high = (judge_candidate(asked(force=1.0, stress=s), THIN, "90") for s in (172e6, 300e6))
     assert "nitinolactuators.com" in usual.life
     assert "not the maker's datasheet" in usual.life
     assert high.statics.hot_stress > 172.4e6
@@ -253,9 +259,9 @@ def test_limits_are_warned_of_and_life_is_claimed_only_where_a_source_does() -> 
 
 
 def test_recalled_cells_are_named() -> None:
-    assert judge(asked(), THIN, "90").recalled == ("diameter", "resistance")
-    assert judge(asked(), WIRES["0.25 mm"], "90").recalled == ("diameter",)
-    assert judge(asked(), WIRES["0.025 mm"], "90").recalled == ()
+    assert judge_candidate(asked(), THIN, "90").recalled == ("diameter", "resistance")
+    assert judge_candidate(asked(), WIRES["0.25 mm"], "90").recalled == ("diameter",)
+    assert judge_candidate(asked(), WIRES["0.025 mm"], "90").recalled == ()
 
 
 def test_a_return_that_takes_everything_is_refused() -> None:
@@ -267,14 +273,14 @@ def test_a_return_that_takes_everything_is_refused() -> None:
 def test_a_wire_without_cycle_has_no_scenario() -> None:
     request = asked(supply=0.5)
     with pytest.raises(InputError, match=r"makes no cycle.*the supply of 0\.5 V"):
-        scenario_text(request, judge(request, THIN, "90"), WIRES)
+        format_scenario(request, judge_candidate(request, THIN, "90"), WIRES)
 
 
 def test_too_slow_a_wire_is_written_at_its_own_rate() -> None:
     request = asked(force=5.0, rate=1.0)
-    found = judge(request, THICK, "90")
+    found = judge_candidate(request, THICK, "90")
     assert not found.feasible and found.cycle is not None
-    text = scenario_text(request, found, WIRES)
+    text = format_scenario(request, found, WIRES)
     scenario = read_scenario(text)
     assert "# Not met: too slow" in text
     assert "1 Hz are not reached" in text
@@ -283,7 +289,7 @@ def test_too_slow_a_wire_is_written_at_its_own_rate() -> None:
 
 def test_scenario_says_where_each_cell_comes_from() -> None:
     request = asked()
-    text = scenario_text(request, judge(request, WIRES["0.25 mm"], "90"), WIRES)
+    text = format_scenario(request, judge_candidate(request, WIRES["0.25 mm"], "90"), WIRES)
     lines = text.splitlines()
     assert any("0.254 mm" in line and "recalled, dynalloy-tcf1140" in line for line in lines)
     assert any("resistance]" in line and "datasheet, flexinol-workshop" in line for line in lines)
@@ -312,14 +318,14 @@ def test_checked_current_contracts_the_wire_in_a_second() -> None:
     (row,) = catalogue_check.check_catalogue(small("0.15 mm"), alloys=("70",))
     strand = Strand(WIRES["0.15 mm"], "70", 0.1, 295.15)
     request = asked(bias="weight", force=172e6 * strand.size.section)
-    system = strand.system(statics(request, strand.size, "70").mechanism(3e-3))
+    system = strand.system(compute_statics(request, strand.size, "70").mechanism(3e-3))
     full = strand.reachable_strain(172e6, 172e6) * strand.length
-    assert pulsed(system, row.current, 1.0) == pytest.approx(0.99 * full, rel=2e-3)
-    assert pulsed(system, 0.95 * row.current, 1.0) < 0.95 * full
+    assert simulate_pulse(system, row.current, 1.0) == pytest.approx(0.99 * full, rel=2e-3)
+    assert simulate_pulse(system, 0.95 * row.current, 1.0) < 0.95 * full
 
 
 def test_spread_is_that_of_the_ratios_that_exist() -> None:
-    found = catalogue_check.spread([0.5, None, 2.0])
+    found = catalogue_check.summarise_ratios([0.5, None, 2.0])
     assert found is not None
     assert (found.least, found.mean, found.most) == (0.5, pytest.approx(1.0), 2.0)
-    assert catalogue_check.spread([None]) is None
+    assert catalogue_check.summarise_ratios([None]) is None

@@ -19,8 +19,8 @@ from tuning_cases import DELAY, DT, linear_bench
 from martensite.actuators.assembly import System
 from martensite.base.errors import InputError, ParameterError
 from martensite.control.loop.bench import Bench
-from martensite.design.analysis.energy import energy_per_cycle
-from martensite.design.analysis.frequency import frequency_response
+from martensite.design.analysis.energy import compute_cycle_energies
+from martensite.design.analysis.frequency import measure_frequency_response
 from martensite.design.analysis.speed import compute_speeds
 from martensite.show.figures.energy import plot_energy
 from martensite.show.figures.frequency import plot_frequency_response
@@ -52,7 +52,7 @@ def first_order(frequency: Any) -> Any:
 def test_a_model_of_first_order_has_its_transfer_function(native: bool | None) -> None:
     plant = linear_bench().plant
     wanted = (0.02, 0.1, 0.15, 0.17, 0.5) if native is None else (0.5,)
-    found = frequency_response(plant, [0.3, 0.6], 0.1, wanted, native=native)
+    found = measure_frequency_response(plant, [0.3, 0.6], 0.1, wanted, native=native)
     exact = first_order(found.frequencies)
     np.testing.assert_allclose(found.response, [exact, exact], rtol=2e-4)
     assert np.abs(found.mean - (GAIN * found.biases[:, None] + 0.5)).max() < 1e-4
@@ -66,14 +66,16 @@ def test_a_model_of_first_order_has_its_transfer_function(native: bool | None) -
 
 
 def test_a_delay_that_is_a_sample_off_would_be_seen() -> None:
-    found = frequency_response(linear_bench().plant, [0.5], 0.1, [0.5])
+    found = measure_frequency_response(linear_bench().plant, [0.5], 0.1, [0.5])
     early = first_order(found.frequencies) * np.exp(2j * np.pi * found.frequencies * DT)
     assert np.abs(found.response / early - 1.0).max() > 0.1
 
 
 def test_a_closed_loop_has_that_of_its_loop() -> None:
     """The gain Kp = 1 around the model; limits are out of reach."""
-    found = frequency_response(linear_bench(), [1.5], 0.05, [0.05, 0.2, 0.4], drive="reference")
+    found = measure_frequency_response(
+        linear_bench(), [1.5], 0.05, [0.05, 0.2, 0.4], drive="reference"
+    )
     loop = first_order(found.frequencies)
     np.testing.assert_allclose(found.response, [loop / (1.0 + loop)], rtol=1e-3)
     assert np.isnan(found.bandwidth[0])
@@ -82,7 +84,7 @@ def test_a_closed_loop_has_that_of_its_loop() -> None:
 def test_a_wire_that_does_not_transform_is_a_lag() -> None:
     wanted = np.array([0.1, 1.0, 4.0]) / (2.0 * math.pi * TAU)
     power = H * AREA * 10.0
-    found = frequency_response(WIRE, [power], 0.5 * power, wanted, output="temperature")
+    found = measure_frequency_response(WIRE, [power], 0.5 * power, wanted, output="temperature")
     exact = 1.0 / (H * AREA) / (1.0 + 2j * math.pi * wanted * TAU)
     np.testing.assert_allclose(found.frequencies, wanted, rtol=1e-12)
     np.testing.assert_allclose(found.response, [exact], rtol=1e-3)
@@ -93,8 +95,8 @@ def test_a_wire_remembers_from_where_it_came() -> None:
     """At one power, of which the cold wire is martensite and the one that was hot austenite."""
     middle, amplitude = 0.42 * PEAK, 0.02 * PEAK
     wanted: list[Any] = [WIRE, [middle], amplitude, [0.2 / TAU]]
-    heated = frequency_response(*wanted, output="martensite_fraction")
-    cooled = frequency_response(*wanted, output="martensite_fraction", high=PEAK)
+    heated = measure_frequency_response(*wanted, output="martensite_fraction")
+    cooled = measure_frequency_response(*wanted, output="martensite_fraction", high=PEAK)
     assert heated.mean[0, 0] > 0.95
     assert cooled.mean[0, 0] < 0.05
 
@@ -102,13 +104,13 @@ def test_a_wire_remembers_from_where_it_came() -> None:
 def test_frequencies_that_are_none() -> None:
     plant = linear_bench().plant
     with pytest.raises(InputError, match=r"fewer than 8 samples .* 2.5 Hz"):
-        frequency_response(plant, [0.5], 0.1, [9.0])
+        measure_frequency_response(plant, [0.5], 0.1, [9.0])
     with pytest.raises(InputError, match="amplitude"):
-        frequency_response(plant, [0.5], 0.0, [0.1])
+        measure_frequency_response(plant, [0.5], 0.0, [0.1])
     with pytest.raises(InputError, match="no drive `refrence`"):
-        frequency_response(linear_bench(), [1.5], 0.1, [0.1], drive="refrence")
+        measure_frequency_response(linear_bench(), [1.5], 0.1, [0.1], drive="refrence")
     with pytest.raises(InputError, match="no output `yy`"):
-        frequency_response(plant, [0.5], 0.1, [0.1], output="yy")
+        measure_frequency_response(plant, [0.5], 0.1, [0.1], output="yy")
 
 
 # ---------------------------------------------------------------- speeds
@@ -163,7 +165,7 @@ def cycles() -> Result:
 
 
 def test_the_heat_of_a_cycle_that_repeats_is_what_was_put_in() -> None:
-    found = energy_per_cycle(cycles(), CYCLE)
+    found = compute_cycle_energies(cycles(), CYCLE)
     assert len(found.electrical) == 2
     assert found.electrical == pytest.approx(0.5 * PEAK * CYCLE, rel=1e-6)
     assert abs(found.kept[1] / found.electrical[1]) < 1e-3  # and the first does not repeat:
@@ -172,7 +174,7 @@ def test_the_heat_of_a_cycle_that_repeats_is_what_was_put_in() -> None:
 
 def test_the_work_is_the_lifted_weight() -> None:
     run = cycles()
-    found = energy_per_cycle(run, CYCLE)
+    found = compute_cycle_energies(run, CYCLE)
     second = np.array(run["position"])[2400:4801]
     lifted = MASS * 9.80665 * (second.max() - second.min())
     assert lifted > 0.05
@@ -186,25 +188,25 @@ def test_a_bench_holds_its_power_for_a_period() -> None:
     bench = Bench(plant=WIRE, period=0.5)
     levels = (0.0, 3.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     run = simulate(bench, {"drive": Held(values=levels, frequency=2.0)}, 4.0, samples=9)
-    found = energy_per_cycle(run, 1.0)
+    found = compute_cycle_energies(run, 1.0)
     assert found.electrical == pytest.approx([1.5, 0.5, 0.0, 0.0])
     assert math.isnan(found.efficiency[2])
 
 
 def test_what_has_no_cycle_or_no_columns() -> None:
     with pytest.raises(InputError, match="no whole cycle"):
-        energy_per_cycle(cycles(), 100.0)
+        compute_cycle_energies(cycles(), 100.0)
     with pytest.raises(InputError, match="no column `torqe`"):
-        energy_per_cycle(cycles(), CYCLE, pairs=[("torqe", "position")])
-    named = energy_per_cycle(cycles(), CYCLE, pairs=[("force", "position")])
-    assert named.work.tolist() == energy_per_cycle(cycles(), CYCLE).work.tolist()
+        compute_cycle_energies(cycles(), CYCLE, pairs=[("torqe", "position")])
+    named = compute_cycle_energies(cycles(), CYCLE, pairs=[("force", "position")])
+    assert named.work.tolist() == compute_cycle_energies(cycles(), CYCLE).work.tolist()
 
 
 # ---------------------------------------------------------------- pictures
 
 
 def test_pictures_have_what_was_found() -> None:
-    found = frequency_response(linear_bench().plant, [0.3, 0.6], 0.1, [0.05, 0.5])
+    found = measure_frequency_response(linear_bench().plant, [0.3, 0.6], 0.1, [0.05, 0.5])
     gain, phase = plot_frequency_response(found).axes[:2]
     np.testing.assert_allclose(line(gain, "0.6"), found.gain[1], rtol=1e-9)
     np.testing.assert_allclose(line(phase, "0.3"), np.degrees(found.phase[0]))
@@ -212,7 +214,7 @@ def test_pictures_have_what_was_found() -> None:
     course, times = plot_speeds(quick).axes[:2]
     assert len(course.get_lines()) == 3
     np.testing.assert_allclose(line(times, "heating"), quick.rise[0])
-    energies = energy_per_cycle(cycles(), CYCLE)
+    energies = compute_cycle_energies(cycles(), CYCLE)
     bars: list[Any] = list(plot_energy(energies).axes[0].patches)
     assert max(bar.get_height() for bar in bars) == pytest.approx(energies.electrical.max())
 

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from design_cases import differences
 
-from martensite.design.optimise.evaluate import Designs
-from martensite.design.optimise.judged import Scales
+from martensite.design.optimise.design_scales import DesignScales
+from martensite.design.optimise.evaluate import DesignEvaluator
+from martensite.design.optimise.grid_scan import scan_designs
 from martensite.design.optimise.optimise import optimise_design
 from martensite.design.optimise.question import read_question
-from martensite.design.optimise.scan import scan
 from martensite.scenario.scenario import load
 from martensite.simulate.waveform_levels import WaveformLevels
 
@@ -35,7 +35,7 @@ def test_derivatives_are_those_of_differences() -> None:
     limits = (*LIMITS, "max(stress) <= 172 MPa", "max(hottest) <= 120 degC")
     free = "element.count=1..6", *BOX
     question = read_question(steering, free, "energy", limits)
-    designs = Designs(steering, question, samples=81, step=0.01)
+    designs = DesignEvaluator(steering, question, samples=81, step=0.01)
     for z in (np.array([0.7, 0.4, 0.4, 0.6]), np.array([0.5, 0.6, 0.3, 0.4])):
         exact, near = designs.slopes(z), differences(designs, z, 1e-5)
         assert exact is not None
@@ -56,12 +56,12 @@ def test_it_agrees_with_brute_force() -> None:
     assert best.kept
     assert best.numbers[0] == 4.0
     coarse = optimise_box(BOX, "element.count=3..5", best.step)
-    grid = scan(coarse, Scales(coarse.question), [3, 9, 9, 9])
+    grid = scan_designs(coarse, DesignScales(coarse.question), [3, 9, 9, 9])
     assert grid.best is not None
     assert grid.numbers[0] == 4.0  # none of the grid with three wires keeps all limits
     assert best.goal <= grid.values[0] * (1.0 + 1e-5)
     near = optimise_box(NEAR, "element.count=4..5", best.step)
-    fine = scan(near, Scales(near.question), [2, 9, 9, 9])
+    fine = scan_designs(near, DesignScales(near.question), [2, 9, 9, 9])
     z = np.array([f.share(v) for f, v in zip(near.question.free, best.numbers, strict=True)])
     assert fine.best is not None
     assert best.goal <= fine.values[0] * (1.0 + 1e-5) <= best.goal * 1.05
@@ -69,10 +69,10 @@ def test_it_agrees_with_brute_force() -> None:
     assert best.counts.simulations + best.counts.slopes < len(grid.z)
 
 
-def optimise_box(box: tuple[str, ...], count: str, step: float) -> Designs:
+def optimise_box(box: tuple[str, ...], count: str, step: float) -> DesignEvaluator:
     """Designs of the finger in another box."""
     one = load(SCENARIO)
     steering = WaveformLevels(one.system, one.waveform, one.duration)
     limits = (*LIMITS, "max(stress) <= 172 MPa", "max(hottest) <= 120 degC")
     question = read_question(steering, (count, *box), "energy", limits)
-    return Designs(steering, question, samples=one.samples, step=step)
+    return DesignEvaluator(steering, question, samples=one.samples, step=step)

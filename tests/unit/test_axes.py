@@ -12,7 +12,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from martensite.base.errors import InputError, ParameterError, UnitError
-from martensite.design.sweep.axes import Axis, axis
+from martensite.design.sweep.axes import SweepAxis, parse_axis
 from martensite.search.free_numbers import Target
 
 TARGETS = {
@@ -24,8 +24,8 @@ TARGETS = {
 }  # fmt: skip
 
 
-def read(words: str) -> Axis:
-    return axis(words, TARGETS)
+def read(words: str) -> SweepAxis:
+    return parse_axis(words, TARGETS)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import pytest
 
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.pid import Gains
-from martensite.design.tuning.response import step_responses, steps
+from martensite.design.tuning.response import build_steps, measure_steps
 from martensite.kernels import floats
 from martensite.scenario import datasets
 from martensite.scenario.tables import read_table
@@ -222,10 +222,10 @@ def test_conduction_takes_from_one_cell_what_it_gives_to_another() -> None:
 
 def test_a_controller_holds_the_wire_at_a_position() -> None:
     """Gains in percent per millimetre are 10 times as large in duty per metre."""
-    reference = steps([(0.0, 0.2), (3e-3, 4.8)], INTERVAL)
+    reference = build_steps([(0.0, 0.2), (3e-3, 4.8)], INTERVAL)
     gains = Gains(10.0 * 106.0, 10.0 * 0.024, 10.0 * 3670.0)
     run = loop.run_controlled(gains, reference)
-    (found,) = step_responses(reference, run.output, INTERVAL)
+    (found,) = measure_steps(reference, run.output, INTERVAL)
     assert found.rise == pytest.approx(1.24, abs=0.05)
     assert found.overshoot < 0.02
     assert abs(found.error) < 5e-5

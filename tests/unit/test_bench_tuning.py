@@ -15,15 +15,15 @@ from tuning_cases import linear_bench, wire_bench
 from martensite.base.errors import ParameterError, SolveError
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
-from martensite.design.rules.rule_starts import gains_by_tests, loop_tests, pid_values
+from martensite.design.rules.rule_starts import convert_to_pid, gains_by_tests, run_loop_tests
 from martensite.design.tuning.bench_tuning import tune_bench
 from martensite.design.tuning.free_gains import build_free_gains
-from martensite.design.tuning.gain_search import Search
-from martensite.design.tuning.goals import ERRORS, Cost, Course, Goal
-from martensite.design.tuning.loop_runs import LoopRuns, Seen, judged_output
-from martensite.design.tuning.measures import measures
-from martensite.design.tuning.over_plants import OverPlants, over_plants
-from martensite.design.tuning.perturbed import METHODS, draw_plants
+from martensite.design.tuning.gain_search import TuningSearch
+from martensite.design.tuning.goals import ERRORS, Cost, Course, TuningGoal
+from martensite.design.tuning.loop_runs import LoopRuns, Seen, find_judged_output
+from martensite.design.tuning.measures import measure_loop
+from martensite.design.tuning.plant_comparison import OverPlants, compare_over_plants
+from martensite.design.tuning.plant_spread import METHODS, draw_plants
 
 GAINS = tuple(f"controllers.drive.{name}" for name in ("Kp", "Ki", "Kd"))
 SPREADS = {
@@ -51,7 +51,7 @@ def test_the_clock_begins_anew_at_a_step_and_overshoot_needs_a_level() -> None:
 
 def test_measures_of_a_course_made_by_hand() -> None:
     course, seen = course_of([1.0] * 6, [0.0, 0.5, 1.3, 0.9, 1.02, 1.0])
-    found = measures(seen, course)
+    found = measure_loop(seen, course)
     errors = np.array([1.0, 0.5, 0.3, 0.1, 0.02, 0.0])
     assert found.iae == pytest.approx(0.5 * errors[1:].sum())
     assert found.itae == pytest.approx(0.25 * errors @ np.arange(6))
@@ -64,7 +64,7 @@ def test_measures_of_a_course_made_by_hand() -> None:
 
 def test_what_never_settles() -> None:
     course, seen = course_of([1.0] * 4, [0.0, 0.5, 1.0, 1.2])
-    assert measures(seen, course).settling == math.inf
+    assert measure_loop(seen, course).settling == math.inf
 
 
 @pytest.mark.parametrize("error", ERRORS)
@@ -72,7 +72,7 @@ def test_a_cost_has_its_derivatives(error: str) -> None:
     rng = np.random.default_rng(1)
     reference = np.repeat([1.0, 0.3, 0.8], 8)
     seen = Seen(*rng.normal(1.0, 0.5, (5, 24)))._replace(reference=reference)
-    cost = Cost(Goal(error=error, overshoot=0.7, energy=0.3, activity=0.4), Course(seen, 0.1))
+    cost = Cost(TuningGoal(error=error, overshoot=0.7, energy=0.3, activity=0.4), Course(seen, 0.1))
     moved = Seen(*rng.normal(0.0, 1.0, (5, 24, 1)))._replace(reference=np.zeros((24, 1)))
     ends = [
         cost(Seen(*((a + h * b[:, 0])[None] for a, b in zip(seen, moved, strict=True))))[0]
@@ -86,20 +86,20 @@ def test_a_cost_has_its_derivatives(error: str) -> None:
 def test_parts_of_a_cost_count_by_their_weights() -> None:
     course, seen = course_of([1.0] * 6, [0.0, 0.5, 1.3, 0.9, 1.02, 1.0])
     rows = Seen(*(column[None] for column in seen))
-    bare = Cost(Goal(overshoot=0.0, energy=0.0, activity=0.0), course)(rows)[0]
+    bare = Cost(TuningGoal(overshoot=0.0, energy=0.0, activity=0.0), course)(rows)[0]
     for name in ("overshoot", "energy", "activity"):
         parts: Any = {"overshoot": 0.0, "energy": 0.0, "activity": 0.0, name: 1.0}
-        goal = Goal(**parts)
+        goal = TuningGoal(**parts)
         assert Cost(goal, course)(rows)[0] > bare + 0.01
-    assert Cost(Goal(overshoot=0.0, energy=2.0, activity=0.0), course)(rows)[0] == pytest.approx(
-        bare + 2.0
-    )
+    assert Cost(TuningGoal(overshoot=0.0, energy=2.0, activity=0.0), course)(rows)[
+        0
+    ] == pytest.approx(bare + 2.0)
 
 
 def test_the_worst_share_of_a_batch() -> None:
-    cost, weights = Goal(worst=0.5).over_plants(np.array([1.0, 4.0, 2.0, 3.0]))
+    cost, weights = TuningGoal(worst=0.5).over_plants(np.array([1.0, 4.0, 2.0, 3.0]))
     assert (cost, weights.tolist()) == (3.5, [0.0, 0.5, 0.0, 0.5])
-    assert Goal().over_plants(np.array([1.0, 4.0]))[0] == 2.5
+    assert TuningGoal().over_plants(np.array([1.0, 4.0]))[0] == 2.5
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,7 @@ def test_the_worst_share_of_a_batch() -> None:
 )
 def test_what_is_no_goal(wrong: dict[str, Any], said: str) -> None:
     with pytest.raises(ParameterError, match=said):
-        Goal(**wrong)
+        TuningGoal(**wrong)
 
 
 def test_a_reference_that_asks_for_nothing() -> None:
@@ -185,7 +185,7 @@ def sensed(c_compiler: str) -> LoopRuns:
 
 def cost_of(runs: LoopRuns) -> Cost:
     nominal = runs.run(runs.table({}, 1))
-    return Cost(Goal(), Course(Seen(*(column[0] for column in nominal)), runs.bench.period))
+    return Cost(TuningGoal(), Course(Seen(*(column[0] for column in nominal)), runs.bench.period))
 
 
 def test_derivatives_through_the_loop_are_those_of_differences(ideal: LoopRuns) -> None:
@@ -213,14 +213,14 @@ def test_lanes_single_runs_and_floats_agree(ideal: LoopRuns) -> None:
 
 def test_what_is_judged_is_the_truth(sensed: LoopRuns) -> None:
     """Not what an encoder says late and rounded."""
-    assert judged_output(sensed.bench, "drive") == "position"
+    assert find_judged_output(sensed.bench, "drive") == "position"
     with pytest.raises(ParameterError, match="No loop `heater`"):
         LoopRuns(sensed.bench, 8.0, drive="heater")
 
 
 # ---------------------------------------------------------------- searches
 
-QUICK = Search(scattered=8, searches=1, iterations=8, clouds=0, slopes=4)
+QUICK = TuningSearch(scattered=8, searches=1, iterations=8, clouds=0, slopes=4)
 
 
 def test_tuning_lowers_the_cost_over_plants(sensed: LoopRuns) -> None:
@@ -322,17 +322,19 @@ def test_ratios_of_plants() -> None:
 def test_tuned_gains_beat_the_best_rule_on_plants_they_have_not_seen(sensed: LoopRuns) -> None:
     """The rule that is best on those very plants, of all step and relay rules."""
     bench = sensed.bench
-    tests = loop_tests(bench, 0.004)
+    tests = run_loop_tests(bench, 0.004)
     assert tests.cycle is not None
     assert tests.holding.heating > tests.holding.cooling + 0.1
     rules = {
-        name: pid_values(bench, gains)
+        name: convert_to_pid(bench, gains)
         for name, gains in gains_by_tests(tests, bench.period).items()
     }
     seen, unseen = (draw_plants(bench, SPREADS, 64, seed=seed) for seed in (1, 2))
-    start = over_plants(sensed, rules, seen).best()
-    tuned = tune_bench(bench, 8.0, plants=seen, starts=[rules[start]], search=Search(searches=1))
-    found = over_plants(sensed, {**rules, "tuned": tuned.after}, unseen)
+    start = compare_over_plants(sensed, rules, seen).best()
+    tuned = tune_bench(
+        bench, 8.0, plants=seen, starts=[rules[start]], search=TuningSearch(searches=1)
+    )
+    found = compare_over_plants(sensed, {**rules, "tuned": tuned.after}, unseen)
     best = OverPlants({name: v for name, v in found.itae.items() if name != "tuned"}).best()
     ratio = found.ratio("tuned", best)
     assert ratio.median < 0.8
@@ -348,4 +350,4 @@ def test_rules_are_for_a_pid(sensed: LoopRuns) -> None:
     switch = OnOff(measured="position", reference=Constant(level=1e-3), high=1.0)
     bench = sensed.bench.with_parts(controllers=Controllers(drive=switch))
     with pytest.raises(ParameterError, match="that of `drive` is `on-off`"):
-        loop_tests(bench, 0.004)
+        run_loop_tests(bench, 0.004)

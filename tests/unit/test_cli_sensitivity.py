@@ -13,8 +13,8 @@ import pytest
 from command import Command
 from sweep_cases import AXES, WIRE
 
-from martensite.design.sweep.indices import sensitivity
-from martensite.design.sweep.pareto import pareto_front
+from martensite.design.sweep.indices import compute_sensitivity
+from martensite.design.sweep.pareto import find_pareto_front
 from martensite.design.sweep.reading import read_sweep
 
 SWEEP, SENSITIVITY, PARETO = Command("sweep"), Command("sensitivity"), Command("pareto")
@@ -39,7 +39,7 @@ def store(scenario: Path) -> Path:
 
 
 def test_indices_are_shown_the_most_important_first(store: Path) -> None:
-    (known,) = sensitivity(read_sweep(store), ["energy"])
+    (known,) = compute_sensitivity(read_sweep(store), ["energy"])
     shown = SENSITIVITY.fine(str(store), "--output", "energy")
     lines = [line.split() for line in shown.splitlines()]
     rows = [line for line in lines if line and line[0] in known.names]
@@ -53,7 +53,7 @@ def test_indices_are_shown_the_most_important_first(store: Path) -> None:
 
 def test_indices_are_told_as_json(store: Path) -> None:
     told = SENSITIVITY.report(str(store))
-    known = {one.measure: one for one in sensitivity(read_sweep(store))}
+    known = {one.measure: one for one in compute_sensitivity(read_sweep(store))}
     assert list(told["measures"]) == list(known)
     for name, one in told["measures"].items():
         index = known[name].indices["total"]
@@ -75,7 +75,7 @@ def test_a_front_is_shown_told_and_saved(store: Path, tmp_path: Path) -> None:
     files = "--save", str(saved), "--figure", str(figure)
     told = PARETO.report(str(store), *GOALS, *files)
     found = read_sweep(store)
-    front = pareto_front(found, ["energy"], ["stroke"])
+    front = find_pareto_front(found, ["energy"], ["stroke"])
     assert [one["run"] for one in told["front"]] == front.runs.tolist()
     assert told["goals"] == {"energy": "least", "stroke": "most"}
     with saved.open(encoding="utf-8") as file:

@@ -14,7 +14,7 @@ from command import Command
 from sweep_cases import AXES, WIRE, arrays, undisturbed
 
 from martensite.base.status import Status
-from martensite.design.sweep.plan import Plan
+from martensite.design.sweep.plan import SweepPlan
 from martensite.design.sweep.store import Store
 
 SWEEP = Command("sweep")
@@ -165,14 +165,14 @@ def test_a_full_disk_exits_with_1_and_the_command_goes_on(
 
 
 def test_an_interruption_exits_with_1(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    compute = Plan.compute
+    compute = SweepPlan.compute
 
-    def interrupted(plan: Plan, rows: range) -> Any:
+    def interrupted(plan: SweepPlan, rows: range) -> Any:
         if rows.start == 6:
             raise KeyboardInterrupt
         return compute(plan, rows)
 
-    monkeypatch.setattr(Plan, "compute", interrupted)
+    monkeypatch.setattr(SweepPlan, "compute", interrupted)
     done = SWEEP("wire.toml", *AXES, *QUICK)
     assert done.exit_code == 1
     assert "Interrupted when 6 of 12 runs were there" in done.stderr

@@ -15,9 +15,9 @@ from scipy.signal import lfilter
 
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.pid import Gains, PidLaw
-from martensite.design.tuning.closed_loop import ControlledModel, Trajectory, logs
-from martensite.design.tuning.response import StepResponse, steps
-from martensite.design.tuning.tuning import Tuning, cost, tune
+from martensite.design.tuning.closed_loop import ControlledModel, Trajectory, compute_logarithms
+from martensite.design.tuning.response import StepResponse, build_steps
+from martensite.design.tuning.tuning import ModelTuning, compute_cost, tune_model
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.chain import Chain
@@ -26,7 +26,7 @@ from martensite.kernels import floats
 DT = 0.05
 WIDE = PidLaw(low=-1e6, high=1e6)
 GAINS = Gains(1.5, 0.05, 2.0)
-REFERENCE = steps([(0.0, 1.0), (1.0, 8.0), (-0.5, 8.0)], DT)
+REFERENCE = build_steps([(0.0, 1.0), (1.0, 8.0), (-0.5, 8.0)], DT)
 
 
 def model(gain: float = 2.0, offset: float = 0.0, tau: float = 1.0) -> Chain:
@@ -89,7 +89,8 @@ def test_derivatives_with_respect_to_gains(compiled: bool, c_compiler: str) -> N
     h = 1e-5
     for k, change in enumerate(h * np.eye(3)):
         up, down = (
-            held.run(Gains(*np.exp(logs(GAINS) + sign * change)), REFERENCE) for sign in (1, -1)
+            held.run(Gains(*np.exp(compute_logarithms(GAINS) + sign * change)), REFERENCE)
+            for sign in (1, -1)
         )
         for row, (a, b) in enumerate(((up.output, down.output), (up.signal, down.signal))):
             expected = (a - b) / (2.0 * h)
@@ -116,7 +117,7 @@ def test_a_model_that_cannot_be_controlled_is_refused() -> None:
 
 # ---------------------------------------------------------------- tuning
 
-TASK = Tuning(
+TASK = ModelTuning(
     levels=((0.0, 1.0), (1e-3, 6.0)), starts=((5.0, 0.01, 0.1), (20.0, 0.1, 10.0)), evaluations=80
 )
 
@@ -132,22 +133,22 @@ def test_the_cost_by_hand() -> None:
     output = np.array([0.0, 0.0, 0.0, 1.2e-3, 1e-3])
     signal = np.array([0.0, 0.0, 0.5, 0.5, 0.1])
     gains = Gains(1000.0, 1.0, 1e5)
-    found = cost(Trajectory(reference, output, signal, DT), gains, TASK)
+    found = compute_cost(Trajectory(reference, output, signal, DT), gains, TASK)
     error, overshoot, activity = 1.2 / 5, 0.2, 2.0 * (50.0 + 40.0) / 4
     assert found == pytest.approx(error + overshoot + activity + 1e-4 * 100.0 + 1e-6 * 1e4)
     broken = Trajectory(reference, np.full(5, np.nan), signal, DT)
-    assert cost(broken, gains, TASK) == math.inf
+    assert compute_cost(broken, gains, TASK) == math.inf
 
 
 def test_tuning_finds_gains_that_follow(c_compiler: str) -> None:
     told: list[float] = []
-    found = tune(millimetres(), TASK, lambda text, share: told.append(share))
-    reference = steps(TASK.levels, DT)
+    found = tune_model(millimetres(), TASK, lambda text, share: told.append(share))
+    reference = build_steps(TASK.levels, DT)
     for start in TASK.starts:
         gains = Gains(*(10.0 * g for g in start))
-        begun = cost(millimetres().run(gains, reference), gains, TASK)
+        begun = compute_cost(millimetres().run(gains, reference), gains, TASK)
         assert found.cost < begun
-    assert found.cost == cost(millimetres().run(found.gains, reference), found.gains, TASK)
+    assert found.cost == compute_cost(millimetres().run(found.gains, reference), found.gains, TASK)
     assert found.evaluations <= 90
     assert told == [0.5, 1.0]
     (answer,) = found.responses
@@ -159,9 +160,9 @@ def test_tuning_finds_gains_that_follow(c_compiler: str) -> None:
 
 
 def test_tuning_repeats(c_compiler: str) -> None:
-    assert tune(millimetres(), TASK).gains == tune(millimetres(), TASK).gains
+    assert tune_model(millimetres(), TASK).gains == tune_model(millimetres(), TASK).gains
 
 
 def test_a_tuning_without_starts_is_refused() -> None:
     with pytest.raises(ParameterError, match="No start"):
-        tune(millimetres(), Tuning(TASK.levels, starts=()))
+        tune_model(millimetres(), ModelTuning(TASK.levels, starts=()))

@@ -13,8 +13,8 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.sensors.position import PositionSensor
-from martensite.design.synthesis.linear import in_readings, linearised
-from martensite.design.synthesis.operating_point import operating_point_at
+from martensite.design.synthesis.linear import linearise_plant, realise_readings
+from martensite.design.synthesis.operating_point import find_operating_level
 from martensite.export.control_systems import (
     plant_state_space,
     rest_state,
@@ -78,13 +78,13 @@ def test_a_bench_answers_as_in_simulate():
 @pytest.mark.parametrize(("direction", "push"), [("heating", 1.001), ("cooling", 0.999)])
 def test_a_linear_plant_is_that_of_python_control(direction, push, c_compiler):
     """Exact derivatives against its differences, with the signal that says the direction."""
-    point = operating_point_at(PLANT, 3e-3, "position", 0.0, 3.0, direction=direction)
+    point = find_operating_level(PLANT, 3e-3, "position", 0.0, 3.0, direction=direction)
     exact = plant_state_space(point, PERIOD, outputs=("position", "temperature"))
     system = to_nonlinear_system(PLANT, PERIOD, outputs=("position", "temperature"))
     near = control.linearize(system, point.state, [push * point.signal])
     z = np.exp(2j * np.pi * np.array([1e-3, 0.1, 10.0]) * PERIOD)
     assert exact(z) == pytest.approx(near(z), rel=1e-3)
-    slim = to_state_space(in_readings(linearised(point, PERIOD), ("position",)).linear)
+    slim = to_state_space(realise_readings(linearise_plant(point, PERIOD), ("position",)).linear)
     assert slim.nstates == 1
     assert slim(z) == pytest.approx(exact(z)[0, 0], rel=1e-6)
     at_rest = control.linearize(system, point.state, [point.signal])

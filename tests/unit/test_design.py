@@ -23,14 +23,14 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.base.parameters import param
-from martensite.design.optimise.designed import Designed
-from martensite.design.optimise.evaluate import Designs
-from martensite.design.optimise.judged import Scales
-from martensite.design.optimise.life import life_constraints
+from martensite.design.optimise.design_scales import DesignScales
+from martensite.design.optimise.evaluate import DesignEvaluator
+from martensite.design.optimise.grid_scan import scan_designs
+from martensite.design.optimise.life import build_life_constraints
 from martensite.design.optimise.optimise import optimise_design
+from martensite.design.optimise.optimised_design import OptimisedDesign
 from martensite.design.optimise.question import read_question
-from martensite.design.optimise.scan import scan
-from martensite.design.optimise.search import Search
+from martensite.design.optimise.search import DesignSearch
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
@@ -54,7 +54,7 @@ LIMITS = (
     "max(stress) <= 450 MPa",
     "max(temperature) <= 170 degC",
 )
-QUICK = Search(sample=16, descents=1, clouds=1, iterations=30)
+QUICK = DesignSearch(sample=16, descents=1, clouds=1, iterations=30)
 pytestmark = pytest.mark.usefixtures("c_compiler")
 
 
@@ -62,9 +62,9 @@ def found(
     free: tuple[str, ...],
     *limits: str,
     begin: WaveformLevels | None = None,
-    search: Search = QUICK,
+    search: DesignSearch = QUICK,
     **options: object,
-) -> Designed:
+) -> OptimisedDesign:
     given = begin or steering()
     return optimise_design(
         given.system,
@@ -83,7 +83,7 @@ def found(
 
 
 @pytest.fixture(scope="module")
-def all_measures() -> Designs:
+def all_measures() -> DesignEvaluator:
     """In steps that are solved exactly, as derivatives take them to be."""
     free = COUNT, DIAMETER, POWER, "stiffness=0.2..1 N/mm"
     return designs(free, "energy", ALL)
@@ -95,7 +95,9 @@ def agree(exact: NDArray[np.float64], near: NDArray[np.float64]) -> bool:
 
 
 @pytest.mark.parametrize("z", [(0.3, 0.1, 0.55, 0.3), (0.2, 0.05, 0.4, 0.6)])
-def test_derivatives_are_those_of_differences(all_measures: Designs, z: tuple[float, ...]) -> None:
+def test_derivatives_are_those_of_differences(
+    all_measures: DesignEvaluator, z: tuple[float, ...]
+) -> None:
     place = np.array(z)
     exact = all_measures.slopes(place)
     assert exact is not None
@@ -105,9 +107,11 @@ def test_derivatives_are_those_of_differences(all_measures: Designs, z: tuple[fl
     assert not agree(exact.slopes * (1.0 + 1e-4), near)
 
 
-def test_without_a_compiler_differences_serve(all_measures: Designs) -> None:
+def test_without_a_compiler_differences_serve(all_measures: DesignEvaluator) -> None:
     z = np.array([0.3, 0.1, 0.55, 0.3])
-    plain = Designs(steering(), all_measures.question, samples=SAMPLES, step=STEP, native=False)
+    plain = DesignEvaluator(
+        steering(), all_measures.question, samples=SAMPLES, step=STEP, native=False
+    )
     exact, near = all_measures.slopes(z), plain.slopes(z)
     assert exact is not None
     assert near is not None
@@ -167,7 +171,7 @@ def test_a_level_that_is_not_affine_is_refused() -> None:
 
 def test_it_agrees_with_brute_force() -> None:
     best = found(("strand.diameter=0.08..0.14 mm", "drive.waveform.high=2..6 W"))
-    grid = scan(best.designs, Scales(best.question), 21)
+    grid = scan_designs(best.designs, DesignScales(best.question), 21)
     assert best.kept
     assert grid.best is not None
     assert best.goal <= grid.values[0] * (1.0 + 1e-6)
@@ -190,7 +194,7 @@ def test_what_a_limit_costs_is_what_another_limit_gains() -> None:
 
 def test_whole_numbers_are_those_of_a_grid() -> None:
     best = found((COUNT, DIAMETER, POWER))
-    grid = scan(best.designs, Scales(best.question), [6, 7, 7])
+    grid = scan_designs(best.designs, DesignScales(best.question), [6, 7, 7])
     assert best.kept
     assert best.numbers[0] == round(best.numbers[0])
     assert grid.best is not None
@@ -219,7 +223,7 @@ def test_it_leaves_a_start_that_does_not_move() -> None:
 
 
 def test_what_cannot_be_kept_is_said() -> None:
-    search = Search(sample=8, more=1, descents=1, clouds=0, iterations=20)
+    search = DesignSearch(sample=8, more=1, descents=1, clouds=0, iterations=20)
     best = found((DIAMETER, POWER), "stroke >= 50 mm", "max(stress) <= 300 MPa", search=search)
     assert not best.kept
     assert "stroke >= 50 mm" in best.missed
@@ -245,7 +249,7 @@ def test_the_same_seed_gives_the_same_design() -> None:
 
 
 def test_life_is_the_declared_limits_with_a_margin() -> None:
-    limits = life_constraints(steering(), (), 0.1)
+    limits = build_life_constraints(steering(), (), 0.1)
     said = {one.aim.words: one.limit for one in limits}
     assert said["max(stress)"] == pytest.approx(0.9 * 172e6)
     assert said["stroke(strain)"] == pytest.approx(0.9 * 0.05)
@@ -260,7 +264,7 @@ def test_life_needs_limits() -> None:
     numbers = {name: float("inf") for name in ("stress_limit", "strain_limit", "temperature_limit")}
     system = bare.system.with_values(numbers)
     with pytest.raises(ParameterError, match="No element declares a limit"):
-        life_constraints(WaveformLevels(system, bare.waveforms, 3.0), ())
+        build_life_constraints(WaveformLevels(system, bare.waveforms, 3.0), ())
 
 
 # ---------------------------------------------------------------- texts

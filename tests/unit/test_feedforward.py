@@ -23,8 +23,8 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.sensors.position import PositionSensor
-from martensite.design.synthesis.inverse_hysteresis import identify_hysteresis, rising_curve
-from martensite.design.tuning.response import rms_error
+from martensite.design.synthesis.inverse_hysteresis import fit_rising_curve, identify_hysteresis
+from martensite.design.tuning.response import compute_rms_error
 from martensite.identify.blocks.gain import Gain
 from martensite.identify.blocks.prandtl_ishlinskii import PrandtlIshlinskii
 from martensite.identify.chains.chain import Chain
@@ -66,7 +66,7 @@ def followed(controller: AbstractController, plant: AbstractSystem = PLANT, dura
 def error(controller: AbstractController, plant: AbstractSystem = PLANT) -> float:
     """Rms error over the last period and a half of the sine [m]."""
     reference, position, _ = followed(controller, plant)
-    return rms_error(reference, position, 500)
+    return compute_rms_error(reference, position, 500)
 
 
 # ---------------------------------------------------------------- feedforward
@@ -77,7 +77,7 @@ class TestFeedforward:
     def test_the_plant_as_its_own_model_is_followed(self):
         """Where the signal is not at a limit: cooling at the lower turn is as fast as it is."""
         reference, position, signal = followed(feedforward())
-        assert rms_error(reference, position, 500) < 15e-6
+        assert compute_rms_error(reference, position, 500) < 15e-6
         free = (signal > 0.0) & (signal < 6.0)
         free[:500] = False
         inside = np.convolve(free, np.ones(100), "valid") == 100
@@ -254,9 +254,9 @@ def test_an_identified_loop_is_that_which_made_it():
 
 def test_a_rising_curve_never_turns_back():
     knots, levels = np.array([0.0, 1.0, 2.0, 3.0]), np.linspace(0.0, 3.0, 31)
-    exact = rising_curve(knots, levels, np.interp(levels, knots, [1.0, 2.0, 5.0, 6.0]))
+    exact = fit_rising_curve(knots, levels, np.interp(levels, knots, [1.0, 2.0, 5.0, 6.0]))
     assert exact == pytest.approx([1.0, 2.0, 5.0, 6.0])
-    bent = rising_curve(knots, levels, -np.interp(levels, knots, [0.0, 2.0, 1.0, 6.0]))
+    bent = fit_rising_curve(knots, levels, -np.interp(levels, knots, [0.0, 2.0, 1.0, 6.0]))
     assert np.all(np.diff(bent) < 0.0)
 
 
@@ -278,7 +278,7 @@ def test_the_loop_of_a_wire_becomes_nearly_a_line():
     u, y = np.array(run["drive"]), np.array(run["position"])
     record = Sampled("slow", 3.0, u, y, ("power",), ("position",))
     found = identify_hysteresis(record, plays=6, knots=6, options=Options(starts=1, refined=1))
-    curve = rising_curve(np.array(found.knots), u, y)
+    curve = fit_rising_curve(np.array(found.knots), u, y)
     bare = InversePlay(measured="position", reference=Constant(level=0.0), knots=found.knots,
                        outputs=tuple(curve))  # fmt: skip
 

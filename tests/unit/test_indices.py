@@ -14,9 +14,19 @@ import pytest
 from sweep_tables import ANGLES, ishigami, ishigami_indices, table, with_status, with_value
 
 from martensite.base.errors import DataError, InputError, UnknownNameError
-from martensite.design.sampling.base import design
-from martensite.design.sweep.given_data import first_order, given_data, moved, ranks, slopes
-from martensite.design.sweep.indices import Sensitivity, blocks, sensitivity
+from martensite.design.sampling.base import parse_sampling
+from martensite.design.sweep.given_data_indices import (
+    estimate_delta,
+    estimate_first_order,
+    estimate_indices,
+    fit_slopes,
+    rank_columns,
+)
+from martensite.design.sweep.indices import (
+    SensitivityIndices,
+    compute_sensitivity,
+    estimate_block_indices,
+)
 from martensite.design.sweep.table import SweepTable
 
 BASE = 2048
@@ -28,8 +38,8 @@ def found() -> SweepTable:
     return table(f"saltelli:{BASE}", y=ishigami, same=lambda x: 0.1 + 1e-17 * x[:, 0])
 
 
-def only(found: SweepTable, name: str = "y") -> Sensitivity:
-    (one,) = sensitivity(found, [name])
+def only(found: SweepTable, name: str = "y") -> SensitivityIndices:
+    (one,) = compute_sensitivity(found, [name])
     return one
 
 
@@ -37,7 +47,7 @@ def only(found: SweepTable, name: str = "y") -> Sensitivity:
 
 
 def test_blocks_are_those_that_salib_expects() -> None:
-    made = design("saltelli:6", 4)
+    made = parse_sampling("saltelli:6", 4)
     x = made.values(ANGLES, 0, made.size(ANGLES)).reshape(6, 5, 3)
     a, b = x[:, 0], x[:, 4]
     for k in range(3):
@@ -49,7 +59,7 @@ def test_blocks_are_those_that_salib_expects() -> None:
 
 def test_too_many_runs_are_refused() -> None:
     with pytest.raises(InputError, match="at most"):
-        design("saltelli:500000000").size(ANGLES)
+        parse_sampling("saltelli:500000000").size(ANGLES)
 
 
 # ---------------------------------------------------------------- blocks
@@ -67,7 +77,7 @@ def test_indices_are_those_of_the_closed_form(found: SweepTable) -> None:
 
 
 def test_runs_in_another_order_are_noticed(found: SweepTable) -> None:
-    wrong = blocks(np.roll(found.measures["y"].values, 1), 3)
+    wrong = estimate_block_indices(np.roll(found.measures["y"].values, 1), 3)
     assert wrong["total"].values != pytest.approx(ishigami_indices()[1], abs=0.1)
 
 
@@ -81,7 +91,7 @@ def test_blocks_with_a_gap_are_left_out_and_counted(found: SweepTable) -> None:
     one = only(gaps)
     kept = found.measures["y"].values.reshape(-1, 5)
     kept = np.delete(kept, [0, 5, 10, 12], axis=0)
-    truth = blocks(kept.ravel(), 3)
+    truth = estimate_block_indices(kept.ravel(), 3)
     assert one.used == kept.size
     assert np.array_equal(one.indices["total"].values, truth["total"].values)
     said = " ".join(one.remarks)
@@ -105,9 +115,9 @@ def test_what_is_always_the_same_depends_on_nothing(found: SweepTable) -> None:
 
 def test_an_unknown_measure_is_refused(found: SweepTable) -> None:
     with pytest.raises(UnknownNameError, match="Did you mean `same`"):
-        sensitivity(found, ["sane"])
+        compute_sensitivity(found, ["sane"])
     with pytest.raises(DataError, match="traces only"):
-        sensitivity(replace(found, measures={}))
+        compute_sensitivity(replace(found, measures={}))
 
 
 def test_without_salib_it_says_how_to_get_it(
@@ -157,7 +167,7 @@ def test_ranks_see_what_only_rises() -> None:
     one = only(found)
     assert one.indices["rank slope"].values == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
     assert one.indices["slope"].values[0] < 0.7
-    assert np.array_equal(ranks(np.array([5.0, 1.0, 5.0, 2.0])), [3.5, 1.0, 3.5, 2.0])
+    assert np.array_equal(rank_columns(np.array([5.0, 1.0, 5.0, 2.0])), [3.5, 1.0, 3.5, 2.0])
 
 
 def test_what_turns_back_is_seen_by_delta_and_first_order_alone() -> None:
@@ -174,7 +184,7 @@ def test_slopes_of_numbers_that_vary_together_have_wide_intervals() -> None:
     x = rng.random((200, 1)) + np.array([[0.0, 0.0]])
     x[:, 1] += 1e-3 * rng.random(200)
     y = x[:, 0] + rng.normal(size=200)
-    assert slopes(x, y)[0].wide.min() > 10.0 * slopes(x[:, :1], y)[0].wide[0]
+    assert fit_slopes(x, y)[0].wide.min() > 10.0 * fit_slopes(x[:, :1], y)[0].wide[0]
 
 
 @pytest.mark.parametrize("count", [50, 333, 2500])
@@ -187,20 +197,22 @@ def test_estimates_are_those_of_salib(count: int) -> None:
     power = 2.0 / (7.0 + np.tanh((1500.0 - count) / 500.0))
     ends = np.linspace(0, count, round(min(np.ceil(count**power), 48)) + 1)
     known = delta.calc_delta(y, np.linspace(y.min(), y.max(), 100), x, ends)
-    assert moved(x, y) == pytest.approx(known, rel=1e-9)
-    assert first_order(x, y) == pytest.approx(delta.sobol_first(y, x, ends), rel=1e-9)
+    assert estimate_delta(x, y) == pytest.approx(known, rel=1e-9)
+    assert estimate_first_order(x, y) == pytest.approx(delta.sobol_first(y, x, ends), rel=1e-9)
 
 
 def test_a_measure_of_two_values_is_moved_by_what_decides_them() -> None:
     x = np.linspace(0.0, 1.0, 401)
-    assert moved(x, np.where(x < 0.5, 0.0, 1.0)) == pytest.approx(0.5, abs=0.1)
-    assert moved(np.random.default_rng(0).permutation(x), np.where(x < 0.5, 0.0, 1.0)) < 0.15
+    assert estimate_delta(x, np.where(x < 0.5, 0.0, 1.0)) == pytest.approx(0.5, abs=0.1)
+    assert (
+        estimate_delta(np.random.default_rng(0).permutation(x), np.where(x < 0.5, 0.0, 1.0)) < 0.15
+    )
 
 
 def test_a_number_that_does_not_vary_explains_nothing() -> None:
     x = np.random.default_rng(0).random((100, 2))
     x[:, 1] = 3.0
-    found, _ = given_data(x, x[:, 0])
+    found, _ = estimate_indices(x, x[:, 0])
     assert np.isnan(found["delta"].values[1])
     assert found["slope"].values == pytest.approx([1.0, 0.0], abs=1e-12)
 

@@ -17,13 +17,24 @@ from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.controllers.state_feedback import StateFeedback
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
-from martensite.design.synthesis.linear import Readings, in_readings, linearised, mean_of
-from martensite.design.synthesis.lqr import Regulator, Sizes, augmented, lqr, riccati_gains
+from martensite.design.synthesis.linear import (
+    Readings,
+    average_plants,
+    linearise_plant,
+    realise_readings,
+)
+from martensite.design.synthesis.lqr import (
+    LqrSizes,
+    Regulator,
+    augment_plant,
+    design_regulator,
+    solve_riccati,
+)
 from martensite.design.synthesis.operating_point import (
     Direction,
-    OperatingPoint,
-    operating_point,
-    operating_point_at,
+    SteadyPoint,
+    find_operating_level,
+    find_operating_point,
 )
 from martensite.identify.chains.linear_system import LinearSystem
 from martensite.kernels import floats
@@ -39,22 +50,22 @@ pytestmark = pytest.mark.usefixtures("c_compiler")
 
 
 @cache
-def point(direction: Direction) -> OperatingPoint:
-    return operating_point_at(PLANT, LEVEL, "position", 0.0, 3.0, direction=direction)
+def point(direction: Direction) -> SteadyPoint:
+    return find_operating_level(PLANT, LEVEL, "position", 0.0, 3.0, direction=direction)
 
 
 @cache
 def linear(direction: str) -> LinearSystem:
-    return linearised(point(direction), PERIOD)
+    return linearise_plant(point(direction), PERIOD)
 
 
 @cache
 def design(direction: str = "cooling") -> Regulator:
-    return lqr(readings(direction), "position", Sizes((5e-4,), 5e-4, 1.0))
+    return design_regulator(readings(direction), "position", LqrSizes((5e-4,), 5e-4, 1.0))
 
 
 def readings(direction: str, *states: str) -> Readings:
-    return in_readings(linear(direction), states or ("position",))
+    return realise_readings(linear(direction), states or ("position",))
 
 
 # ---------------------------------------------------------------- operating points
@@ -72,29 +83,29 @@ def test_hysteresis_has_two_signals_for_one_level():
     up, down = (point(direction) for direction in BRANCHES)
     assert up.signal > down.signal + 0.3
     assert up.outputs["temperature"] > down.outputs["temperature"] + 20.0
-    assert operating_point(PLANT, up.signal).outputs == pytest.approx(up.outputs)
+    assert find_operating_point(PLANT, up.signal).outputs == pytest.approx(up.outputs)
 
 
 def test_what_is_not_there_is_refused():
     with pytest.raises(ParameterError, match=r"never at 0\.5"):
-        operating_point_at(PLANT, 0.5, "position", 0.0, 3.0)
+        find_operating_level(PLANT, 0.5, "position", 0.0, 3.0)
     with pytest.raises(InputError, match=r"no output `positon`.*`position`"):
-        operating_point_at(PLANT, 0.5, "positon", 0.0, 3.0)
+        find_operating_level(PLANT, 0.5, "positon", 0.0, 3.0)
     with pytest.raises(InputError, match="needs `high`"):
-        operating_point(PLANT, 1.0, direction="cooling")
+        find_operating_point(PLANT, 1.0, direction="cooling")
     with pytest.raises(InputError, match="Direction is `up`"):
         wrong: Any = "up"
-        operating_point(PLANT, 1.0, direction=wrong)
+        find_operating_point(PLANT, 1.0, direction=wrong)
     with pytest.raises(InputError, match="no drive `current`"):
-        operating_point(PLANT, 1.0, drive="current")
+        find_operating_point(PLANT, 1.0, drive="current")
     with pytest.raises(InputError, match="period above 0 s"):
-        linearised(point("heating"))
+        linearise_plant(point("heating"))
 
 
 # ---------------------------------------------------------------- linear plants
 
 
-def pushed(found: OperatingPoint, share: float, samples: int) -> np.ndarray:
+def pushed(found: SteadyPoint, share: float, samples: int) -> np.ndarray:
     """Positions under a signal that is changed by a share of itself, less that at rest [m]."""
     functions, size = bind_system(PLANT)
     state, signal, y = tuple(found.state.tolist()), found.signal * (1.0 + share), []
@@ -133,17 +144,17 @@ def test_states_that_are_left_out_are_noticed():
     a = np.array([[0.9, 0.0], [0.1, 0.8]])
     tanks = LinearSystem(a, np.array([[0.1], [0.0]]), np.eye(2), np.zeros((2, 1)), 1.0, np.zeros(1),
                    np.zeros(2), np.zeros(2), ("u",), ("one", "two"))  # fmt: skip
-    whole = in_readings(tanks, ("one", "two"))
+    whole = realise_readings(tanks, ("one", "two"))
     assert whole.residual < 1e-12
     assert whole.linear.a == pytest.approx(a)
-    turned = in_readings(tanks, ("two", "one")).linear
+    turned = realise_readings(tanks, ("two", "one")).linear
     assert turned.a == pytest.approx(a[::-1, ::-1])
-    assert in_readings(tanks, ("two",)).residual > 0.01
+    assert realise_readings(tanks, ("two",)).residual > 0.01
 
 
 def test_the_mean_of_both_branches_lies_between():
     up, down = (readings(direction).linear for direction in BRANCHES)
-    both = mean_of([readings(direction) for direction in BRANCHES]).linear
+    both = average_plants([readings(direction) for direction in BRANCHES]).linear
     assert both.b == pytest.approx(0.5 * (up.b + down.b))
     assert min(up.inputs, down.inputs) < both.inputs < max(up.inputs, down.inputs)
 
@@ -155,7 +166,7 @@ def test_the_integrator_has_the_golden_ratio():
     """P = P - P²/(1 + P) + 1."""
     one = np.ones((1, 1))
     golden = 0.5 * (1.0 + 5.0**0.5)
-    assert riccati_gains(one, one, one, one) == pytest.approx(np.array([[golden / (1.0 + golden)]]))
+    assert solve_riccati(one, one, one, one) == pytest.approx(np.array([[golden / (1.0 + golden)]]))
 
 
 def test_the_double_integrator_has_its_printed_gains():
@@ -164,15 +175,15 @@ def test_the_double_integrator_has_its_printed_gains():
     The poles inside the unit circle are those of the closed loop (symmetric root locus).
     """
     a, b, r = np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([[0.0], [1.0]]), 2.0
-    k = riccati_gains(a, b, np.diag([1.0, 0.0]), np.array([[r]]))
+    k = solve_riccati(a, b, np.diag([1.0, 0.0]), np.array([[r]]))
     roots = np.roots([1.0, -4.0, 6.0 + 1.0 / r, -4.0, 1.0])
     wanted = np.sort_complex(roots[np.abs(roots) < 1.0])
     assert np.sort_complex(np.linalg.eigvals(a - b @ k)) == pytest.approx(wanted)
 
 
-def cost(regulator: Regulator, gains: np.ndarray, sizes: Sizes) -> float:
+def cost(regulator: Regulator, gains: np.ndarray, sizes: LqrSizes) -> float:
     """Of all starts together, under u = -gains x."""
-    a, b, _ = augmented(regulator.linear, "position")
+    a, b, _ = augment_plant(regulator.linear, "position")
     q = np.diag(np.array([*sizes.states, sizes.integral]) ** -2.0)
     closed, k = a - b @ gains[None], gains[None]
     weight = q + k.T @ k * sizes.signal**-2.0
@@ -181,7 +192,7 @@ def cost(regulator: Regulator, gains: np.ndarray, sizes: Sizes) -> float:
 
 @pytest.mark.parametrize("direction", BRANCHES)
 def test_any_other_gains_cost_more(direction):
-    sizes, found = Sizes((5e-4,), 5e-4, 1.0), design(direction)
+    sizes, found = LqrSizes((5e-4,), 5e-4, 1.0), design(direction)
     gains = np.array([*found.gains, -found.Ki])
     assert np.abs(found.poles()).max() < 1.0
     for k in range(2):
@@ -202,15 +213,15 @@ def test_the_prefilter_needs_no_integral_to_get_there():
 
 def test_sizes_and_names_must_fit():
     with pytest.raises(ParameterError, match="1 states and 2 sizes"):
-        lqr(readings("heating"), "position", Sizes((1.0, 1.0), 1.0, 1.0))
+        design_regulator(readings("heating"), "position", LqrSizes((1.0, 1.0), 1.0, 1.0))
     with pytest.raises(ParameterError, match="must be above 0"):
-        lqr(readings("heating"), "position", Sizes((0.0,), 1.0, 1.0))
+        design_regulator(readings("heating"), "position", LqrSizes((0.0,), 1.0, 1.0))
     with pytest.raises(ParameterError, match="`force` is no state"):
-        lqr(readings("heating"), "force", Sizes((1.0,), 1.0, 1.0))
+        design_regulator(readings("heating"), "force", LqrSizes((1.0,), 1.0, 1.0))
     with pytest.raises(ParameterError, match="1 states, but 2 names"):
         design().controller(0.0, 6.0, reference=Constant(level=1.0), names=("a", "b"))
     with pytest.raises(SolveError, match="makes the plant stable"):
-        riccati_gains(np.array([[2.0]]), np.zeros((1, 1)), np.ones((1, 1)), np.ones((1, 1)))
+        solve_riccati(np.array([[2.0]]), np.zeros((1, 1)), np.ones((1, 1)), np.ones((1, 1)))
 
 
 # ---------------------------------------------------------------- on a bench

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from sweep_tables import table, with_status, with_value
 
 from martensite.base.errors import DataError, ParameterError, UnknownNameError
-from martensite.design.sweep.pareto import BLOCK, pareto_front, unbeaten
+from martensite.design.sweep.pareto import BLOCK, find_pareto_front, find_unbeaten
 from martensite.design.sweep.table import SweepTable
 
 
@@ -34,7 +34,7 @@ def rows(draw: st.DrawFn) -> np.ndarray:
 
 @given(rows())
 def test_it_is_what_the_definition_says(values: np.ndarray) -> None:
-    assert unbeaten(values).tolist() == by_definition(values)
+    assert find_unbeaten(values).tolist() == by_definition(values)
 
 
 @pytest.mark.parametrize("width", [2, 3, 5])
@@ -44,8 +44,8 @@ def test_it_is_so_over_many_blocks(width: int) -> None:
     sphere = rng.normal(size=(2 * BLOCK, width))
     sphere = -np.abs(sphere / np.linalg.norm(sphere, axis=1, keepdims=True))
     for values in (even, sphere, np.round(5.0 * even)):
-        assert unbeaten(values).tolist() == by_definition(values)
-    assert len(unbeaten(sphere)) == len(sphere)
+        assert find_unbeaten(values).tolist() == by_definition(values)
+    assert len(find_unbeaten(sphere)) == len(sphere)
 
 
 def test_a_front_with_a_run_too_many_is_noticed() -> None:
@@ -59,7 +59,7 @@ def found() -> SweepTable:
 
 
 def test_small_and_large_are_sought(found: SweepTable) -> None:
-    front = pareto_front(found, minimise=["low"], maximise=["high"])
+    front = find_pareto_front(found, minimise=["low"], maximise=["high"])
     values = np.stack([found.measures["low"].values, -found.measures["high"].values], axis=1)
     assert sorted(front.runs.tolist()) == by_definition(values)
     assert (np.diff(values[front.runs, 0]) > 0.0).all()
@@ -67,29 +67,29 @@ def test_small_and_large_are_sought(found: SweepTable) -> None:
 
 
 def test_a_varied_number_is_a_goal_too(found: SweepTable) -> None:
-    front = pareto_front(found, minimise=["x1"])
+    front = find_pareto_front(found, minimise=["x1"])
     assert front.runs.tolist() == [int(np.argmin(found.varied["part.x1"].values))]
     assert list(front.columns(found)) == list(found.varied)
 
 
 def test_runs_without_a_number_do_not_count(found: SweepTable) -> None:
-    best = int(pareto_front(found, maximise=["high"]).runs[0])
+    best = int(find_pareto_front(found, maximise=["high"]).runs[0])
     for changed in (
         with_status(found, s2=[best]),
         with_status(found, missing=[best]),
         with_value(found, "high", best, np.inf),
     ):
-        front = pareto_front(changed, maximise=["high"])
+        front = find_pareto_front(changed, maximise=["high"])
         assert front.compared == 127
         assert best not in front.runs
     with pytest.raises(DataError, match="no run"):
-        pareto_front(with_status(found, s3=range(128)), maximise=["high"])
+        find_pareto_front(with_status(found, s3=range(128)), maximise=["high"])
 
 
 def test_it_refuses(found: SweepTable) -> None:
     with pytest.raises(ParameterError, match="--minimise"):
-        pareto_front(found)
+        find_pareto_front(found)
     with pytest.raises(ParameterError, match="twice"):
-        pareto_front(found, ["low"], ["low"])
+        find_pareto_front(found, ["low"], ["low"])
     with pytest.raises(UnknownNameError, match="Did you mean `high`"):
-        pareto_front(found, ["hihg"])
+        find_pareto_front(found, ["hihg"])

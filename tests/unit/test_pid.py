@@ -16,7 +16,7 @@ from scipy.signal import lfilter
 
 from martensite.base.errors import InputError, ParameterError
 from martensite.control.controllers.pid import Gains, Pid, PidLaw, PidMemory, per_sample
-from martensite.design.tuning.response import rms_error, step_responses, steps
+from martensite.design.tuning.response import build_steps, compute_rms_error, measure_steps
 from martensite.kernels import floats
 from martensite.physics.electrical.power import PowerSource
 from martensite.signals.constant import Constant
@@ -218,12 +218,12 @@ def test_it_holds_a_wire_at_a_temperature() -> None:
 
 def test_a_first_order_response_has_its_known_times() -> None:
     interval, tau = 1e-3, 0.5
-    reference = steps([(1.0, 1.0), (3.0, 5.0), (2.0, 5.0)], interval)
+    reference = build_steps([(1.0, 1.0), (3.0, 5.0), (2.0, 5.0)], interval)
     times = interval * np.arange(5000)
     output = np.concatenate([
         np.ones(1000), 3.0 - 2.0 * np.exp(-times / tau), 2.0 + np.exp(-times / tau)
     ])  # fmt: skip
-    up, down = step_responses(reference, output, interval)
+    up, down = measure_steps(reference, output, interval)
     for found, size in ((up, 2.0), (down, -1.0)):
         assert found.after - found.before == size
         assert found.rise == pytest.approx(tau * math.log(10.0), abs=2 * interval)
@@ -233,18 +233,18 @@ def test_a_first_order_response_has_its_known_times() -> None:
 
 
 def test_overshoot_error_and_what_never_happens() -> None:
-    reference = steps([(0.0, 1.0), (2.0, 1.0)], 0.1)
+    reference = build_steps([(0.0, 1.0), (2.0, 1.0)], 0.1)
     output = np.concatenate([np.zeros(10), [0.0, 2.4, 2.2, *[2.2] * 7]])
-    (found,) = step_responses(reference, output, 0.1)
+    (found,) = measure_steps(reference, output, 0.1)
     assert found.overshoot == pytest.approx(0.2)
     assert found.error == pytest.approx(-0.2)
     assert found.rise == pytest.approx(0.1)
     assert found.settling == math.inf
-    (never,) = step_responses(reference, 0.5 * reference, 0.1)
+    (never,) = measure_steps(reference, 0.5 * reference, 0.1)
     assert never.rise == never.settling == math.inf
-    assert rms_error(reference, 0.5 * reference, 10) == pytest.approx(1.0)
+    assert compute_rms_error(reference, 0.5 * reference, 10) == pytest.approx(1.0)
 
 
 def test_a_level_shorter_than_a_sample_is_refused() -> None:
     with pytest.raises(InputError, match="at least"):
-        steps([(0.0, 0.01)], 0.1)
+        build_steps([(0.0, 0.01)], 0.1)

@@ -20,7 +20,7 @@ from martensite.design.rules.relay import (
     RELAY_RULES,
     LimitCycle,
     gains_by_relay,
-    relay_test,
+    run_relay_test,
 )
 from martensite.scenario.citations import read_bibliography
 
@@ -31,7 +31,7 @@ SWING = 0.25
 def cycle(gain: float = 2.0, bias: float = 0.4, hysteresis: float = 0.0) -> LimitCycle:
     """Around the output that a bias of 0.4 holds, or off its middle."""
     level = 0.5 + 0.4 * gain
-    return relay_test(
+    return run_relay_test(
         linear_bench(gain), level, bias, SWING, hysteresis, reverse=gain < 0.0, duration=12.0
     )
 
@@ -109,9 +109,9 @@ def test_what_no_relay_rule_is_for(rule: str, form: str, said: str) -> None:
 
 def test_a_relay_that_never_switches_is_reported(c_compiler: str) -> None:
     with pytest.raises(DataError, match="no limit cycle"):
-        relay_test(linear_bench(), 5.0, 0.4, SWING, 0.0, duration=2.0)
+        run_relay_test(linear_bench(), 5.0, 0.4, SWING, 0.0, duration=2.0)
 
 
 def test_no_relay() -> None:
     with pytest.raises(ParameterError, match="amplitude above 0"):
-        relay_test(linear_bench(), 1.0, 0.4, 0.0, 0.0)
+        run_relay_test(linear_bench(), 1.0, 0.4, 0.0, 0.0)

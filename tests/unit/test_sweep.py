@@ -20,27 +20,27 @@ from martensite.base.errors import DataError, InputError
 from martensite.base.status import Status
 from martensite.design.sweep import store as stores
 from martensite.design.sweep import summary
-from martensite.design.sweep.api import How, begin, run_sweep
+from martensite.design.sweep.api import SweepExecution, begin_sweep, run_sweep
 from martensite.design.sweep.dataset import open_sweep
-from martensite.design.sweep.job import MEASURES, SweepJob, Wanted, prepared, spec_of
-from martensite.design.sweep.plan import Piece, Plan
-from martensite.design.sweep.running import share_of
-from martensite.design.sweep.store import Store, create
+from martensite.design.sweep.job import MEASURES, SweepJob, SweepRequest, build_spec, prepare_plan
+from martensite.design.sweep.plan import SweepPiece, SweepPlan
+from martensite.design.sweep.running import parse_share
+from martensite.design.sweep.store import Store, create_store
 from martensite.simulate.variants import Ran
 
-SERIAL = How("serial")
+SERIAL = SweepExecution("serial")
 TRACES = (("position", 6), ("temperature", 3))
 
 
-def plan(*over: str, text: str = WIRE, **more: Any) -> Plan:
-    return prepared(wire(text), wanted(*over, **more))[0]
+def plan(*over: str, text: str = WIRE, **more: Any) -> SweepPlan:
+    return prepare_plan(wire(text), wanted(*over, **more))[0]
 
 
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A sweep with traces, made in one go."""
     path = tmp_path_factory.mktemp("sweep") / "whole.zarr"
-    begin(wire(), wanted(traces=TRACES), path, SERIAL).run()
+    begin_sweep(wire(), wanted(traces=TRACES), path, SERIAL).run()
     return path
 
 
@@ -65,9 +65,9 @@ def test_rows_are_single_runs(whole: Path) -> None:
 def test_a_store_holds_all_that_is_needed(whole: Path) -> None:
     store = Store(whole)
     assert store.spec["scenario"] == WIRE
-    assert Wanted.from_dict({n: store.spec[n] for n in Wanted.__dataclass_fields__}) == replace(
-        wanted(traces=TRACES), step=0.1
-    )
+    assert SweepRequest.from_dict(
+        {n: store.spec[n] for n in SweepRequest.__dataclass_fields__}
+    ) == replace(wanted(traces=TRACES), step=0.1)
     array: Any = store.group["element.diameter"]
     assert (array.attrs["units"], array.metadata.dimension_names) == ("m", ("run",))
     assert store.group["time of position"][:] == pytest.approx(np.linspace(0.0, 2.0, 6))
@@ -91,7 +91,7 @@ def test_any_stretch_of_runs_is_that_of_the_whole() -> None:
 @pytest.mark.parametrize("chunk", [1, 5, 100])
 def test_the_size_of_chunks_does_not_matter(chunk: int, whole: Path, tmp_path: Path) -> None:
     path = tmp_path / "other.zarr"
-    begin(wire(), wanted(traces=TRACES, chunk=chunk), path, SERIAL).run()
+    begin_sweep(wire(), wanted(traces=TRACES, chunk=chunk), path, SERIAL).run()
     known = dict(arrays(path))
     assert all(known[name] == data for name, data in arrays(whole) if name != "made")
 
@@ -101,7 +101,7 @@ def test_another_seed_is_noticed(tmp_path: Path) -> None:
     for seed in (0, 1):
         paths.append(tmp_path / f"{seed}.zarr")
         sample = wanted("diameter=0.12..0.2 mm", sample="sobol:3", seed=seed)
-        begin(wire(), sample, paths[-1], SERIAL).run()
+        begin_sweep(wire(), sample, paths[-1], SERIAL).run()
     assert dict(arrays(paths[0])) != dict(arrays(paths[1]))
 
 
@@ -139,8 +139,8 @@ def test_refused_runs_are_rows_and_the_others_are_not_touched() -> None:
 def test_a_sweep_in_parts_is_the_whole(whole: Path, tmp_path: Path) -> None:
     path = tmp_path / "parts.zarr"
     for part in ("2/3", "1/3", "1/3", "3/3"):
-        begun = begin(wire(), wanted(traces=TRACES), path, replace(SERIAL, part=part))
-        assert begun.part == share_of(4, part)
+        begun = begin_sweep(wire(), wanted(traces=TRACES), path, replace(SERIAL, part=part))
+        assert begun.part == parse_share(4, part)
         begun.run()
     assert dict(arrays(path)) == dict(arrays(whole))
 
@@ -148,10 +148,10 @@ def test_a_sweep_in_parts_is_the_whole(whole: Path, tmp_path: Path) -> None:
 def test_a_store_that_was_moved_goes_on(whole: Path, tmp_path: Path) -> None:
     """Another folder is no other sweep."""
     first, second = tmp_path / "here.zarr", tmp_path / "there.zarr"
-    begin(wire(), wanted(traces=TRACES), first, replace(SERIAL, part="1/2")).run()
+    begin_sweep(wire(), wanted(traces=TRACES), first, replace(SERIAL, part="1/2")).run()
     first.rename(second)
     moved = replace(wire(), path=tmp_path / "elsewhere" / "wire.toml")
-    begun = begin(moved, wanted(traces=TRACES, runtime=None), second, SERIAL)
+    begun = begin_sweep(moved, wanted(traces=TRACES, runtime=None), second, SERIAL)
     assert begun.plan.course.runtime == "floats"
     assert begun.run().made == 6
     assert dict(arrays(second)) == dict(arrays(whole))
@@ -171,21 +171,21 @@ def test_a_store_that_was_moved_goes_on(whole: Path, tmp_path: Path) -> None:
 )
 def test_another_sweep_is_refused(changed: Any, sentence: str, whole: Path) -> None:
     with pytest.raises(DataError, match=f"another sweep: .*{sentence}.*--force"):
-        begin(wire(), replace(wanted(traces=TRACES), **changed), whole, SERIAL)
+        begin_sweep(wire(), replace(wanted(traces=TRACES), **changed), whole, SERIAL)
 
 
 def test_another_scenario_is_refused_with_its_first_line(whole: Path) -> None:
     other = wire(WIRE.replace("250 mm", "240 mm"))
     sentence = r"scenario `length = \"250 mm\"` there, `length = \"240 mm\"` here\. Choose"
     with pytest.raises(DataError, match=sentence):
-        begin(other, wanted(traces=TRACES), whole, SERIAL)
+        begin_sweep(other, wanted(traces=TRACES), whole, SERIAL)
 
 
 def test_numbers_that_do_not_stand_in_the_scenario_are_watched(whole: Path) -> None:
     scenario = wire()
     same = replace(scenario, system=scenario.system.with_values({"element.law.E_A": 7e10}))
     with pytest.raises(DataError, match="numbers in files that the scenario names differ"):
-        begin(same, wanted(traces=TRACES), whole, SERIAL)
+        begin_sweep(same, wanted(traces=TRACES), whole, SERIAL)
 
 
 def test_what_is_no_sweep_is_left_alone(tmp_path: Path) -> None:
@@ -194,20 +194,20 @@ def test_what_is_no_sweep_is_left_alone(tmp_path: Path) -> None:
     (other / "thesis.tex").touch()
     for how in (SERIAL, replace(SERIAL, force=True)):
         with pytest.raises(DataError, match="holds no sweep"):
-            begin(wire(), wanted(), other, how)
+            begin_sweep(wire(), wanted(), other, how)
     assert (other / "thesis.tex").exists()
 
 
 def test_force_replaces_a_sweep_once_all_is_right(tmp_path: Path) -> None:
     path = tmp_path / "s.zarr"
-    begin(wire(), wanted(), path, SERIAL).run()
+    begin_sweep(wire(), wanted(), path, SERIAL).run()
     before, force = dict(arrays(path)), replace(SERIAL, force=True)
     with pytest.raises(InputError):
-        begin(wire(), wanted("diametr=0.1..0.2 mm:2"), path, force)
+        begin_sweep(wire(), wanted("diametr=0.1..0.2 mm:2"), path, force)
     with pytest.raises(InputError, match="other parts"):
-        begin(wire(), wanted(), path, replace(force, part="1/2"))
+        begin_sweep(wire(), wanted(), path, replace(force, part="1/2"))
     assert dict(arrays(path)) == before
-    assert begin(wire(), wanted(seed=2), path, force).run().made == 12
+    assert begin_sweep(wire(), wanted(seed=2), path, force).run().made == 12
 
 
 # ---------------------------------------------------------------- plans
@@ -235,34 +235,34 @@ def test_force_replaces_a_sweep_once_all_is_right(tmp_path: Path) -> None:
 )
 def test_wrong_plans_are_refused(over: Any, more: Any, sentence: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=sentence):
-        begin(wire(), replace(wanted(*over), **more), tmp_path / "no.zarr", SERIAL)
+        begin_sweep(wire(), replace(wanted(*over), **more), tmp_path / "no.zarr", SERIAL)
     assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("words", ["0/2", "3/2", "1", "a/b", "1/", "-1/2"])
 def test_wrong_parts_are_refused_before_anything_is_made(words: str, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"1/"):
-        begin(wire(), wanted(), tmp_path / "no.zarr", replace(SERIAL, part=words))
+        begin_sweep(wire(), wanted(), tmp_path / "no.zarr", replace(SERIAL, part=words))
     assert list(tmp_path.iterdir()) == []
 
 
 def test_parts_share_all_chunks_once() -> None:
-    shares = [share_of(10, f"{i}/4") for i in (1, 2, 3, 4)]
+    shares = [parse_share(10, f"{i}/4") for i in (1, 2, 3, 4)]
     assert sorted(c for share in shares for c in share) == list(range(10))
-    assert share_of(10, None) == range(10)
-    assert list(share_of(2, "4/4")) == []
+    assert parse_share(10, None) == range(10)
+    assert list(parse_share(2, "4/4")) == []
 
 
 @pytest.mark.parametrize(
     ("backend", "sentence"),
     [
-        (How("proceses"), "Did you mean `processes`"),
-        (How("serial", workers=2), "`--workers` has no effect on the backend `serial`"),
-        (How("processes", scheduler="tcp://a:1"), "`--scheduler` has no effect"),
-        (How("dask", workers=2, scheduler="tcp://a:1"), "leave out"),
+        (SweepExecution("proceses"), "Did you mean `processes`"),
+        (SweepExecution("serial", workers=2), "`--workers` has no effect on the backend `serial`"),
+        (SweepExecution("processes", scheduler="tcp://a:1"), "`--scheduler` has no effect"),
+        (SweepExecution("dask", workers=2, scheduler="tcp://a:1"), "leave out"),
     ],
 )
-def test_wrong_backends_are_refused(backend: How, sentence: str) -> None:
+def test_wrong_backends_are_refused(backend: SweepExecution, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
         backend.made(9, "c")
 
@@ -286,7 +286,7 @@ FREE = WIRE.replace('step = "0.1 s"', "tolerance = 1e-3")
 
 
 def test_runs_to_a_tolerance_say_how_accurate_they_are(tmp_path: Path, c_compiler: str) -> None:
-    begin(wire(FREE), wanted(runtime="c", traces=TRACES), tmp_path / "s.zarr", SERIAL).run()
+    begin_sweep(wire(FREE), wanted(runtime="c", traces=TRACES), tmp_path / "s.zarr", SERIAL).run()
     group = Store(tmp_path / "s.zarr").group
     assert group["status"][:].tolist() == [0] * 12
     assert group["ended"][:].tolist() == [2.0] * 12
@@ -304,7 +304,7 @@ def test_runs_to_a_tolerance_say_how_accurate_they_are(tmp_path: Path, c_compile
 def test_runs_that_leave_the_envelope_are_rows(tmp_path: Path, c_compiler: str) -> None:
     path = tmp_path / "s.zarr"
     asked = wanted("high=2, 300 V", runtime="c", traces=TRACES, measures=("stroke",))
-    begin(wire(FREE), asked, path, SERIAL).run()
+    begin_sweep(wire(FREE), asked, path, SERIAL).run()
     found = open_sweep(path).load()
     assert found["status"].values.tolist() == [Status.OK, Status.OUT_OF_ENVELOPE]
     assert np.isfinite(found["stroke"].values).tolist() == [True, False]
@@ -322,9 +322,9 @@ def test_sweeps_on_jax_need_a_step() -> None:
 
 
 def test_a_job_travels_and_refuses_to_make_another_sweep(tmp_path: Path) -> None:
-    made, chosen = prepared(wire(), wanted())
-    spec = spec_of(wire(), chosen)
-    create(tmp_path / "s.zarr", made, spec)
+    made, chosen = prepare_plan(wire(), wanted())
+    spec = build_spec(wire(), chosen)
+    create_store(tmp_path / "s.zarr", made, spec)
     job = pickle.loads(pickle.dumps(SweepJob(tmp_path / "s.zarr", json.dumps(spec))))
     assert job(2).status == {0: 3}
     assert Store(tmp_path / "s.zarr").made() == {2}
@@ -346,8 +346,8 @@ def test_a_job_travels_and_refuses_to_make_another_sweep(tmp_path: Path) -> None
 def test_summaries_in_stretches_are_those_of_the_whole(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made, chosen = prepared(wire(), wanted("high=2..4 V:1000", chunk=41))
-    store = create(tmp_path / "s.zarr", made, spec_of(wire(), chosen))
+    made, chosen = prepare_plan(wire(), wanted("high=2..4 V:1000", chunk=41))
+    store = create_store(tmp_path / "s.zarr", made, build_spec(wire(), chosen))
     rng, kept = np.random.default_rng(1), []
     for chunk in range(made.chunks):
         rows = made.rows(chunk)
@@ -358,15 +358,15 @@ def test_summaries_in_stretches_are_those_of_the_whole(
             continue  # missing
         scalars: dict[str, Any] = dict.fromkeys(made.measures, numbers)
         names = [one.target.name for one in made.axes]
-        store.write(chunk, rows, Piece(made.values(rows), scalars, {}, status), names)
+        store.write(chunk, rows, SweepPiece(made.values(rows), scalars, {}, status), names)
         kept += numbers[np.isfinite(numbers)].tolist()
     expected = min(kept), float(np.median(kept)), max(kept)
-    counts, first = summary.statuses(store, 2)
+    counts, first = summary.count_statuses(store, 2)
     monkeypatch.setattr(stores, "STRETCH", 90)
     assert len(list(store.stretches())) > 10
-    assert summary.spread(store, "stroke") == expected
-    assert summary.spread(store, "stroke", most=4) == pytest.approx(expected, abs=1e-12)
-    assert summary.statuses(store, 2) == (counts, first)
+    assert summary.compute_spread(store, "stroke") == expected
+    assert summary.compute_spread(store, "stroke", most=4) == pytest.approx(expected, abs=1e-12)
+    assert summary.count_statuses(store, 2) == (counts, first)
     assert (counts[0], counts[5]) == (len(kept), made.size - 41 - len(kept))
     assert len(first[5]) == 2
 
@@ -395,12 +395,14 @@ def test_the_function_is_the_command(whole: Path, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("how", "chunks", "runtime", "name"),
     [
-        (How(), 2, "c", "serial"),
-        (How(), 3, "c", "processes"),
-        (How(), 9, "jax", "serial"),
-        (How(workers=2), 1, "c", "processes"),
-        (How(scheduler="tcp://a:1"), 9, "c", "dask"),
+        (SweepExecution(), 2, "c", "serial"),
+        (SweepExecution(), 3, "c", "processes"),
+        (SweepExecution(), 9, "jax", "serial"),
+        (SweepExecution(workers=2), 1, "c", "processes"),
+        (SweepExecution(scheduler="tcp://a:1"), 9, "c", "dask"),
     ],
 )
-def test_who_runs_chunks_by_itself(how: How, chunks: int, runtime: str, name: str) -> None:
+def test_who_runs_chunks_by_itself(
+    how: SweepExecution, chunks: int, runtime: str, name: str
+) -> None:
     assert how.made(chunks, runtime).registered_name == name

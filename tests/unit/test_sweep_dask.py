@@ -19,7 +19,7 @@ from martensite.base.status import Status
 from martensite.design.backends import dask_cluster
 from martensite.design.backends.base import Report, StoppedError
 from martensite.design.backends.dask_cluster import DaskCluster
-from martensite.design.sweep.api import How, begin
+from martensite.design.sweep.api import SweepExecution, begin_sweep
 
 distributed: Any = pytest.importorskip("distributed")
 
@@ -40,9 +40,15 @@ def scheduler() -> Iterator[str]:
 def test_a_cluster_makes_the_same_bits(scheduler: str, tmp_path: Path) -> None:
     expected = undisturbed(tmp_path / "whole.zarr")
     path = tmp_path / "s.zarr"
-    assert begin(wire(), wanted(), path, How("dask", scheduler=scheduler)).run().made == 12
+    assert (
+        begin_sweep(wire(), wanted(), path, SweepExecution("dask", scheduler=scheduler)).run().made
+        == 12
+    )
     assert dict(arrays(path)) == expected
-    assert begin(wire(), wanted(), path, How("dask", scheduler=scheduler)).run().made == 0
+    assert (
+        begin_sweep(wire(), wanted(), path, SweepExecution("dask", scheduler=scheduler)).run().made
+        == 0
+    )
 
 
 @dataclass(frozen=True)
@@ -106,7 +112,7 @@ class Ended:
 def test_what_kills_workers_is_salvaged(tmp_path: Path) -> None:
     job = Doubling(tmp_path, size=2, chunk=2, deadly=(1,))
     killed = distributed.KilledWorker("task", None, 3)
-    report = dask_cluster._report(distributed, Ended(killed), job, 0)
+    report = dask_cluster._build_report(distributed, Ended(killed), job, 0)
     assert report.status == {Status.OK: 1, Status.LOST: 1}
     assert "run 1 (RuntimeError: its process died)" in report.remarks[1]
 
@@ -114,7 +120,7 @@ def test_what_kills_workers_is_salvaged(tmp_path: Path) -> None:
 def test_a_scheduler_that_is_lost_is_a_sentence(tmp_path: Path) -> None:
     for error in (distributed.CancelledError("a"), distributed.comm.CommClosedError("closed")):
         with pytest.raises(StoppedError, match=r"scheduler is gone.*goes on"):
-            dask_cluster._report(distributed, Ended(error), Doubling(tmp_path), 0)
+            dask_cluster._build_report(distributed, Ended(error), Doubling(tmp_path), 0)
 
 
 def test_a_scheduler_that_does_not_answer_is_bad_input(monkeypatch: pytest.MonkeyPatch) -> None:

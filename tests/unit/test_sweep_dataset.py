@@ -17,24 +17,24 @@ from sweep_cases import wanted, wire
 
 from martensite.base.errors import DataError, InputError
 from martensite.base.status import Status
-from martensite.design.sweep.api import How, begin
+from martensite.design.sweep.api import SweepExecution, begin_sweep
 from martensite.design.sweep.dataset import open_sweep
-from martensite.design.sweep.indices import sensitivity
+from martensite.design.sweep.indices import compute_sensitivity
 from martensite.design.sweep.reading import read_sweep
 
 DIAMETER, HIGH = "element.diameter", "drive.waveform.high"
-PART = How("serial", part="1/2")
+PART = SweepExecution("serial", part="1/2")
 
 
-def swept(path: Path, how: How = PART, **more: Any) -> Path:
-    begin(wire(), wanted(traces=(("temperature", 4),), **more), path, how).run()
+def swept(path: Path, how: SweepExecution = PART, **more: Any) -> Path:
+    begin_sweep(wire(), wanted(traces=(("temperature", 4),), **more), path, how).run()
     return path
 
 
 @pytest.fixture(scope="module")
 def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A grid of 3 by 4, all of it made."""
-    return swept(tmp_path_factory.mktemp("whole") / "grid.zarr", How("serial"))
+    return swept(tmp_path_factory.mktemp("whole") / "grid.zarr", SweepExecution("serial"))
 
 
 @pytest.fixture
@@ -152,7 +152,7 @@ def test_a_run_that_failed_has_no_numbers(store: Path, failed: Path) -> None:
 def test_samples_have_no_grid(tmp_path: Path) -> None:
     over = "diameter=0.12..0.2 mm log", "length=+- 2 %"
     path = tmp_path / "sobol.zarr"
-    begin(wire(), wanted(*over, sample="sobol:4"), path, How("serial")).run()
+    begin_sweep(wire(), wanted(*over, sample="sobol:4"), path, SweepExecution("serial")).run()
     assert open_sweep(path)["stroke"].dims == ("run",)
     table = read_sweep(path)
     assert (table.design, table.shape) == ("sobol", None)
@@ -171,7 +171,7 @@ def test_the_table_is_the_dataset(store: Path) -> None:
 def test_the_heat_of_a_resistor_depends_on_what_it_must(store: Path) -> None:
     """Constant resistivity: energy goes with the square of diameter and of voltage."""
     table = read_sweep(store)
-    (found,) = sensitivity(table, ["energy"])
+    (found,) = compute_sensitivity(table, ["energy"])
     a, b = (np.square(levels) for levels in table.levels or ())
     means, squares = (a.mean(), b.mean()), (np.mean(a**2), np.mean(b**2))
     variance = squares[0] * squares[1] - (means[0] * means[1]) ** 2

@@ -20,12 +20,12 @@ from martensite.base.errors import DataError, InputError
 from martensite.base.status import Status
 from martensite.design.backends.base import StoppedError
 from martensite.design.backends.serial import Serial
-from martensite.design.sweep.api import How, begin
+from martensite.design.sweep.api import SweepExecution, begin_sweep
+from martensite.design.sweep.failed_runs import MOST, keep_runs
 from martensite.design.sweep.running import Progress
-from martensite.design.sweep.salvage import MOST, kept
 from martensite.design.sweep.store import Store
 
-SERIAL = How("serial")
+SERIAL = SweepExecution("serial")
 PATIENCE = 60.0
 
 
@@ -33,7 +33,7 @@ PATIENCE = 60.0
 
 
 def kept_of(job: Doubling, chunk: int) -> tuple[list[float], tuple[str, ...]]:
-    piece, remarks = kept(job, chunk, job.compute)
+    piece, remarks = keep_runs(job, chunk, job.compute)
     return piece.scalars["double"].tolist(), remarks
 
 
@@ -61,7 +61,7 @@ def test_a_run_of_a_sweep_that_raises_is_a_row(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     expected = undisturbed(tmp_path / "whole.zarr")
-    begun = begin(wire(), wanted(), tmp_path / "s.zarr", SERIAL)
+    begun = begin_sweep(wire(), wanted(), tmp_path / "s.zarr", SERIAL)
     compute = type(begun.plan).compute
 
     def poisoned(plan: Any, rows: range) -> Any:
@@ -103,7 +103,7 @@ def test_a_disk_that_takes_no_more_stops_the_sweep_and_it_goes_on(tmp_path: Path
         if now.made == 6:
             limit.__enter__()
 
-    begun = begin(wire(), wanted(), path, SERIAL)
+    begun = begin_sweep(wire(), wanted(), path, SERIAL)
     try:
         with pytest.raises(StoppedError, match=r"Chunk 2 of .* could not be written: .*goes on"):
             begun.run(tell)
@@ -111,12 +111,12 @@ def test_a_disk_that_takes_no_more_stops_the_sweep_and_it_goes_on(tmp_path: Path
         limit.__exit__(None, None, None)
     assert StoppedError.exit_code == 1
     assert Store(path).made() == {0, 1}
-    assert begin(wire(), wanted(), path, SERIAL).run().made == 6
+    assert begin_sweep(wire(), wanted(), path, SERIAL).run().made == 6
     assert dict(arrays(path)) == expected
 
 
 def test_a_full_disk_is_called_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    begun = begin(wire(), wanted(), tmp_path / "s.zarr", SERIAL)
+    begun = begin_sweep(wire(), wanted(), tmp_path / "s.zarr", SERIAL)
 
     def full(*_: Any, **__: Any) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
@@ -125,14 +125,14 @@ def test_a_full_disk_is_called_one(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     with pytest.raises(StoppedError, match="the disk is full"):
         begun.run()
     with pytest.raises(StoppedError, match="could not be made: the disk is full"):
-        begin(wire(), wanted(), tmp_path / "t.zarr", SERIAL)
+        begin_sweep(wire(), wanted(), tmp_path / "t.zarr", SERIAL)
     assert [path.name for path in tmp_path.iterdir()] == ["s.zarr"]
 
 
 def test_a_folder_that_cannot_be_written_is_bad_input(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     with pytest.raises(InputError, match="could not be made"):
-        begin(wire(), wanted(), tmp_path / "file" / "s.zarr", SERIAL)
+        begin_sweep(wire(), wanted(), tmp_path / "file" / "s.zarr", SERIAL)
 
 
 # ---------------------------------------------------------------- interruptions
@@ -147,8 +147,8 @@ def test_ctrl_c_is_a_sentence_and_it_goes_on(tmp_path: Path) -> None:
             raise KeyboardInterrupt
 
     with pytest.raises(StoppedError, match="Interrupted when 3 of 12 runs were there"):
-        begin(wire(), wanted(), path, SERIAL).run(tell)
-    assert begin(wire(), wanted(), path, SERIAL).run().made == 9
+        begin_sweep(wire(), wanted(), path, SERIAL).run(tell)
+    assert begin_sweep(wire(), wanted(), path, SERIAL).run().made == 9
     assert dict(arrays(path)) == expected
 
 
@@ -164,11 +164,11 @@ def test_whoever_comes_second_opens_what_the_first_has_made(
 
     def late(part: Path, target: Path) -> Path:
         monkeypatch.setattr(Path, "rename", rename)
-        begin(wire(), wanted(), path, replace(SERIAL, part="1/4")).run()
+        begin_sweep(wire(), wanted(), path, replace(SERIAL, part="1/4")).run()
         return rename(part, target)
 
     monkeypatch.setattr(Path, "rename", late)
-    second = begin(wire(), wanted(), path, SERIAL)
+    second = begin_sweep(wire(), wanted(), path, SERIAL)
     assert second.store.made() == {0}
     assert second.run().made == 9
     assert [one.name for one in tmp_path.iterdir()] == ["s.zarr"]

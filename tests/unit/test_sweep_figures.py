@@ -11,16 +11,18 @@ from drawn_texts import check_apart, visible_texts
 from sweep_tables import ANGLES, ishigami, table, with_status, with_value
 
 from martensite.base.errors import UnknownNameError
-from martensite.design.sweep.axes import axis
-from martensite.design.sweep.indices import sensitivity
-from martensite.design.sweep.pareto import pareto_front
-from martensite.design.sweep.table import Column, SweepTable
+from martensite.design.sweep.axes import parse_axis
+from martensite.design.sweep.indices import compute_sensitivity
+from martensite.design.sweep.pareto import find_pareto_front
+from martensite.design.sweep.table import SweepColumn, SweepTable
 from martensite.show.figures.pareto import plot_pareto
 from martensite.show.figures.sensitivity import plot_sensitivity
 from martensite.show.figures.sweep import plot_sweep
 
 GRID = [replace(one, count=7) for one in ANGLES]
-LOG = axis("h=10..1000 W/m^2/K log", {"h": replace(ANGLES[0].target, name="h", unit="W/m^2/K")})
+LOG = parse_axis(
+    "h=10..1000 W/m^2/K log", {"h": replace(ANGLES[0].target, name="h", unit="W/m^2/K")}
+)
 
 
 def cosine(x: np.ndarray) -> np.ndarray:
@@ -80,7 +82,9 @@ def test_of_many_numbers_the_leading_ones_are_drawn() -> None:
 
 @pytest.mark.parametrize("sample", ["saltelli:64", "sobol:128"])
 def test_bars_are_as_long_as_the_indices(sample: str) -> None:
-    found = sensitivity(table(sample, y=ishigami, z=lambda x: x[:, 2], same=lambda x: 0 * x[:, 0]))
+    found = compute_sensitivity(
+        table(sample, y=ishigami, z=lambda x: x[:, 2], same=lambda x: 0 * x[:, 0])
+    )
     panels = drawn(plot_sensitivity(found, "Functions"))
     assert [p.get_title("left") for p in panels] == ["y", "z", "same (always the same)"]
     one, panel = found[0], panels[0]
@@ -97,7 +101,7 @@ def test_bars_are_as_long_as_the_indices(sample: str) -> None:
 def test_a_front_is_drawn_with_its_designs(width: int) -> None:
     found = table("sobol:256", y=lambda x: x[:, 0] ** 2, z=lambda x: x[:, 0] + x[:, 1] / 9)
     goals = ["y", "x3"][: width - 1]
-    front = pareto_front(found, goals, ["z"])
+    front = find_pareto_front(found, goals, ["z"])
     figure = plot_pareto(found, front)
     figure.draw_without_rendering()
     panels = [p for p in figure.axes if p.get_xlabel()]
@@ -112,13 +116,13 @@ def test_a_front_is_drawn_with_its_designs(width: int) -> None:
 
 def test_units_are_those_that_people_read() -> None:
     def words(name: str, unit: str, value: float) -> str:
-        return Column(name, unit, np.zeros(1)).words(value)
+        return SweepColumn(name, unit, np.zeros(1)).words(value)
 
     assert words("max(temperature)", "K", 373.15) == "100 degC"
     assert words("stroke(temperature)", "K", 80.0) == "80 K"
     assert words("rise-time", "s", np.inf) == "never"
-    assert Column("max(temperature)", "K", np.zeros(1)).apart(12.0) == "12 K"
-    assert Column("max(stress)", "Pa", np.zeros(1)).apart(2e6) == "2 MPa"
+    assert SweepColumn("max(temperature)", "K", np.zeros(1)).apart(12.0) == "12 K"
+    assert SweepColumn("max(stress)", "Pa", np.zeros(1)).apart(2e6) == "2 MPa"
 
 
 def test_an_unknown_measure_is_refused() -> None:

@@ -13,23 +13,23 @@ import pytest
 from tuning_cases import DELAY, DT, linear_bench
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.design.rules.first_order_fit import fitted
+from martensite.design.rules.first_order_fit import fit_first_order
 from martensite.design.rules.formulas import (
     FORMS,
     RULES,
     FirstOrder,
-    Ideal,
+    IdealGains,
     Integrating,
+    convert_series,
     gains_by_rule,
-    series,
 )
-from martensite.design.rules.step_test import holding, step_test
+from martensite.design.rules.step_test import find_holding_signals, run_step_test
 from martensite.scenario.citations import read_bibliography
 
 LAG = FirstOrder(2.0, 5.0, 1.0)
 
 
-def loop(model: FirstOrder, gains: Ideal, w: float) -> complex:
+def loop(model: FirstOrder, gains: IdealGains, w: float) -> complex:
     """C(jw) G(jw)."""
     s = 1j * w
     ahead = gains.Kp * (1.0 + 1.0 / (gains.Ti * s) + gains.Td * s)
@@ -37,7 +37,7 @@ def loop(model: FirstOrder, gains: Ideal, w: float) -> complex:
     return ahead * model.gain * np.exp(-model.dead_time * s) / lag
 
 
-def sensitivity(model: FirstOrder, gains: Ideal) -> float:
+def sensitivity(model: FirstOrder, gains: IdealGains) -> float:
     """Largest |1/(1 + C G)|."""
     frequencies = np.geomspace(1e-3, 1e2, 20_000) / model.dead_time
     return max(float(abs(1.0 / (1.0 + loop(model, gains, w)))) for w in frequencies[::10])
@@ -98,7 +98,7 @@ def test_cohen_coon_is_ziegler_nichols_without_dead_time() -> None:
 
 
 def test_a_series_controller_is_its_product() -> None:
-    gains, s = series(2.0, 3.0, 0.5), 0.3 + 0.7j
+    gains, s = convert_series(2.0, 3.0, 0.5), 0.3 + 0.7j
     product = 2.0 * (1.0 + 1.0 / (3.0 * s)) * (1.0 + 0.5 * s)
     assert gains.Kp * (1.0 + 1.0 / (gains.Ti * s) + gains.Td * s) == pytest.approx(product)
 
@@ -114,8 +114,8 @@ def test_gains_have_the_sign_of_the_plant_and_scale_with_it(name: str, form: str
 
 def test_gains_per_sample() -> None:
     """K_i is what is added in a sample, K_d what counts of a change in a sample."""
-    assert Ideal(3.0, 2.0, 0.5).per_second() == (3.0, 1.5, 1.5)
-    assert Ideal(3.0, 2.0, 0.5).per_sample(0.1) == pytest.approx((3.0, 0.15, 15.0))
+    assert IdealGains(3.0, 2.0, 0.5).per_second() == (3.0, 1.5, 1.5)
+    assert IdealGains(3.0, 2.0, 0.5).per_sample(0.1) == pytest.approx((3.0, 0.15, 15.0))
 
 
 @pytest.mark.parametrize(
@@ -149,7 +149,7 @@ def response(model: FirstOrder, step: float, period: float, count: int = 400) ->
 @pytest.mark.parametrize("gain", [2.0, -3.0])
 def test_a_fit_finds_what_made_the_response(gain: float, step: float) -> None:
     model = FirstOrder(gain, 2.0, 0.43)
-    found = fitted(response(model, step, 0.05), 5, 0.05, step)
+    found = fit_first_order(response(model, step, 0.05), 5, 0.05, step)
     np.testing.assert_allclose(found.first_order, model, rtol=1e-4)
     assert found.fit > 99.99
 
@@ -157,21 +157,21 @@ def test_a_fit_finds_what_made_the_response(gain: float, step: float) -> None:
 def test_a_fit_stands_noise() -> None:
     model = FirstOrder(2.0, 2.0, 0.5)
     noise = np.random.default_rng(0).normal(0.0, 0.02, 405)
-    found = fitted(response(model, 1.0, 0.05) + noise, 5, 0.05, 1.0)
+    found = fit_first_order(response(model, 1.0, 0.05) + noise, 5, 0.05, 1.0)
     np.testing.assert_allclose(found.first_order, model, rtol=0.1)
     assert 80.0 < found.fit < 99.9
 
 
 def test_the_integrating_model_is_the_line_of_an_integrator() -> None:
     t = 0.1 * np.arange(-5, 100) - 0.7
-    found = fitted(1.0 + 0.4 * 0.5 * np.maximum(t, 0.0), 5, 0.1, 0.5)
+    found = fit_first_order(1.0 + 0.4 * 0.5 * np.maximum(t, 0.0), 5, 0.1, 0.5)
     np.testing.assert_allclose(found.integrating, (0.4, 0.7), rtol=1e-9)
 
 
 def test_what_does_not_answer() -> None:
     noise = np.random.default_rng(0).normal(0.0, 0.02, 100)
     with pytest.raises(DataError, match="take another bias"):
-        fitted(noise, 5, 0.05, 1.0)
+        fit_first_order(noise, 5, 0.05, 1.0)
 
 
 # ---------------------------------------------------------------- on a bench
@@ -179,7 +179,7 @@ def test_what_does_not_answer() -> None:
 
 def test_a_step_test_finds_a_linear_plant(c_compiler: str) -> None:
     """Heating and cooling are the same; an input counts from the next sample on."""
-    found = step_test(linear_bench(), 0.2, 0.3, hold=8.0)
+    found = run_step_test(linear_bench(), 0.2, 0.3, hold=8.0)
     late = (DELAY - 1.0) * DT
     for one in (found.heating, found.cooling):
         assert one.first_order.gain == pytest.approx(2.0, rel=1e-3)
@@ -190,7 +190,7 @@ def test_a_step_test_finds_a_linear_plant(c_compiler: str) -> None:
 
 
 def test_what_holds_a_level(c_compiler: str) -> None:
-    found = holding(linear_bench(), 1.1, 0.0, 1.0, hold=10.0)
+    found = find_holding_signals(linear_bench(), 1.1, 0.0, 1.0, hold=10.0)
     np.testing.assert_allclose(found, (0.3, 0.3), atol=1e-4)
     assert found.width < 1e-4
 
@@ -198,10 +198,10 @@ def test_what_holds_a_level(c_compiler: str) -> None:
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda b: step_test(b, 0.0, 0.0), "needs a step"),
-        (lambda b: step_test(b, 0.0, 1.0, hold=0.1), "ten periods"),
-        (lambda b: step_test(b, 0.0, 1.0, drive="heater"), "No loop `heater`"),
-        (lambda b: holding(b, 9.0, 0.0, 1.0, hold=5.0), "No signal from 0 to 1 holds"),
+        (lambda b: run_step_test(b, 0.0, 0.0), "needs a step"),
+        (lambda b: run_step_test(b, 0.0, 1.0, hold=0.1), "ten periods"),
+        (lambda b: run_step_test(b, 0.0, 1.0, drive="heater"), "No loop `heater`"),
+        (lambda b: find_holding_signals(b, 9.0, 0.0, 1.0, hold=5.0), "No signal from 0 to 1 holds"),
     ],
 )
 def test_what_is_no_test(call, said: str, c_compiler: str) -> None:  # type: ignore[no-untyped-def]

@@ -28,7 +28,7 @@ from martensite.cli.outputs import Outputs
 from martensite.cli.waiting import share_bar
 
 if TYPE_CHECKING:
-    from martensite.design.optimise.designed import Designed
+    from martensite.design.optimise.optimised_design import OptimisedDesign
     from martensite.scenario.scenario import Scenario
 
 
@@ -88,7 +88,7 @@ class DesignOptions:
         if self.grid is not None and self.grid < 2:
             raise ParameterError(f"Option `--grid` must be at least 2, but is {self.grid}.")
 
-    def search(self, scenario: Scenario, *, saved: bool) -> Designed:
+    def search(self, scenario: Scenario, *, saved: bool) -> OptimisedDesign:
         """The best design.
 
         Args:
@@ -101,7 +101,7 @@ class DesignOptions:
         """
         from martensite.cli.design_saved import name_targets, require_written
         from martensite.design.optimise.optimise import optimise_design
-        from martensite.design.optimise.search import Search
+        from martensite.design.optimise.search import DesignSearch
 
         if scenario.bench is not None:
             raise InputError(
@@ -124,17 +124,17 @@ class DesignOptions:
                 cases=self.case or (),
                 samples=scenario.samples,
                 step=scenario.step,
-                search=Search(sample=self.sample, descents=self.descents, seed=self.seed),
+                search=DesignSearch(sample=self.sample, descents=self.descents, seed=self.seed),
                 written=name_targets(scenario),
                 watch=tell,
             )
             if self.grid is None:
                 return found
-            from martensite.design.optimise.judged import Scales
-            from martensite.design.optimise.scan import scan
+            from martensite.design.optimise.design_scales import DesignScales
+            from martensite.design.optimise.grid_scan import scan_designs
 
             watch = None if tell is None else partial(tell, "grid")
-            compared = scan(found.designs, Scales(found.question), self.grid, watch)
+            compared = scan_designs(found.designs, DesignScales(found.question), self.grid, watch)
             return replace(found, scan=compared)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from martensite.base.errors import InputError
 
 if TYPE_CHECKING:
-    from martensite.design.optimise.designed import Designed
+    from martensite.design.optimise.optimised_design import OptimisedDesign
     from martensite.scenario.scenario import Scenario
     from martensite.search.free_numbers import Target
 
@@ -45,7 +45,7 @@ def require_written(scenario: Scenario, free: Sequence[str]) -> None:
             )
 
 
-def write_design(found: Designed, scenario: Scenario) -> str:
+def write_design(found: OptimisedDesign, scenario: Scenario) -> str:
     """The scenario with the numbers found, as TOML."""
     from martensite.scenario.overrides import as_toml, change_document
 

@@ -34,14 +34,14 @@ def pareto(
     json: Json = False,
 ) -> None:
     """Find the runs of a sweep that no other beats."""
-    from martensite.design.sweep.pareto import pareto_front
+    from martensite.design.sweep.pareto import find_pareto_front
     from martensite.design.sweep.reading import read_sweep
     from martensite.show.figures.pareto import plot_pareto
     from martensite.show.summaries.pareto import summarise_front
 
     outputs = Outputs(save, figure).check(force, data=(".csv",))
     table = read_sweep(store)
-    front = pareto_front(table, minimise or (), maximise or ())
+    front = find_pareto_front(table, minimise or (), maximise or ())
     outputs.answer(
         summarise_front(store, table, front),
         json,

@@ -26,7 +26,7 @@ def sensitivity(
     A sweep with `--sample saltelli:1024` gives first and total order with intervals, a whole grid
     both without, any other sample first order, delta and slopes.
     """
-    from martensite.design.sweep.indices import sensitivity as find_sensitivity
+    from martensite.design.sweep.indices import compute_sensitivity as find_sensitivity
     from martensite.design.sweep.reading import read_sweep
     from martensite.show.figures.sensitivity import plot_sensitivity
     from martensite.show.summaries.sensitivity import summarise_sensitivity

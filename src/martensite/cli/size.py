@@ -116,7 +116,7 @@ def _choose_candidate(sizing: Sizing, pick: int | None) -> int | None:
 
 def _write_scenario(sizing: Sizing, chosen: int | None) -> str:
     """A scenario with the wire."""
-    from martensite.design.sizing.scenario import scenario_text
+    from martensite.design.sizing.scenario import format_scenario
     from martensite.physics.materials.wires import load_wires
 
     if chosen is None:
@@ -125,7 +125,7 @@ def _write_scenario(sizing: Sizing, chosen: int | None) -> str:
             f"No wire does, so no scenario was written; the nearest is {nearest.size.name}, "
             f"{nearest.alloy} °C: {nearest.reasons[0]}; choose one with --pick."
         )
-    return scenario_text(sizing.request, sizing.candidates[chosen], load_wires())
+    return format_scenario(sizing.request, sizing.candidates[chosen], load_wires())
 
 
 def _check_catalogue(stress: Text, ambient: Text, alloy: str, json: bool) -> None:

@@ -83,15 +83,15 @@ def sweep(
     json: Json = False,
 ) -> None:
     """Run many variants of a scenario; go on where it stopped."""
-    from martensite.design.sweep.api import How, begin
-    from martensite.design.sweep.job import MEASURES, Wanted
+    from martensite.design.sweep.api import SweepExecution, begin_sweep
+    from martensite.design.sweep.job import MEASURES, SweepRequest
     from martensite.show.figures.sweep import plot_sweep
     from martensite.show.summaries.sweep import summarise_sweep
     from martensite.show.terminal import print_summary
 
     drawn = Outputs(None, figure).check(force=True)
     loaded = load_scenario(scenario, settings, modules)
-    wanted = Wanted(
+    wanted = SweepRequest(
         over=tuple(over or ()),
         sample=sample,
         measures=tuple(output or MEASURES),
@@ -102,10 +102,10 @@ def sweep(
         runtime=runtime,
         precision=precision,
     )
-    how = How(backend, workers, scheduler, chunk, tuple(modules or ()), force)
+    how = SweepExecution(backend, workers, scheduler, chunk, tuple(modules or ()), force)
     path = out or Path(f"{scenario.stem}.zarr")
     with spinner(f"preparing {loaded.title}"):
-        begun = begin(loaded, wanted, path, how)
+        begun = begin_sweep(loaded, wanted, path, how)
     with sweep_bar(loaded.title) as tell:
         progress = begun.run(tell)
     print_summary(summarise_sweep(begun.plan, begun.store, progress), json)

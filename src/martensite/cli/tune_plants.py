@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from martensite.control.loop.bench import Bench
     from martensite.design.tuning.bench_tuning import TunedBench
     from martensite.design.tuning.loop_runs import LoopRuns
-    from martensite.design.tuning.over_plants import Ratio
-    from martensite.design.tuning.perturbed import Plants
+    from martensite.design.tuning.plant_comparison import Ratio
+    from martensite.design.tuning.plant_spread import Plants
     from martensite.scenario.scenario import Scenario
 
 PLANTS = 64
@@ -29,7 +29,7 @@ def draw_both_plants(
     """
     if not texts:
         return None, None
-    from martensite.design.tuning.perturbed import draw_plants
+    from martensite.design.tuning.plant_spread import draw_plants
 
     spreads = dict(_read_spread(text, scenario, bench) for text in texts)
     first, second = (
@@ -65,7 +65,7 @@ def judge_others(runs: LoopRuns, found: TunedBench, others: Plants | None) -> Ra
     """ITAE after over before on plants that were not tuned on."""
     if others is None:
         return None
-    from martensite.design.tuning.over_plants import over_plants
+    from martensite.design.tuning.plant_comparison import compare_over_plants
 
-    both = over_plants(runs, {"before": found.before, "after": found.after}, others)
+    both = compare_over_plants(runs, {"before": found.before, "after": found.after}, others)
     return both.ratio("after", "before")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from martensite.design.rules.rule_starts import LoopTests
     from martensite.design.tuning.bench_tuning import TunedBench
     from martensite.design.tuning.loop_runs import LoopRuns
-    from martensite.design.tuning.perturbed import Plants
+    from martensite.design.tuning.plant_spread import Plants
     from martensite.scenario.scenario import Scenario
 
 TRIED = 3
@@ -32,10 +32,10 @@ def run_tuning(scenario: Scenario, options: TuneOptions) -> Tuning:
         InputError: the scenario has no loop, or an option does not fit it.
         SolveError: the loop cannot be run.
     """
-    from martensite.design.tuning.loop_runs import loop_of
+    from martensite.design.tuning.loop_runs import find_loop
 
     bench = _find_bench(scenario)
-    drive = loop_of(bench, options.loop)
+    drive = find_loop(bench, options.loop)
     length = _read_duration(options, scenario)
     with spinner("reading"):
         runs = _make_runs(bench, length, drive, scenario)
@@ -100,12 +100,12 @@ def _choose_level(options: TuneOptions, runs: LoopRuns) -> float:
 
 
 def _run_tests(options: TuneOptions, runs: LoopRuns, scenario: Scenario) -> LoopTests:
-    from martensite.design.rules.rule_starts import loop_tests
+    from martensite.design.rules.rule_starts import run_loop_tests
     from martensite.simulate.drive_waveforms import by_name
 
     waves = by_name(scenario.system, scenario.waveform)
     with spinner("step and relay test"):
-        return loop_tests(
+        return run_loop_tests(
             runs.bench,
             _choose_level(options, runs),
             drive=runs.drive,
@@ -120,8 +120,8 @@ def _apply_rule(
     """Gains by one rule, and the loop before and after."""
     from martensite.design.rules.formulas import gains_by_rule
     from martensite.design.rules.relay import gains_by_relay
-    from martensite.design.rules.rule_starts import pid_values
-    from martensite.design.tuning.bench_tuning import compared
+    from martensite.design.rules.rule_starts import convert_to_pid
+    from martensite.design.tuning.bench_tuning import compare_gains
 
     tests, form = _run_tests(options, runs, scenario), options.form or "pid"
     if options.method == "rules":
@@ -132,8 +132,8 @@ def _apply_rule(
     else:
         rule = options.rule or "tyreus-luyben"
         gains = gains_by_relay(tests.cycle, rule, form)
-    values = pid_values(runs.bench, gains, runs.drive)
-    return compared(runs, values), tests, f"{form} by rule {rule}"
+    values = convert_to_pid(runs.bench, gains, runs.drive)
+    return compare_gains(runs, values), tests, f"{form} by rule {rule}"
 
 
 def _search_gains(
@@ -142,11 +142,11 @@ def _search_gains(
     """Gains of least cost."""
     from martensite.control.controllers.pid import Pid
     from martensite.design.tuning.bench_tuning import tune_bench
-    from martensite.design.tuning.gain_search import Search
-    from martensite.design.tuning.goals import Goal
+    from martensite.design.tuning.gain_search import TuningSearch
+    from martensite.design.tuning.goals import TuningGoal
     from martensite.simulate.drive_waveforms import by_name
 
-    goal = Goal(error=options.goal or "itae")
+    goal = TuningGoal(error=options.goal or "itae")
     controller = runs.bench.controllers.members()[runs.drive]
     free = _name_free(options, runs, isinstance(controller, Pid))
     tests, starts = _find_starts(options, runs, scenario, isinstance(controller, Pid))
@@ -159,7 +159,7 @@ def _search_gains(
             plants=plants,
             starts=starts,
             drive=runs.drive,
-            search=Search(seed=options.seed),
+            search=TuningSearch(seed=options.seed),
             noise_seed=scenario.seed,
             watch=tell,
             waveforms=by_name(scenario.system, scenario.waveform),
@@ -184,7 +184,7 @@ def _find_starts(
     """The best gains by rules on the nominal plant; none where the tests cannot be made."""
     if not pid:
         return None, []
-    from martensite.design.rules.rule_starts import best_rules
+    from martensite.design.rules.rule_starts import choose_best_rules
 
     try:
         tests = _run_tests(options, runs, scenario)
@@ -192,4 +192,4 @@ def _find_starts(
         if options.level is not None:
             raise
         return None, []
-    return tests, best_rules(runs, tests, TRIED)
+    return tests, choose_best_rules(runs, tests, TRIED)

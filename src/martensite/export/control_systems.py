@@ -23,8 +23,8 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.names import JITTER, NOISE
-from martensite.design.synthesis.linear import linearised
-from martensite.design.synthesis.operating_point import OperatingPoint
+from martensite.design.synthesis.linear import linearise_plant
+from martensite.design.synthesis.operating_point import SteadyPoint
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.linear_system import LinearSystem
 from martensite.identify.chains.linearise import linearise_chain
@@ -108,7 +108,7 @@ def rest_state(system: AbstractSystem, signals: Sequence[float] = ()) -> Any:
 
 
 def plant_state_space(
-    point: OperatingPoint, period: float | None = None, *, outputs: Sequence[str] | None = None,
+    point: SteadyPoint, period: float | None = None, *, outputs: Sequence[str] | None = None,
     inputs: Sequence[str] | None = None,
 ) -> Any:  # fmt: skip
     """The linear system of a plant around an operating point, on its branch, as a `StateSpace`.
@@ -126,7 +126,7 @@ def plant_state_space(
         InputError: python-control is not installed, or a name does not fit.
     """
     control = _import_control()
-    linear = linearised(point, period, inputs=inputs)
+    linear = linearise_plant(point, period, inputs=inputs)
     chosen = _choose_names(outputs, linear.output_names)
     rows = [linear.output_names.index(name) for name in chosen]
     names, kept = state_names(point.system), linear.active

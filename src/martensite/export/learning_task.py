@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE, MEASURED, list_readings
-from martensite.design.tuning.perturbed import (
+from martensite.design.tuning.plant_spread import (
     PLANT,
-    half_width,
-    plant_leaf,
+    find_plant_leaf,
+    parse_half_width,
     require_allowed,
 )
 
@@ -144,10 +144,10 @@ def spreads_of(bench: Bench, task: LearningTask) -> list[EpisodeSpread]:
 
 
 def _check_spread(bench: Bench, name: str, spread: float) -> EpisodeSpread:
-    leaf = plant_leaf(bench, name)
+    leaf = find_plant_leaf(bench, name)
     if not (math.isfinite(spread) and spread >= 0.0):
         raise ParameterError(f"The spread of `{name}` must be at least 0, but is {spread:g}.")
-    wide = half_width(leaf, spread)
+    wide = parse_half_width(leaf, spread)
     require_allowed(leaf, leaf.value - wide, leaf.value + wide)
     return EpisodeSpread(PLANT + leaf.path, float(leaf.value), wide)
 

@@ -13,9 +13,9 @@ from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.parameters import REQUIRED, Declared
 from martensite.design.sizing.candidates import Candidate, size_wire
 from martensite.design.sizing.catalogue_check import AMBIENT, STRESS, check_catalogue
-from martensite.design.sizing.margins import Margin, margins, tightest
+from martensite.design.sizing.margins import Margin, find_tightest, list_margins
 from martensite.design.sizing.request import ALLOYS, WireRequest
-from martensite.design.sizing.scenario import scenario_text
+from martensite.design.sizing.scenario import format_scenario
 from martensite.physics.materials.wires import WireCatalogue, load_wires
 from martensite.scenario.catalogue import describe_class
 from martensite.show.summaries import catalogue as catalogue_words
@@ -174,7 +174,7 @@ def size_wires(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 def _describe_candidate(
     request: WireRequest, number: int, found: Candidate, catalogue: WireCatalogue
 ) -> dict[str, Any]:
-    limits = margins(request, found)
+    limits = list_margins(request, found)
     text, refused = _write_scenario(request, found, catalogue)
     return {
         **found.to_dict(),
@@ -183,7 +183,7 @@ def _describe_candidate(
         "sentences": list(words.list_sentences(request, found)),
         "doubts": words.list_doubts(found),
         "margins": [_describe_margin(limit) for limit in limits],
-        "tightest": _describe_margin(tightest(limits)),
+        "tightest": _describe_margin(find_tightest(limits)),
         "scenario": text,
         "no_scenario": refused,
     }
@@ -211,7 +211,7 @@ def _write_scenario(
 ) -> tuple[str | None, str]:
     """Its scenario, or the sentence why there is none."""
     try:
-        return scenario_text(request, found, catalogue), ""
+        return format_scenario(request, found, catalogue), ""
     except InputError as error:
         return None, str(error)
 

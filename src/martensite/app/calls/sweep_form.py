@@ -12,11 +12,11 @@ from martensite.app.worker import Desk
 from martensite.base import units
 from martensite.base.errors import MartensiteError
 from martensite.base.parameters import Declared
-from martensite.design.backends.processes import cores
+from martensite.design.backends.processes import count_cores
 from martensite.design.sampling.base import DESIGNS
-from martensite.design.sweep.extras import extra
+from martensite.design.sweep.extra_packages import import_extra
 from martensite.design.sweep.job import MEASURES as USUAL
-from martensite.design.sweep.subject import targets_of, waveforms_of
+from martensite.design.sweep.subject import list_targets, list_waveforms
 from martensite.scenario.catalogue import summarise_class
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario
@@ -47,7 +47,7 @@ def describe_sweep_form(request: Mapping[str, Any], desk: Desk) -> dict[str, Any
         ],
         "usual": list(USUAL),
         "runtimes": list(RUNTIMES),
-        "cores": cores(),
+        "cores": count_cores(),
     }
 
 
@@ -56,7 +56,7 @@ def _find_missing_extra() -> str:
     if find_spec("zarr") is not None:
         return ""
     try:
-        extra("zarr")
+        import_extra("zarr")
     except MartensiteError as error:
         return str(error)
     return ""
@@ -71,9 +71,9 @@ def _list_targets(scenario: Scenario) -> Iterator[dict[str, Any]]:
     leaves: dict[str | None, dict[str, Declared]] = {
         None: {one.path: one.declared for one in scenario.whole.leaves()}
     }
-    for name, wave in waveforms_of(scenario).items():
+    for name, wave in list_waveforms(scenario).items():
         leaves[name] = {one.path: one.declared for one in wave.leaves()}
-    for target in targets_of(scenario).values():
+    for target in list_targets(scenario).values():
         yield _describe_target(target, leaves[target.drive][target.path])
 
 

@@ -27,15 +27,15 @@ from martensite.app.sweeping.timing import choose_chunk, time_block
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError
 from martensite.design.backends.base import StoppedError
-from martensite.design.backends.processes import cores
-from martensite.design.sweep.api import begin
-from martensite.design.sweep.extras import extra
-from martensite.design.sweep.indices import sensitivity
-from martensite.design.sweep.job import Wanted, plan_of, prepared
-from martensite.design.sweep.pareto import pareto_front
+from martensite.design.backends.processes import count_cores
+from martensite.design.sweep.api import begin_sweep
+from martensite.design.sweep.extra_packages import import_extra
+from martensite.design.sweep.indices import compute_sensitivity
+from martensite.design.sweep.job import SweepRequest, build_plan, prepare_plan
+from martensite.design.sweep.pareto import find_pareto_front
 from martensite.design.sweep.reading import read_sweep
 from martensite.design.sweep.store import Store
-from martensite.design.sweep.summary import statuses
+from martensite.design.sweep.summary import count_statuses
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario
 
@@ -71,9 +71,9 @@ def estimate_time(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
     Request as of the job `sweep` -> {"seconds": …, "tried": runs of the block, "took": its time, …}
     """
-    plan, asked = prepared(read_request_scenario(request, desk), read_wanted(request))
+    plan, asked = prepare_plan(read_request_scenario(request, desk), read_wanted(request))
     one = time_block(require_size(plan))
-    workers = read_workers(request).workers or cores()
+    workers = read_workers(request).workers or count_cores()
     return {
         "seconds": one.total(plan.size, workers),
         "tried": one.runs,
@@ -98,12 +98,12 @@ def run_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     Notes have a number, the state, and the runs made since the last one
     (`sweeping.sweep_progress`). Cancelled, it keeps what was made.
     """
-    extra("zarr")
+    import_extra("zarr")
     desk.tell({"phase": "preparing", "number": 0})
     key, path, scenario, asked = _find_store(request, desk)
     if desk.stop.is_set():
         return {"key": None, "stopped": "Cancelled before the first run; nothing was made."}
-    begun = begin(scenario, asked, path, read_workers(request))
+    begun = begin_sweep(scenario, asked, path, read_workers(request))
     live = SweepProgress(begun, key, desk)
     began = time.monotonic()
     with hold_store(path), _catch_stop(desk) as said:
@@ -117,7 +117,7 @@ def run_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     }
 
 
-def _find_store(request: Mapping[str, Any], desk: Desk) -> tuple[str, Path, Scenario, Wanted]:
+def _find_store(request: Mapping[str, Any], desk: Desk) -> tuple[str, Path, Scenario, SweepRequest]:
     """Key and store, and what is asked for: anew, or as a store has it."""
     shelf, key = SweepFolder(desk.folder), require_entry(request, "resume", str, "")
     if key:
@@ -127,7 +127,7 @@ def _find_store(request: Mapping[str, Any], desk: Desk) -> tuple[str, Path, Scen
         return key, path, read_scenario_of(spec), read_wanted_of(spec)
     scenario, asked = read_request_scenario(request, desk), read_wanted(request)
     read_workers(request)
-    plan, asked = prepared(scenario, asked)
+    plan, asked = prepare_plan(scenario, asked)
     asked = replace(asked, chunk=choose_chunk(require_size(plan)))
     return *shelf.new(scenario.title), scenario, asked
 
@@ -146,7 +146,7 @@ def _catch_stop(desk: Desk) -> Iterator[list[str]]:
 
 def _count_ended(store: Store) -> dict[str, Any]:
     """How many runs are there, and how they ended."""
-    counts, rows = statuses(store, NAMED)
+    counts, rows = count_statuses(store, NAMED)
     return {
         "done": sum(counts.values()),
         "runs": int(store.group["status"].shape[0]),
@@ -167,7 +167,7 @@ def read_points(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     key = require_entry(request, "key", str)
     path = SweepFolder(desk.folder).path(key)
     drawn = SweepDrawing(Store(path))
-    counts, rows = statuses(drawn.store, NAMED)
+    counts, rows = count_statuses(drawn.store, NAMED)
     asked = read_wanted_of(drawn.spec)
     step = f"{asked.step!r} s" if asked.step else ""
     return {
@@ -187,7 +187,7 @@ def read_row(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     """
     spec = Store(SweepFolder(desk.folder).path(require_entry(request, "key", str))).spec
     row = require_entry(request, "row", int)
-    plan = plan_of(read_scenario_of(spec), read_wanted_of(spec))
+    plan = build_plan(read_scenario_of(spec), read_wanted_of(spec))
     if not 0 <= row < plan.size:
         raise DataError(f"There is no run {row} in this sweep of {plan.size:,} runs.")
     values = plan.values(range(row, row + 1))[0].tolist()
@@ -212,7 +212,7 @@ def find_front(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     """
     table = read_sweep(SweepFolder(desk.folder).path(require_entry(request, "key", str)))
     try:
-        front = pareto_front(
+        front = find_pareto_front(
             table, _read_names(request, "minimise"), _read_names(request, "maximise")
         )
     except DataError as error:  # as long as no run is there
@@ -248,7 +248,7 @@ def estimate_indices(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     -> {"method", "used", "names": […], "indices": {kind: {"values": […], "wide": […]}}, "remarks"}
     """
     table = read_sweep(SweepFolder(desk.folder).path(require_entry(request, "key", str)))
-    (found,) = sensitivity(table, [require_entry(request, "measure", str)])
+    (found,) = compute_sensitivity(table, [require_entry(request, "measure", str)])
     kinds = found.indices if found.deviation else {}
     return {
         "measure": found.measure,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 
-from martensite.design.sweep.job import Wanted
+from martensite.design.sweep.job import SweepRequest
 from martensite.design.sweep.plan import CHUNK
 
 _PLAIN = re.compile(r"^[\w./:=,-]+$")
@@ -19,7 +19,7 @@ def quote_words(words: str) -> str:
     return f'"{words}"' if _QUOTABLE.match(words) else shlex.quote(words)
 
 
-def write_command(name: str, asked: Wanted, workers: int = 0, step: str = "") -> str:
+def write_command(name: str, asked: SweepRequest, workers: int = 0, step: str = "") -> str:
     """`martensite sweep …` for a scenario that lies in the folder as `name`.toml."""
     pieces = ["martensite sweep", quote_words(f"{name}.toml")]
     pieces += [f"--over {quote_words(words)}" for words in asked.over]

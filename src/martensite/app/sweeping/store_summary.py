@@ -9,7 +9,7 @@ from typing import Any
 from martensite.app.packaged_scenarios import build_packaged
 from martensite.app.sweeping.sweep_folder import is_busy, measure_bytes
 from martensite.base.errors import MartensiteError
-from martensite.design.sweep.job import Wanted
+from martensite.design.sweep.job import SweepRequest
 from martensite.design.sweep.store import STATUS, Store
 from martensite.scenario.scenario import Scenario
 
@@ -19,9 +19,9 @@ def read_scenario_of(spec: Mapping[str, Any]) -> Scenario:
     return build_packaged(spec["scenario"])
 
 
-def read_wanted_of(spec: Mapping[str, Any]) -> Wanted:
+def read_wanted_of(spec: Mapping[str, Any]) -> SweepRequest:
     """What was asked for."""
-    return Wanted.of_spec(spec)
+    return SweepRequest.of_spec(spec)
 
 
 def summarise_store(key: str, path: Path) -> dict[str, Any]:

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from martensite.app.views.columns import describe_conversion
 from martensite.base.status import Status
-from martensite.design.sweep.axes import Axis
-from martensite.design.sweep.reading import axes_of, levels_of
+from martensite.design.sweep.axes import SweepAxis
+from martensite.design.sweep.reading import read_axes, read_levels
 from martensite.design.sweep.store import STATUS, Store
-from martensite.design.sweep.table import Column, short_names
+from martensite.design.sweep.table import SweepColumn, shorten_names
 
 MOST_DRAWN = 20_000
 """Runs that are drawn of a sweep."""
@@ -35,14 +35,14 @@ class SweepDrawing:
         return self.store.spec
 
     @cached_property
-    def axes(self) -> list[Axis]:
+    def axes(self) -> list[SweepAxis]:
         """What is varied."""
-        return axes_of(self.store)
+        return read_axes(self.store)
 
     @cached_property
     def levels(self) -> tuple[Any, ...] | None:
         """Levels of every axis of a grid."""
-        return levels_of(self.store, self.axes)
+        return read_levels(self.store, self.axes)
 
     @cached_property
     def size(self) -> int:
@@ -102,7 +102,7 @@ class SweepDrawing:
 
     def layout(self) -> dict[str, Any]:
         """What the columns are, and how they are shown (shown = SI · factor + offset)."""
-        short = short_names([one.target.name for one in self.axes])
+        short = shorten_names([one.target.name for one in self.axes])
         return {
             "title": self.spec["title"],
             "sample": self.spec["sample"],
@@ -126,7 +126,7 @@ class SweepDrawing:
 
     def _shown(self, name: str) -> dict[str, Any]:
         array = self.store.group[name]
-        column = Column(name, str(array.attrs["units"]), np.empty(0))
+        column = SweepColumn(name, str(array.attrs["units"]), np.empty(0))
         how = describe_conversion(column.declared, column.shown)
         about = str(array.attrs["long_name"])
         return {**how, "name": name, "about": about, "unit": column.unit}

@@ -14,9 +14,9 @@ from martensite.app.sweeping.sweep_drawing import SweepDrawing
 from martensite.app.worker import Desk
 from martensite.base.status import Status
 from martensite.design.backends.base import AbstractBackend, Job, Report
-from martensite.design.sweep.api import Begun
+from martensite.design.sweep.api import PlannedSweep
 from martensite.design.sweep.running import Progress
-from martensite.design.sweep.summary import statuses
+from martensite.design.sweep.summary import count_statuses
 
 LEAST_PAUSE = 0.3
 """Least time between two notes [s]."""
@@ -44,7 +44,7 @@ class ReportingBackend(AbstractBackend):
 class SweepProgress:
     """One sweep, from its first missing chunk to its end."""
 
-    begun: Begun
+    begun: PlannedSweep
     key: str
     desk: Desk
     fresh: list[int] = field(default_factory=list[int])
@@ -60,7 +60,7 @@ class SweepProgress:
         Raises:
             StoppedError: it was cancelled, or cannot go on; what was made is kept.
         """
-        self._before = statuses(self.begun.store, 0)[0]
+        self._before = count_statuses(self.begun.store, 0)[0]
         self._began = time.monotonic()
         heard = replace(self.begun, backend=ReportingBackend(self.begun.backend, self.fresh))
         return heard.run(self._tell)

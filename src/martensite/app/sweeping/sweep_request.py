@@ -13,12 +13,12 @@ from typing import Any, TypeVar
 from martensite.app.messages import BadMessageError, require_entry
 from martensite.base import units
 from martensite.base.errors import MartensiteError, ParameterError
-from martensite.design.sampling.base import AbstractDesign, design
-from martensite.design.sweep.api import How
-from martensite.design.sweep.axes import Axis, axis
-from martensite.design.sweep.job import Wanted, plan_of
-from martensite.design.sweep.plan import Plan
-from martensite.design.sweep.subject import course_of, targets_of
+from martensite.design.sampling.base import AbstractDesign, parse_sampling
+from martensite.design.sweep.api import SweepExecution
+from martensite.design.sweep.axes import SweepAxis, parse_axis
+from martensite.design.sweep.job import SweepRequest, build_plan
+from martensite.design.sweep.plan import SweepPlan
+from martensite.design.sweep.subject import build_course, list_targets
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.measures.base import parse_measure
 
@@ -28,14 +28,14 @@ MOST_WORDS = 64
 LONGEST_ENTRY = 400
 
 
-def read_wanted(request: Mapping[str, Any]) -> Wanted:
+def read_wanted(request: Mapping[str, Any]) -> SweepRequest:
     """What is asked for, as the library takes it.
 
     Raises:
         InputError: an entry is missing or of another sort, or the step is none.
     """
     step = str(require_entry(request, "step", str, "")).strip()
-    return Wanted(
+    return SweepRequest(
         over=_read_texts(request, "over"),
         sample=_read_sample(require_entry(request, "sample", str, "grid")),
         measures=_read_texts(request, "measures"),
@@ -45,12 +45,12 @@ def read_wanted(request: Mapping[str, Any]) -> Wanted:
     )
 
 
-def read_workers(request: Mapping[str, Any]) -> How:
+def read_workers(request: Mapping[str, Any]) -> SweepExecution:
     """Who runs it: as many processes as are asked for, or what the library chooses."""
     workers = require_entry(request, "workers", int, 0)
     if not 0 <= workers <= 256:
         raise ParameterError(f"Processes must be between 0 and 256, but are {workers}.")
-    return How(workers=workers)
+    return SweepExecution(workers=workers)
 
 
 def parse_step(words: str) -> float | None:
@@ -63,7 +63,7 @@ def parse_step(words: str) -> float | None:
     return found
 
 
-def require_size(plan: Plan) -> Plan:
+def require_size(plan: SweepPlan) -> SweepPlan:
     """A plan that is not too large for the page.
 
     Raises:
@@ -108,7 +108,7 @@ class FieldFaults(dict[str, str]):
 
 def check_request(
     scenario: Scenario, request: Mapping[str, Any]
-) -> tuple[Plan | None, FieldFaults]:
+) -> tuple[SweepPlan | None, FieldFaults]:
     """The plan that a request asks for, or what is wrong with it, by field of the form.
 
     Fields are `over.0`, `over.1` …, `sample`, `seed`, `measures.0` …, `step`, `runtime`,
@@ -120,14 +120,14 @@ def check_request(
     known = found.attempt("", lambda: read_wanted({**request, "step": ""}))
     if known is None:
         return None, found
-    found.attempt("runtime", lambda: course_of(scenario, None, known.runtime))
+    found.attempt("runtime", lambda: build_course(scenario, None, known.runtime))
     _check_measures(scenario, known, found)
     chosen = found.attempt("seed" if known.seed < 0 else "sample", lambda: _build_design(known))
     _check_axes(scenario, known, chosen, found)
     if found:
         return None, found
     step = parse_step(str(request.get("step") or "").strip())
-    plan = found.attempt("", lambda: plan_of(scenario, replace(known, step=step)))
+    plan = found.attempt("", lambda: build_plan(scenario, replace(known, step=step)))
     if plan is not None:
         found.attempt("sample", lambda: require_size(plan))
     if plan is not None and not found:
@@ -135,11 +135,11 @@ def check_request(
     return (None if found else plan), found
 
 
-def _build_design(known: Wanted) -> AbstractDesign:
-    return design(known.sample, known.seed)
+def _build_design(known: SweepRequest) -> AbstractDesign:
+    return parse_sampling(known.sample, known.seed)
 
 
-def _check_measures(scenario: Scenario, known: Wanted, found: FieldFaults) -> None:
+def _check_measures(scenario: Scenario, known: SweepRequest, found: FieldFaults) -> None:
     for k, words in enumerate(known.measures):
         found.attempt(
             f"measures.{k}", lambda words=words: parse_measure(words).unit_in(scenario.whole)
@@ -147,18 +147,18 @@ def _check_measures(scenario: Scenario, known: Wanted, found: FieldFaults) -> No
 
 
 def _check_axes(
-    scenario: Scenario, known: Wanted, chosen: AbstractDesign | None, found: FieldFaults
+    scenario: Scenario, known: SweepRequest, chosen: AbstractDesign | None, found: FieldFaults
 ) -> None:
     """Each axis by itself: its words, its bounds, and its levels if it is one of a grid."""
-    targets = targets_of(scenario)
+    targets = list_targets(scenario)
     for k, words in enumerate(known.over):
-        one = found.attempt(f"over.{k}", lambda words=words: axis(words, targets))
+        one = found.attempt(f"over.{k}", lambda words=words: parse_axis(words, targets))
         if one is not None:
             found.attempt(f"over.{k}", lambda one=one: _check_axis(scenario, one, chosen))
 
 
-def _check_axis(scenario: Scenario, one: Axis, chosen: AbstractDesign | None) -> None:
-    course = course_of(scenario)
-    Plan(course, (one,), design("monte-carlo:1"), {"stroke": parse_measure("stroke")})
+def _check_axis(scenario: Scenario, one: SweepAxis, chosen: AbstractDesign | None) -> None:
+    course = build_course(scenario)
+    SweepPlan(course, (one,), parse_sampling("monte-carlo:1"), {"stroke": parse_measure("stroke")})
     if chosen is not None and chosen.registered_name == "grid":
         one.levels()

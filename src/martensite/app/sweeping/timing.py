@@ -9,8 +9,8 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass
 
-from martensite.design.backends.processes import cores
-from martensite.design.sweep.plan import CHUNK, Plan
+from martensite.design.backends.processes import count_cores
+from martensite.design.sweep.plan import CHUNK, SweepPlan
 from martensite.simulate.variants import LANES
 
 CHUNK_TIME = 0.4
@@ -28,10 +28,10 @@ class TimedBlock:
 
     def total(self, size: int, workers: int) -> float:
         """Time of so many runs on so many processes [s]."""
-        return -(-size // self.lanes) * self.seconds / max(workers or cores(), 1)
+        return -(-size // self.lanes) * self.seconds / max(workers or count_cores(), 1)
 
 
-def time_block(plan: Plan) -> TimedBlock:
+def time_block(plan: SweepPlan) -> TimedBlock:
     """Time one block of a plan; it is run twice, as the first one compiles."""
     lanes = LANES.get(plan.course.runtime, CHUNK)
     rows = range(min(lanes, plan.size))
@@ -41,7 +41,7 @@ def time_block(plan: Plan) -> TimedBlock:
     return TimedBlock(len(rows), lanes, time.perf_counter() - begin)
 
 
-def choose_chunk(plan: Plan) -> int:
+def choose_chunk(plan: SweepPlan) -> int:
     """Runs in a chunk: whole blocks of about `ABOUT`, and no more chunks than are good."""
     one = time_block(plan)
     blocks = max(int(CHUNK_TIME / max(one.seconds, 1e-6)), 1)

@@ -18,7 +18,7 @@ from martensite.actuators.elements.rows import AbstractRow
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine
 from martensite.app.views.columns import choose_rows
-from martensite.design.analysis.energy import energy_courses
+from martensite.design.analysis.energy import integrate_energies
 from martensite.simulate.result import Result
 
 PRESCRIBED = (
@@ -50,7 +50,7 @@ def describe_energy(result: Result) -> dict[str, Any]:
     if any(one.source.sets_temperature for one in actuators.values()):
         return _describe_missing(PRESCRIBED)
     ways = _list_ways(result)
-    found = energy_courses(result, ways or [])
+    found = integrate_energies(result, ways or [])
     kept = choose_rows(len(result.times))
     stored = found.electrical - found.lost
     named: list[tuple[str, str, str, str, float, Any]] = [

@@ -25,10 +25,14 @@ class DrivenLanes:
     """Lanes of a system, one drive and one output of which matter."""
 
     def __init__(
-        self, system: AbstractSystem, count: int, drive: str | None = None,
-        output: str | None = None, values: Mapping[str, Any] | None = None,
+        self,
+        system: AbstractSystem,
+        count: int,
+        drive: str | None = None,
+        output: str | None = None,
+        values: Mapping[str, Any] | None = None,
         native: bool | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Lanes at rest come with `reset`.
 
         Args:

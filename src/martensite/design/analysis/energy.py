@@ -75,7 +75,7 @@ class EnergyCourses:
     """That they took while they were stretched again."""
 
 
-def energy_courses(result: Result, ways: Sequence[tuple[Numbers, Numbers]]) -> EnergyCourses:
+def integrate_energies(result: Result, ways: Sequence[tuple[Numbers, Numbers]]) -> EnergyCourses:
     """Energies of a run over its samples.
 
     Args:
@@ -83,18 +83,18 @@ def energy_courses(result: Result, ways: Sequence[tuple[Numbers, Numbers]]) -> E
         ways: forces [N] with the coordinates [m] that grow as they pull, or torques with angles.
     """
     times = np.asarray(result.times)
-    power, lost = (_added(result, name) for name in ("power", "heat_loss"))
+    power, lost = (_add_columns(result, name) for name in ("power", "heat_loss"))
     work = np.zeros((2, len(times)))
     for f, x in ways:
         done = 0.5 * (f[1:] + f[:-1]) * np.diff(x)
         work[0, 1:] += np.cumsum(np.maximum(done, 0.0))
         work[1, 1:] += np.cumsum(np.maximum(-done, 0.0))
     held = result.system.sample_time() > 0.0
-    given, taken = _integral(times, power, held), _integral(times, lost, False)
+    given, taken = _integrate_column(times, power, held), _integrate_column(times, lost, False)
     return EnergyCourses(given, taken, work[0], work[1])
 
 
-def energy_per_cycle(
+def compute_cycle_energies(
     result: Result, period: float, *, pairs: Sequence[Pair] | None = None
 ) -> CycleEnergies:
     """Energies of all whole cycles of a run.
@@ -115,28 +115,28 @@ def energy_per_cycle(
     ends = times[0] + period * np.arange(cycles + 1)
     ways = [
         (np.asarray(result.columns[force]), np.asarray(result.columns[coordinate]))
-        for force, coordinate in _columns(result, pairs)
+        for force, coordinate in _find_columns(result, pairs)
     ]
-    over = energy_courses(result, ways)
+    over = integrate_energies(result, ways)
     totals = over.electrical, over.lost, over.work, over.returned
     found = [np.diff(np.interp(ends, times, total)) for total in totals]
     return CycleEnergies(period, *found)
 
 
-def _added(result: Result, name: str) -> Numbers:
+def _add_columns(result: Result, name: str) -> Numbers:
     """A column of all elements, added up."""
     system: AbstractSystem = result.system
     columns = [np.asarray(result.columns[system.label(port, name)]) for port in system.actuators()]
     return np.sum(columns, axis=0) if columns else np.zeros(len(result.times))
 
 
-def _integral(times: Numbers, values: Numbers, held: bool) -> Numbers:
+def _integrate_column(times: Numbers, values: Numbers, held: bool) -> Numbers:
     """Integral up to every sample."""
     middles = values[:-1] if held else 0.5 * (values[1:] + values[:-1])
     return np.concatenate([[0.0], np.cumsum(middles * np.diff(times))])
 
 
-def _columns(result: Result, pairs: Sequence[Pair] | None) -> Sequence[Pair]:
+def _find_columns(result: Result, pairs: Sequence[Pair] | None) -> Sequence[Pair]:
     """Columns of force and coordinate."""
     if pairs is None:
         if not isinstance(result.system.mechanism, AbstractLoadLine):

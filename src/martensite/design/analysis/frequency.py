@@ -25,7 +25,7 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
 from martensite.design.analysis.driven_lanes import DrivenLanes, require_positive
-from martensite.design.synthesis.operating_point import operating_point
+from martensite.design.synthesis.operating_point import find_operating_point
 from martensite.signals.sampling.sampled import Numbers
 
 SAMPLES = 128
@@ -78,7 +78,7 @@ class FrequencyResponse:
 
         Between frequencies it is read on a straight line in logarithms; NaN if never reached.
         """
-        return np.array([_crossing(self.frequencies, row) for row in self.gain])
+        return np.array([_find_bandwidth(self.frequencies, row) for row in self.gain])
 
 
 class _Cycle(NamedTuple):
@@ -89,11 +89,17 @@ class _Cycle(NamedTuple):
     distortion: Numbers
 
 
-def frequency_response(
-    system: AbstractSystem, biases: Sequence[float] | Numbers, amplitude: float,
-    frequencies: Sequence[float] | Numbers, *, drive: str | None = None, output: str | None = None,
-    high: float | None = None, native: bool | None = None,
-) -> FrequencyResponse:  # fmt: skip
+def measure_frequency_response(
+    system: AbstractSystem,
+    biases: Sequence[float] | Numbers,
+    amplitude: float,
+    frequencies: Sequence[float] | Numbers,
+    *,
+    drive: str | None = None,
+    output: str | None = None,
+    high: float | None = None,
+    native: bool | None = None,
+) -> FrequencyResponse:
     """Sines about several biases, until the cycles repeat.
 
     Args:
@@ -115,25 +121,31 @@ def frequency_response(
     require_positive("amplitude", amplitude, "of the drive")
     middles = np.atleast_1d(np.asarray(biases, float))
     lanes = DrivenLanes(system, len(middles), drive, output, native=native)
-    begun = None if high is None else _cooled(lanes, middles, high)
-    counts = [_count(lanes, float(f)) for f in wanted]
+    begun = None if high is None else _rest_after_cooling(lanes, middles, high)
+    counts = [_count_steps(lanes, float(f)) for f in wanted]
     found: list[tuple[_Cycle, Any]] = []
     for samples, dt in counts:
         lanes.reset(middles)
         if begun is not None:
             lanes.lanes.state = begun.copy()
-        found.append(_repeated(lanes, middles, amplitude, samples, dt))
+        found.append(_repeat_cycle(lanes, middles, amplitude, samples, dt))
     cycles = [cycle for cycle, _ in found]
     outputs, signals = system.outputs(), {one.name: one.unit for one in system.drives()}
     return FrequencyResponse(
-        lanes.drive, lanes.output, (signals[lanes.drive], outputs[lanes.output].unit), middles,
-        amplitude, np.array([1.0 / (n * dt) for n, dt in counts]),
-        np.array([one.harmonic for one in cycles]).T, np.array([one.mean for one in cycles]).T,
-        np.array([one.distortion for one in cycles]).T, np.array([still for _, still in found]).T,
-    )  # fmt: skip
+        lanes.drive,
+        lanes.output,
+        (signals[lanes.drive], outputs[lanes.output].unit),
+        middles,
+        amplitude,
+        np.array([1.0 / (n * dt) for n, dt in counts]),
+        np.array([one.harmonic for one in cycles]).T,
+        np.array([one.mean for one in cycles]).T,
+        np.array([one.distortion for one in cycles]).T,
+        np.array([still for _, still in found]).T,
+    )
 
 
-def _count(lanes: DrivenLanes, frequency: float) -> tuple[int, float]:
+def _count_steps(lanes: DrivenLanes, frequency: float) -> tuple[int, float]:
     """Steps in a period, and their length [s]."""
     if not lanes.interval:
         samples = max(SAMPLES, math.ceil(1.0 / (frequency * lanes.step(math.inf)) - 1e-9))
@@ -148,14 +160,14 @@ def _count(lanes: DrivenLanes, frequency: float) -> tuple[int, float]:
     return samples, lanes.interval
 
 
-def _cooled(lanes: DrivenLanes, middles: Numbers, high: float) -> Numbers:
+def _rest_after_cooling(lanes: DrivenLanes, middles: Numbers, high: float) -> Numbers:
     """States of rest on the cooling branch, shape (states, lanes)."""
     given: Any = {"direction": "cooling", "high": high, "drive": lanes.drive}
-    points = [operating_point(lanes.system, float(level), **given) for level in middles]
+    points = [find_operating_point(lanes.system, float(level), **given) for level in middles]
     return np.stack([point.state for point in points], axis=1)
 
 
-def _repeated(
+def _repeat_cycle(
     lanes: DrivenLanes, middles: Numbers, amplitude: float, samples: int, dt: float
 ) -> tuple[_Cycle, Any]:
     """The cycle when nothing changes any more, or after many; and where it is so."""
@@ -163,12 +175,12 @@ def _repeated(
     turns = points / samples
     levels = middles + amplitude * np.sin(2.0 * np.pi * turns)[:, None]
     least = max(lanes.system.convergence_scales().get(lanes.output, 0.0) / amplitude, 1e-300)
-    before = _cycle(lanes, levels, amplitude, dt)
+    before = _run_cycle(lanes, levels, amplitude, dt)
     done, settled = 1, np.zeros(len(middles), bool)
     while done < 4 or 2 * done * samples <= MOST:
         for _ in range(done - 1):
             lanes.run(levels, dt)
-        now = _cycle(lanes, levels, amplitude, dt)
+        now = _run_cycle(lanes, levels, amplitude, dt)
         size = np.maximum(np.abs(now.harmonic), least)
         moved = np.abs(now.harmonic - before.harmonic) / size
         drift = np.abs(now.mean - before.mean) / (size * amplitude)
@@ -179,7 +191,7 @@ def _repeated(
     return before, settled
 
 
-def _cycle(lanes: DrivenLanes, levels: Numbers, amplitude: float, dt: float) -> _Cycle:
+def _run_cycle(lanes: DrivenLanes, levels: Numbers, amplitude: float, dt: float) -> _Cycle:
     """One more cycle."""
     y = lanes.run(levels, dt)
     samples = len(y)
@@ -193,7 +205,7 @@ def _cycle(lanes: DrivenLanes, levels: Numbers, amplitude: float, dt: float) -> 
     return _Cycle(1j * first / (amplitude * held), mean, np.sqrt((rest**2).mean(axis=0)) / size)
 
 
-def _crossing(frequencies: Numbers, gains: Numbers) -> float:
+def _find_bandwidth(frequencies: Numbers, gains: Numbers) -> float:
     """Where gains first fall below 1/√2 of that at the lowest frequency [Hz]."""
     order = np.argsort(frequencies)
     f, g = np.log(frequencies[order]), np.log(np.maximum(gains[order], 1e-300))

@@ -62,10 +62,18 @@ class Speeds:
 
 
 def compute_speeds(
-    system: AbstractSystem, signals: Sequence[float] | Numbers, hold: float, *, low: float = 0.0,
-    back: float | None = None, load: str | None = None, loads: Sequence[float] | Numbers = (),
-    drive: str | None = None, output: str | None = None, native: bool | None = None,
-) -> Speeds:  # fmt: skip
+    system: AbstractSystem,
+    signals: Sequence[float] | Numbers,
+    hold: float,
+    *,
+    low: float = 0.0,
+    back: float | None = None,
+    load: str | None = None,
+    loads: Sequence[float] | Numbers = (),
+    drive: str | None = None,
+    output: str | None = None,
+    native: bool | None = None,
+) -> Speeds:
     """Steps up and down again, all signals and loads side by side.
 
     Args:
@@ -96,20 +104,31 @@ def compute_speeds(
     given = {path: np.repeat(values, len(levels))} if load else None
     lanes = DrivenLanes(system, values.size * levels.size, drive, output, given, native)
     dt = lanes.step(min(hold, after) / SAMPLES)
-    rows, up = _course(lanes, np.tile(levels, len(values)), low, (hold, after), dt)
+    rows, up = _step_response(lanes, np.tile(levels, len(values)), low, (hold, after), dt)
     outputs, drives = system.outputs(), {one.name: one.unit for one in system.drives()}
     units = drives[lanes.drive], outputs[lanes.output].unit
-    rise, fall = _time_gone(rows[: up + 1], dt), _time_gone(rows[up:], dt)
+    rise, fall = _find_rise_time(rows[: up + 1], dt), _find_rise_time(rows[up:], dt)
     rates = np.abs(np.diff(rows, axis=0)) / dt
     fastest = rates[:up].max(axis=0), rates[up:].max(axis=0)
     return Speeds(
-        lanes.drive, lanes.output, units, levels, path, values, (rows[up] - rows[0]).reshape(shape),
-        rise.reshape(shape), fall.reshape(shape), fastest[0].reshape(shape),
-        fastest[1].reshape(shape), dt * np.arange(len(rows)), rows.T.reshape(*shape, -1), up * dt,
-    )  # fmt: skip
+        lanes.drive,
+        lanes.output,
+        units,
+        levels,
+        path,
+        values,
+        (rows[up] - rows[0]).reshape(shape),
+        rise.reshape(shape),
+        fall.reshape(shape),
+        fastest[0].reshape(shape),
+        fastest[1].reshape(shape),
+        dt * np.arange(len(rows)),
+        rows.T.reshape(*shape, -1),
+        up * dt,
+    )
 
 
-def _course(
+def _step_response(
     lanes: DrivenLanes, levels: Numbers, low: float, lasting: tuple[float, float], dt: float
 ) -> tuple[Numbers, int]:
     """The output from the step up on, shape (samples, lanes), and the sample of the step down."""
@@ -121,7 +140,7 @@ def _course(
     return np.concatenate([first[None], lanes.run(played, dt)]), up
 
 
-def _time_gone(rows: Numbers, dt: float) -> Numbers:
+def _find_rise_time(rows: Numbers, dt: float) -> Numbers:
     """Time until 90 % of the way to the last row are gone [s], read between samples."""
     way = rows[-1] - rows[0]
     safe = np.where(way == 0.0, 1.0, way)

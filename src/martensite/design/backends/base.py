@@ -13,7 +13,7 @@ from typing import ClassVar, Protocol
 
 from martensite.base.errors import MartensiteError
 from martensite.base.registry import Registry
-from martensite.design.sweep.plan import Piece
+from martensite.design.sweep.plan import SweepPiece
 
 
 class StoppedError(MartensiteError):
@@ -44,15 +44,15 @@ class Job(Protocol):
         """The runs of a chunk."""
         ...
 
-    def compute(self, rows: range) -> Piece:
+    def compute(self, rows: range) -> SweepPiece:
         """Make some runs."""
         ...
 
-    def lost(self, rows: range) -> Piece:
+    def lost(self, rows: range) -> SweepPiece:
         """What stands for runs that cannot be made."""
         ...
 
-    def store(self, chunk: int, piece: Piece, remarks: tuple[str, ...] = ()) -> Report:
+    def store(self, chunk: int, piece: SweepPiece, remarks: tuple[str, ...] = ()) -> Report:
         """Store a chunk."""
         ...
 

@@ -21,7 +21,7 @@ from typing import Any
 
 from martensite.base.errors import InputError
 from martensite.design.backends.base import BACKENDS, AbstractBackend, Job, Report, StoppedError
-from martensite.design.backends.processes import cores, salvaged
+from martensite.design.backends.processes import count_cores, salvage_chunk
 
 PATIENCE = 10.0
 """How long a scheduler may take to answer [s]."""
@@ -56,12 +56,12 @@ class DaskCluster(AbstractBackend):
             InputError: Dask is not installed, or no scheduler answers.
             StoppedError: the scheduler is lost on the way.
         """
-        dask = _distributed()
-        with _client(dask, self) as client:
-            yield from _reports(dask, client, job, iter(chunks))
+        dask = _import_distributed()
+        with _open_client(dask, self) as client:
+            yield from _collect_reports(dask, client, job, iter(chunks))
 
 
-def _reports(dask: Any, client: Any, job: Job, waiting: Iterator[int]) -> Iterator[Report]:
+def _collect_reports(dask: Any, client: Any, job: Job, waiting: Iterator[int]) -> Iterator[Report]:
     under_way: dict[Any, int] = {}
     run = os.urandom(4).hex()
     try:
@@ -75,17 +75,17 @@ def _reports(dask: Any, client: Any, job: Job, waiting: Iterator[int]) -> Iterat
             with client.as_current():
                 done = dask.wait(list(under_way), return_when="FIRST_COMPLETED").done
             for future in done:
-                yield _report(dask, future, job, under_way.pop(future))
+                yield _build_report(dask, future, job, under_way.pop(future))
     finally:
         client.cancel(list(under_way))
 
 
-def _report(dask: Any, future: Any, job: Job, chunk: int) -> Report:
+def _build_report(dask: Any, future: Any, job: Job, chunk: int) -> Report:
     """The report of a task that has ended."""
     try:
         return future.result()
     except dask.KilledWorker:
-        return salvaged(job, chunk)
+        return salvage_chunk(job, chunk)
     except (dask.CancelledError, dask.comm.CommClosedError) as error:
         raise StoppedError(
             f"The Dask scheduler is gone ({error}). Chunks that were made are kept; give the same "
@@ -94,30 +94,31 @@ def _report(dask: Any, future: Any, job: Job, chunk: int) -> Report:
 
 
 @contextmanager
-def _client(dask: Any, wanted: DaskCluster) -> Iterator[Any]:
+def _open_client(dask: Any, wanted: DaskCluster) -> Iterator[Any]:
     """A client of a cluster; whatever was opened is closed."""
     cluster = None
     if wanted.scheduler is None:
         cluster = dask.LocalCluster(
-            n_workers=wanted.workers or cores(), threads_per_worker=1,
+            n_workers=wanted.workers or count_cores(),
+            threads_per_worker=1,
             dashboard_address="127.0.0.1:0",
-        )  # fmt: skip
+        )
     try:
-        with _connected(dask, cluster or wanted.scheduler) as client:
+        with _connect_client(dask, cluster or wanted.scheduler) as client:
             yield client
     finally:
         if cluster is not None:
             cluster.close()
 
 
-def _connected(dask: Any, address: Any) -> Any:
+def _connect_client(dask: Any, address: Any) -> Any:
     try:
         return dask.Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:
         raise InputError(f"No Dask scheduler answers at `{address}`: {error}.") from None
 
 
-def _distributed() -> Any:
+def _import_distributed() -> Any:
     try:
         return import_module("distributed")
     except ImportError:

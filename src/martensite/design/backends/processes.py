@@ -22,8 +22,8 @@ from multiprocessing import get_context, parent_process
 from threading import Thread
 
 from martensite.design.backends.base import BACKENDS, AbstractBackend, Job, Report, StoppedError
-from martensite.design.sweep.plan import Piece
-from martensite.design.sweep.salvage import kept
+from martensite.design.sweep.failed_runs import keep_runs
+from martensite.design.sweep.plan import SweepPiece
 
 START = "spawn"
 """A forked process would inherit the threads of JAX, half of them."""
@@ -40,7 +40,7 @@ class Processes(AbstractBackend):
     @property
     def count(self) -> int:
         """Number of processes."""
-        return self.workers or cores()
+        return self.workers or count_cores()
 
     def run(self, job: Job, chunks: Iterable[int]) -> Generator[Report]:
         """Two chunks per process are under way at a time."""
@@ -50,18 +50,18 @@ class Processes(AbstractBackend):
             if not broken:
                 return
             for chunk in broken:
-                yield salvaged(job, chunk)
+                yield salvage_chunk(job, chunk)
             broken.clear()
 
     def _pool(self, job: Job, waiting: Iterator[int], broken: list[int]) -> Iterator[Report]:
         """Reports of chunks until there are no more, or a process has died; then what it had."""
-        with _pool_of(self.count) as pool:
+        with _open_pool(self.count) as pool:
             under_way: dict[Future[Report], int] = {}
             while True:
                 room = 0 if broken else 2 * self.count - len(under_way)
                 for chunk in islice(waiting, room):
                     try:
-                        with _deaf():
+                        with _ignore_interrupts():
                             under_way[pool.submit(job, chunk)] = chunk
                     except BrokenProcessPool:
                         broken.append(chunk)
@@ -76,29 +76,29 @@ class Processes(AbstractBackend):
                         broken.append(chunk)
 
 
-def cores() -> int:
+def count_cores() -> int:
     """Number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
-def salvaged(job: Job, chunk: int) -> Report:
+def salvage_chunk(job: Job, chunk: int) -> Report:
     """Make a chunk whose process has died, keeping every run that can be made.
 
     Raises:
         StoppedError: no process can be started, or too many runs kill theirs.
     """
     begin = f"A process died at chunk {chunk}, which was made again."
-    piece, remarks = kept(job, chunk, partial(_alone, job), begin)
+    piece, remarks = keep_runs(job, chunk, partial(_run_alone, job), begin)
     return replace(job.store(chunk, piece), remarks=remarks)
 
 
-def _alone(job: Job, rows: range) -> Piece:
+def _run_alone(job: Job, rows: range) -> SweepPiece:
     """Make some runs in a process of their own."""
-    with _pool_of(1) as pool:
+    with _open_pool(1) as pool:
         try:
-            with _deaf():
+            with _ignore_interrupts():
                 ready = pool.submit(os.getpid)
             ready.result()
         except BrokenProcessPool:
@@ -113,7 +113,7 @@ def _alone(job: Job, rows: range) -> Piece:
 
 
 @contextmanager
-def _pool_of(count: int) -> Iterator[ProcessPoolExecutor]:
+def _open_pool(count: int) -> Iterator[ProcessPoolExecutor]:
     """A pool whose waiting chunks are dropped at the end."""
     pool = ProcessPoolExecutor(count, get_context(START), initializer=_end_with_parent)
     try:
@@ -135,7 +135,7 @@ def _end_with_parent() -> None:
 
 
 @contextmanager
-def _deaf() -> Iterator[None]:
+def _ignore_interrupts() -> Iterator[None]:
     """Processes that are started meanwhile do not hear Ctrl-C, which is for this one."""
     if not hasattr(signal, "pthread_sigmask"):
         yield

@@ -24,7 +24,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.design.optimise.question import Aim, Question
+from martensite.design.optimise.question import DesignAim, DesignQuestion
 from martensite.search.batch_runner import BatchRunner
 from martensite.simulate.drive_waveforms import grid_of
 from martensite.simulate.measures.base import list_needed
@@ -34,7 +34,7 @@ Numbers: TypeAlias = NDArray[np.float64]
 
 
 @dataclass
-class Counts:
+class RunCounts:
     """What was computed."""
 
     simulations: int = 0
@@ -47,7 +47,7 @@ class Counts:
         return {"simulations": self.simulations, "with_derivatives": self.slopes}
 
 
-class Slopes(NamedTuple):
+class AimSlopes(NamedTuple):
     """What a design is judged by, and its derivatives."""
 
     values: Numbers
@@ -56,13 +56,19 @@ class Slopes(NamedTuple):
     """By the place z of every free number, (cases, aims, free)."""
 
 
-class Designs:
+class DesignEvaluator:
     """All designs of a question, ready to be judged."""
 
     def __init__(
-        self, steering: WaveformLevels, question: Question, *, samples: int, step: float,
-        also: Sequence[Aim] = (), native: bool | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        steering: WaveformLevels,
+        question: DesignQuestion,
+        *,
+        samples: int,
+        step: float,
+        also: Sequence[DesignAim] = (),
+        native: bool | None = None,
+    ) -> None:
         """Prepare runs.
 
         Args:
@@ -78,7 +84,7 @@ class Designs:
         """
         levels = [c.level for one in question.free for c in one.targets if c.level is not None]
         self.steering = steering.with_levels(levels)
-        self.question, self.step, self.counts = question, step, Counts()
+        self.question, self.step, self.counts = question, step, RunCounts()
         self.system = self.steering.whole
         played = self.steering.system_waveforms()
         self.grid = grid_of(self.system, played, steering.duration, samples, step)
@@ -88,9 +94,7 @@ class Designs:
         self.outputs = list_needed(every, self.system)
         self.runner = BatchRunner(self.system, self.grid, self.outputs, native=native)
         self.native = self.runner.native
-        self._rows = [
-            [self._row(c.path, c.level) for c in one.targets] for one in question.free
-        ]  # fmt: skip
+        self._rows = [[self._row(c.path, c.level) for c in one.targets] for one in question.free]
 
     def numbers(self, z: Numbers) -> Numbers:
         """Free numbers [SI] at places, (..., free)."""
@@ -101,7 +105,7 @@ class Designs:
         """What designs are judged by, (designs, free) -> (designs, cases, aims); or NaN."""
         return self.told(self.numbers(z), self.aims)
 
-    def told(self, numbers: Numbers, aims: Sequence[Aim]) -> Numbers:
+    def told(self, numbers: Numbers, aims: Sequence[DesignAim]) -> Numbers:
         """Some aims of free numbers [SI], (designs, free) -> (designs, cases, aims); or NaN."""
         cases, table = len(self.question.cases), self._table(numbers)
         self.counts.simulations += len(table)
@@ -110,7 +114,7 @@ class Designs:
         found[~np.isfinite(seen).all(axis=(0, 1))] = np.nan
         return found.reshape(len(numbers), cases, -1)
 
-    def slopes(self, z: Numbers) -> Slopes | None:
+    def slopes(self, z: Numbers) -> AimSlopes | None:
         """One design with its derivatives; None if a run of it fails."""
         inner = np.array([one.slope(p) for one, p in zip(self.question.free, z, strict=True)])
         seeds = np.zeros((len(self.runner.paths), len(self._rows)))
@@ -132,10 +136,10 @@ class Designs:
                 np.stack([self._slope(aim, seen[:, :, None], moved) for aim in self.aims])
             )
         own = self._own() * inner
-        return Slopes(np.stack(values), np.stack(slopes) + own)
+        return AimSlopes(np.stack(values), np.stack(slopes) + own)
 
     @property
-    def aims(self) -> tuple[Aim, ...]:
+    def aims(self) -> tuple[DesignAim, ...]:
         """What designs are judged by: the goal first."""
         return self.question.aims
 
@@ -166,18 +170,18 @@ class Designs:
 
     # ---------------------------------------------------------------- measures
 
-    def _seen(self, aim: Aim, seen: Numbers) -> Numbers:
+    def _seen(self, aim: DesignAim, seen: Numbers) -> Numbers:
         """The columns that a measure looks at."""
         measure = aim.measure
         names = () if measure is None else measure.columns(self.system)
         return seen[[self.outputs.index(name) for name in names]]
 
-    def _value(self, aim: Aim, seen: Numbers, numbers: Numbers) -> Numbers:
+    def _value(self, aim: DesignAim, seen: Numbers, numbers: Numbers) -> Numbers:
         if aim.measure is None:
             return numbers[:, aim.place or 0]
         return aim.measure.value(self.times, np.nan_to_num(self._seen(aim, seen)))
 
-    def _slope(self, aim: Aim, seen: Numbers, moved: Numbers) -> Numbers:
+    def _slope(self, aim: DesignAim, seen: Numbers, moved: Numbers) -> Numbers:
         """d(measure)/d(number), (free,)."""
         if aim.measure is None:
             return np.zeros(moved.shape[2])
@@ -193,16 +197,17 @@ class Designs:
         return found
 
 
-def at_levels(
-    steering: WaveformLevels, question: Question, numbers: Sequence[float]
+def apply_numbers(
+    steering: WaveformLevels, question: DesignQuestion, numbers: Sequence[float]
 ) -> WaveformLevels:
     """System and waveforms of a design, checked.
 
     Raises:
         ParameterError: the system refuses the numbers together.
     """
-    pairs = [(c, float(v)) for one, v in zip(question.free, numbers, strict=True)
-             for c in one.targets]  # fmt: skip
+    pairs = [
+        (c, float(v)) for one, v in zip(question.free, numbers, strict=True) for c in one.targets
+    ]
     system = steering.system.with_values({c.path: v for c, v in pairs if c.level is None})
     waves = dict(steering.own)
     for drive in waves:

@@ -24,7 +24,7 @@ from martensite.simulate.waveform_levels import WaveformLevels
 NOTE = "limit of the element"
 
 
-def life_constraints(
+def build_life_constraints(
     steering: WaveformLevels, freed: Sequence[FreeNumber], margin: float = 0.0
 ) -> list[Constraint]:
     """What keeps every element within its limits.
@@ -41,7 +41,7 @@ def life_constraints(
         raise ParameterError(f"A margin of life must be at least 0 and below 1, but is {margin}.")
     system, found = steering.system, list[Constraint]()
     for port, one in system.actuators().items():
-        for form, name, limit in _limits(one, margin):
+        for form, name, limit in _list_limits(one, margin):
             aim = read_aim(form.format(system.label(port, name)), steering, freed)
             found.append(Constraint(aim, True, limit, NOTE))
     if not found:
@@ -52,7 +52,7 @@ def life_constraints(
     return found
 
 
-def _limits(one: Actuator, margin: float) -> Iterator[tuple[str, str, float]]:
+def _list_limits(one: Actuator, margin: float) -> Iterator[tuple[str, str, float]]:
     """Measure, output and limit [SI] of everything that is limited."""
     limits, ambient = one.element.limits, one.environment.temperature
     above = ambient + (1.0 - margin) * (limits.temperature_limit - ambient)
@@ -66,7 +66,7 @@ def _limits(one: Actuator, margin: float) -> Iterator[tuple[str, str, float]]:
             yield form, name, limit
 
 
-def life_words(constraints: Sequence[Constraint], margin: float) -> str:
+def describe_life(constraints: Sequence[Constraint], margin: float) -> str:
     """What is claimed of the life, and what is not."""
     kept = ", ".join(f"{one.words}" for one in constraints)
     left = f" with {100.0 * margin:.3g} % to spare" if margin else ""

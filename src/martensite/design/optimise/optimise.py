@@ -18,14 +18,24 @@ import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
-from martensite.design.optimise.designed import Designed, Held, Reported
-from martensite.design.optimise.evaluate import Designs, Numbers, at_levels
-from martensite.design.optimise.judged import KEPT, Scales
-from martensite.design.optimise.life import life_constraints, life_words
-from martensite.design.optimise.pressing import balance
-from martensite.design.optimise.question import Aim, Question, read_aim, read_question
-from martensite.design.optimise.search import Hunt, Mark, Point, Search, Tell
-from martensite.design.optimise.whole import Tried, rounded
+from martensite.design.optimise.active_constraints import find_multipliers
+from martensite.design.optimise.design_scales import KEPT, DesignScales
+from martensite.design.optimise.evaluate import DesignEvaluator, Numbers, apply_numbers
+from martensite.design.optimise.integer_variables import TriedCombination, round_design
+from martensite.design.optimise.life import build_life_constraints, describe_life
+from martensite.design.optimise.optimised_design import (
+    OptimisedDesign,
+    ReportedMeasure,
+    RoundedDesign,
+)
+from martensite.design.optimise.question import DesignAim, DesignQuestion, read_aim, read_question
+from martensite.design.optimise.search import (
+    DesignHunt,
+    DesignPoint,
+    DesignSearch,
+    SearchMark,
+    Tell,
+)
 from martensite.simulate.api import longest_step
 from martensite.simulate.drive_waveforms import Waveforms
 from martensite.simulate.waveform_levels import WaveformLevels
@@ -34,20 +44,39 @@ ACCURACY = 1e-3
 """Accepted change on halving the step, as a share of limits and of the goal."""
 HALVINGS = 5
 SHOWN = (
-    "stroke", "rise-time", "fall-time", "energy", "max({stress})", "stroke({strain})",
-    "max({hottest})", "max({power})", "max({current})", "max({voltage})",
-)  # fmt: skip
+    "stroke",
+    "rise-time",
+    "fall-time",
+    "energy",
+    "max({stress})",
+    "stroke({strain})",
+    "max({hottest})",
+    "max({power})",
+    "max({current})",
+    "max({voltage})",
+)
 """Measures that are reported, whatever was asked for."""
 
 
 def optimise_design(
-    system: AbstractSystem, waveform: Waveforms, duration: float, free: Sequence[str], *,
-    minimise: str | None = None, maximise: str | None = None, subject: Sequence[str] = (),
-    life: float | None = None, cases: Sequence[str] = (), samples: int = 1001,
-    step: float | None = None, accuracy: float = ACCURACY, search: Search | None = None,
-    written: Mapping[str, str] | None = None, watch: Tell | None = None,
+    system: AbstractSystem,
+    waveform: Waveforms,
+    duration: float,
+    free: Sequence[str],
+    *,
+    minimise: str | None = None,
+    maximise: str | None = None,
+    subject: Sequence[str] = (),
+    life: float | None = None,
+    cases: Sequence[str] = (),
+    samples: int = 1001,
+    step: float | None = None,
+    accuracy: float = ACCURACY,
+    search: DesignSearch | None = None,
+    written: Mapping[str, str] | None = None,
+    watch: Tell | None = None,
     native: bool | None = None,
-) -> Designed:  # fmt: skip
+) -> OptimisedDesign:
     """Find the best design of a system in a run from rest.
 
     Args:
@@ -76,52 +105,62 @@ def optimise_design(
         raise ParameterError("A design has one goal: name what to minimise, or what to maximise.")
     steering = WaveformLevels(system, waveform, duration)
     question = read_question(
-        steering, free, maximise or minimise or "energy", subject, most=maximise is not None,
-        cases=cases, written=written,
-    )  # fmt: skip
-    limits = [] if life is None else life_constraints(steering, question.free, life)
+        steering,
+        free,
+        maximise or minimise or "energy",
+        subject,
+        most=maximise is not None,
+        cases=cases,
+        written=written,
+    )
+    limits = [] if life is None else build_life_constraints(steering, question.free, life)
     question = replace(question, subject=(*question.subject, *limits))
     for case in question.cases:
         system.with_values(case)
-    first = step or min(_longest(steering, question), duration / (samples - 1))
-    also = _shown(steering, {aim.words for aim in question.aims})
-    designs = Designs(
+    first = step or min(_find_longest_step(steering, question), duration / (samples - 1))
+    also = _list_measures(steering, {aim.words for aim in question.aims})
+    designs = DesignEvaluator(
         steering, question, samples=samples, step=first, also=also, native=native
-    )  # fmt: skip
-    hunt = Hunt(designs, search or Search(), watch)
+    )
+    hunt = DesignHunt(designs, search or DesignSearch(), watch)
     begin = np.array([one.share(one.start) for one in question.free])
     relaxed = hunt.run(begin)
     whole = any(one.whole for one in question.free)
     history = list(hunt.history)
-    point, tried, relaxed = rounded(hunt, relaxed)
+    point, tried, relaxed = round_design(hunt, relaxed)
     if whole:
-        history = [*(m for m in history if not math.isinf(m.goal)), _mark(hunt, point)]
-    hunt, point, apart = _refined(hunt, point, accuracy, fixed_step=step is not None)
-    found = _answer(steering, hunt, point, apart)
+        history = [*(m for m in history if not math.isinf(m.goal)), _record_progress(hunt, point)]
+    hunt, point, apart = _refine_step(hunt, point, accuracy, fixed_step=step is not None)
+    found = _build_answer(steering, hunt, point, apart)
     return replace(
-        found, history=(*history, _mark(hunt, point)),
-        held=tuple(_held(hunt, one) for one in tried),
+        found,
+        history=(*history, _record_progress(hunt, point)),
+        held=tuple(_describe_rounded(hunt, one) for one in tried),
         relaxed=tuple(designs.numbers(relaxed.z).tolist()) if whole else None,
-        relaxed_goal=_goal(hunt.scales, relaxed) if whole else None,
-        life=life_words(limits, life) if life is not None else "",
-    )  # fmt: skip
+        relaxed_goal=_compute_goal(hunt.scales, relaxed) if whole else None,
+        life=describe_life(limits, life) if life is not None else "",
+    )
 
 
-def _longest(steering: WaveformLevels, question: Question) -> float:
+def _find_longest_step(steering: WaveformLevels, question: DesignQuestion) -> float:
     """The shortest of the longest sensible steps at the corners of the box [s]."""
-    ends = [[(c.path, v) for v in (one.low, one.high)]
-            for one in question.free for c in one.targets if c.level is None]  # fmt: skip
+    ends = [
+        [(c.path, v) for v in (one.low, one.high)]
+        for one in question.free
+        for c in one.targets
+        if c.level is None
+    ]
     corners = itertools.islice(itertools.product(*ends), 256)
     return min(longest_step(steering.system.rebuilt(dict(corner))) for corner in corners)
 
 
-def _refined(
-    hunt: Hunt, point: Point, accuracy: float, *, fixed_step: bool
-) -> tuple[Hunt, Point, float]:
+def _refine_step(
+    hunt: DesignHunt, point: DesignPoint, accuracy: float, *, fixed_step: bool
+) -> tuple[DesignHunt, DesignPoint, float]:
     """The design adjusted in steps that are short enough, and what halving them changes."""
     fixed = np.array([one.whole for one in hunt.designs.question.free])
-    finer = _with_step(hunt, 0.5)
-    apart = _apart(hunt, finer, point.z)
+    finer = _change_step(hunt, 0.5)
+    apart = _compare_steps(hunt, finer, point.z)
     for _ in range(0 if fixed_step else HALVINGS):
         if apart <= accuracy:
             break
@@ -129,25 +168,29 @@ def _refined(
         hunt.tell("shorter steps", 0.9)
         hunt.judge(point.z[None])
         hunt.descend(point.z, fixed)
-        point, finer = hunt.found, _with_step(hunt, 0.5)
-        apart = _apart(hunt, finer, point.z)
+        point, finer = hunt.found, _change_step(hunt, 0.5)
+        apart = _compare_steps(hunt, finer, point.z)
     return hunt, point, apart
 
 
-def _with_step(hunt: Hunt, share: float) -> Hunt:
+def _change_step(hunt: DesignHunt, share: float) -> DesignHunt:
     """The same search in steps of a share of its own; it goes on counting."""
     old = hunt.designs
-    designs = Designs(
-        old.steering, old.question, samples=len(old.times), step=share * old.grid.longest,
-        also=old.also, native=old.native,
-    )  # fmt: skip
+    designs = DesignEvaluator(
+        old.steering,
+        old.question,
+        samples=len(old.times),
+        step=share * old.grid.longest,
+        also=old.also,
+        native=old.native,
+    )
     designs.counts = old.counts
-    found = Hunt(designs, hunt.search, hunt.watch)
+    found = DesignHunt(designs, hunt.search, hunt.watch)
     found.scales = hunt.scales
     return found
 
 
-def _apart(hunt: Hunt, finer: Hunt, z: Numbers) -> float:
+def _compare_steps(hunt: DesignHunt, finer: DesignHunt, z: Numbers) -> float:
     """Largest change of what a design is judged by, as a share of limits and of the goal."""
     both = [one.scales.convergence_scales(one.designs.values(z[None])) for one in (hunt, finer)]
     goal = abs(both[0].goal[0] - both[1].goal[0])
@@ -155,7 +198,9 @@ def _apart(hunt: Hunt, finer: Hunt, z: Numbers) -> float:
     return float(max(goal, slack.max(initial=0.0)))
 
 
-def _answer(steering: WaveformLevels, hunt: Hunt, point: Point, apart: float) -> Designed:
+def _build_answer(
+    steering: WaveformLevels, hunt: DesignHunt, point: DesignPoint, apart: float
+) -> OptimisedDesign:
     """The answer, but for what was seen on the way."""
     designs, question = hunt.designs, hunt.designs.question
     numbers = tuple(designs.numbers(point.z).tolist())
@@ -171,31 +216,45 @@ def _answer(steering: WaveformLevels, hunt: Hunt, point: Point, apart: float) ->
             "No design in the box was found that keeps all constraints; this one misses least. "
             "Widen the bounds, or ask for less."
         )
-    return Designed(
-        question=question, steering=at_levels(steering, question, exact),
-        z=tuple(point.z.tolist()), numbers=exact, kept=point.kept, missed=tuple(missed),
-        reported=_reported(hunt, exact), balance=balance(designs, hunt.scales, point.z),
-        held=(), relaxed=None, relaxed_goal=None, counts=designs.counts, history=(),
-        designs=designs, step=designs.grid.longest, accuracy=apart, notes=notes,
-    )  # fmt: skip
+    return OptimisedDesign(
+        question=question,
+        steering=apply_numbers(steering, question, exact),
+        z=tuple(point.z.tolist()),
+        numbers=exact,
+        kept=point.kept,
+        missed=tuple(missed),
+        reported=_report_measures(hunt, exact),
+        balance=find_multipliers(designs, hunt.scales, point.z),
+        held=(),
+        relaxed=None,
+        relaxed_goal=None,
+        counts=designs.counts,
+        history=(),
+        designs=designs,
+        step=designs.grid.longest,
+        accuracy=apart,
+        notes=notes,
+    )
 
 
-def _reported(hunt: Hunt, numbers: Sequence[float]) -> tuple[Reported, ...]:
+def _report_measures(hunt: DesignHunt, numbers: Sequence[float]) -> tuple[ReportedMeasure, ...]:
     """What the question asks for and other measures, of the scenario and of the design."""
     designs = hunt.designs
     start = [one.start for one in designs.question.free]
     aims = {aim.words: aim for aim in (*designs.question.aims, *designs.also)}
     before, after = designs.told(np.array([start, numbers]), list(aims.values()))
     return tuple(
-        Reported(aim.words, aim.unit, tuple(before[:, k].tolist()), tuple(after[:, k].tolist()))
+        ReportedMeasure(
+            aim.words, aim.unit, tuple(before[:, k].tolist()), tuple(after[:, k].tolist())
+        )
         for k, aim in enumerate(aims.values())
     )
 
 
-def _shown(steering: WaveformLevels, asked: set[str]) -> list[Aim]:
+def _list_measures(steering: WaveformLevels, asked: set[str]) -> list[DesignAim]:
     """Other measures of the actuators of a system."""
     system = steering.system
-    found: list[Aim] = []
+    found: list[DesignAim] = []
     for form in SHOWN:
         name = form.partition("{")[2].partition("}")[0]
         ports = list(system.actuators()) if name else [""]
@@ -206,16 +265,20 @@ def _shown(steering: WaveformLevels, asked: set[str]) -> list[Aim]:
     return found
 
 
-def _held(hunt: Hunt, one: Tried) -> Held:
+def _describe_rounded(hunt: DesignHunt, one: TriedCombination) -> RoundedDesign:
     point = one.point
     numbers = tuple(hunt.designs.numbers(point.z).tolist())
-    return Held(one.numbers, numbers, _goal(hunt.scales, point), point.kept, point.violation)
+    return RoundedDesign(
+        one.numbers, numbers, _compute_goal(hunt.scales, point), point.kept, point.violation
+    )
 
 
-def _goal(scales: Scales, point: Point) -> float:
+def _compute_goal(scales: DesignScales, point: DesignPoint) -> float:
     return scales.sign * scales.goal * point.goal
 
 
-def _mark(hunt: Hunt, point: Point) -> Mark:
+def _record_progress(hunt: DesignHunt, point: DesignPoint) -> SearchMark:
     counts = hunt.designs.counts
-    return Mark(counts.simulations + counts.slopes, _goal(hunt.scales, point), point.violation)
+    return SearchMark(
+        counts.simulations + counts.slopes, _compute_goal(hunt.scales, point), point.violation
+    )

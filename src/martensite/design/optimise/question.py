@@ -27,7 +27,7 @@ _SETTING = re.compile(r"^\s*([^=\s]+)\s*=\s*(.*?)\s*$")
 
 
 @dataclass(frozen=True)
-class Aim:
+class DesignAim:
     """Something that a design is judged by."""
 
     words: str
@@ -42,7 +42,7 @@ class Aim:
 class Constraint:
     """A limit of something that a design is judged by."""
 
-    aim: Aim
+    aim: DesignAim
     most: bool
     """Whether the limit is the largest value allowed, else it is the smallest."""
     limit: float
@@ -72,11 +72,11 @@ class Constraint:
 
 
 @dataclass(frozen=True)
-class Question:
+class DesignQuestion:
     """What a design is to be."""
 
     free: tuple[FreeNumber, ...]
-    goal: Aim
+    goal: DesignAim
     most: bool
     """Whether the goal shall be as large as it can, else as small."""
     subject: tuple[Constraint, ...] = ()
@@ -84,15 +84,21 @@ class Question:
     """Numbers of the system by path that differ from case to case."""
 
     @property
-    def aims(self) -> tuple[Aim, ...]:
+    def aims(self) -> tuple[DesignAim, ...]:
         """The goal, then what is constrained."""
         return self.goal, *(one.aim for one in self.subject)
 
 
 def read_question(
-    steering: WaveformLevels, free: Sequence[str], goal: str, subject: Sequence[str] = (), *,
-    most: bool = False, cases: Sequence[str] = (), written: Mapping[str, str] | None = None,
-) -> Question:  # fmt: skip
+    steering: WaveformLevels,
+    free: Sequence[str],
+    goal: str,
+    subject: Sequence[str] = (),
+    *,
+    most: bool = False,
+    cases: Sequence[str] = (),
+    written: Mapping[str, str] | None = None,
+) -> DesignQuestion:
     """The question that texts ask about a system.
 
     Args:
@@ -116,7 +122,9 @@ def read_question(
     _refuse_twice(freed)
     aim = read_aim(goal, steering, freed)
     limits = tuple(read_constraint(text, steering, freed) for text in subject)
-    return Question(freed, aim, most, limits, ({}, *(_case(text, known, freed) for text in cases)))
+    return DesignQuestion(
+        freed, aim, most, limits, ({}, *(_read_case(text, known, freed) for text in cases))
+    )
 
 
 def _refuse_twice(freed: Sequence[FreeNumber]) -> None:
@@ -126,7 +134,7 @@ def _refuse_twice(freed: Sequence[FreeNumber]) -> None:
         raise ParameterError(f"`{twice}` is named as free more than once.")
 
 
-def read_aim(words: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) -> Aim:
+def read_aim(words: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) -> DesignAim:
     """A measure, or a free number by its name or path.
 
     Raises:
@@ -135,7 +143,7 @@ def read_aim(words: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) 
     words = words.strip()
     for place, one in enumerate(freed):
         if words == one.name or any(words in (c.path, c.name) for c in one.targets):
-            return Aim(one.name, one.unit, place=place)
+            return DesignAim(one.name, one.unit, place=place)
     name = words.partition("(")[0].strip()
     if name not in MEASURES.names():
         valid = [*MEASURES.names(), *(one.name for one in freed)]
@@ -143,7 +151,7 @@ def read_aim(words: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) 
             f"`{words}` is neither a measure nor a free number. {suggest_name(name, valid)}"
         )
     found = parse_measure(words)
-    return Aim(words, found.unit_in(steering.system), found)
+    return DesignAim(words, found.unit_in(steering.system), found)
 
 
 def read_constraint(text: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) -> Constraint:
@@ -166,7 +174,7 @@ def read_constraint(text: str, steering: WaveformLevels, freed: Sequence[FreeNum
         raise UnitError(f"Constraint `{text}`: {error}") from None
 
 
-def _case(text: str, known: Sequence[Target], freed: Sequence[FreeNumber]) -> dict[str, float]:
+def _read_case(text: str, known: Sequence[Target], freed: Sequence[FreeNumber]) -> dict[str, float]:
     """Numbers of the system that differ in a case."""
     found: dict[str, float] = {}
     free = {target.path for one in freed for target in one.targets}

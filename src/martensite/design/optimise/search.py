@@ -24,8 +24,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import SolveError
-from martensite.design.optimise.evaluate import Designs
-from martensite.design.optimise.judged import FAR, WORST, Gradient, Judged, Scales
+from martensite.design.optimise.design_scales import (
+    FAR,
+    WORST,
+    DesignGradient,
+    DesignScales,
+    JudgedDesigns,
+)
+from martensite.design.optimise.evaluate import DesignEvaluator
 from martensite.search.starts import choose_apart, start_sobol
 
 Numbers: TypeAlias = NDArray[np.float64]
@@ -43,7 +49,7 @@ STOP = 1e-6
 
 
 @dataclass(frozen=True)
-class Search:
+class DesignSearch:
     """How designs are searched."""
 
     sample: int = 64
@@ -59,7 +65,7 @@ class Search:
     seed: int = 0
 
 
-class Point(NamedTuple):
+class DesignPoint(NamedTuple):
     """A design that was judged."""
 
     z: Numbers
@@ -68,14 +74,14 @@ class Point(NamedTuple):
     violation: float
     kept: bool
 
-    def before(self, other: Point) -> bool:
+    def before(self, other: DesignPoint) -> bool:
         """Whether it is better than another."""
         if self.kept and other.kept:
             return self.goal < other.goal
         return self.kept or (not other.kept and self.violation < other.violation)
 
 
-class Mark(NamedTuple):
+class SearchMark(NamedTuple):
     """How far a search was at some time."""
 
     runs: int
@@ -85,15 +91,17 @@ class Mark(NamedTuple):
     violation: float
 
 
-class Hunt:
+class DesignHunt:
     """One search: it remembers what it judged."""
 
-    def __init__(self, designs: Designs, search: Search, watch: Tell | None = None) -> None:
+    def __init__(
+        self, designs: DesignEvaluator, search: DesignSearch, watch: Tell | None = None
+    ) -> None:
         self.designs, self.search, self.watch = designs, search, watch
-        self.scales = Scales(designs.question)
-        self.history: list[Mark] = []
-        self.best: Point | None = None
-        self._memory: dict[bytes, Gradient | None] = {}
+        self.scales = DesignScales(designs.question)
+        self.history: list[SearchMark] = []
+        self.best: DesignPoint | None = None
+        self._memory: dict[bytes, DesignGradient | None] = {}
         self._rng = np.random.default_rng(search.seed)
 
     @property
@@ -103,26 +111,28 @@ class Hunt:
 
     # ---------------------------------------------------------------- judging
 
-    def judge(self, z: Numbers) -> list[Point]:
+    def judge(self, z: Numbers) -> list[DesignPoint]:
         """Judge designs, (designs, free), in one batch."""
         return self._points(z, self.scales.convergence_scales(self.designs.values(z)))
 
-    def _points(self, z: Numbers, judged: Judged) -> list[Point]:
+    def _points(self, z: Numbers, judged: JudgedDesigns) -> list[DesignPoint]:
         rows = zip(z, judged.goal, judged.violation, judged.kept, strict=True)
-        points = [Point(p, float(g), float(v), bool(k)) for p, g, v, k in rows]
+        points = [DesignPoint(p, float(g), float(v), bool(k)) for p, g, v, k in rows]
         for point in points:
             self.note(point)
         return points
 
-    def note(self, point: Point) -> None:
+    def note(self, point: DesignPoint) -> None:
         """Remember the best."""
         if self.best is None or point.before(self.best):
             self.best = point
             counts, scales = self.designs.counts, self.scales
             runs = counts.simulations + counts.slopes
-            self.history.append(Mark(runs, scales.sign * scales.goal * point.goal, point.violation))
+            self.history.append(
+                SearchMark(runs, scales.sign * scales.goal * point.goal, point.violation)
+            )
 
-    def gradient(self, z: Numbers) -> Gradient | None:
+    def gradient(self, z: Numbers) -> DesignGradient | None:
         """Goal, slacks and derivatives at a point, computed once; None if the run fails."""
         key = z.tobytes()
         if key not in self._memory:
@@ -130,12 +140,12 @@ class Hunt:
             self._memory[key] = None if found is None else self.scales.gradient(found)
             one = self._memory[key]
             if one is not None:
-                self._points(z[None], Judged(np.array([one.goal]), one.slack[None]))
+                self._points(z[None], JudgedDesigns(np.array([one.goal]), one.slack[None]))
         return self._memory[key]
 
     # ---------------------------------------------------------------- the search
 
-    def run(self, begin: Numbers) -> Point:
+    def run(self, begin: Numbers) -> DesignPoint:
         """The best design found from a sample of the box and from one design.
 
         Raises:
@@ -151,13 +161,13 @@ class Hunt:
         return self.found
 
     @property
-    def found(self) -> Point:
+    def found(self) -> DesignPoint:
         """The best so far."""
         if self.best is None:
             raise SolveError("No design was judged.")
         return self.best
 
-    def _sample(self, begin: Numbers) -> list[Point]:
+    def _sample(self, begin: Numbers) -> list[DesignPoint]:
         """The sample, until one of its points keeps all constraints; the scenario first."""
         sobol = start_sobol(self.size, self.search.seed)
         self.tell("sampling", 0.0)
@@ -177,9 +187,9 @@ class Hunt:
             )
         return points
 
-    def _starts(self, points: Sequence[Point]) -> list[Point]:
+    def _starts(self, points: Sequence[DesignPoint]) -> list[DesignPoint]:
         """The best points that lie apart, after the design of the scenario."""
-        judged = Judged(
+        judged = JudgedDesigns(
             np.array([p.goal for p in points]), -np.array([[p.violation] for p in points])
         )
         places = np.stack([point.z for point in points])
@@ -220,16 +230,20 @@ class Hunt:
             self.gradient(begin)
             return begin
         constraint = {
-            "type": "ineq", "fun": lambda u: place(u).slack,
+            "type": "ineq",
+            "fun": lambda u: place(u).slack,
             "jac": lambda u: place(u).slack_slope[:, ~fixed],
-        }  # fmt: skip
+        }
         with suppress(_Enough):
             import_module("scipy.optimize").minimize(
-                lambda u: (place(u).goal, place(u).goal_slope[~fixed]), begin[~fixed], jac=True,
-                method="SLSQP", bounds=[(0.0, 1.0)] * place.count,
+                lambda u: (place(u).goal, place(u).goal_slope[~fixed]),
+                begin[~fixed],
+                jac=True,
+                method="SLSQP",
+                bounds=[(0.0, 1.0)] * place.count,
                 constraints=[constraint] if self.designs.question.subject else [],
                 options={"maxiter": self.search.iterations, "ftol": STOP},
-            )  # fmt: skip
+            )
         return place.last
 
     def _snapped(self, z: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
@@ -256,9 +270,13 @@ class Hunt:
 
         with suppress(_Enough):
             import_module("scipy.optimize").minimize(
-                missed, begin[~fixed], jac=True, method="L-BFGS-B",
-                bounds=[(0.0, 1.0)] * place.count, options={"maxiter": self.search.iterations},
-            )  # fmt: skip
+                missed,
+                begin[~fixed],
+                jac=True,
+                method="L-BFGS-B",
+                bounds=[(0.0, 1.0)] * place.count,
+                options={"maxiter": self.search.iterations},
+            )
         return place.last
 
     def tell(self, text: str, done: float) -> None:
@@ -274,7 +292,7 @@ class _Enough(Exception):
 class _Partial:
     """What a search sees while some numbers are fixed; a failed run is far from everything."""
 
-    def __init__(self, begin: Numbers, fixed: NDArray[np.bool_], hunt: Hunt) -> None:
+    def __init__(self, begin: Numbers, fixed: NDArray[np.bool_], hunt: DesignHunt) -> None:
         self._begin, self._fixed, self._hunt = begin, fixed, hunt
         self.count = int((~fixed).sum())
         self.last: Numbers = begin
@@ -287,7 +305,7 @@ class _Partial:
         found[~self._fixed] = np.clip(u, 0.0, 1.0)
         return found
 
-    def __call__(self, u: Any) -> Gradient:
+    def __call__(self, u: Any) -> DesignGradient:
         """Goal and slacks with derivatives."""
         z = self.whole(np.asarray(u, float))
         if not np.array_equal(z, self.last):
@@ -303,6 +321,4 @@ class _Partial:
             return found
         size, question = self._hunt.size, self._hunt.designs.question
         count = len(question.cases) * len(question.subject)
-        return Gradient(
-            WORST, np.full(count, -FAR), np.zeros(size), np.zeros((count, size))
-        )  # fmt: skip
+        return DesignGradient(WORST, np.full(count, -FAR), np.zeros(size), np.zeros((count, size)))

@@ -97,10 +97,12 @@ def _is_whole(system: AbstractSystem, free: FreeNumber) -> bool:
     if free.unit != "1" or target.level is not None or free.high < free.low + 1.0:
         return False
     whole = math.ceil(free.low)
-    return _takes(system, target.path, whole) and not _takes(system, target.path, whole + 0.5)
+    return _accepts_value(system, target.path, whole) and not _accepts_value(
+        system, target.path, whole + 0.5
+    )
 
 
-def _takes(system: AbstractSystem, path: str, value: float) -> bool:
+def _accepts_value(system: AbstractSystem, path: str, value: float) -> bool:
     try:
         system.with_values({path: value})
     except ParameterError:

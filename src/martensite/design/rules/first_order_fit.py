@@ -35,7 +35,7 @@ class Response(NamedTuple):
     """100 % (1 - ‖error‖/‖y - mean‖) of the first-order model."""
 
 
-def fitted(reading: Numbers, before: int, period: float, step: float) -> Response:
+def fit_first_order(reading: Numbers, before: int, period: float, step: float) -> Response:
     """Models of one response.
 
     Args:
@@ -56,20 +56,20 @@ def fitted(reading: Numbers, before: int, period: float, step: float) -> Respons
             f"The output moves by {np.abs(y).max():.3g} only after a step of {step:g} of the "
             f"signal: take another bias, a larger step or more time."
         )
-    T, L = _searched(t, y)
-    gain, error = _gain(t, y, T, L)
+    T, L = _search_times(t, y)
+    gain, error = _fit_gain(t, y, T, L)
     fit = 100.0 * (1.0 - math.sqrt(error / float(((y - y.mean()) ** 2).sum())))
-    return Response(FirstOrder(gain / step, T, L), _line(t, y, step), fit)
+    return Response(FirstOrder(gain / step, T, L), _fit_line(t, y, step), fit)
 
 
-def _gain(t: Numbers, y: Numbers, T: float, L: float) -> tuple[float, float]:
+def _fit_gain(t: Numbers, y: Numbers, T: float, L: float) -> tuple[float, float]:
     """Best gain for a time constant and a dead time, and the squares that are left."""
     shape = -np.expm1(-np.maximum(t - L, 0.0) / T)
     gain = float(shape @ y / max(float(shape @ shape), 1e-300))
     return gain, float(((y - gain * shape) ** 2).sum())
 
 
-def _searched(t: Numbers, y: Numbers) -> tuple[float, float]:
+def _search_times(t: Numbers, y: Numbers) -> tuple[float, float]:
     """Time constant and dead time of least squares: a grid, then a local search."""
     end, least = float(t[-1]), float(t[1])
     grid = [
@@ -77,19 +77,22 @@ def _searched(t: Numbers, y: Numbers) -> tuple[float, float]:
         for T in np.geomspace(0.2 * least, 2.0 * end, 30).tolist()
         for L in np.linspace(0.0, 0.5 * end, 30).tolist()
     ]
-    T, L = min(grid, key=lambda pair: _gain(t, y, *pair)[1])
+    T, L = min(grid, key=lambda pair: _fit_gain(t, y, *pair)[1])
     found: Any = import_module("scipy.optimize").minimize(
-        lambda x: _gain(t, y, math.exp(x[0]), abs(x[1]))[1] / float(y @ y),
-        (math.log(T), L), method="Nelder-Mead",
+        lambda x: _fit_gain(t, y, math.exp(x[0]), abs(x[1]))[1] / float(y @ y),
+        (math.log(T), L),
+        method="Nelder-Mead",
         options={
-            "xatol": 1e-6, "fatol": 1e-12, "maxiter": 400,
+            "xatol": 1e-6,
+            "fatol": 1e-12,
+            "maxiter": 400,
             "initial_simplex": ((math.log(T), L), (math.log(T) + 0.3, L), (math.log(T), L + least)),
         },
-    )  # fmt: skip
+    )
     return math.exp(found.x[0]), abs(float(found.x[1]))
 
 
-def _line(t: Numbers, y: Numbers, step: float) -> Integrating:
+def _fit_line(t: Numbers, y: Numbers, step: float) -> Integrating:
     """The straight line through the first half of the way."""
     way = float(y[np.argmax(np.abs(y))])
     gone = y / way

@@ -70,7 +70,7 @@ class Integrating(NamedTuple):
     """L [s]"""
 
 
-class Ideal(NamedTuple):
+class IdealGains(NamedTuple):
     """K_p (1 + 1/(T_i s) + T_d s) found by a rule."""
 
     Kp: float
@@ -105,86 +105,97 @@ class Rule(NamedTuple):
     """A rule; its functions take the form, the plant, and the time wanted of the loop."""
 
     cites: tuple[str, ...]
-    first_order: Callable[[str, float, float, float | None], Ideal]
+    first_order: Callable[[str, float, float, float | None], IdealGains]
     """Of (form, T, L, time wanted [s]), for K = 1."""
-    integrating: Callable[[str, float, float | None], Ideal] | None = None
+    integrating: Callable[[str, float, float | None], IdealGains] | None = None
     """Of (form, L, time wanted [s]), for k' = 1; None if the source has none."""
     aimed: bool = False
     """Whether a time can be wanted of the loop."""
 
 
-def series(Kp: float, Ti: float, Td: float) -> Ideal:
+def convert_series(Kp: float, Ti: float, Td: float) -> IdealGains:
     """The controller K_p (1 + 1/(T_i s)) (1 + T_d s) as a sum."""
     both = 1.0 + Td / Ti
-    return Ideal(Kp * both, Ti * both, Td / both)
+    return IdealGains(Kp * both, Ti * both, Td / both)
 
 
-def _ziegler(form: str, L: float, aim: float | None) -> Ideal:
-    return Ideal(0.9 / L, L / 0.3) if form == "pi" else Ideal(1.2 / L, 2.0 * L, 0.5 * L)
+def _ziegler_nichols(form: str, L: float, aim: float | None) -> IdealGains:
+    return IdealGains(0.9 / L, L / 0.3) if form == "pi" else IdealGains(1.2 / L, 2.0 * L, 0.5 * L)
 
 
-def _ziegler_first(form: str, T: float, L: float, aim: float | None) -> Ideal:
-    found = _ziegler(form, L, aim)
+def _ziegler_first(form: str, T: float, L: float, aim: float | None) -> IdealGains:
+    found = _ziegler_nichols(form, L, aim)
     return found._replace(Kp=T * found.Kp)
 
 
-def _chien(form: str, T: float, L: float, aim: float | None) -> Ideal:
-    return Ideal(0.35 * T / L, 1.2 * T) if form == "pi" else Ideal(0.6 * T / L, T, 0.5 * L)
+def _chien_hrones(form: str, T: float, L: float, aim: float | None) -> IdealGains:
+    return (
+        IdealGains(0.35 * T / L, 1.2 * T) if form == "pi" else IdealGains(0.6 * T / L, T, 0.5 * L)
+    )
 
 
-def _chien_20(form: str, T: float, L: float, aim: float | None) -> Ideal:
-    return Ideal(0.6 * T / L, T) if form == "pi" else Ideal(0.95 * T / L, 1.4 * T, 0.47 * L)
+def _chien_20(form: str, T: float, L: float, aim: float | None) -> IdealGains:
+    return (
+        IdealGains(0.6 * T / L, T) if form == "pi" else IdealGains(0.95 * T / L, 1.4 * T, 0.47 * L)
+    )
 
 
-def _cohen(form: str, T: float, L: float, aim: float | None) -> Ideal:
+def _cohen_coon(form: str, T: float, L: float, aim: float | None) -> IdealGains:
     x = L / T
     if form == "pi":
-        return Ideal((0.9 + x / 12.0) / x, L * (30.0 + 3.0 * x) / (9.0 + 20.0 * x))
-    return Ideal(
-        (4.0 / 3.0 + x / 4.0) / x, L * (32.0 + 6.0 * x) / (13.0 + 8.0 * x),
+        return IdealGains((0.9 + x / 12.0) / x, L * (30.0 + 3.0 * x) / (9.0 + 20.0 * x))
+    return IdealGains(
+        (4.0 / 3.0 + x / 4.0) / x,
+        L * (32.0 + 6.0 * x) / (13.0 + 8.0 * x),
         4.0 * L / (11.0 + 2.0 * x),
-    )  # fmt: skip
+    )
 
 
 def _simc_aim(form: str, L: float, aim: float | None) -> float:
     return (L if form == "pi" else 0.5 * L) if aim is None else aim
 
 
-def _simc(form: str, T: float, L: float, aim: float | None) -> Ideal:
+def _simc(form: str, T: float, L: float, aim: float | None) -> IdealGains:
     late = _simc_aim(form, L, aim) + L
     Kp, Ti = T / late, min(T, 4.0 * late)
-    return Ideal(Kp, Ti) if form == "pi" else series(Kp, Ti, L / 3.0)
+    return IdealGains(Kp, Ti) if form == "pi" else convert_series(Kp, Ti, L / 3.0)
 
 
-def _simc_integrating(form: str, L: float, aim: float | None) -> Ideal:
+def _simc_integrating(form: str, L: float, aim: float | None) -> IdealGains:
     late = _simc_aim(form, L, aim) + L
-    return Ideal(1.0 / late, 4.0 * late) if form == "pi" else series(1.0 / late, 4.0 * late, L / 3)
+    return (
+        IdealGains(1.0 / late, 4.0 * late)
+        if form == "pi"
+        else convert_series(1.0 / late, 4.0 * late, L / 3)
+    )
 
 
-def _amigo(form: str, T: float, L: float, aim: float | None) -> Ideal:
+def _amigo(form: str, T: float, L: float, aim: float | None) -> IdealGains:
     if form == "pi":
         Kp = 0.15 + (0.35 - L * T / (L + T) ** 2) * T / L
-        return Ideal(Kp, 0.35 * L + 13.0 * L * T**2 / (T**2 + 12.0 * L * T + 7.0 * L**2))
+        return IdealGains(Kp, 0.35 * L + 13.0 * L * T**2 / (T**2 + 12.0 * L * T + 7.0 * L**2))
     Ti = L * (0.4 * L + 0.8 * T) / (L + 0.1 * T)
-    return Ideal(0.2 + 0.45 * T / L, Ti, 0.5 * L * T / (0.3 * L + T))
+    return IdealGains(0.2 + 0.45 * T / L, Ti, 0.5 * L * T / (0.3 * L + T))
 
 
-def _amigo_integrating(form: str, L: float, aim: float | None) -> Ideal:
-    return Ideal(0.35 / L, 13.35 * L) if form == "pi" else Ideal(0.45 / L, 8.0 * L, 0.5 * L)
+def _amigo_integrating(form: str, L: float, aim: float | None) -> IdealGains:
+    return (
+        IdealGains(0.35 / L, 13.35 * L) if form == "pi" else IdealGains(0.45 / L, 8.0 * L, 0.5 * L)
+    )
 
 
-def _lambda(form: str, T: float, L: float, aim: float | None) -> Ideal:
+def _lambda(form: str, T: float, L: float, aim: float | None) -> IdealGains:
     wanted = T if aim is None else aim
     if form == "pi":
-        return Ideal(T / (wanted + L), T)
-    return Ideal((T + 0.5 * L) / (wanted + 0.5 * L), T + 0.5 * L, L * T / (2.0 * T + L))
+        return IdealGains(T / (wanted + L), T)
+    return IdealGains((T + 0.5 * L) / (wanted + 0.5 * L), T + 0.5 * L, L * T / (2.0 * T + L))
 
 
 RULES: Mapping[str, Rule] = {
-    "ziegler-nichols": Rule(("ziegler1942",), _ziegler_first, _ziegler),
-    "chien-hrones-reswick": Rule(("chien1952",), _chien),
+    "ziegler-nichols": Rule(("ziegler1942",), _ziegler_first, _ziegler_nichols),
+    "chien-hrones-reswick": Rule(("chien1952",), _chien_hrones),
     "chien-hrones-reswick-20": Rule(("chien1952",), _chien_20),
-    "cohen-coon": Rule(("cohen1953",), _cohen),
+    "cohen-coon": Rule(("cohen1953",), _cohen_coon),
     "simc": Rule(("skogestad2003", "grimholt2018"), _simc, _simc_integrating, aimed=True),
     "amigo": Rule(("astrom2004",), _amigo, _amigo_integrating),
     "lambda": Rule(("dahlin1968", "rivera1986"), _lambda, aimed=True),
@@ -194,7 +205,7 @@ RULES: Mapping[str, Rule] = {
 
 def gains_by_rule(
     model: Model, rule: str, form: str = "pid", *, aim: float | None = None, period: float = 0.0
-) -> Ideal:
+) -> IdealGains:
     """Gains by a rule.
 
     Args:
@@ -220,7 +231,7 @@ def gains_by_rule(
             f"{aim:g} s for `{rule}`."
         )
     late = model.dead_time + 0.5 * period
-    _check(model, late)
+    _require_rule(model, late)
     if isinstance(model, FirstOrder):
         found = RULES[rule].first_order(form, model.time_constant, late, aim)
         return found._replace(Kp=found.Kp / model.gain)
@@ -231,7 +242,7 @@ def gains_by_rule(
     return found._replace(Kp=found.Kp / model.rate)
 
 
-def _check(model: Model, late: float) -> None:
+def _require_rule(model: Model, late: float) -> None:
     """Raise `ParameterError` for a plant that no rule is for."""
     sizes = (model.rate,) if isinstance(model, Integrating) else (model.gain, model.time_constant)
     if not (late > 0.0 and all(math.isfinite(size) and size != 0.0 for size in sizes)):

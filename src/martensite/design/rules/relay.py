@@ -36,8 +36,8 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import MEASURED, REFERENCE, WANTED, list_references
 from martensite.control.loop.parts import Controllers
 from martensite.control.loop.run import simulate_bench
-from martensite.design.rules.formulas import FORMS, Ideal
-from martensite.design.tuning.loop_runs import loop_of
+from martensite.design.rules.formulas import FORMS, IdealGains
+from martensite.design.tuning.loop_runs import find_loop
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.simulate.api import longest_step
@@ -100,7 +100,7 @@ RELAY_CITES: Mapping[str, tuple[str, ...]] = {
 """Sources by rule."""
 
 
-def gains_by_relay(cycle: LimitCycle, rule: str = "tyreus-luyben", form: str = "pid") -> Ideal:
+def gains_by_relay(cycle: LimitCycle, rule: str = "tyreus-luyben", form: str = "pid") -> IdealGains:
     """Gains from a limit cycle.
 
     Raises:
@@ -115,14 +115,22 @@ def gains_by_relay(cycle: LimitCycle, rule: str = "tyreus-luyben", form: str = "
     if form not in RELAY_RULES[rule]:
         raise ParameterError(f"Relay rule `{rule}` is for pid only.")
     Kp, Ti, Td = RELAY_RULES[rule][form]
-    return Ideal(Kp * cycle.gain, Ti * cycle.period, Td * cycle.period)
+    return IdealGains(Kp * cycle.gain, Ti * cycle.period, Td * cycle.period)
 
 
-def relay_test(
-    bench: Bench, level: float, bias: float, amplitude: float, hysteresis: float, *,
-    drive: str | None = None, reverse: bool = False, duration: float | None = None,
-    seed: int | None = 0, waveforms: Mapping[str, AbstractWaveform] | None = None,
-) -> LimitCycle:  # fmt: skip
+def run_relay_test(
+    bench: Bench,
+    level: float,
+    bias: float,
+    amplitude: float,
+    hysteresis: float,
+    *,
+    drive: str | None = None,
+    reverse: bool = False,
+    duration: float | None = None,
+    seed: int | None = 0,
+    waveforms: Mapping[str, AbstractWaveform] | None = None,
+) -> LimitCycle:
     """Put a relay in a loop of a bench and measure its limit cycle.
 
     Args:
@@ -142,19 +150,19 @@ def relay_test(
         ParameterError: no such loop, or no relay.
         DataError: no cycle comes about, or it is as narrow as the hysteresis.
     """
-    name = loop_of(bench, drive)
+    name = find_loop(bench, drive)
     if not (amplitude > 0.0 and hysteresis >= 0.0):
         raise ParameterError(
             f"A relay needs an amplitude above 0 and a hysteresis of at least 0, but has "
             f"{amplitude:g} and {hysteresis:g}."
         )
-    ready = _with_relay(bench, name, level, bias, amplitude, hysteresis, reverse)
+    ready = _insert_relay(bench, name, level, bias, amplitude, hysteresis, reverse)
     length = duration or 200.0 * longest_step(bench.plant)
     for _ in range(DOUBLINGS):
-        times, signal, reading = _run(ready, name, length, seed, waveforms)
+        times, signal, reading = _run_relay(ready, name, length, seed, waveforms)
         turns = np.flatnonzero((signal[1:] > bias) & (signal[:-1] < bias)) + 1
         if len(turns) > CYCLES + SKIPPED:
-            found = _cycle(times, signal, reading, turns[SKIPPED:], amplitude, hysteresis)
+            found = _measure_cycle(times, signal, reading, turns[SKIPPED:], amplitude, hysteresis)
             return found._replace(gain=-found.gain) if reverse else found
         length *= 2.0
     raise DataError(
@@ -163,23 +171,29 @@ def relay_test(
     )
 
 
-def _with_relay(
+def _insert_relay(
     bench: Bench, name: str, level: float, bias: float, d: float, hysteresis: float, reverse: bool
 ) -> Bench:
     """The bench with a relay in a loop."""
     members = bench.controllers.members()
     ends = (bias + d, bias - d) if reverse else (bias - d, bias + d)
     members[name] = OnOff(
-        measured=members[name].measured, reference=Constant(level=level + hysteresis),
-        band=2.0 * hysteresis, low=ends[0], high=ends[1],
-    )  # fmt: skip
+        measured=members[name].measured,
+        reference=Constant(level=level + hysteresis),
+        band=2.0 * hysteresis,
+        low=ends[0],
+        high=ends[1],
+    )
     return bench.with_parts(controllers=Controllers(**members))
 
 
-def _run(
-    bench: Bench, drive: str, duration: float, seed: int | None,
+def _run_relay(
+    bench: Bench,
+    drive: str,
+    duration: float,
+    seed: int | None,
     waveforms: Mapping[str, AbstractWaveform] | None,
-) -> tuple[Numbers, Numbers, Numbers]:  # fmt: skip
+) -> tuple[Numbers, Numbers, Numbers]:
     """Times, signals and readings."""
     run = simulate_bench(bench, duration, waveforms=waveforms, seed=seed).require()
     members = bench.controllers.members()
@@ -190,10 +204,14 @@ def _run(
     return np.array(run.times), np.array(run[wanted]), np.array(run[reading])
 
 
-def _cycle(
-    times: Numbers, signal: Numbers, reading: Numbers, turns: NDArray[np.intp], d: float,
+def _measure_cycle(
+    times: Numbers,
+    signal: Numbers,
+    reading: Numbers,
+    turns: NDArray[np.intp],
+    d: float,
     hysteresis: float,
-) -> LimitCycle:  # fmt: skip
+) -> LimitCycle:
     """Means over whole cycles, from one switching on to the next."""
     lengths = np.diff(times[turns])
     period = float(lengths.mean())
@@ -208,7 +226,15 @@ def _cycle(
     share = float((inside > 0.5 * (inside.max() + inside.min())).mean())
     gain = 4.0 * d / (math.pi * math.sqrt(a**2 - hysteresis**2))
     return LimitCycle(
-        gain, period, a, share * period, (1.0 - share) * period, float(inside.mean()),
-        -math.pi + math.asin(hysteresis / a), float(lengths.std()) / period,
-        times, signal, reading,
-    )  # fmt: skip
+        gain,
+        period,
+        a,
+        share * period,
+        (1.0 - share) * period,
+        float(inside.mean()),
+        -math.pi + math.asin(hysteresis / a),
+        float(lengths.std()) / period,
+        times,
+        signal,
+        reading,
+    )

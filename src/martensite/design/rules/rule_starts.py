@@ -16,12 +16,18 @@ import numpy as np
 from martensite.base.errors import DataError, ParameterError
 from martensite.control.controllers.pid import Pid
 from martensite.control.loop.bench import Bench
-from martensite.design.rules.formulas import FORMS, RULES, Ideal, gains_by_rule
-from martensite.design.rules.relay import RELAY_RULES, LimitCycle, gains_by_relay, relay_test
-from martensite.design.rules.step_test import Holding, StepTest, Waveforms, holding, step_test
+from martensite.design.rules.formulas import FORMS, RULES, IdealGains, gains_by_rule
+from martensite.design.rules.relay import RELAY_RULES, LimitCycle, gains_by_relay, run_relay_test
+from martensite.design.rules.step_test import (
+    HoldingSignals,
+    StepTest,
+    Waveforms,
+    find_holding_signals,
+    run_step_test,
+)
 from martensite.design.tuning.goals import Course
-from martensite.design.tuning.loop_runs import LoopRuns, Seen, loop_of
-from martensite.design.tuning.measures import itae
+from martensite.design.tuning.loop_runs import LoopRuns, Seen, find_loop
+from martensite.design.tuning.measures import compute_itae
 
 BEYOND, SWING, BAND = 0.3, 0.75, 0.02
 """Margins of step and relay in widths of the hysteresis; band of the relay in shares of the range
@@ -33,19 +39,19 @@ LEAST = 0.05
 class LoopTests(NamedTuple):
     """What step and relay found around a level."""
 
-    holding: Holding
+    holding: HoldingSignals
     step: StepTest
     cycle: LimitCycle | None
     """None if there is no limit cycle."""
 
 
-def pid_of(bench: Bench, drive: str | None = None) -> tuple[str, Pid]:
+def find_pid(bench: Bench, drive: str | None = None) -> tuple[str, Pid]:
     """The drive and the PID controller of a loop.
 
     Raises:
         ParameterError: its controller is another one.
     """
-    name = loop_of(bench, drive)
+    name = find_loop(bench, drive)
     controller = bench.controllers.members()[name]
     if not isinstance(controller, Pid):
         raise ParameterError(
@@ -55,18 +61,23 @@ def pid_of(bench: Bench, drive: str | None = None) -> tuple[str, Pid]:
     return name, controller
 
 
-def pid_values(bench: Bench, gains: Ideal, drive: str | None = None) -> dict[str, float]:
+def convert_to_pid(bench: Bench, gains: IdealGains, drive: str | None = None) -> dict[str, float]:
     """Gains as numbers of the PID controller of a loop, by path in the bench."""
-    name, controller = pid_of(bench, drive)
+    name, controller = find_pid(bench, drive)
     sampled = controller.gains_are == "per-sample"
     found = gains.per_sample(bench.period) if sampled else gains.per_second()
     return {f"controllers.{name}.{key}": float(v) for key, v in found._asdict().items()}
 
 
-def loop_tests(
-    bench: Bench, level: float, *, drive: str | None = None, hold: float | None = None,
-    seed: int | None = 0, waveforms: Waveforms | None = None,
-) -> LoopTests:  # fmt: skip
+def run_loop_tests(
+    bench: Bench,
+    level: float,
+    *,
+    drive: str | None = None,
+    hold: float | None = None,
+    seed: int | None = 0,
+    waveforms: Waveforms | None = None,
+) -> LoopTests:
     """Step and relay test of a loop with a PID controller, around a level.
 
     Args:
@@ -81,34 +92,44 @@ def loop_tests(
         ParameterError: the loop has no PID controller, or the level cannot be held.
         DataError: the output does not answer.
     """
-    name, controller = pid_of(bench, drive)
+    name, controller = find_pid(bench, drive)
     low, high = float(controller.law.low), float(controller.law.high)
-    found = holding(bench, level, low, high, drive=name, hold=hold, waveforms=waveforms)
+    found = find_holding_signals(
+        bench, level, low, high, drive=name, hold=hold, waveforms=waveforms
+    )
     width = max(found.width, LEAST * (high - low))
     first = max(min(found) - BEYOND * width, low)
     last = min(max(found) + BEYOND * width, high)
-    stepped = step_test(
+    stepped = run_step_test(
         bench, first, last - first, drive=name, hold=hold, seed=seed, waveforms=waveforms
     )
     swing = min(SWING * width, high - found.bias, found.bias - low)
     band = BAND * float(stepped.reading.max() - stepped.reading.min())
-    return LoopTests(found, stepped, _relay(bench, level, found, swing, band, name, seed, stepped))
+    return LoopTests(
+        found, stepped, _test_relay(bench, level, found, swing, band, name, seed, stepped)
+    )
 
 
-def _relay(
-    bench: Bench, level: float, held: Holding, swing: float, band: float, drive: str,
-    seed: int | None, stepped: StepTest,
-) -> LimitCycle | None:  # fmt: skip
+def _test_relay(
+    bench: Bench,
+    level: float,
+    held: HoldingSignals,
+    swing: float,
+    band: float,
+    drive: str,
+    seed: int | None,
+    stepped: StepTest,
+) -> LimitCycle | None:
     reverse = stepped.heating.first_order.gain < 0.0
     try:
-        return relay_test(
+        return run_relay_test(
             bench, level, held.bias, swing, band, drive=drive, reverse=reverse, seed=seed
         )
     except DataError:
         return None
 
 
-def gains_by_tests(found: LoopTests, period: float) -> Mapping[str, Ideal]:
+def gains_by_tests(found: LoopTests, period: float) -> Mapping[str, IdealGains]:
     """Gains by all rules, by name, such as `simc pid (heating)` or `relay tyreus-luyben pi`.
 
     Args:
@@ -129,7 +150,7 @@ def gains_by_tests(found: LoopTests, period: float) -> Mapping[str, Ideal]:
     return gains
 
 
-def best_rules(runs: LoopRuns, found: LoopTests, count: int) -> list[Mapping[str, float]]:
+def choose_best_rules(runs: LoopRuns, found: LoopTests, count: int) -> list[Mapping[str, float]]:
     """The gains by rules with the least ITAE on the nominal plant, as numbers by path.
 
     Args:
@@ -138,10 +159,10 @@ def best_rules(runs: LoopRuns, found: LoopTests, count: int) -> list[Mapping[str
         count: how many are wanted.
     """
     gains = gains_by_tests(found, runs.bench.period).values()
-    tried = [pid_values(runs.bench, one, runs.drive) for one in gains]
+    tried = [convert_to_pid(runs.bench, one, runs.drive) for one in gains]
     table = runs.table({p: [numbers[p] for numbers in tried] for p in tried[0]}, len(tried))
     seen = runs.run(table)
     nominal = Seen(*(column[0] for column in seen))
-    spent = np.asarray(itae(seen, Course(nominal, runs.bench.period)))
+    spent = np.asarray(compute_itae(seen, Course(nominal, runs.bench.period)))
     order = np.argsort(np.where(np.isfinite(spent), spent, np.inf), kind="stable")
     return [tried[int(k)] for k in order[:count]]

@@ -25,9 +25,9 @@ from martensite.base.errors import ParameterError
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import MEASURED
 from martensite.control.loop.run import open_loop, simulate_bench
-from martensite.design.rules.first_order_fit import Response, fitted
+from martensite.design.rules.first_order_fit import Response, fit_first_order
 from martensite.design.rules.formulas import FirstOrder
-from martensite.design.tuning.loop_runs import loop_of
+from martensite.design.tuning.loop_runs import find_loop
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.staircase import Staircase
@@ -74,10 +74,16 @@ class StepTest(NamedTuple):
         return up if which == "heating" else down
 
 
-def step_test(
-    bench: Bench, bias: float, step: float, *, drive: str | None = None, hold: float | None = None,
-    seed: int | None = 0, waveforms: Waveforms | None = None,
-) -> StepTest:  # fmt: skip
+def run_step_test(
+    bench: Bench,
+    bias: float,
+    step: float,
+    *,
+    drive: str | None = None,
+    hold: float | None = None,
+    seed: int | None = 0,
+    waveforms: Waveforms | None = None,
+) -> StepTest:
     """Step the signal of a drive up and back.
 
     Args:
@@ -93,22 +99,22 @@ def step_test(
         ParameterError: no such loop, no step, or a time that is too short.
         DataError: the output does not answer.
     """
-    name = loop_of(bench, drive)
-    held = _hold(bench, hold)
+    name = find_loop(bench, drive)
+    held = _choose_hold(bench, hold)
     if step == 0.0 or held < 10.0 * bench.period:
         raise ParameterError("A step test needs a step, and ten periods of time for it at least.")
     wave = Staircase(first=bias, increment=step, hold=held, count=2, direction="up-down")
-    times, reading = _reading(bench, name, wave, 3.0 * held, seed, waveforms)
+    times, reading = _simulate_reading(bench, name, wave, 3.0 * held, seed, waveforms)
     signal = np.array([wave.value(float(t) + 1e-9) for t in times])
     places = [round(k * held / bench.period) for k in (1, 2, 3)]
     found = [
-        fitted(reading[a - 5 : b + 1], 5, bench.period, change)
+        fit_first_order(reading[a - 5 : b + 1], 5, bench.period, change)
         for (a, b), change in zip(pairwise(places), (step, -step), strict=True)
     ]
     return StepTest(found[0], found[1], times, signal, reading, bias, step, held)
 
 
-class Holding(NamedTuple):
+class HoldingSignals(NamedTuple):
     """Signals that hold a reading at a level."""
 
     heating: float
@@ -127,10 +133,16 @@ class Holding(NamedTuple):
         return abs(self.heating - self.cooling)
 
 
-def holding(
-    bench: Bench, level: float, low: float, high: float, *, drive: str | None = None,
-    hold: float | None = None, waveforms: Waveforms | None = None,
-) -> Holding:  # fmt: skip
+def find_holding_signals(
+    bench: Bench,
+    level: float,
+    low: float,
+    high: float,
+    *,
+    drive: str | None = None,
+    hold: float | None = None,
+    waveforms: Waveforms | None = None,
+) -> HoldingSignals:
     """The signals that hold a reading at a level, by runs at constant signals.
 
     Args:
@@ -145,7 +157,7 @@ def holding(
     Raises:
         ParameterError: no signal between holds the reading there.
     """
-    name, held = loop_of(bench, drive), _hold(bench, hold)
+    name, held = find_loop(bench, drive), _choose_hold(bench, hold)
     signals = np.linspace(low, high, TRIED)
     branches: list[list[AbstractWaveform]] = [
         [Constant(level=u) for u in signals.tolist()],
@@ -153,13 +165,15 @@ def holding(
     ]
     cut = " Its supervisor may have cut the signal." if bench.supervisor is not None else ""
     ends = [
-        np.array([_reading(bench, name, w, k * held, None, waveforms)[1][-1] for w in waves])
+        np.array(
+            [_simulate_reading(bench, name, w, k * held, None, waveforms)[1][-1] for w in waves]
+        )
         for k, waves in enumerate(branches, start=1)
     ]
-    return Holding(*(_crossing(signals, found, level, cut) for found in ends))
+    return HoldingSignals(*(_find_crossing(signals, found, level, cut) for found in ends))
 
 
-def _crossing(signals: Numbers, found: Numbers, level: float, cut: str) -> float:
+def _find_crossing(signals: Numbers, found: Numbers, level: float, cut: str) -> float:
     """Where readings over signals cross a level."""
     beyond = np.flatnonzero(np.diff(np.sign(found - level)) != 0.0)
     if not len(beyond):
@@ -172,16 +186,20 @@ def _crossing(signals: Numbers, found: Numbers, level: float, cut: str) -> float
     return float(signals[k] + share * (signals[k + 1] - signals[k]))
 
 
-def _hold(bench: Bench, hold: float | None) -> float:
+def _choose_hold(bench: Bench, hold: float | None) -> float:
     """Time at a level [s], a whole number of periods."""
     wanted = CONSTANTS * 10.0 * longest_step(bench.plant) if hold is None else hold
     return max(round(wanted / bench.period), 1) * bench.period
 
 
-def _reading(
-    bench: Bench, drive: str, wave: AbstractWaveform, duration: float, seed: int | None,
+def _simulate_reading(
+    bench: Bench,
+    drive: str,
+    wave: AbstractWaveform,
+    duration: float,
+    seed: int | None,
     waveforms: Waveforms | None,
-) -> tuple[Numbers, Numbers]:  # fmt: skip
+) -> tuple[Numbers, Numbers]:
     """Times and the reading of the controller, with the loop open."""
     free, controller = open_loop(bench, drive)
     played = {**(waveforms or {}), drive: wave}

@@ -15,7 +15,7 @@ import numpy as np
 
 from martensite.base.errors import ParameterError
 from martensite.base.registry import Registry
-from martensite.design.sweep.axes import Axis, Numbers
+from martensite.design.sweep.axes import Numbers, SweepAxis
 
 MOST = 1_000_000_000
 
@@ -35,14 +35,14 @@ class AbstractDesign(ABC):
             raise ParameterError(f"A seed is 0 or above, but is {self.seed}.")
 
     @abstractmethod
-    def size(self, axes: Sequence[Axis]) -> int:
+    def size(self, axes: Sequence[SweepAxis]) -> int:
         """Number of runs."""
 
     @abstractmethod
-    def values(self, axes: Sequence[Axis], first: int, count: int) -> Numbers:
+    def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
         """Numbers of some runs from `first` on, (count, axes), in SI."""
 
-    def shape(self, axes: Sequence[Axis]) -> tuple[int, ...] | None:
+    def shape(self, axes: Sequence[SweepAxis]) -> tuple[int, ...] | None:
         """Levels of each axis, if runs lie on a grid; the last one varies fastest."""
         return None
 
@@ -59,7 +59,7 @@ class AbstractSample(AbstractDesign):
                 f"`{self.registered_name}:1024`."
             )
 
-    def size(self, axes: Sequence[Axis]) -> int:
+    def size(self, axes: Sequence[SweepAxis]) -> int:
         """As many as are asked for."""
         return self.count or 0
 
@@ -67,7 +67,7 @@ class AbstractSample(AbstractDesign):
     def cube(self, width: int, first: int, count: int) -> Numbers:
         """Points in the unit cube, (count, width)."""
 
-    def values(self, axes: Sequence[Axis], first: int, count: int) -> Numbers:
+    def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
         """The quantiles of points in the unit cube."""
         points = self.cube(len(axes), first, count)
         return np.stack([one.quantile(points[:, k]) for k, one in enumerate(axes)], axis=1)
@@ -76,7 +76,7 @@ class AbstractSample(AbstractDesign):
 DESIGNS: Registry[AbstractDesign] = Registry("sample", "martensite.design.sampling")
 
 
-def design(words: str, seed: int = 0) -> AbstractDesign:
+def parse_sampling(words: str, seed: int = 0) -> AbstractDesign:
     """The design that words such as `grid` or `sobol:1024` name.
 
     Raises:

@@ -9,7 +9,7 @@ import numpy as np
 
 from martensite.base.errors import ParameterError
 from martensite.design.sampling.base import DESIGNS, MOST, AbstractDesign
-from martensite.design.sweep.axes import Axis, Numbers
+from martensite.design.sweep.axes import Numbers, SweepAxis
 
 
 @DESIGNS.register("grid")
@@ -25,18 +25,18 @@ class Grid(AbstractDesign):
                 "levels behind each axis, such as `diameter=0.1..0.5 mm:9`."
             )
 
-    def shape(self, axes: Sequence[Axis]) -> tuple[int, ...]:
+    def shape(self, axes: Sequence[SweepAxis]) -> tuple[int, ...]:
         """Levels of each axis."""
         return tuple(len(one.levels()) for one in axes)
 
-    def size(self, axes: Sequence[Axis]) -> int:
+    def size(self, axes: Sequence[SweepAxis]) -> int:
         """The product of all levels."""
         found = math.prod(self.shape(axes))
         if found > MOST:
             raise ParameterError(f"This grid has {found:,} runs; at most {MOST:,} are allowed.")
         return found
 
-    def values(self, axes: Sequence[Axis], first: int, count: int) -> Numbers:
+    def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
         """Levels by their places on the grid."""
         places = np.unravel_index(np.arange(first, first + count), self.shape(axes))
         return np.stack([one.levels()[k] for one, k in zip(axes, places, strict=True)], axis=1)

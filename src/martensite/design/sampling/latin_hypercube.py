@@ -37,13 +37,13 @@ class LatinHypercube(AbstractSample):
         stream.advance(first * width)
         inside = np.random.Generator(stream).random((count, width))
         strata = [
-            _strata(self.count or 0, self.seed, k)[first : first + count] for k in range(width)
+            _draw_strata(self.count or 0, self.seed, k)[first : first + count] for k in range(width)
         ]
         return np.maximum((np.stack(strata, axis=1) + inside) / (self.count or 1), TINY)
 
 
 @lru_cache(maxsize=64)
-def _strata(count: int, seed: int, axis: int) -> NDArray[np.int32]:
+def _draw_strata(count: int, seed: int, axis: int) -> NDArray[np.int32]:
     """Strata of one axis in the order of the runs."""
     rng = np.random.Generator(np.random.PCG64([seed, 2, axis]))
     return rng.permutation(count).astype(np.int32)

@@ -15,20 +15,20 @@ import numpy as np
 from martensite.base.errors import ParameterError
 from martensite.design.sampling.base import DESIGNS, MOST, AbstractSample
 from martensite.design.sampling.sobol import Sobol
-from martensite.design.sweep.axes import Axis, Numbers
+from martensite.design.sweep.axes import Numbers, SweepAxis
 
 
 @DESIGNS.register("saltelli")
 class Saltelli(AbstractSample):
     """N base points, and N (d + 2) runs of d axes."""
 
-    def size(self, axes: Sequence[Axis]) -> int:
+    def size(self, axes: Sequence[SweepAxis]) -> int:
         """All runs of all blocks.
 
         Raises:
             ParameterError: they are too many.
         """
-        found = (self.count or 0) * block_size(len(axes))
+        found = (self.count or 0) * count_block_runs(len(axes))
         if found > MOST:
             raise ParameterError(
                 f"`saltelli:{self.count}` of {len(axes)} axes has {found:,} runs; at most "
@@ -38,7 +38,7 @@ class Saltelli(AbstractSample):
 
     def cube(self, width: int, first: int, count: int) -> Numbers:
         """Runs from any one on, which need not be the first of its block."""
-        size = block_size(width)
+        size = count_block_runs(width)
         rows = np.arange(first, first + count)
         begin, end = first // size, (first + count - 1) // size + 1
         points = Sobol(self.count, self.seed).cube(2 * width, begin, end - begin)
@@ -47,6 +47,6 @@ class Saltelli(AbstractSample):
         return np.where((member == np.arange(1, width + 1)) | (member == size - 1), b, a)
 
 
-def block_size(width: int) -> int:
+def count_block_runs(width: int) -> int:
     """Runs in a block of some axes."""
     return width + 2

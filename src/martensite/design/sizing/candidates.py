@@ -15,11 +15,17 @@ from typing import Any
 
 from martensite.actuators.assembly import System
 from martensite.design.sizing import remarks
-from martensite.design.sizing.cycle import Cycle, current_for, cycle, reached, running_hottest
+from martensite.design.sizing.cycle import (
+    PulseCycle,
+    find_current,
+    find_hottest,
+    find_reach_time,
+    simulate_cycle,
+)
 from martensite.design.sizing.request import WireRequest
-from martensite.design.sizing.statics import Statics, statics
-from martensite.design.sizing.strand import alloy_numbers
-from martensite.design.sizing.wiring import Wiring, best_wiring
+from martensite.design.sizing.statics import Statics, compute_statics
+from martensite.design.sizing.strand import list_alloy_numbers
+from martensite.design.sizing.wiring import Wiring, choose_wiring
 from martensite.physics.materials.base import DOUBTFUL
 from martensite.physics.materials.wires import WireCatalogue, WireSize, load_wires
 
@@ -60,7 +66,7 @@ class Candidate:
     alloy: str
     statics: Statics
     wiring: Wiring | None
-    cycle: Cycle | None
+    cycle: PulseCycle | None
     """Of one strand; None if it was not worth simulating."""
     overheating_current: float
     """Current per strand that in the long run heats it to the temperature limit [A]."""
@@ -148,13 +154,13 @@ def size_wire(
     for size, alloy in pairs:
         if stop is not None and stop():
             break
-        found.append(judge(request, size, alloy))
+        found.append(judge_candidate(request, size, alloy))
         if progress is not None:
             progress(len(found), len(pairs))
-    return Sizing(request, sorted(found, key=_rank))
+    return Sizing(request, sorted(found, key=_rank_candidates))
 
 
-def _rank(candidate: Candidate) -> tuple[float, ...]:
+def _rank_candidates(candidate: Candidate) -> tuple[float, ...]:
     """Feasible ones by energy and length, then simulated ones by cooling time, then the rest."""
     drive, length = candidate.drive, candidate.statics.strand.length
     if drive is None or candidate.cycle is None:
@@ -165,53 +171,61 @@ def _rank(candidate: Candidate) -> tuple[float, ...]:
     return 1.0, math.inf if cooling is None else cooling, length
 
 
-def judge(request: WireRequest, size: WireSize, alloy: str) -> Candidate:
+def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candidate:
     """One size and alloy put to a request."""
-    static = statics(request, size, alloy)
-    hopeless = [*remarks.static_reasons(request, static)]
-    wiring, driven = (None, None) if hopeless else _driven(request, static)
-    limits = alloy_numbers(alloy)
+    static = compute_statics(request, size, alloy)
+    hopeless = [*remarks.list_static_reasons(request, static)]
+    wiring, driven = (None, None) if hopeless else _find_drive(request, static)
+    limits = list_alloy_numbers(alloy)
     hot = static.strand.steady_current(limits["temperature_limit"])
-    reasons = hopeless or remarks.reasons(request, static, wiring, driven, limits)
+    reasons = hopeless or remarks.list_reasons(request, static, wiring, driven, limits)
     return Candidate(
-        size, alloy, static, wiring, driven, hot, limits["temperature_limit"], tuple(reasons),
-        tuple(remarks.warnings(request, static, driven, hot, limits)),
-        remarks.life(static.hot_stress), _recalled(size, USED_CELLS),
-    )  # fmt: skip
+        size,
+        alloy,
+        static,
+        wiring,
+        driven,
+        hot,
+        limits["temperature_limit"],
+        tuple(reasons),
+        tuple(remarks.list_warnings(request, static, driven, hot, limits)),
+        remarks.describe_life(static.hot_stress),
+        _recall_limits(size, USED_CELLS),
+    )
 
 
-def _recalled(size: WireSize, columns: Iterable[str]) -> tuple[str, ...]:
+def _recall_limits(size: WireSize, columns: Iterable[str]) -> tuple[str, ...]:
     return tuple(name for name in columns if size.cells()[name].kind in DOUBTFUL)
 
 
-def _driven(request: WireRequest, static: Statics) -> tuple[Wiring, Cycle | None]:
+def _find_drive(request: WireRequest, static: Statics) -> tuple[Wiring, PulseCycle | None]:
     """The wiring and the cycle of one strand; no cycle if the supply cannot make the stroke."""
     system = static.strand.system(static.mechanism(request.stroke, static.count))
     quick = HASTE * static.strand.time_constant()
     first = min(PULSE, max(0.5 * request.period, quick))
-    wiring, found = _pulse(request, static, system, first)
+    wiring, found = _find_pulse(request, static, system, first)
     if found is not None and found.cooling is not None:
         left = request.period - SPARE * found.cooling
         if found.heating > left >= SHORTEST * request.period:
-            again = _pulse(request, static, system, left)
+            again = _find_pulse(request, static, system, left)
             wiring, found = again if again[1] is not None else (wiring, found)
     if found is None or not found.keeps(request.period):
         return wiring, found
-    return wiring, replace(found, running=running_hottest(system, found, request.rate))
+    return wiring, replace(found, running=find_hottest(system, found, request.rate))
 
 
-def _pulse(
+def _find_pulse(
     request: WireRequest, static: Statics, system: System, heating: float
-) -> tuple[Wiring, Cycle | None]:
+) -> tuple[Wiring, PulseCycle | None]:
     """The wiring and cycle for a heating time [s], or for as short a one as the supply allows."""
     strand, count = static.strand, static.count
-    needed = current_for(system, request.stroke, heating, strand.size.current.value)
-    wiring = best_wiring(request, count, strand.resistance, needed or math.inf)
+    needed = find_current(system, request.stroke, heating, strand.size.current.value)
+    wiring = choose_wiring(request, count, strand.resistance, needed or math.inf)
     current = min(needed or math.inf, wiring.most(request))
     if current != needed:
         longest = max(request.period, 3.0 * strand.time_constant())
-        slower = reached(system, request.stroke, current, longest)
+        slower = find_reach_time(system, request.stroke, current, longest)
         if slower is None:
             return wiring, None
         heating = slower
-    return wiring, cycle(system, request.stroke, current, heating, strand.time_constant())
+    return wiring, simulate_cycle(system, request.stroke, current, heating, strand.time_constant())

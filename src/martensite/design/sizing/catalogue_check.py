@@ -23,9 +23,9 @@ from itertools import pairwise
 from martensite.actuators.assembly import System
 from martensite.actuators.mechanisms.dead_weight import DeadWeight
 from martensite.base.errors import SolveError
-from martensite.design.sizing.cycle import STEPS, cooled, current_for
+from martensite.design.sizing.cycle import STEPS, find_current, simulate_cooling
 from martensite.design.sizing.request import ALLOYS
-from martensite.design.sizing.strand import Strand, alloy_numbers
+from martensite.design.sizing.strand import Strand, list_alloy_numbers
 from martensite.physics.materials.wires import GRAVITY, Cell, WireCatalogue, WireSize, load_wires
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
@@ -69,7 +69,7 @@ class CheckRow:
 
 
 @dataclass(frozen=True)
-class Spread:
+class RatioSpread:
     """How far ratios are apart."""
 
     least: float
@@ -78,13 +78,13 @@ class Spread:
     most: float
 
 
-def spread(ratios: Sequence[float | None]) -> Spread | None:
+def summarise_ratios(ratios: Sequence[float | None]) -> RatioSpread | None:
     """Least, geometric mean and most of ratios, those that exist; None without any."""
     found = [ratio for ratio in ratios if ratio is not None]
     if not found:
         return None
     mean = math.exp(math.fsum(math.log(ratio) for ratio in found) / len(found))
-    return Spread(min(found), mean, max(found))
+    return RatioSpread(min(found), mean, max(found))
 
 
 def check_catalogue(
@@ -115,39 +115,47 @@ def check_catalogue(
         for size in sizes:
             if stop is not None and stop():
                 return rows
-            rows.append(_row(size, Strand(size, alloy, LENGTH, ambient), stress))
+            rows.append(_check_row(size, Strand(size, alloy, LENGTH, ambient), stress))
             if progress is not None:
                 progress(len(rows), len(alloys) * len(sizes))
     return rows
 
 
-def _row(size: WireSize, strand: Strand, stress: float) -> CheckRow:
+def _check_row(size: WireSize, strand: Strand, stress: float) -> CheckRow:
     system = strand.system(DeadWeight(mass=stress * size.section / GRAVITY))
     position = CONTRACTED * strand.reachable_strain(stress, stress) * strand.length
-    current = current_for(system, position, PULSE, size.current.value)
+    current = find_current(system, position, PULSE, size.current.value)
     if current is None:
         raise SolveError(f"No current contracts Flexinol wire of {size.name} in {PULSE:g} s.")
-    _, cooling = cooled(system, LEFT * strand.length, current, PULSE, strand.time_constant())
+    _, cooling = simulate_cooling(
+        system, LEFT * strand.length, current, PULSE, strand.time_constant()
+    )
     cell = size.cooling_70 if strand.alloy == "70" else size.cooling_90
     return CheckRow(
-        size.name, strand.alloy, current, size.current, cooling, cell,
-        _loss_share(system, current), _stored_share(size, strand),
-    )  # fmt: skip
+        size.name,
+        strand.alloy,
+        current,
+        size.current,
+        cooling,
+        cell,
+        _compute_loss_share(system, current),
+        _compute_stored_share(size, strand),
+    )
 
 
-def _loss_share(system: System, current: float) -> float:
+def _compute_loss_share(system: System, current: float) -> float:
     run = simulate(system, Step(high=current), PULSE, step=PULSE / STEPS, samples=STEPS + 1)
-    return _integral(run.times, run.columns["heat_loss"]) / _integral(
+    return _integrate_loss(run.times, run.columns["heat_loss"]) / _integrate_loss(
         run.times, run.columns["power"]
     )
 
 
-def _integral(times: Sequence[float], values: Sequence[float]) -> float:
+def _integrate_loss(times: Sequence[float], values: Sequence[float]) -> float:
     pairs = zip(pairwise(times), pairwise(values), strict=True)
     return math.fsum(0.5 * (b - a) * (u + v) for (a, b), (u, v) in pairs)
 
 
-def _stored_share(size: WireSize, strand: Strand) -> float:
-    numbers = alloy_numbers(strand.alloy)
+def _compute_stored_share(size: WireSize, strand: Strand) -> float:
+    numbers = list_alloy_numbers(strand.alloy)
     taken = strand.mass * (65.0 * numbers["heat_capacity"] + numbers["latent_heat"])
     return size.current.value**2 * strand.resistance * PULSE / taken

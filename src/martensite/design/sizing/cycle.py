@@ -33,7 +33,7 @@ WINDOWS = (6.0, 16.0)
 
 
 @dataclass(frozen=True)
-class Cycle:
+class PulseCycle:
     """One pulse of current through a strand, and the cooling after it."""
 
     current: float
@@ -57,7 +57,7 @@ class Cycle:
         return self.fastest is not None and self.fastest * period >= 1.0 - 1e-9
 
 
-def pulsed(system: System, current: float, time: float) -> float:
+def simulate_pulse(system: System, current: float, time: float) -> float:
     """Position [m] at the end of a pulse of `current` [A] that lasts `time` [s].
 
     The farthest one where the wire would melt or tear before.
@@ -67,48 +67,50 @@ def pulsed(system: System, current: float, time: float) -> float:
     return max(run.columns["position"]) if left else run.columns["position"][-1]
 
 
-def current_for(system: System, position: float, time: float, guess: float) -> float | None:
+def find_current(system: System, position: float, time: float, guess: float) -> float | None:
     """Least constant current [A] that reaches `position` [m] in `time` [s], within 0.1 %.
 
     None if no current up to some thousand times `guess` [A] does.
     """
     high = guess
     for _ in range(WIDENINGS):
-        if pulsed(system, high, time) >= position:
+        if simulate_pulse(system, high, time) >= position:
             break
         high *= 2.0
     else:
         return None
     low = 0.5 * high
-    while pulsed(system, low, time) >= position:
+    while simulate_pulse(system, low, time) >= position:
         high, low = low, 0.5 * low
     for _ in range(HALVINGS):
         middle = math.sqrt(low * high)
-        if pulsed(system, middle, time) >= position:
+        if simulate_pulse(system, middle, time) >= position:
             high = middle
         else:
             low = middle
     return high
 
 
-def reached(system: System, position: float, current: float, longest: float) -> float | None:
+def find_reach_time(
+    system: System, position: float, current: float, longest: float
+) -> float | None:
     """Time [s] at which a constant current first reaches `position` [m]; None if it does not."""
     samples = 10 * STEPS + 1
     step = longest / (samples - 1)
     run = simulate(system, Step(high=current), longest, step=step, samples=samples)
-    return crossing(run.times, run.columns["position"], position)
+    return find_crossing(run.times, run.columns["position"], position)
 
 
-def cycle(
+def simulate_cycle(
     system: System, position: float, current: float, heating: float, time_constant: float
-) -> Cycle:
+) -> PulseCycle:
     """The cooling after a pulse of `current` [A] that lasts `heating` [s]."""
     left = RETURNED * position
-    run, cooling = cooled(system, left, current, heating, time_constant)
-    return Cycle(current, heating, cooling, max(run.columns["temperature"]))
+    run, cooling = simulate_cooling(system, left, current, heating, time_constant)
+    return PulseCycle(current, heating, cooling, max(run.columns["temperature"]))
 
 
-def running_hottest(system: System, found: Cycle, rate: float) -> float:
+def find_hottest(system: System, found: PulseCycle, rate: float) -> float:
     """Highest temperature [K] when the same pulse is repeated at a rate [Hz].
 
     The later pulses meet a wire that is not quite cold, and heat it beyond the stroke.
@@ -119,34 +121,34 @@ def running_hottest(system: System, found: Cycle, rate: float) -> float:
     return max(run.columns["temperature"])
 
 
-def cooled(
+def simulate_cooling(
     system: System, left: float, current: float, heating: float, time_constant: float
 ) -> tuple[Result, float | None]:
     """A pulse and the cooling after it, and the time [s] until only `left` [m] of it is left."""
     pulse = Step(high=current, until=heating)
     soon, late = (heating + window * time_constant for window in WINDOWS)
-    run = _run(system, pulse, soon)
-    time = _falls_to(run, heating, left)
+    run = _run_pulse(system, pulse, soon)
+    time = _find_fall_time(run, heating, left)
     if time is None:
-        run = _run(system, pulse, late)
-        time = _falls_to(run, heating, left)
+        run = _run_pulse(system, pulse, late)
+        time = _find_fall_time(run, heating, left)
     return run, time
 
 
-def _run(system: System, pulse: Step, duration: float) -> Result:
+def _run_pulse(system: System, pulse: Step, duration: float) -> Result:
     step = max(pulse.until / STEPS, duration / MOST)
     return simulate(system, pulse, duration, step=step, samples=2001)
 
 
-def _falls_to(run: Result, start: float, level: float) -> float | None:
+def _find_fall_time(run: Result, start: float, level: float) -> float | None:
     """Time after `start` [s] at which the position has fallen to a level [m]."""
     after = [i for i, time in enumerate(run.times) if time >= start]
     times = [run.times[i] for i in after]
-    time = crossing(times, [-run.columns["position"][i] for i in after], -level)
+    time = find_crossing(times, [-run.columns["position"][i] for i in after], -level)
     return None if time is None else time - start
 
 
-def crossing(times: Sequence[float], values: Sequence[float], level: float) -> float | None:
+def find_crossing(times: Sequence[float], values: Sequence[float], level: float) -> float | None:
     """First time at which `values` exceed `level`, between samples on a line; None if never."""
     above = find_excursion(times, [value - level for value in values])
     return None if above is None else above.first

@@ -37,7 +37,7 @@ class Margin:
         return self.used / self.limit
 
 
-def margins(request: WireRequest, found: Candidate) -> list[Margin]:
+def list_margins(request: WireRequest, found: Candidate) -> list[Margin]:
     """The limits of a candidate: those of its statics, and of its cycle if it was simulated."""
     static = found.statics
     return [
@@ -46,12 +46,12 @@ def margins(request: WireRequest, found: Candidate) -> list[Margin]:
         Margin(
             "strain of what the wire gives", static.strain, static.reachable, "1", "%", chosen=True
         ),
-        *_driven(request, found),
+        *_list_cycle_margins(request, found),
         Margin("strands", float(static.count), request.strands, "1", "1"),
     ]
 
 
-def _driven(request: WireRequest, found: Candidate) -> Iterator[Margin]:
+def _list_cycle_margins(request: WireRequest, found: Candidate) -> Iterator[Margin]:
     cycle, drive = found.cycle, found.drive
     if cycle is None or drive is None:
         return
@@ -71,6 +71,6 @@ def _driven(request: WireRequest, found: Candidate) -> Iterator[Margin]:
         yield Margin("current", drive.current, request.current_limit, "A", "A")
 
 
-def tightest(found: list[Margin]) -> Margin:
+def find_tightest(found: list[Margin]) -> Margin:
     """The limit of which most is used, apart from what is put to its limit by choice."""
     return max((margin for margin in found if not margin.chosen), key=lambda margin: margin.share)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-from martensite.design.sizing.cycle import RETURNED, Cycle
+from martensite.design.sizing.cycle import RETURNED, PulseCycle
 from martensite.design.sizing.request import WireRequest
 from martensite.design.sizing.statics import Statics
 from martensite.design.sizing.wiring import Wiring
@@ -21,12 +21,12 @@ KNOWN_LIFE = (
 )
 
 
-def life(stress: float) -> str:
+def describe_life(stress: float) -> str:
     """What a source says about the life at a stress [Pa]."""
     return KNOWN_LIFE if stress <= LIFE_STRESS else UNKNOWN_LIFE
 
 
-def static_reasons(request: WireRequest, static: Statics) -> Iterator[str]:
+def list_static_reasons(request: WireRequest, static: Statics) -> Iterator[str]:
     """Why a candidate need not be simulated."""
     strand, cold = static.strand, static.cold_stress
     if static.count > request.strands:
@@ -34,18 +34,21 @@ def static_reasons(request: WireRequest, static: Statics) -> Iterator[str]:
     start = strand.shifted("M_s", cold)
     if request.ambient >= start:
         yield (
-            f"never returns: at {_celsius(request.ambient)} it is above M_s = {_celsius(start)} "
-            f"under {_mpa(cold)}"
+            f"never returns: at {_format_celsius(request.ambient)} it is above M_s = "
+            f"{_format_celsius(start)} under {_format_megapascal(cold)}"
         )
 
 
-def reasons(
-    request: WireRequest, static: Statics, wiring: Wiring | None, cycle: Cycle | None,
+def list_reasons(
+    request: WireRequest,
+    static: Statics,
+    wiring: Wiring | None,
+    cycle: PulseCycle | None,
     limits: Mapping[str, float],
-) -> Iterator[str]:  # fmt: skip
+) -> Iterator[str]:
     """Why a simulated candidate does not do."""
     if wiring is not None and cycle is None:
-        yield _supply(request, static, wiring)
+        yield _describe_supply(request, static, wiring)
     if wiring is None or cycle is None:
         return
     if cycle.cooling is None:
@@ -62,12 +65,12 @@ def reasons(
         )
     if cycle.hottest > limits["temperature_limit"]:
         yield (
-            f"too hot: {_celsius(cycle.hottest)}, the limit of the material is "
-            f"{_celsius(limits['temperature_limit'])}"
+            f"too hot: {_format_celsius(cycle.hottest)}, the limit of the material is "
+            f"{_format_celsius(limits['temperature_limit'])}"
         )
 
 
-def _supply(request: WireRequest, static: Statics, wiring: Wiring) -> str:
+def _describe_supply(request: WireRequest, static: Statics, wiring: Wiring) -> str:
     most = wiring.most(request)
     limit = f"{request.supply:.4g} V"
     if math.isfinite(request.current_limit):
@@ -78,16 +81,19 @@ def _supply(request: WireRequest, static: Statics, wiring: Wiring) -> str:
     )
 
 
-def warnings(
-    request: WireRequest, static: Statics, cycle: Cycle | None, overheating: float,
+def list_warnings(
+    request: WireRequest,
+    static: Statics,
+    cycle: PulseCycle | None,
+    overheating: float,
     limits: Mapping[str, float],
-) -> Iterator[str]:  # fmt: skip
+) -> Iterator[str]:
     """What to beware of."""
-    yield from _cold(request, static)
+    yield from _warn_of_cold(request, static)
     if static.hot_stress > limits["stress_limit"] * (1.0 + 1e-9):
         yield (
-            f"{_mpa(static.hot_stress)} is above the maker's {_mpa(limits['stress_limit'])} for "
-            "repeated use"
+            f"{_format_megapascal(static.hot_stress)} is above the maker's "
+            f"{_format_megapascal(limits['stress_limit'])} for repeated use"
         )
     if static.strain > limits["strain_limit"]:
         yield (
@@ -103,37 +109,37 @@ def warnings(
     if cycle is not None and cycle.running is not None and cycle.running > limit:
         yield (
             f"repeated at {request.rate:.4g} Hz this pulse heats the wire to "
-            f"{_celsius(cycle.running)}, above its limit of {_celsius(limit)}: end each pulse when "
-            "the stroke is reached"
+            f"{_format_celsius(cycle.running)}, above its limit of {_format_celsius(limit)}: end "
+            "each pulse when the stroke is reached"
         )
     if cycle is not None and cycle.current > overheating:
         yield (
             f"the pulse current is above the {overheating:.3g} A per strand that in the long run "
-            f"bring the wire to its limit of {_celsius(limit)}: a pulse that "
+            f"bring the wire to its limit of {_format_celsius(limit)}: a pulse that "
             "does not end overheats it"
         )
 
 
-def _cold(request: WireRequest, static: Statics) -> Iterator[str]:
+def _warn_of_cold(request: WireRequest, static: Statics) -> Iterator[str]:
     """Warnings about an ambient temperature at which the wire hardly becomes martensite."""
     finish = static.strand.shifted("M_f", static.cold_stress)
-    under = f"M_f = {_celsius(finish)} under {_mpa(static.cold_stress)}"
+    under = f"M_f = {_format_celsius(finish)} under {_format_megapascal(static.cold_stress)}"
     if request.ambient >= finish:
         yield (
-            f"the ambient of {_celsius(request.ambient)} is above {under}: the wire never cools "
-            "far enough to return wholly"
+            f"the ambient of {_format_celsius(request.ambient)} is above {under}: the wire never "
+            "cools far enough to return wholly"
         )
     elif request.ambient > finish - CLOSE:
         yield (
-            f"the ambient of {_celsius(request.ambient)} is only "
+            f"the ambient of {_format_celsius(request.ambient)} is only "
             f"{finish - request.ambient:.1f} K below {under}: the return is slow, and a warmer day "
             "stops it"
         )
 
 
-def _celsius(kelvin: float) -> str:
+def _format_celsius(kelvin: float) -> str:
     return f"{kelvin - 273.15:.4g} °C"
 
 
-def _mpa(pascal: float) -> str:
+def _format_megapascal(pascal: float) -> str:
     return f"{pascal / 1e6:.4g} MPa"

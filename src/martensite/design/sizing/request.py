@@ -30,15 +30,19 @@ class WireRequest(Parametrised):
         "K", "ambient temperature, still air", low=250.0, high=400.0, default=295.15
     )
     strain: Scalar = param("1", "largest strain to be used", low=0.002, high=0.08, default=0.04)
-    stress: Scalar = param("Pa", "largest stress of the hot wire", above=0.0, high=6e8,
-                           default=172e6)  # fmt: skip
+    stress: Scalar = param(
+        "Pa", "largest stress of the hot wire", above=0.0, high=6e8, default=172e6
+    )
     return_stress: Scalar = param(
         "Pa", "stress that stretches the cold wire", above=0.0, high=3e8, default=69e6
     )
     spring_rise: Scalar = param(
-        "1", "growth of the return spring's force over the stroke, as a share of its preload",
-        low=0.01, high=5.0, default=0.25,
-    )  # fmt: skip
+        "1",
+        "growth of the return spring's force over the stroke, as a share of its preload",
+        low=0.01,
+        high=5.0,
+        default=0.25,
+    )
     current_limit: Scalar = param("A", "largest current of the supply", above=0.0, default=math.inf)
     strands: Scalar = param("1", "most wires side by side", low=1.0, high=1000.0, default=12.0)
     bias: str = option("what stretches the cold wire", "spring", "weight", default="spring")

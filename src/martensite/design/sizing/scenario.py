@@ -6,7 +6,7 @@ import math
 
 from martensite.base.errors import InputError
 from martensite.design.sizing.candidates import Candidate, Drive
-from martensite.design.sizing.cycle import Cycle
+from martensite.design.sizing.cycle import PulseCycle
 from martensite.design.sizing.request import WireRequest
 from martensite.physics.materials.wires import GRAVITY, Cell, WireCatalogue
 
@@ -14,7 +14,7 @@ CYCLES = 3
 SAMPLES = 3001
 
 
-def scenario_text(request: WireRequest, candidate: Candidate, catalogue: WireCatalogue) -> str:
+def format_scenario(request: WireRequest, candidate: Candidate, catalogue: WireCatalogue) -> str:
     """The text of a scenario: some cycles of a candidate at the rate asked for, or its fastest.
 
     Raises:
@@ -28,44 +28,42 @@ def scenario_text(request: WireRequest, candidate: Candidate, catalogue: WireCat
         )
     rate = min(request.rate, cycle.fastest)
     parts = [
-        _head(request, candidate),
-        _element(candidate, catalogue),
-        _environment(request),
-        _mechanism(request, candidate),
-        _drive(request, drive, cycle, rate),
+        _format_head(request, candidate),
+        _format_element(candidate, catalogue),
+        _format_environment(request),
+        _format_mechanism(request, candidate),
+        _format_drive(request, drive, cycle, rate),
         f'[run]\nduration = "{CYCLES / rate:.9g} s"\nsamples = {SAMPLES}\n',
     ]
     return "\n".join(parts)
 
 
-def _head(request: WireRequest, candidate: Candidate) -> str:
+def _format_head(request: WireRequest, candidate: Candidate) -> str:
     asked = (
         f"{request.force:.6g} N over {1e3 * request.stroke:.6g} mm at {request.rate:.6g} Hz from "
         f"{request.supply:.6g} V"
     )
-    found = f"{_count(candidate)}Flexinol {candidate.size.name}, {candidate.alloy} °C"
+    found = f"{_count_samples(candidate)}Flexinol {candidate.size.name}, {candidate.alloy} °C"
     lines = [f"# Sized for {asked}: {found}."]
     lines += [f"# Not met: {reason}." for reason in candidate.reasons]
     lines += [f"# Beware: {warning}." for warning in candidate.warnings]
     return "\n".join([*lines, f'title = "{found}: {asked}"', ""])
 
 
-def _count(candidate: Candidate) -> str:
+def _count_samples(candidate: Candidate) -> str:
     wiring = candidate.wiring
     if wiring is None or wiring.count == 1:
         return ""
     return f"{wiring.count} in {wiring.kind}, "
 
 
-def _element(candidate: Candidate, catalogue: WireCatalogue) -> str:
+def _format_element(candidate: Candidate, catalogue: WireCatalogue) -> str:
     static, size, wiring = candidate.statics, candidate.size, candidate.wiring
     bundle = wiring is not None and wiring.count > 1
     own = "element.strand" if bundle else "element"
     lines = ["[element]"]
     if bundle and wiring is not None:
-        lines += [
-            'kind = "bundle"', f"count = {wiring.count}", f'wiring = "{wiring.kind}"',
-        ]  # fmt: skip
+        lines += ['kind = "bundle"', f"count = {wiring.count}", f'wiring = "{wiring.kind}"']
     else:
         lines.append('kind = "wire"')
     lines.append(f'material = "flexinol-{candidate.alloy}"')
@@ -76,11 +74,11 @@ def _element(candidate: Candidate, catalogue: WireCatalogue) -> str:
     return "\n".join(
         [
             *lines,
-            f'diameter = "{size.diameter.text}"   # {_origin(size.diameter, catalogue)}',
+            f'diameter = "{size.diameter.text}"   # {_describe_origin(size.diameter, catalogue)}',
             f'length = "{1e3 * static.strand.length:.12g} mm"   # computed: {length}',
             'law = { kind = "liang-rogers", modulus = "mixture" }',
             "",
-            f"[{own}.resistance]   # {_origin(size.resistance, catalogue)}",
+            f"[{own}.resistance]   # {_describe_origin(size.resistance, catalogue)}",
             'kind = "per-length"',
             f'r_A = "{ohms}"',
             f'r_M = "{ohms}"   # the catalogue has one value for both phases',
@@ -89,13 +87,13 @@ def _element(candidate: Candidate, catalogue: WireCatalogue) -> str:
     )
 
 
-def _origin(cell: Cell, catalogue: WireCatalogue) -> str:
+def _describe_origin(cell: Cell, catalogue: WireCatalogue) -> str:
     """Kind, source and note of a cell."""
     said = f"{cell.kind}, {catalogue.sources[cell.source].cite}"
     return f"{said}: {cell.note}" if cell.note else said
 
 
-def _environment(request: WireRequest) -> str:
+def _format_environment(request: WireRequest) -> str:
     return (
         "[environment]   # a vertical wire in still air\n"
         f'temperature = "{request.ambient - 273.15:.12g} degC"\n'
@@ -103,7 +101,7 @@ def _environment(request: WireRequest) -> str:
     )
 
 
-def _mechanism(request: WireRequest, candidate: Candidate) -> str:
+def _format_mechanism(request: WireRequest, candidate: Candidate) -> str:
     static = candidate.statics
     if static.stiffness == 0.0:
         kilograms = static.preload / GRAVITY
@@ -124,7 +122,7 @@ def _mechanism(request: WireRequest, candidate: Candidate) -> str:
     )
 
 
-def _drive(request: WireRequest, drive: Drive, cycle: Cycle, rate: float) -> str:
+def _format_drive(request: WireRequest, drive: Drive, cycle: PulseCycle, rate: float) -> str:
     lines = [
         "[drive]   # each pulse ends when the stroke is reached for the first time",
         'kind = "current"',

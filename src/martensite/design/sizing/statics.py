@@ -59,28 +59,26 @@ class Statics:
         return BiasSpring(stiffness=rate / share, preload=self.preload / share)
 
 
-def statics(request: WireRequest, size: WireSize, alloy: str) -> Statics:
+def compute_statics(request: WireRequest, size: WireSize, alloy: str) -> Statics:
     """The smallest number of strands of a size that carries the request, and their length."""
     area = size.section
     if request.bias == "spring":
         left = request.stress - (1.0 + request.spring_rise) * request.return_stress
-        count = _strands(request.force, area * left)
+        count = _count_strands(request.force, area * left)
         preload = count * area * request.return_stress
         stiffness, extra = request.spring_rise * preload / request.stroke, 0.0
         work = request.force + preload + stiffness * request.stroke
     else:
-        count = _strands(request.force, area * request.stress)
+        count = _count_strands(request.force, area * request.stress)
         preload = work = max(request.force, count * area * request.return_stress)
         stiffness, extra = 0.0, preload - request.force
     cold, hot = preload / (count * area), work / (count * area)
     reachable = Strand(size, alloy, 1.0, request.ambient).reachable_strain(cold, hot)
     strain = min(request.strain, USABLE * reachable)
     strand = Strand(size, alloy, request.stroke / strain, request.ambient)
-    return Statics(
-        count, strand, strain, reachable, cold, hot, preload, stiffness, extra, work
-    )  # fmt: skip
+    return Statics(count, strand, strain, reachable, cold, hot, preload, stiffness, extra, work)
 
 
-def _strands(force: float, each: float) -> int:
+def _count_strands(force: float, each: float) -> int:
     """Whole strands for a force; a rounding error does not make one more."""
     return max(1, math.ceil(force / each * (1.0 - 1e-12)))

@@ -27,22 +27,22 @@ from martensite.physics.thermal.lefevre_ede import LeFevreEde
 
 
 @cache
-def alloy_material(alloy: str) -> Material:
+def read_alloy(alloy: str) -> Material:
     """The material of one of the maker's alloys, `70` or `90`."""
     return load_material(f"flexinol-{alloy}")
 
 
 @cache
-def alloy_law(alloy: str) -> LiangRogers:
+def build_alloy_law(alloy: str) -> LiangRogers:
     """The law of one of the maker's alloys."""
-    numbers = alloy_numbers(alloy)
+    numbers = list_alloy_numbers(alloy)
     taken: dict[str, Any] = {n: numbers[n] for n in LiangRogers.declarations if n in numbers}
     return LiangRogers(modulus="mixture", **taken)
 
 
-def alloy_numbers(alloy: str) -> dict[str, float]:
+def list_alloy_numbers(alloy: str) -> dict[str, float]:
     """All numbers of the material of an alloy, in SI, by canonical name."""
-    return {name: number.value for name, number in alloy_material(alloy).values.items()}
+    return {name: number.value for name, number in read_alloy(alloy).values.items()}
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Strand:
     @property
     def law(self) -> LiangRogers:
         """The law of the alloy."""
-        return alloy_law(self.alloy)
+        return build_alloy_law(self.alloy)
 
     @property
     def resistance(self) -> float:
@@ -69,7 +69,7 @@ class Strand:
     @property
     def mass(self) -> float:
         """Mass of the wire [kg]."""
-        return alloy_numbers(self.alloy)["density"] * self.size.section * self.length
+        return list_alloy_numbers(self.alloy)["density"] * self.size.section * self.length
 
     def reachable_strain(self, cold: float, hot: float) -> float:
         """ε_L + σ_c/E_M - σ_h/E_A [-]: martensite at `cold` [Pa] to austenite at `hot` [Pa]."""
@@ -92,13 +92,13 @@ class Strand:
 
     def time_constant(self) -> float:
         """m c/(h S) [s], 50 K above the ambient, without latent heat."""
-        numbers = alloy_numbers(self.alloy)
+        numbers = list_alloy_numbers(self.alloy)
         per_area = 0.25 * self.size.diameter.value * numbers["density"] * numbers["heat_capacity"]
         return per_area / self.film(self.ambient + 50.0)
 
     def system(self, mechanism: AbstractMechanism) -> System:
         """The strand, pulling on a mechanism, driven by a current."""
-        numbers = alloy_numbers(self.alloy)
+        numbers = list_alloy_numbers(self.alloy)
         per_metre = self.size.resistance.value
         wire = Wire(
             diameter=self.size.diameter.value,

@@ -32,7 +32,7 @@ class Wiring:
         )
 
 
-def best_wiring(request: WireRequest, count: int, resistance: float, needed: float) -> Wiring:
+def choose_wiring(request: WireRequest, count: int, resistance: float, needed: float) -> Wiring:
     """The arrangement for a current per strand [A].
 
     Series where the supply can drive it so, since that asks the least current of the driver;

@@ -13,10 +13,10 @@ from martensite.base import units
 from martensite.base.errors import InputError
 from martensite.base.registry import import_modules
 from martensite.design.backends.base import BACKENDS, AbstractBackend
-from martensite.design.sweep.job import MEASURES, SweepJob, Wanted, prepared, spec_of
-from martensite.design.sweep.plan import CHUNK, Plan
-from martensite.design.sweep.running import Progress, Tell, run_chunks, share_of
-from martensite.design.sweep.store import Store, create
+from martensite.design.sweep.job import MEASURES, SweepJob, SweepRequest, build_spec, prepare_plan
+from martensite.design.sweep.plan import CHUNK, SweepPlan
+from martensite.design.sweep.running import Progress, Tell, parse_share, run_chunks
+from martensite.design.sweep.store import Store, create_store
 from martensite.scenario.scenario import Scenario, load
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ FEW = 2
 
 
 @dataclass(frozen=True)
-class How:
+class SweepExecution:
     """How a sweep is run, which does not change what comes out."""
 
     backend: str | None = None
@@ -67,10 +67,10 @@ class How:
 
 
 @dataclass(frozen=True)
-class Begun:
+class PlannedSweep:
     """A sweep whose store is there."""
 
-    plan: Plan
+    plan: SweepPlan
     store: Store
     job: SweepJob
     part: range
@@ -86,7 +86,9 @@ class Begun:
         return run_chunks(self.job, self.part, self.store.made(), self.backend, tell)
 
 
-def begin(scenario: Scenario, wanted: Wanted, path: Path, how: How) -> Begun:
+def begin_sweep(
+    scenario: Scenario, wanted: SweepRequest, path: Path, how: SweepExecution
+) -> PlannedSweep:
     """Plan a sweep, and make its store or open it.
 
     Nothing is removed or written before all that is asked for has been found to be right.
@@ -97,22 +99,22 @@ def begin(scenario: Scenario, wanted: Wanted, path: Path, how: How) -> Begun:
     how.made(0, wanted.runtime)
     if how.force and how.part:
         raise InputError("`--force` would remove what other parts have made; leave it out.")
-    share_of(1 << 30, how.part)
+    parse_share(1 << 30, how.part)
     old = Store(path) if path.exists() else None
     if old:
         known = old.spec  # nothing but a sweep is opened, or removed
-        wanted = wanted if how.force else _as_before(wanted, known)
-    plan, wanted = prepared(scenario, wanted)
-    spec = spec_of(scenario, wanted, how.modules)
+        wanted = wanted if how.force else _keep_runtime(wanted, known)
+    plan, wanted = prepare_plan(scenario, wanted)
+    spec = build_spec(scenario, wanted, how.modules)
     if old and how.force:
         shutil.rmtree(path)
-    store = create(path, plan, spec)
-    job, part = SweepJob(path.resolve(), json.dumps(spec)), share_of(plan.chunks, how.part)
+    store = create_store(path, plan, spec)
+    job, part = SweepJob(path.resolve(), json.dumps(spec)), parse_share(plan.chunks, how.part)
     backend = how.made(len(set(part) - store.made()), wanted.runtime)
-    return Begun(plan, store, job, part, backend)
+    return PlannedSweep(plan, store, job, part, backend)
 
 
-def _as_before(wanted: Wanted, known: dict[str, Any]) -> Wanted:
+def _keep_runtime(wanted: SweepRequest, known: dict[str, Any]) -> SweepRequest:
     """With the step and the runtime that a store was begun with, where none are asked for."""
     return replace(
         wanted, step=wanted.step or known["step"], runtime=wanted.runtime or known["runtime"]
@@ -120,13 +122,26 @@ def _as_before(wanted: Wanted, known: dict[str, Any]) -> Wanted:
 
 
 def run_sweep(
-    scenario: Scenario | str | Path, *, over: Sequence[str], out: str | Path, sample: str = "grid",
-    measures: Sequence[str] = MEASURES, traces: Sequence[tuple[str, int]] = (), seed: int = 0,
-    step: float | str | None = None, runtime: str | None = None, precision: str = "float64",
-    chunk: int = CHUNK, backend: str | None = None, workers: int = 0, scheduler: str | None = None,
-    part: str | None = None, modules: Sequence[str] = (), force: bool = False,
+    scenario: Scenario | str | Path,
+    *,
+    over: Sequence[str],
+    out: str | Path,
+    sample: str = "grid",
+    measures: Sequence[str] = MEASURES,
+    traces: Sequence[tuple[str, int]] = (),
+    seed: int = 0,
+    step: float | str | None = None,
+    runtime: str | None = None,
+    precision: str = "float64",
+    chunk: int = CHUNK,
+    backend: str | None = None,
+    workers: int = 0,
+    scheduler: str | None = None,
+    part: str | None = None,
+    modules: Sequence[str] = (),
+    force: bool = False,
     tell: Tell | None = None,
-) -> xarray.Dataset:  # fmt: skip
+) -> xarray.Dataset:
     """Run many variants of a scenario into a Zarr store, and open it.
 
     Called again, it goes on where it was stopped, and returns at once when all is there.
@@ -166,9 +181,9 @@ def run_sweep(
     import_modules(modules)
     found = scenario if isinstance(scenario, Scenario) else load(scenario)
     length = units.parse_quantity(step, "s") if isinstance(step, str) else step
-    wanted = Wanted(
+    wanted = SweepRequest(
         tuple(over), sample, tuple(measures), tuple(traces), seed, chunk, length, runtime, precision
     )
-    how = How(backend, workers, scheduler, part, tuple(modules), force)
-    begin(found, wanted, Path(out), how).run(tell)
+    how = SweepExecution(backend, workers, scheduler, part, tuple(modules), force)
+    begin_sweep(found, wanted, Path(out), how).run(tell)
     return open_sweep(out)

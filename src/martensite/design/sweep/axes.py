@@ -32,7 +32,7 @@ _NORMAL = re.compile(rf"^(.*?)\s*(?:\+-|\+/-|±)\s*({_NUMBER})\s*(.*)$")
 
 
 @dataclass(frozen=True)
-class Axis:
+class SweepAxis:
     """One varied number: a range, some levels, or a normal distribution; numbers in SI."""
 
     target: Target
@@ -87,12 +87,16 @@ class Axis:
     def to_dict(self) -> dict[str, Any]:
         """For JSON."""
         return {
-            "name": self.target.name, "unit": self.target.unit, "kind": self.kind,
-            "numbers": list(self.numbers), "count": self.count, "log": self.log,
-        }  # fmt: skip
+            "name": self.target.name,
+            "unit": self.target.unit,
+            "kind": self.kind,
+            "numbers": list(self.numbers),
+            "count": self.count,
+            "log": self.log,
+        }
 
 
-def axis(words: str, targets: Mapping[str, Target]) -> Axis:
+def parse_axis(words: str, targets: Mapping[str, Target]) -> SweepAxis:
     """Read one `--over`.
 
     Args:
@@ -126,8 +130,10 @@ def _find_one(name: str, targets: Mapping[str, Target]) -> Target:
     raise ParameterError(f"There is no parameter `{name}` to vary. {suggest_name(name, targets)}")
 
 
-def _read_axis_range(words: str, target: Target) -> Axis:
-    low, high, count, scale = parse_range(words, target.unit, lambda end: _parse(end, target))
+def _read_axis_range(words: str, target: Target) -> SweepAxis:
+    low, high, count, scale = parse_range(
+        words, target.unit, lambda end: _parse_number(end, target)
+    )
     if low is None or high is None or scale == "whole":
         raise UnitError(f"`{words}` is no range with two ends, such as `1..2:9 log`.")
     if not low < high:
@@ -136,24 +142,24 @@ def _read_axis_range(words: str, target: Target) -> Axis:
         raise ParameterError(f"A logarithmic axis must be above 0, but `{words}` is not.")
     if count is not None and not 2 <= count <= MOST_LEVELS:
         raise ParameterError(f"Axis `{target.name}` must have 2 levels or more, not {count}.")
-    return Axis(target, "range", (low, high), count, scale == "log")
+    return SweepAxis(target, "range", (low, high), count, scale == "log")
 
 
-def _read_levels(words: str, target: Target) -> Axis:
+def _read_levels(words: str, target: Target) -> SweepAxis:
     match = _NORMAL.match(words)
     if match is not None:
         return _read_normal(match[1], float(match[2]), match[3].strip(), target)
     *first, last = (piece.strip() for piece in words.split(","))
     unit = re.sub(rf"^{_NUMBER}\s*", "", last)
     every = [f"{piece} {unit}" if is_bare(piece) else piece for piece in (*first, last)]
-    return Axis(target, "levels", tuple(_parse(piece, target) for piece in every))
+    return SweepAxis(target, "levels", tuple(_parse_number(piece, target) for piece in every))
 
 
-def _read_normal(mean: str, deviation: float, unit: str, target: Target) -> Axis:
+def _read_normal(mean: str, deviation: float, unit: str, target: Target) -> SweepAxis:
     """A distribution around a mean; the scenario's number if none is given."""
     if unit and unit != "%" and is_bare(mean):
         mean = f"{mean} {unit}"
-    middle = _parse(mean, target) if mean else target.value
+    middle = _parse_number(mean, target) if mean else target.value
     if unit == "%":
         if target.unit == "K":
             raise ParameterError(f"A share of `{target.name}` means nothing; write `+- 2 K`.")
@@ -163,8 +169,8 @@ def _read_normal(mean: str, deviation: float, unit: str, target: Target) -> Axis
         wide = factor * deviation
     if not wide > 0.0:
         raise ParameterError(f"The deviation of `{target.name}` must be above 0, but is {wide:g}.")
-    return Axis(target, "normal", (middle, wide))
+    return SweepAxis(target, "normal", (middle, wide))
 
 
-def _parse(words: str, target: Target) -> float:
+def _parse_number(words: str, target: Target) -> float:
     return units.parse_quantity(words, target.unit)

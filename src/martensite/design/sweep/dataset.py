@@ -23,7 +23,7 @@ import numpy as np
 
 from martensite.base.status import Status
 from martensite.design.sweep.plan import DETAILS
-from martensite.design.sweep.reading import axes_of, levels_of, status_of
+from martensite.design.sweep.reading import read_axes, read_levels, read_status
 from martensite.design.sweep.store import RUN, STATUS, Store
 from martensite.design.sweep.table import NOT_MADE
 
@@ -47,7 +47,7 @@ def open_sweep(path: Path | str, grid: bool = True) -> xarray.Dataset:
         InputError: Zarr is not installed.
     """
     store = Store(Path(path))
-    axes, status = axes_of(store), status_of(store)
+    axes, status = read_axes(store), read_status(store)
     xarray: Any = import_module("xarray")
     opened = xarray.open_zarr(
         str(path), consolidated=False, decode_times=False, decode_timedelta=False
@@ -55,25 +55,25 @@ def open_sweep(path: Path | str, grid: bool = True) -> xarray.Dataset:
     names = [one.target.name for one in axes]
     traces = [name for name, _ in store.spec["traces"]]
     kept = [*store.spec["measures"], *traces, *DETAILS, STATUS]
-    made = opened.set_coords(names)[kept].assign({STATUS: (RUN, status, _flags(opened))})
-    made = _trusted(made, status, (*traces, *DETAILS))
-    levels = levels_of(store, axes)
+    made = opened.set_coords(names)[kept].assign({STATUS: (RUN, status, _describe_status(opened))})
+    made = _mask_failed(made, status, (*traces, *DETAILS))
+    levels = read_levels(store, axes)
     if grid and levels is not None:
-        made = _on_grid(xarray, made, dict(zip(names, levels, strict=True)))
+        made = _arrange_grid(xarray, made, dict(zip(names, levels, strict=True)))
     else:
         made = made.assign_coords({RUN: np.arange(len(status))})
-    made.attrs = _told(store)
+    made.attrs = _describe_request(store)
     return made
 
 
-def _flags(opened: xarray.Dataset) -> dict[str, Any]:
+def _describe_status(opened: xarray.Dataset) -> dict[str, Any]:
     """Attributes of the status, that of runs which are not made among its values."""
     known = dict(opened[STATUS].attrs)
     values = np.array([NOT_MADE, *known["flag_values"]], np.int8)
     return {**known, "flag_values": values, "flag_meanings": f"not_made {known['flag_meanings']}"}
 
 
-def _trusted(made: xarray.Dataset, status: Any, partial: Sequence[str]) -> xarray.Dataset:
+def _mask_failed(made: xarray.Dataset, status: Any, partial: Sequence[str]) -> xarray.Dataset:
     """NaN in runs that failed or are not made; `partial` is known where the envelope was left."""
     good = (status > NOT_MADE) & (status < Status.UNSOLVED)
     if good.all():
@@ -85,23 +85,25 @@ def _trusted(made: xarray.Dataset, status: Any, partial: Sequence[str]) -> xarra
     return made.assign(masked)
 
 
-def _on_grid(xarray: Any, made: xarray.Dataset, levels: Mapping[str, Any]) -> xarray.Dataset:
+def _arrange_grid(xarray: Any, made: xarray.Dataset, levels: Mapping[str, Any]) -> xarray.Dataset:
     """With one dimension per axis instead of that of the runs."""
     shape = tuple(map(len, levels.values()))
     told = {name: made[name].attrs for name in levels}
-    variables = {name: _folded(one, tuple(levels), shape) for name, one in made.data_vars.items()}
+    variables = {
+        name: _fold_runs(one, tuple(levels), shape) for name, one in made.data_vars.items()
+    }
     times = {name: one for name, one in made.coords.items() if RUN not in one.dims}
     coords = {name: (name, values, told[name]) for name, values in levels.items()}
     return xarray.Dataset(variables, {**coords, **times})
 
 
-def _folded(one: Any, names: tuple[str, ...], shape: tuple[int, ...]) -> Any:
+def _fold_runs(one: Any, names: tuple[str, ...], shape: tuple[int, ...]) -> Any:
     """A variable with its dimension of runs, which is its first, cut into those of the grid."""
     data = one.variable.data
     return (*names, *one.dims[1:]), data.reshape(*shape, *one.shape[1:]), one.attrs
 
 
-def _told(store: Store) -> dict[str, Any]:
+def _describe_request(store: Store) -> dict[str, Any]:
     """What was asked for, as attributes that netCDF can hold."""
     known = {n: v for n, v in store.spec.items() if n not in PRIVATE and v is not None}
     plain = (str, int, float, list)

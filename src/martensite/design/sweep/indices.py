@@ -20,11 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import DataError
-from martensite.design.sampling.saltelli import block_size
+from martensite.design.sampling.saltelli import count_block_runs
 from martensite.design.sweep.axes import Numbers
-from martensite.design.sweep.extras import extra
-from martensite.design.sweep.given_data import Index, given_data, spread
-from martensite.design.sweep.table import Column, SweepTable
+from martensite.design.sweep.extra_packages import import_extra
+from martensite.design.sweep.given_data_indices import SensitivityIndex, estimate_indices, is_spread
+from martensite.design.sweep.table import SweepColumn, SweepTable
 
 LEAST_BLOCKS = 8
 LEAST_RUNS = 32
@@ -35,7 +35,7 @@ WIDE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Sensitivity:
+class SensitivityIndices:
     """What one measure of a sweep depends on."""
 
     measure: str
@@ -45,7 +45,7 @@ class Sensitivity:
     """saltelli, grid or given data."""
     names: tuple[str, ...]
     """Paths of the varied numbers."""
-    indices: dict[str, Index]
+    indices: dict[str, SensitivityIndex]
     """By kind, such as `first` and `total`; each has one number per varied number."""
     mean: float
     deviation: float
@@ -60,7 +60,9 @@ class Sensitivity:
         return [int(k) for k in np.argsort(-np.nan_to_num(leading.values), kind="stable")]
 
 
-def sensitivity(found: SweepTable, measures: Sequence[str] | None = None) -> list[Sensitivity]:
+def compute_sensitivity(
+    found: SweepTable, measures: Sequence[str] | None = None
+) -> list[SensitivityIndices]:
     """What the measures of a sweep depend on.
 
     Args:
@@ -72,16 +74,19 @@ def sensitivity(found: SweepTable, measures: Sequence[str] | None = None) -> lis
         DataError: too few runs are there.
         InputError: SALib is needed and not installed.
     """
-    return [_of(found, one) for one in found.chosen(None if measures is None else list(measures))]
+    return [
+        _analyse_measure(found, one)
+        for one in found.chosen(None if measures is None else list(measures))
+    ]
 
 
-def _of(found: SweepTable, one: Column) -> Sensitivity:
+def _analyse_measure(found: SweepTable, one: SweepColumn) -> SensitivityIndices:
     usable = found.good & np.isfinite(one.values)
     if found.design == "saltelli":
-        return _blocks(found, one, usable)
+        return _analyse_blocks(found, one, usable)
     if found.shape is not None and usable.all():
-        return _whole_grid(found, one, found.shape)
-    remarks = _left_out(found, one, usable)
+        return _analyse_grid(found, one, found.shape)
+    remarks = _describe_left_out(found, one, usable)
     if found.shape is not None:
         remarks.append("The grid is not whole: its runs are taken as a sample.")
     least = max(LEAST_RUNS, 4 * len(found.varied))
@@ -90,27 +95,34 @@ def _of(found: SweepTable, one: Column) -> Sensitivity:
             f"`{one.name}` is known of {usable.sum():,} runs; at least {least} are needed."
         )
     x, y = found.inputs[usable], one.values[usable]
-    indices, more = given_data(x, y)
-    return _result(found, one, "given data", indices, y, remarks + more)
+    indices, more = estimate_indices(x, y)
+    return _build_result(found, one, "given data", indices, y, remarks + more)
 
 
-def _result(
+def _build_result(
     found: SweepTable,
-    one: Column,
+    one: SweepColumn,
     method: str,
-    indices: dict[str, Index],
+    indices: dict[str, SensitivityIndex],
     y: Numbers,
     more: list[str],
-) -> Sensitivity:
-    varies = spread(y)
+) -> SensitivityIndices:
+    varies = is_spread(y)
     constant = [] if varies else ["It is the same in all runs: nothing to be explained."]
-    return Sensitivity(
-        one.name, one.unit, method, tuple(found.varied), indices, float(np.mean(y)),
-        float(np.std(y)) if varies else 0.0, y.size, [*more, *constant],
-    )  # fmt: skip
+    return SensitivityIndices(
+        one.name,
+        one.unit,
+        method,
+        tuple(found.varied),
+        indices,
+        float(np.mean(y)),
+        float(np.std(y)) if varies else 0.0,
+        y.size,
+        [*more, *constant],
+    )
 
 
-def _left_out(found: SweepTable, one: Column, usable: NDArray[np.bool_]) -> list[str]:
+def _describe_left_out(found: SweepTable, one: SweepColumn, usable: NDArray[np.bool_]) -> list[str]:
     """Sentences on runs without a number."""
     never = int(np.sum(found.good & ~usable))
     counts = (
@@ -124,11 +136,13 @@ def _left_out(found: SweepTable, one: Column, usable: NDArray[np.bool_]) -> list
 # ---------------------------------------------------------------- blocks
 
 
-def _blocks(found: SweepTable, one: Column, usable: NDArray[np.bool_]) -> Sensitivity:
+def _analyse_blocks(
+    found: SweepTable, one: SweepColumn, usable: NDArray[np.bool_]
+) -> SensitivityIndices:
     """From the blocks of a design `saltelli`; one without a number is left out as a whole."""
-    size = block_size(len(found.varied))
+    size = count_block_runs(len(found.varied))
     whole = usable.reshape(-1, size).all(axis=1)
-    remarks = _left_out(found, one, usable)
+    remarks = _describe_left_out(found, one, usable)
     if not whole.all():
         count = int(np.sum(~whole))
         remarks.append(
@@ -141,14 +155,14 @@ def _blocks(found: SweepTable, one: Column, usable: NDArray[np.bool_]) -> Sensit
             "needed. Ask for more, such as `--sample saltelli:1024`."
         )
     y = one.values.reshape(-1, size)[whole].ravel()
-    indices = blocks(y, len(found.varied))
+    indices = estimate_block_indices(y, len(found.varied))
     widest = max(float(np.nanmax(i.wide, initial=0.0)) for i in indices.values())
     if widest > WIDE:
         remarks.append(f"Intervals reach ± {widest:.2g}: more base samples would narrow them.")
-    return _result(found, one, "saltelli", indices, y, remarks)
+    return _build_result(found, one, "saltelli", indices, y, remarks)
 
 
-def blocks(y: Numbers, width: int, seed: int = 0) -> dict[str, Index]:
+def estimate_block_indices(y: Numbers, width: int, seed: int = 0) -> dict[str, SensitivityIndex]:
     """First and total order from blocks of runs, with intervals of 95 %.
 
     Args:
@@ -159,17 +173,20 @@ def blocks(y: Numbers, width: int, seed: int = 0) -> dict[str, Index]:
     Raises:
         InputError: SALib is not installed.
     """
-    sobol = extra("SALib.analyze.sobol")
-    if not spread(y):
-        return {name: Index.unknown(width) for name in ("first", "total")}
+    sobol = import_extra("SALib.analyze.sobol")
+    if not is_spread(y):
+        return {name: SensitivityIndex.unknown(width) for name in ("first", "total")}
     problem = {"num_vars": width, "names": [f"x{k}" for k in range(width)]}
-    draws = int(np.clip(BOOTSTRAP * block_size(width) // y.size, 20, 200))
+    draws = int(np.clip(BOOTSTRAP * count_block_runs(width) // y.size, 20, 200))
     made = sobol.analyze(
-        problem, y, calc_second_order=False, num_resamples=draws,
+        problem,
+        y,
+        calc_second_order=False,
+        num_resamples=draws,
         seed=seed + 1,  # 0 would be none
-    )  # fmt: skip
+    )
     return {
-        name: Index(np.asarray(made[key], float), np.asarray(made[f"{key}_conf"], float))
+        name: SensitivityIndex(np.asarray(made[key], float), np.asarray(made[f"{key}_conf"], float))
         for name, key in (("first", "S1"), ("total", "ST"))
     }
 
@@ -177,21 +194,28 @@ def blocks(y: Numbers, width: int, seed: int = 0) -> dict[str, Index]:
 # ---------------------------------------------------------------- grid
 
 
-def _whole_grid(found: SweepTable, one: Column, shape: tuple[int, ...]) -> Sensitivity:
-    return _result(found, one, "grid", whole_grid(one.values.reshape(shape)), one.values, [])
+def _analyse_grid(
+    found: SweepTable, one: SweepColumn, shape: tuple[int, ...]
+) -> SensitivityIndices:
+    return _build_result(
+        found, one, "grid", estimate_grid_indices(one.values.reshape(shape)), one.values, []
+    )
 
 
-def whole_grid(y: Numbers) -> dict[str, Index]:
+def estimate_grid_indices(y: Numbers) -> dict[str, SensitivityIndex]:
     """First and total order of a grid whose levels are equally likely: sums of squares.
 
     Args:
         y: a measure on the grid, one dimension per axis.
     """
-    if not spread(y):
-        return {name: Index.unknown(y.ndim) for name in ("first", "total")}
+    if not is_spread(y):
+        return {name: SensitivityIndex.unknown(y.ndim) for name in ("first", "total")}
     every, variance = range(y.ndim), float(np.var(y))
     others = [tuple(j for j in every if j != k) for k in every]
     first = [float(np.var(np.mean(y, axis=axes))) / variance for axes in others]
     total = [1.0 - float(np.var(np.mean(y, axis=k))) / variance for k in every]
     none = np.full(y.ndim, np.nan)
-    return {"first": Index(np.array(first), none), "total": Index(np.array(total), none)}
+    return {
+        "first": SensitivityIndex(np.array(first), none),
+        "total": SensitivityIndex(np.array(total), none),
+    }

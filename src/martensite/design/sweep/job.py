@@ -16,13 +16,13 @@ from typing import Any
 from martensite.base.errors import InputError, MartensiteError, UnknownNameError
 from martensite.base.registry import import_modules
 from martensite.design.backends.base import Report, StoppedError
-from martensite.design.sampling.base import design
-from martensite.design.sweep.axes import axis
-from martensite.design.sweep.differing import differing
-from martensite.design.sweep.plan import CHUNK, Piece, Plan, Trace
-from martensite.design.sweep.salvage import kept
+from martensite.design.sampling.base import parse_sampling
+from martensite.design.sweep.axes import parse_axis
+from martensite.design.sweep.failed_runs import keep_runs
+from martensite.design.sweep.plan import CHUNK, SweepPiece, SweepPlan, SweepTrace
+from martensite.design.sweep.spec_differences import list_differences
 from martensite.design.sweep.store import Store
-from martensite.design.sweep.subject import course_of, targets_of, waveforms_of
+from martensite.design.sweep.subject import build_course, list_targets, list_waveforms
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.measures.base import parse_measure
 
@@ -31,7 +31,7 @@ MEASURES = ("stroke", "max(temperature)", "max(stress)", "energy")
 
 
 @dataclass(frozen=True)
-class Wanted:
+class SweepRequest:
     """What is asked of a sweep, in words."""
 
     over: tuple[str, ...]
@@ -53,52 +53,54 @@ class Wanted:
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
     @classmethod
-    def from_dict(cls, known: Mapping[str, Any]) -> Wanted:
+    def from_dict(cls, known: Mapping[str, Any]) -> SweepRequest:
         """From JSON."""
         lists = {"over": tuple(known["over"]), "measures": tuple(known["measures"])}
         traces = tuple((str(name), int(count)) for name, count in known["traces"])
         return cls(**{**known, **lists, "traces": traces})
 
     @classmethod
-    def of_spec(cls, spec: Mapping[str, Any]) -> Wanted:
+    def of_spec(cls, spec: Mapping[str, Any]) -> SweepRequest:
         """What the spec of a store says of it, among other things."""
         return cls.from_dict({name: spec[name] for name in cls.__dataclass_fields__})
 
 
-def plan_of(scenario: Scenario, wanted: Wanted) -> Plan:
+def build_plan(scenario: Scenario, wanted: SweepRequest) -> SweepPlan:
     """The plan of a sweep of a scenario.
 
     Raises:
         InputError: an axis, a measure, an output or a design is wrong.
     """
-    targets = targets_of(scenario)
-    course = course_of(scenario, wanted.step, wanted.runtime, wanted.precision)
+    targets = list_targets(scenario)
+    course = build_course(scenario, wanted.step, wanted.runtime, wanted.precision)
     outputs = course.system.outputs()
     for name, _ in wanted.traces:
         if name not in outputs:
             raise UnknownNameError("output", name, outputs)
-    return Plan(
+    return SweepPlan(
         course,
-        tuple(axis(words, targets) for words in wanted.over),
-        design(wanted.sample, wanted.seed),
+        tuple(parse_axis(words, targets) for words in wanted.over),
+        parse_sampling(wanted.sample, wanted.seed),
         {words: parse_measure(words) for words in wanted.measures},
-        tuple(Trace(*one) for one in wanted.traces),
+        tuple(SweepTrace(*one) for one in wanted.traces),
         wanted.chunk,
     )
 
 
-def prepared(scenario: Scenario, wanted: Wanted) -> tuple[Plan, Wanted]:
+def prepare_plan(scenario: Scenario, wanted: SweepRequest) -> tuple[SweepPlan, SweepRequest]:
     """The plan with its runtime chosen, and what was asked for with its step and its runtime in it.
 
     Raises:
         InputError: something that was asked for is wrong; measures are tried on an empty run.
     """
-    plan = plan_of(scenario, wanted)
+    plan = build_plan(scenario, wanted)
     plan.lost(range(1))
     return plan, replace(wanted, step=plan.course.step, runtime=plan.course.runtime)
 
 
-def spec_of(scenario: Scenario, wanted: Wanted, modules: Sequence[str] = ()) -> dict[str, Any]:
+def build_spec(
+    scenario: Scenario, wanted: SweepRequest, modules: Sequence[str] = ()
+) -> dict[str, Any]:
     """All that is needed to make any chunk anywhere.
 
     `numbers` stands for those of the system and its signals: so that a file that the scenario
@@ -106,20 +108,24 @@ def spec_of(scenario: Scenario, wanted: Wanted, modules: Sequence[str] = ()) -> 
     """
     folder = scenario.path.parent.resolve() if scenario.path else Path.cwd()
     return {
-        "scenario": scenario.text, "title": scenario.title, "folder": str(folder),
-        "modules": [_anywhere(name) for name in modules], "version": version("martensite"),
-        "numbers": _numbers(scenario), **wanted.to_dict(),
-    }  # fmt: skip
+        "scenario": scenario.text,
+        "title": scenario.title,
+        "folder": str(folder),
+        "modules": [_resolve_module(name) for name in modules],
+        "version": version("martensite"),
+        "numbers": _digest_numbers(scenario),
+        **wanted.to_dict(),
+    }
 
 
-def _anywhere(module: str) -> str:
+def _resolve_module(module: str) -> str:
     """A module that is a file by its whole path."""
     return str(Path(module).resolve()) if module.endswith(".py") else module
 
 
-def _numbers(scenario: Scenario) -> str:
+def _digest_numbers(scenario: Scenario) -> str:
     """A digest of all numbers of a scenario, and of its signals at the samples."""
-    waves = waveforms_of(scenario)
+    waves = list_waveforms(scenario)
     last = min(scenario.samples, 10_001) - 1
     times = [scenario.duration * k / last for k in range(last + 1)]
     told = [(leaf.path, leaf.value) for leaf in scenario.whole.leaves()]
@@ -136,14 +142,14 @@ class SweepJob:
     """What was asked for, as JSON."""
 
     @property
-    def plan(self) -> Plan:
+    def plan(self) -> SweepPlan:
         """The plan, made once in every process."""
-        return _plan(self.spec)
+        return _restore_plan(self.spec)
 
     def __call__(self, chunk: int) -> Report:
         """Make a chunk and store it."""
         begin = time.process_time()
-        piece, remarks = kept(self, chunk, self.compute)
+        piece, remarks = keep_runs(self, chunk, self.compute)
         report = self.store(chunk, piece, remarks)
         return replace(report, seconds=time.process_time() - begin)
 
@@ -151,15 +157,15 @@ class SweepJob:
         """The runs of a chunk."""
         return self.plan.rows(chunk)
 
-    def compute(self, rows: range) -> Piece:
+    def compute(self, rows: range) -> SweepPiece:
         """Make some runs."""
         return self.plan.compute(rows)
 
-    def lost(self, rows: range) -> Piece:
+    def lost(self, rows: range) -> SweepPiece:
         """What stands for runs that cannot be made."""
         return self.plan.lost(rows)
 
-    def store(self, chunk: int, piece: Piece, remarks: tuple[str, ...] = ()) -> Report:
+    def store(self, chunk: int, piece: SweepPiece, remarks: tuple[str, ...] = ()) -> Report:
         """Store a chunk."""
         names = [one.target.name for one in self.plan.axes]
         Store(self.path).write(chunk, self.rows(chunk), piece, names)
@@ -167,14 +173,14 @@ class SweepJob:
 
 
 @lru_cache(maxsize=4)
-def _plan(spec: str) -> Plan:
+def _restore_plan(spec: str) -> SweepPlan:
     try:
-        return _remade(json.loads(spec))
+        return _rebuild_plan(json.loads(spec))
     except MartensiteError as error:  # some have arguments with which they cannot travel
         raise StoppedError(f"A process cannot make this sweep: {error}") from None
 
 
-def _remade(spec: Mapping[str, Any]) -> Plan:
+def _rebuild_plan(spec: Mapping[str, Any]) -> SweepPlan:
     """The plan of a specification.
 
     Raises:
@@ -182,8 +188,8 @@ def _remade(spec: Mapping[str, Any]) -> Plan:
     """
     import_modules(spec["modules"])
     scenario = read_scenario(spec["scenario"], Path(spec["folder"]) / "scenario.toml")
-    wanted = Wanted.of_spec(spec)
-    apart = differing(spec, spec_of(scenario, wanted))
+    wanted = SweepRequest.of_spec(spec)
+    apart = list_differences(spec, build_spec(scenario, wanted))
     if apart:
         raise InputError(f"It is another one here: {'; '.join(apart)}.")
-    return plan_of(scenario, wanted)
+    return build_plan(scenario, wanted)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import DataError, ParameterError
 from martensite.design.sweep.axes import Numbers
-from martensite.design.sweep.table import Column, SweepTable
+from martensite.design.sweep.table import SweepColumn, SweepTable
 
 BLOCK = 256
 FIRST = 64
@@ -26,7 +26,7 @@ Places = NDArray[np.int64]
 class ParetoFront:
     """Runs that no other beats."""
 
-    goals: tuple[Column, ...]
+    goals: tuple[SweepColumn, ...]
     most: tuple[bool, ...]
     """Whether a goal shall be large."""
     runs: Places
@@ -34,12 +34,12 @@ class ParetoFront:
     compared: int
     """Number of runs that were compared."""
 
-    def columns(self, found: SweepTable) -> dict[str, Column]:
+    def columns(self, found: SweepTable) -> dict[str, SweepColumn]:
         """Varied numbers and goals, by name."""
         return {**found.varied, **{one.name: one for one in self.goals}}
 
 
-def pareto_front(
+def find_pareto_front(
     found: SweepTable, minimise: Sequence[str] = (), maximise: Sequence[str] = ()
 ) -> ParetoFront:
     """The runs of a sweep that no other beats.
@@ -66,12 +66,12 @@ def pareto_front(
     rows = np.flatnonzero(found.good & np.isfinite(values).all(axis=1))
     if not len(rows):
         raise DataError("There is no run that has all goals.")
-    best = rows[unbeaten(values[rows])]
+    best = rows[find_unbeaten(values[rows])]
     order = np.lexsort(values[best].T[::-1])
     return ParetoFront(goals, most, best[order], len(rows))
 
 
-def unbeaten(values: Numbers) -> Places:
+def find_unbeaten(values: Numbers) -> Places:
     """Places of the rows that no other beats, rising.
 
     Args:
@@ -81,11 +81,11 @@ def unbeaten(values: Numbers) -> Places:
     if ranks.shape[1] == 1:
         return np.flatnonzero(ranks[:, 0] == 0)
     if ranks.shape[1] == 2:
-        return _two(ranks)
-    return _many(ranks)
+        return _find_of_two(ranks)
+    return _find_of_many(ranks)
 
 
-def _two(ranks: Places) -> Places:
+def _find_of_two(ranks: Places) -> Places:
     """With two goals: whoever has less of the second than all that have less of the first."""
     order = np.lexsort((ranks[:, 1], ranks[:, 0]))
     a, b = ranks[order].T
@@ -96,7 +96,7 @@ def _two(ranks: Places) -> Places:
     return np.sort(order[(b == b[start]) & (b < before)])
 
 
-def _many(ranks: Places) -> Places:
+def _find_of_many(ranks: Places) -> Places:
     """With more: a row can only be beaten by one of a smaller sum of ranks, so these come first."""
     order = np.argsort(ranks.sum(axis=1), kind="stable")
     ordered = np.ascontiguousarray(ranks[order].astype(np.int32))
@@ -104,12 +104,12 @@ def _many(ranks: Places) -> Places:
     for begin in range(0, len(ordered), BLOCK):
         rows = np.arange(begin, min(begin + BLOCK, len(ordered)))
         for some in (kept[:FIRST], kept[FIRST:], rows):
-            rows = rows[~_beaten(ordered[rows], ordered[some])]
+            rows = rows[~_mark_beaten(ordered[rows], ordered[some])]
         kept = np.concatenate((kept, rows))
     return np.sort(order[kept])
 
 
-def _beaten(rows: NDArray[np.int32], by: NDArray[np.int32]) -> NDArray[np.bool_]:
+def _mark_beaten(rows: NDArray[np.int32], by: NDArray[np.int32]) -> NDArray[np.bool_]:
     """Which rows are beaten by one of others."""
     if not (len(rows) and len(by)):
         return np.zeros(len(rows), bool)

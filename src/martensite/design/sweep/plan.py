@@ -17,7 +17,7 @@ from martensite.base.errors import MartensiteError, ParameterError
 from martensite.base.parameters import Parametrised, describe_structure
 from martensite.base.status import Status
 from martensite.design.sampling.base import AbstractDesign
-from martensite.design.sweep.axes import Axis
+from martensite.design.sweep.axes import SweepAxis
 from martensite.simulate.measures.base import AbstractMeasure, judge_runs, list_needed
 from martensite.simulate.measures.means import Integral, RootMeanSquare
 from martensite.simulate.variants import Numbers, Ran, VariantSetup
@@ -34,7 +34,7 @@ CHUNK = 512
 
 
 @dataclass(frozen=True)
-class Trace:
+class SweepTrace:
     """A column that is kept over time, at fewer samples."""
 
     output: str
@@ -42,7 +42,7 @@ class Trace:
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class SweepPiece:
     """What is kept of some runs."""
 
     values: Numbers
@@ -55,10 +55,10 @@ class Piece:
     """(runs,)"""
 
     @staticmethod
-    def joined(pieces: Sequence[Piece]) -> Piece:
+    def joined(pieces: Sequence[SweepPiece]) -> SweepPiece:
         """Some after others."""
         first = pieces[0]
-        return Piece(
+        return SweepPiece(
             np.concatenate([p.values for p in pieces]),
             {n: np.concatenate([p.scalars[n] for p in pieces]) for n in first.scalars},
             {n: np.concatenate([p.traces[n] for p in pieces]) for n in first.traces},
@@ -67,16 +67,16 @@ class Piece:
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class SweepPlan:
     """A sweep, ready to run."""
 
     course: VariantSetup
     """System, waveforms, length and step; which outputs it has is decided here."""
-    axes: tuple[Axis, ...]
+    axes: tuple[SweepAxis, ...]
     design: AbstractDesign
     measures: Mapping[str, AbstractMeasure]
     """By the words that name them."""
-    traces: tuple[Trace, ...] = ()
+    traces: tuple[SweepTrace, ...] = ()
     chunk: int = CHUNK
 
     def __post_init__(self) -> None:
@@ -101,7 +101,7 @@ class Plan:
             leaf = next(leaf for leaf in part.leaves() if leaf.path == one.target.path)
             for number in one.extremes():
                 leaf.declared.convert(leaf.owner, one.target.name, number)
-                if _size_of(part, one.target.path, number) != describe_structure(part):
+                if _count_bytes(part, one.target.path, number) != describe_structure(part):
                     raise ParameterError(
                         f"`{one.target.name}` decides how large the program is and cannot be "
                         "varied; run one sweep for each value."
@@ -147,11 +147,11 @@ class Plan:
         """Sample times of every run [s]."""
         return np.array(self._ready.times)
 
-    def trace_times(self, trace: Trace) -> Numbers:
+    def trace_times(self, trace: SweepTrace) -> Numbers:
         """Sample times of a trace [s]."""
         return self.times[self._places(trace)]
 
-    def compute(self, rows: range) -> Piece:
+    def compute(self, rows: range) -> SweepPiece:
         """Run some runs."""
         values = self.values(rows)
         system, signals = self.by_owner([np.ascontiguousarray(column) for column in values.T])
@@ -173,7 +173,7 @@ class Plan:
             table[one.target.path] = column
         return system, signals
 
-    def lost(self, rows: range) -> Piece:
+    def lost(self, rows: range) -> SweepPiece:
         """What is kept of runs that cannot be made."""
         lost = Ran.empty(self.outputs, len(rows), len(self.times), Status.LOST)
         return self._kept(self.values(rows), lost)
@@ -182,7 +182,7 @@ class Plan:
     def _ready(self) -> VariantSetup:
         return replace(self.course, outputs=self.outputs)
 
-    def _kept(self, values: Numbers, ran: Ran) -> Piece:
+    def _kept(self, values: Numbers, ran: Ran) -> SweepPiece:
         """Measures and traces; a run that failed has no measures."""
         bad = ran.status >= Status.UNSOLVED
         with np.errstate(all="ignore"):  # of failed runs
@@ -193,15 +193,15 @@ class Plan:
         scalars = {words: np.where(bad, np.nan, column) for words, column in found.items()}
         scalars |= {ENDED: ran.ended, ACCURACY: ran.accuracy}
         traces = {t.output: ran.columns[t.output][:, self._places(t)] for t in self.traces}
-        return Piece(values, scalars, traces, ran.status)
+        return SweepPiece(values, scalars, traces, ran.status)
 
-    def _places(self, trace: Trace) -> np.ndarray:
+    def _places(self, trace: SweepTrace) -> np.ndarray:
         """Samples that a trace keeps: both ends, and evenly between them."""
         last = len(self.times) - 1
         return np.unique(np.round(np.linspace(0, last, min(trace.samples, last + 1))).astype(int))
 
 
-def _size_of(part: Parametrised, path: str, number: float) -> tuple[Any, ...]:
+def _count_bytes(part: Parametrised, path: str, number: float) -> tuple[Any, ...]:
     """The structure with another number; that of the nominal one where a check refuses it."""
     try:
         return describe_structure(part.with_values({path: number}))

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.design.sweep.axes import Axis, axis
+from martensite.design.sweep.axes import SweepAxis, parse_axis
 from martensite.design.sweep.store import STATUS, Store
-from martensite.design.sweep.table import NOT_MADE, Column, SweepTable
+from martensite.design.sweep.table import NOT_MADE, SweepColumn, SweepTable
 from martensite.search.free_numbers import Target
 
 
@@ -28,13 +28,13 @@ def read_sweep(path: Path | str) -> SweepTable:
         InputError: Zarr is not installed.
     """
     store = Store(Path(path))
-    status = status_of(store)
-    axes = axes_of(store)
+    status = read_status(store)
+    axes = read_axes(store)
     gone = status == NOT_MADE
     names = [one.target.name for one in axes]
     logs = {one.target.name: one.log for one in axes}
     columns = {
-        name: _column(store, name, gone, logs.get(name, False))
+        name: _read_column(store, name, gone, logs.get(name, False))
         for name in (*names, *store.spec["measures"])
     }
     return SweepTable(
@@ -43,39 +43,39 @@ def read_sweep(path: Path | str) -> SweepTable:
         varied={name: columns[name] for name in names},
         measures={name: columns[name] for name in store.spec["measures"]},
         status=status,
-        levels=levels_of(store, axes),
+        levels=read_levels(store, axes),
     )
 
 
-def status_of(store: Store) -> NDArray[np.int8]:
+def read_status(store: Store) -> NDArray[np.int8]:
     """Status of every run; `NOT_MADE` where its chunk is not there."""
     status = np.asarray(store.group[STATUS][:], np.int8)
     places = np.arange(len(status)) // int(store.spec["chunk"])
     return np.where(np.isin(places, list(store.made())), status, np.int8(NOT_MADE))
 
 
-def axes_of(store: Store) -> list[Axis]:
+def read_axes(store: Store) -> list[SweepAxis]:
     """Axes in the order in which they were asked for; of a normal one only the kind is to be used.
 
     The scenario is not read again: it may need parts of the user's own.
     """
-    arrays = {name: array for name, array in store.group.arrays() if _role(array) == "varied"}
+    arrays = {name: array for name, array in store.group.arrays() if _read_role(array) == "varied"}
     targets = {str(n): Target(str(n), str(n), a.attrs["units"], 1.0) for n, a in arrays.items()}
-    return [axis(words, targets) for words in store.spec["over"]]
+    return [parse_axis(words, targets) for words in store.spec["over"]]
 
 
-def levels_of(store: Store, axes: list[Axis]) -> tuple[Any, ...] | None:
+def read_levels(store: Store, axes: list[SweepAxis]) -> tuple[Any, ...] | None:
     """Levels of every axis of a grid; None of other designs."""
     if store.spec["sample"].strip() != "grid":
         return None
     return tuple(one.levels() for one in axes)
 
 
-def _role(array: Any) -> str:
+def _read_role(array: Any) -> str:
     return str(array.attrs.get("role", ""))
 
 
-def _column(store: Store, name: str, gone: NDArray[np.bool_], log: bool) -> Column:
+def _read_column(store: Store, name: str, gone: NDArray[np.bool_], log: bool) -> SweepColumn:
     array = store.group[name]
     values = np.where(gone, np.nan, np.asarray(array[:], float))
-    return Column(name, str(array.attrs["units"]), values, log)
+    return SweepColumn(name, str(array.attrs["units"]), values, log)

@@ -46,9 +46,12 @@ Tell = Callable[[Progress], None]
 
 
 def run_chunks(
-    job: Job, wanted: Sequence[int], done: set[int], backend: AbstractBackend,
+    job: Job,
+    wanted: Sequence[int],
+    done: set[int],
+    backend: AbstractBackend,
     tell: Tell | None = None,
-) -> Progress:  # fmt: skip
+) -> Progress:
     """Make the chunks that are wanted and not done yet.
 
     Args:
@@ -81,7 +84,7 @@ def run_chunks(
     return progress
 
 
-def share_of(chunks: int, part: str | None) -> range:
+def parse_share(chunks: int, part: str | None) -> range:
     """The chunks of part i of N of a sweep, written `i/N` with i from 1 on; all without.
 
     Raises:

@@ -31,9 +31,9 @@ import numpy as np
 from martensite.base.errors import DataError, MartensiteError
 from martensite.base.status import Status
 from martensite.design.backends.base import StoppedError
-from martensite.design.sweep.differing import differing
-from martensite.design.sweep.extras import extra
-from martensite.design.sweep.plan import DETAILS, Piece, Plan
+from martensite.design.sweep.extra_packages import import_extra
+from martensite.design.sweep.plan import DETAILS, SweepPiece, SweepPlan
+from martensite.design.sweep.spec_differences import list_differences
 
 RUN, CHUNK, MADE, STATUS = "run", "chunk", "made", "status"
 TIME = "time of {}"
@@ -45,7 +45,7 @@ STRETCH = 1 << 20
 """Runs that are read at a time where all are looked at."""
 
 
-def create(path: Path, plan: Plan, spec: Mapping[str, Any]) -> Store:
+def create_store(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> Store:
     """Make a store, or open the one that is there if it holds the same sweep.
 
     The group appears whole or not at all, so that several processes may do this at a time.
@@ -57,15 +57,17 @@ def create(path: Path, plan: Plan, spec: Mapping[str, Any]) -> Store:
     if not path.exists():
         part = path.with_name(f".{path.name}.{os.urandom(4).hex()}.part")
         try:
-            _make(part, plan, spec)
+            _create_group(part, plan, spec)
             part.rename(path)
         except OSError as error:
             if not path.exists():  # nobody else was faster
-                raise _refusal(f"`{path}` could not be made: {_reason(error)}.", error) from None
+                raise _build_refusal(
+                    f"`{path}` could not be made: {_describe_reason(error)}.", error
+                ) from None
         finally:
             shutil.rmtree(part, ignore_errors=True)
     store = Store(path)
-    apart = differing(store.spec, spec)
+    apart = list_differences(store.spec, spec)
     if apart:
         raise DataError(
             f"`{path}` holds another sweep: {'; '.join(apart)}. Choose another --out, or replace "
@@ -74,30 +76,37 @@ def create(path: Path, plan: Plan, spec: Mapping[str, Any]) -> Store:
     return store
 
 
-def _reason(error: OSError) -> str:
+def _describe_reason(error: OSError) -> str:
     """Why something could not be written."""
     return "the disk is full" if error.errno in FULL else error.strerror or str(error)
 
 
-def _refusal(sentence: str, error: OSError) -> MartensiteError:
+def _build_refusal(sentence: str, error: OSError) -> MartensiteError:
     """Bad input, or a disk that is full."""
     return StoppedError(sentence) if error.errno in FULL else DataError(sentence)
 
 
-def _make(path: Path, plan: Plan, spec: Mapping[str, Any]) -> None:
+def _create_group(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> None:
     """An empty group for a plan."""
-    group = extra("zarr").create_group(str(path), attributes={SPEC: json.dumps(dict(spec))})
-    for name, (kind, dims, sizes, attributes) in _layout(plan).items():
+    group = import_extra("zarr").create_group(str(path), attributes={SPEC: json.dumps(dict(spec))})
+    for name, (kind, dims, sizes, attributes) in _lay_out_arrays(plan).items():
         shape, chunks = zip(*sizes, strict=True)
         group.create_array(
-            name, shape=shape, chunks=chunks, dtype=kind, dimension_names=dims,
-            fill_value=np.nan if kind == NUMBER else 0, attributes=attributes,
-        )  # fmt: skip
+            name,
+            shape=shape,
+            chunks=chunks,
+            dtype=kind,
+            dimension_names=dims,
+            fill_value=np.nan if kind == NUMBER else 0,
+            attributes=attributes,
+        )
     for trace in plan.traces:
         group[TIME.format(trace.output)][:] = plan.trace_times(trace)
 
 
-def _layout(plan: Plan) -> dict[str, tuple[str, tuple[str, ...], list[tuple[int, int]], Any]]:
+def _lay_out_arrays(
+    plan: SweepPlan,
+) -> dict[str, tuple[str, tuple[str, ...], list[tuple[int, int]], Any]]:
     """Every array: its numbers, dimensions, (length, length of a chunk) of each, attributes."""
     runs, system = (plan.size, plan.chunk), plan.course.system
     found: dict[str, Any] = {}
@@ -137,7 +146,7 @@ class Store:
             DataError: there is none.
         """
         try:
-            found = extra("zarr").open_group(str(self.path), mode="r+")
+            found = import_extra("zarr").open_group(str(self.path), mode="r+")
             json.loads(found.attrs[SPEC])
         except (OSError, KeyError, ValueError) as error:
             raise DataError(f"`{self.path}` holds no sweep ({error}).") from None
@@ -152,7 +161,7 @@ class Store:
         """Numbers of the chunks that are there."""
         return set(np.flatnonzero(self.group[MADE][:]).tolist())
 
-    def write(self, chunk: int, rows: range, piece: Piece, names: list[str]) -> None:
+    def write(self, chunk: int, rows: range, piece: SweepPiece, names: list[str]) -> None:
         """Put a chunk into its region.
 
         Raises:
@@ -166,7 +175,8 @@ class Store:
             self.group[MADE][chunk] = 1
         except OSError as error:
             raise StoppedError(
-                f"Chunk {chunk} of `{self.path}` could not be written: {_reason(error)}. What was "
+                f"Chunk {chunk} of `{self.path}` could not be written: {_describe_reason(error)}. "
+                "What was "
                 "written before is kept; mend this and give the same command again: it goes on "
                 "from there."
             ) from None

@@ -20,10 +20,12 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
 
 
-def course_of(
-    scenario: Scenario, step: float | None = None, runtime: str | None = None,
+def build_course(
+    scenario: Scenario,
+    step: float | None = None,
+    runtime: str | None = None,
     precision: str = "float64",
-) -> VariantSetup:  # fmt: skip
+) -> VariantSetup:
     """What all variants of a scenario have in common.
 
     Args:
@@ -54,12 +56,19 @@ def course_of(
             "take the runtime `c`."
         )
     return VariantSetup(
-        system, waveforms_of(scenario), scenario.duration, samples, found, (), chosen, precision,
+        system,
+        list_waveforms(scenario),
+        scenario.duration,
+        samples,
+        found,
+        (),
+        chosen,
+        precision,
         tolerance=scenario.tolerance,
-    )  # fmt: skip
+    )
 
 
-def waveforms_of(scenario: Scenario) -> dict[str, AbstractWaveform]:
+def list_waveforms(scenario: Scenario) -> dict[str, AbstractWaveform]:
     """All that drives a scenario, by name; references and noise of a bench among it."""
     played = dict(by_name(scenario.system, scenario.waveform))
     if scenario.bench is None:
@@ -70,14 +79,14 @@ def waveforms_of(scenario: Scenario) -> dict[str, AbstractWaveform]:
     return played | noise_waveforms(scenario.bench, scenario.duration, scenario.seed)
 
 
-def targets_of(scenario: Scenario) -> dict[str, Target]:
+def list_targets(scenario: Scenario) -> dict[str, Target]:
     """Every number of a scenario that can be varied, by its path in the scenario."""
-    references = _references(scenario.bench) if scenario.bench else {}
-    found = [*_of_system(scenario, references), *_of_waveforms(scenario)]
+    references = _list_references(scenario.bench) if scenario.bench else {}
+    found = [*_list_system_targets(scenario, references), *_list_waveform_targets(scenario)]
     return {target.name: target for target in found}
 
 
-def _of_system(scenario: Scenario, references: Mapping[str, str]) -> Iterator[Target]:
+def _list_system_targets(scenario: Scenario, references: Mapping[str, str]) -> Iterator[Target]:
     """Numbers of the system or bench; those of a reference belong to its waveform."""
     for leaf in scenario.whole.leaves():
         name, unit = scenario.places.path(leaf.path), scenario.places.unit(leaf)
@@ -89,7 +98,7 @@ def _of_system(scenario: Scenario, references: Mapping[str, str]) -> Iterator[Ta
         yield Target(name, path, unit, float(leaf.value), leaf.declared.doc, drive)
 
 
-def _references(bench: Bench) -> dict[str, str]:
+def _list_references(bench: Bench) -> dict[str, str]:
     """Beginning of a path in a bench -> the name under which its waveform is played."""
     from martensite.control.loop.names import list_references
 
@@ -100,7 +109,7 @@ def _references(bench: Bench) -> dict[str, str]:
     }
 
 
-def _of_waveforms(scenario: Scenario) -> Iterator[Target]:
+def _list_waveform_targets(scenario: Scenario) -> Iterator[Target]:
     """Numbers of the waveforms of a scenario."""
     signals = {drive.name: drive.unit for drive in scenario.system.drives()}
     played: Mapping[str, Any] = by_name(scenario.system, scenario.waveform)

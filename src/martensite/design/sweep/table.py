@@ -21,7 +21,7 @@ NOT_MADE = -1
 
 
 @dataclass(frozen=True, eq=False)
-class Column:
+class SweepColumn:
     """One number of every run."""
 
     name: str
@@ -71,9 +71,9 @@ class SweepTable:
     title: str
     sample: str
     """How the space was filled, such as by a grid."""
-    varied: Mapping[str, Column]
+    varied: Mapping[str, SweepColumn]
     """By path, in the order in which they were asked for."""
-    measures: Mapping[str, Column]
+    measures: Mapping[str, SweepColumn]
     """By their words."""
     status: NDArray[np.int8]
     """(runs,), of `martensite.Status`, or `NOT_MADE`."""
@@ -110,7 +110,7 @@ class SweepTable:
         """All varied numbers, (runs, axes)."""
         return np.stack([one.values for one in self.varied.values()], axis=1)
 
-    def column(self, name: str) -> Column:
+    def column(self, name: str) -> SweepColumn:
         """A measure or a varied number, by its name or a unique ending of it.
 
         Raises:
@@ -122,7 +122,7 @@ class SweepTable:
             raise UnknownNameError("measure or varied number", name, known)
         return known[name if name in known else endings[0]]
 
-    def chosen(self, names: list[str] | tuple[str, ...] | None = None) -> list[Column]:
+    def chosen(self, names: list[str] | tuple[str, ...] | None = None) -> list[SweepColumn]:
         """Measures by name; all without.
 
         Raises:
@@ -137,7 +137,7 @@ class SweepTable:
         return [self.measures[name] for name in names or self.measures]
 
 
-def short_names(names: Mapping[str, Column] | list[str]) -> dict[str, str]:
+def shorten_names(names: Mapping[str, SweepColumn] | list[str]) -> dict[str, str]:
     """The shortest ending of every path that no other path has as well."""
     found: dict[str, str] = {}
     for name in names:

@@ -40,9 +40,12 @@ class IdentifiedHysteresis(NamedTuple):
             others: `measured`, `reference` and `feedback` of the controller.
         """
         return InversePlay(
-            thresholds=self.operator.thresholds, weights=self.operator.weights, knots=self.knots,
-            outputs=self.outputs, **others,
-        )  # fmt: skip
+            thresholds=self.operator.thresholds,
+            weights=self.operator.weights,
+            knots=self.knots,
+            outputs=self.outputs,
+            **others,
+        )
 
     def simulate(self, signals: Numbers) -> Numbers:
         """Outputs of the hysteresis for signals from rest, both of shape (samples,)."""
@@ -84,11 +87,11 @@ def identify_hysteresis(
     operator = hysteresis.operator(own)
     places = np.array([value for _, value, _ in curve.describe_numbers(heights)][::2])
     levels = operator.simulate(record.inputs[:, 0])
-    values = rising_curve(places, levels, record.outputs[:, 0])
+    values = fit_rising_curve(places, levels, record.outputs[:, 0])
     return IdentifiedHysteresis(operator, tuple(places.tolist()), tuple(values.tolist()), found)
 
 
-def rising_curve(knots: Numbers, levels: Numbers, outputs: Numbers) -> Numbers:
+def fit_rising_curve(knots: Numbers, levels: Numbers, outputs: Numbers) -> Numbers:
     """Values at knots of the lines that come nearest to outputs and never turn back.
 
     Least squares with rises of one sign, that of the whole, and of a least size: a flat piece

@@ -27,7 +27,7 @@ import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem, advanced
 from martensite.base.errors import InputError, suggest_name
-from martensite.design.synthesis.operating_point import OperatingPoint
+from martensite.design.synthesis.operating_point import SteadyPoint
 from martensite.identify.chains.linear_system import LinearSystem
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
@@ -44,10 +44,13 @@ NOISE = 1e-9
 """Singular values below this share of the largest are rounding."""
 
 
-def linearised(
-    point: OperatingPoint, period: float | None = None, *, inputs: Sequence[str] | None = None,
+def linearise_plant(
+    point: SteadyPoint,
+    period: float | None = None,
+    *,
+    inputs: Sequence[str] | None = None,
     push: float = PUSH,
-) -> LinearSystem:  # fmt: skip
+) -> LinearSystem:
     """The linear system around an operating point, with the flat state of the plant.
 
     Args:
@@ -72,17 +75,23 @@ def linearised(
     signals = list(point.signals)
     signals[names.index(point.drive)] += way * push * max(abs(point.signal), 1e-3)
     size = len(point.state)
-    rows = np.array(_slopes(system, [*point.state.tolist(), *signals], size, interval))
+    rows = np.array(_differentiate_plant(system, [*point.state.tolist(), *signals], size, interval))
     columns = [size + names.index(name) for name in chosen]
     return LinearSystem(
-        rows[:size, :size], rows[:size, columns], rows[size:, :size], rows[size:, columns],
-        interval, np.array([point.signals[c - size] for c in columns]), point.state,
-        np.array(list(point.outputs.values())[: len(rows) - size]), tuple(chosen),
+        rows[:size, :size],
+        rows[:size, columns],
+        rows[size:, :size],
+        rows[size:, columns],
+        interval,
+        np.array([point.signals[c - size] for c in columns]),
+        point.state,
+        np.array(list(point.outputs.values())[: len(rows) - size]),
+        tuple(chosen),
         tuple(system.outputs()),
-    )  # fmt: skip
+    )
 
 
-def _slopes(
+def _differentiate_plant(
     system: AbstractSystem, at: list[float], size: int, interval: float
 ) -> list[list[Scalar]]:
     """Derivatives of the next state and of the outputs now, by state and signals."""
@@ -107,7 +116,7 @@ class Readings:
     """Share of their motion that these readings do not explain; 0 if they say all."""
 
 
-def in_readings(linear: LinearSystem, states: Sequence[str]) -> Readings:
+def realise_readings(linear: LinearSystem, states: Sequence[str]) -> Readings:
     """A linear system whose states are some of its outputs.
 
     Args:
@@ -117,9 +126,9 @@ def in_readings(linear: LinearSystem, states: Sequence[str]) -> Readings:
     Raises:
         InputError: there is no such output, or it jumps with the signal.
     """
-    places = [_output(linear, name) for name in states]
+    places = [_find_output(linear, name) for name in states]
     seen, direct = linear.c[places], linear.d[places]
-    reached = _reached(linear, seen)
+    reached = _compute_reached(linear, seen)
     sizes = np.maximum(np.abs(reached).max(axis=(0, 2)), 1e-300)
     if np.any(np.abs(direct) > NOISE * sizes[:, None]):
         name = states[int(np.argmax(np.abs(direct).max(axis=1) / sizes))]
@@ -130,14 +139,21 @@ def in_readings(linear: LinearSystem, states: Sequence[str]) -> Readings:
     left = float(np.linalg.norm(then - a @ now) / max(float(np.linalg.norm(then)), 1e-300))
     a, count = a * sizes[:, None] / sizes, len(places)
     inner = LinearSystem(
-        a, seen @ linear.b, np.eye(count), np.zeros((count, linear.b.shape[1])), linear.interval,
-        linear.inputs, linear.outputs[places], linear.outputs[places], linear.input_names,
+        a,
+        seen @ linear.b,
+        np.eye(count),
+        np.zeros((count, linear.b.shape[1])),
+        linear.interval,
+        linear.inputs,
+        linear.outputs[places],
+        linear.outputs[places],
+        linear.input_names,
         tuple(states),
-    )  # fmt: skip
+    )
     return Readings(inner, left)
 
 
-def _reached(linear: LinearSystem, seen: Numbers) -> Numbers:
+def _compute_reached(linear: LinearSystem, seen: Numbers) -> Numbers:
     """C_z Aᵏ B for all k, shape (samples, states, inputs)."""
     kept, found = linear.b, np.empty((REACHED, len(seen), linear.b.shape[1]))
     for k in range(REACHED):
@@ -146,13 +162,13 @@ def _reached(linear: LinearSystem, seen: Numbers) -> Numbers:
     return found
 
 
-def _output(linear: LinearSystem, name: str) -> int:
+def _find_output(linear: LinearSystem, name: str) -> int:
     if name not in linear.output_names:
         raise InputError(f"There is no output `{name}`. {suggest_name(name, linear.output_names)}")
     return linear.output_names.index(name)
 
 
-def mean_of(parts: Sequence[Readings]) -> Readings:
+def average_plants(parts: Sequence[Readings]) -> Readings:
     """The mean of linear systems with the same states, such as those of both branches."""
     each = [part.linear for part in parts]
 
@@ -161,7 +177,15 @@ def mean_of(parts: Sequence[Readings]) -> Readings:
 
     first = each[0]
     linear = LinearSystem(
-        mean("a"), mean("b"), first.c, first.d, first.interval, mean("inputs"), mean("state"),
-        mean("outputs"), first.input_names, first.output_names,
-    )  # fmt: skip
+        mean("a"),
+        mean("b"),
+        first.c,
+        first.d,
+        first.interval,
+        mean("inputs"),
+        mean("state"),
+        mean("outputs"),
+        first.input_names,
+        first.output_names,
+    )
     return Readings(linear, max(part.residual for part in parts))

@@ -32,7 +32,7 @@ from martensite.signals.sampling.sampled import Numbers
 
 
 @dataclass(frozen=True)
-class Sizes:
+class LqrSizes:
     """Deviations that weigh the same in the cost."""
 
     states: tuple[float, ...]
@@ -64,7 +64,7 @@ class Regulator:
 
     def closed(self) -> Numbers:
         """Matrix of the closed loop, states and integral."""
-        a, b, _ = augmented(self.linear, self.measured)
+        a, b, _ = augment_plant(self.linear, self.measured)
         return a - b @ np.array([[*self.gains, -self.Ki]])
 
     def poles(self) -> Numbers:
@@ -94,13 +94,21 @@ class Regulator:
         place = states.index(self.measured)
         at = tuple(float(value) for value in self.linear.state)
         return StateFeedback(
-            measured=called[place], reference=reference, states=called, gains=self.gains, at=at,
-            signal=float(self.linear.inputs[0]), level=at[place], prefilter=self.prefilter,
-            Ki=self.Ki, low=low, high=high,
-        )  # fmt: skip
+            measured=called[place],
+            reference=reference,
+            states=called,
+            gains=self.gains,
+            at=at,
+            signal=float(self.linear.inputs[0]),
+            level=at[place],
+            prefilter=self.prefilter,
+            Ki=self.Ki,
+            low=low,
+            high=high,
+        )
 
 
-def augmented(linear: LinearSystem, measured: str) -> tuple[Numbers, Numbers, Numbers]:
+def augment_plant(linear: LinearSystem, measured: str) -> tuple[Numbers, Numbers, Numbers]:
     """A and B with the integral of the error as the last state, and the row of what is measured."""
     if measured not in linear.output_names:
         raise ParameterError(
@@ -113,7 +121,7 @@ def augmented(linear: LinearSystem, measured: str) -> tuple[Numbers, Numbers, Nu
     return a, np.vstack([linear.b, step @ linear.b]), row
 
 
-def lqr(readings: Readings, measured: str, sizes: Sizes) -> Regulator:
+def design_regulator(readings: Readings, measured: str, sizes: LqrSizes) -> Regulator:
     """The regulator that minimises the cost of a linear plant with one input.
 
     Args:
@@ -134,15 +142,15 @@ def lqr(readings: Readings, measured: str, sizes: Sizes) -> Regulator:
     every = np.array([*sizes.states, sizes.integral, sizes.signal], dtype=float)
     if not np.all(every > 0.0):
         raise ParameterError(f"All sizes must be above 0, but they are {sizes}.")
-    a, b, row = augmented(linear, measured)
-    gains = riccati_gains(a, b, np.diag(every[:-1] ** -2.0), np.array([[every[-1] ** -2.0]]))[0]
+    a, b, row = augment_plant(linear, measured)
+    gains = solve_riccati(a, b, np.diag(every[:-1] ** -2.0), np.array([[every[-1] ** -2.0]]))[0]
     inside = np.linalg.solve(np.eye(len(linear.a)) - linear.a, linear.b)
     prefilter = (1.0 + float(gains[:-1] @ inside[:, 0])) / float((row @ inside)[0, 0])
     kept = tuple(float(gain) for gain in gains[:-1])
     return Regulator(readings, measured, kept, -float(gains[-1]), prefilter)
 
 
-def riccati_gains(a: Numbers, b: Numbers, q: Numbers, r: Numbers) -> Numbers:
+def solve_riccati(a: Numbers, b: Numbers, q: Numbers, r: Numbers) -> Numbers:
     """K of u = -K x that minimises Σ xᵀ Q x + uᵀ R u along x_k+1 = A x_k + B u_k.
 
     Raises:

@@ -29,7 +29,7 @@ STRETCH, DOUBLINGS = 128, 12
 
 
 @dataclass(frozen=True, eq=False)
-class OperatingPoint:
+class SteadyPoint:
     """A plant at rest."""
 
     system: AbstractSystem
@@ -45,13 +45,18 @@ class OperatingPoint:
     @property
     def signal(self) -> float:
         """Of the drive that is varied."""
-        return self.signals[_place(self.system, self.drive)]
+        return self.signals[_find_place(self.system, self.drive)]
 
 
-def operating_point(
-    system: AbstractSystem, signal: float, *, direction: Direction = "heating",
-    high: float | None = None, drive: str | None = None, others: Mapping[str, float] | None = None,
-) -> OperatingPoint:  # fmt: skip
+def find_operating_point(
+    system: AbstractSystem,
+    signal: float,
+    *,
+    direction: Direction = "heating",
+    high: float | None = None,
+    drive: str | None = None,
+    others: Mapping[str, float] | None = None,
+) -> SteadyPoint:
     """Where a system rests under a constant signal.
 
     Args:
@@ -66,17 +71,23 @@ def operating_point(
         InputError: a name does not fit, or `high` is missing.
         SolveError: the system does not come to rest.
     """
-    name, base = _begun(system, drive, others)
+    name, base = _begin_drive(system, drive, others)
     row = np.array([float(signal)])
-    lanes = _rested(system, base, name, row, _before(direction, high))
-    return _point(lanes, base, name, row, 0, direction)
+    lanes = _rest_lanes(system, base, name, row, _approach_point(direction, high))
+    return _build_point(lanes, base, name, row, 0, direction)
 
 
-def operating_point_at(
-    system: AbstractSystem, level: float, output: str, low: float, high: float, *,
-    direction: Direction = "heating", drive: str | None = None,
+def find_operating_level(
+    system: AbstractSystem,
+    level: float,
+    output: str,
+    low: float,
+    high: float,
+    *,
+    direction: Direction = "heating",
+    drive: str | None = None,
     others: Mapping[str, float] | None = None,
-) -> OperatingPoint:  # fmt: skip
+) -> SteadyPoint:
     """Where an output of a system rests at a level, on a branch between two signals.
 
     Args:
@@ -94,15 +105,15 @@ def operating_point_at(
         ParameterError: no signal between the two leads there.
         SolveError: the system does not come to rest.
     """
-    name, base = _begun(system, drive, others)
+    name, base = _begin_drive(system, drive, others)
     known = list(system.outputs())
     if output not in known:
         raise InputError(f"There is no output `{output}`. {suggest_name(output, known)}")
     place, ends = known.index(output), (low, high)
     for number in range(ROUNDS):
         row = np.linspace(*ends, SIGNALS)
-        lanes = _rested(system, base, name, row, _before(direction, high))
-        beyond = lanes.observe(_signals(system, base, name, row))[place] - level
+        lanes = _rest_lanes(system, base, name, row, _approach_point(direction, high))
+        beyond = lanes.observe(_set_signals(system, base, name, row))[place] - level
         turns = np.flatnonzero(beyond[:-1] * beyond[1:] <= 0.0)
         if not len(turns):
             reached = beyond + level
@@ -113,12 +124,12 @@ def operating_point_at(
         k = int(turns[0])
         if number == ROUNDS - 1:
             nearest = k if abs(beyond[k]) < abs(beyond[k + 1]) else k + 1
-            return _point(lanes, base, name, row, nearest, direction)
+            return _build_point(lanes, base, name, row, nearest, direction)
         ends = (float(row[k]), float(row[k + 1]))
     raise SolveError(f"No signal was found at which `{output}` rests at {level:.6g}.")
 
 
-def _before(direction: str, high: float | None) -> float | None:
+def _approach_point(direction: str, high: float | None) -> float | None:
     if direction not in DIRECTIONS:
         raise InputError(f"Direction is `{direction}`. {suggest_name(direction, DIRECTIONS)}")
     if direction == "heating":
@@ -128,7 +139,7 @@ def _before(direction: str, high: float | None) -> float | None:
     return high
 
 
-def _begun(
+def _begin_drive(
     system: AbstractSystem, drive: str | None, others: Mapping[str, float] | None
 ) -> tuple[str, Numbers]:
     """The drive that is varied, and the signals of all."""
@@ -142,30 +153,30 @@ def _begun(
     return chosen, np.array([float((others or {}).get(name, 0.0)) for name in names])
 
 
-def _place(system: AbstractSystem, drive: str) -> int:
+def _find_place(system: AbstractSystem, drive: str) -> int:
     return [one.name for one in system.drives()].index(drive)
 
 
-def _signals(system: AbstractSystem, base: Numbers, drive: str, row: Numbers) -> Numbers:
+def _set_signals(system: AbstractSystem, base: Numbers, drive: str, row: Numbers) -> Numbers:
     """Signals of all drives in all lanes, shape (drives, lanes)."""
     table = np.repeat(base[:, None], len(row), axis=1)
-    table[_place(system, drive)] = row
+    table[_find_place(system, drive)] = row
     return table
 
 
-def _rested(
+def _rest_lanes(
     system: AbstractSystem, base: Numbers, drive: str, row: Numbers, before: float | None
 ) -> Lanes:
     """Lanes at rest under the signals of a row."""
     lanes = Lanes(system, len(row))
     lanes.reset(base[:, None])
     if before is not None:
-        _settle(lanes, _signals(system, base, drive, np.full(len(row), before)))
-    _settle(lanes, _signals(system, base, drive, row))
+        _settle_lanes(lanes, _set_signals(system, base, drive, np.full(len(row), before)))
+    _settle_lanes(lanes, _set_signals(system, base, drive, row))
     return lanes
 
 
-def _settle(lanes: Lanes, signals: Numbers) -> None:
+def _settle_lanes(lanes: Lanes, signals: Numbers) -> None:
     """Hold signals until nothing that is judged changes."""
     system, names = lanes.system, lanes.names
     judged = system.convergence_scales()
@@ -185,16 +196,20 @@ def _settle(lanes: Lanes, signals: Numbers) -> None:
     )
 
 
-def _point(
+def _build_point(
     lanes: Lanes, base: Numbers, drive: str, row: Numbers, lane: int, direction: Direction
-) -> OperatingPoint:
+) -> SteadyPoint:
     """What one lane has come to."""
     failed = lanes.status[lane]
     if failed.failed:
         raise SolveError(f"The plant failed on its way to rest. {failed.sentence}")
-    signals = _signals(lanes.system, base, drive, row)
+    signals = _set_signals(lanes.system, base, drive, row)
     seen = cast("list[float]", lanes.observe(signals)[:, lane].tolist())
-    return OperatingPoint(
-        lanes.system, tuple(signals[:, lane].tolist()), drive, lanes.state[:, lane].copy(),
-        dict(zip(lanes.names, seen, strict=True)), direction,
-    )  # fmt: skip
+    return SteadyPoint(
+        lanes.system,
+        tuple(signals[:, lane].tolist()),
+        drive,
+        lanes.state[:, lane].copy(),
+        dict(zip(lanes.names, seen, strict=True)),
+        direction,
+    )

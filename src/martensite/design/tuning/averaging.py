@@ -57,9 +57,14 @@ class Averaging:
 
 
 def compare_averaging(
-    system: System, waveform: AbstractWaveform, duration: float, frequency: float, *,
-    shortest: float = 0.0, step: float | None = None,
-) -> Averaging:  # fmt: skip
+    system: System,
+    waveform: AbstractWaveform,
+    duration: float,
+    frequency: float,
+    *,
+    shortest: float = 0.0,
+    step: float | None = None,
+) -> Averaging:
     """Run a switched drive averaged and pulse by pulse, and compare the two.
 
     Args:
@@ -75,7 +80,7 @@ def compare_averaging(
         InputError: the drive is no switch, or an argument is out of range.
         SolveError: one of the runs failed.
     """
-    switched, drive = with_pulses(system, waveform)
+    switched, drive = switch_plant(system, waveform)
     if not (0.0 < frequency < math.inf and duration * frequency >= 1.0 - 1e-9):
         raise InputError(
             f"The carrier must make at least one period in {duration:.6g} s, "
@@ -90,17 +95,19 @@ def compare_averaging(
     for run in (average, pulsed.result):
         run.require()
     differences = {
-        name: _difference(pulsed.means[name], average.columns[name][1::2]) for name in COMPARED
+        name: _compare_runs(pulsed.means[name], average.columns[name][1::2]) for name in COMPARED
     }
     capacity = system.element.heat_capacity_total()
     estimate = max(
         power * (1.0 - duty) * period / capacity
         for power, duty in zip(pulsed.means["power"], pulsed.means["drive"], strict=True)
     )
-    return Averaging(frequency, differences, max(ripples(pulsed)), estimate, average, pulsed)
+    return Averaging(
+        frequency, differences, max(measure_ripples(pulsed)), estimate, average, pulsed
+    )
 
 
-def with_pulses(system: System, waveform: AbstractWaveform) -> tuple[System, AbstractDrive]:
+def switch_plant(system: System, waveform: AbstractWaveform) -> tuple[System, AbstractDrive]:
     """The system with a bare switch, and the drive that makes its duty.
 
     Raises:
@@ -125,7 +132,7 @@ def with_pulses(system: System, waveform: AbstractWaveform) -> tuple[System, Abs
     return system.with_parts(source=switch), drive
 
 
-def ripples(pulsed: LoopResult) -> list[float]:
+def measure_ripples(pulsed: LoopResult) -> list[float]:
     """Rise of temperature in each pulse above the straight line through its period [K]."""
     starts, ends = pulsed.result.columns["temperature"], pulsed.ends["temperature"]
     shares = pulsed.means["drive"]
@@ -135,7 +142,7 @@ def ripples(pulsed: LoopResult) -> list[float]:
     ]
 
 
-def _difference(pulsed: Sequence[float], average: Sequence[float]) -> Difference:
+def _compare_runs(pulsed: Sequence[float], average: Sequence[float]) -> Difference:
     apart = [p - a for p, a in zip(pulsed, average, strict=True)]
     mean_square = sum(d * d for d in apart) / len(apart)
     return Difference(max(map(abs, apart)), math.sqrt(mean_square))

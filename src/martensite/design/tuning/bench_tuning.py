@@ -17,11 +17,11 @@ import numpy as np
 from martensite.base.errors import SolveError
 from martensite.control.loop.bench import Bench
 from martensite.design.tuning.free_gains import build_free_gains
-from martensite.design.tuning.gain_search import Hunt, Search, Tell
-from martensite.design.tuning.goals import Cost, Course, Goal, Numbers
+from martensite.design.tuning.gain_search import GainHunt, Tell, TuningSearch
+from martensite.design.tuning.goals import Cost, Course, Numbers, TuningGoal
 from martensite.design.tuning.loop_runs import LoopRuns, Seen
-from martensite.design.tuning.measures import Measures, measures
-from martensite.design.tuning.perturbed import Plants
+from martensite.design.tuning.measures import Measures, measure_loop
+from martensite.design.tuning.plant_spread import Plants
 from martensite.search.free_numbers import FreeNumber
 from martensite.signals.base import AbstractWaveform
 
@@ -62,13 +62,20 @@ class TunedBench:
 
 
 def tune_bench(
-    bench: Bench, duration: float, free: Sequence[str] = ("Kp", "Ki", "Kd"), *,
-    goal: Goal | None = None, plants: Plants | None = None,
-    starts: Sequence[Mapping[str, float]] = (), drive: str | None = None,
-    search: Search | None = None, noise_seed: int | None = 0,
-    waveforms: Mapping[str, AbstractWaveform] | None = None, watch: Tell | None = None,
+    bench: Bench,
+    duration: float,
+    free: Sequence[str] = ("Kp", "Ki", "Kd"),
+    *,
+    goal: TuningGoal | None = None,
+    plants: Plants | None = None,
+    starts: Sequence[Mapping[str, float]] = (),
+    drive: str | None = None,
+    search: TuningSearch | None = None,
+    noise_seed: int | None = 0,
+    waveforms: Mapping[str, AbstractWaveform] | None = None,
+    watch: Tell | None = None,
     native: bool | None = None,
-) -> TunedBench:  # fmt: skip
+) -> TunedBench:
     """Parameters of controllers of least cost.
 
     Args:
@@ -97,18 +104,27 @@ def tune_bench(
     freed = build_free_gains(bench, free, starts)
     before = {one.path: own[one.path] for one in freed}
     first = runs.run(runs.table({}, 1))
-    course = Course(_run_of(first, 0), bench.period) if _ran(first) else _course(runs, starts)
-    hunt = Hunt(runs, Cost(goal or Goal(), course), freed, plants, search or Search(), watch)
+    course = (
+        Course(_run_of(first, 0), bench.period) if _is_finite(first) else _find_scales(runs, starts)
+    )
+    hunt = GainHunt(
+        runs, Cost(goal or TuningGoal(), course), freed, plants, search or TuningSearch(), watch
+    )
     cost, best, ends = hunt.best([before, *[{**before, **start} for start in starts]])
     after = {path: float(value) for path, value in hunt.numbers(best).items()}
-    found = compared(runs, after, course)
+    found = compare_gains(runs, after, course)
     return replace(
-        found, cost_before=hunt.table(before), cost=cost, evaluations=hunt.evaluations,
-        gradients=hunt.gradients, ends=ends, notes=_list_bounds(freed, best / hunt.width),
-    )  # fmt: skip
+        found,
+        cost_before=hunt.table(before),
+        cost=cost,
+        evaluations=hunt.evaluations,
+        gradients=hunt.gradients,
+        ends=ends,
+        notes=_list_bounds(freed, best / hunt.width),
+    )
 
 
-def compared(
+def compare_gains(
     runs: LoopRuns, after: Mapping[str, float], course: Course | None = None
 ) -> TunedBench:
     """A loop on the nominal plant before and after a change of numbers by path.
@@ -123,15 +139,25 @@ def compared(
     both = runs.run(runs.table({p: [before[p], after[p]] for p in after}, 2))
     begun, ended = _run_of(both, 0), _run_of(both, 1)
     course = course or Course(begun, runs.bench.period)
-    costs = Cost(Goal(), course)(both)
+    costs = Cost(TuningGoal(), course)(both)
     return TunedBench(
-        runs.bench.with_values(after), before, dict(after), float(costs[0]), float(costs[1]),
-        measures(begun, course), measures(ended, course), begun, ended, runs.times,
-        evaluations=2, gradients=0, ends=(),
-    )  # fmt: skip
+        runs.bench.with_values(after),
+        before,
+        dict(after),
+        float(costs[0]),
+        float(costs[1]),
+        measure_loop(begun, course),
+        measure_loop(ended, course),
+        begun,
+        ended,
+        runs.times,
+        evaluations=2,
+        gradients=0,
+        ends=(),
+    )
 
 
-def _ran(seen: Seen) -> bool:
+def _is_finite(seen: Seen) -> bool:
     return bool(np.isfinite(seen.output[0]).all())
 
 
@@ -139,11 +165,11 @@ def _run_of(seen: Seen, k: int) -> Seen:
     return Seen(*(column[k] for column in seen))
 
 
-def _course(runs: LoopRuns, starts: Sequence[Mapping[str, float]]) -> Course:
+def _find_scales(runs: LoopRuns, starts: Sequence[Mapping[str, float]]) -> Course:
     """Scales from the first start that runs, where the bench itself does not."""
     for start in starts:
         found = runs.run(runs.table(start, 1))
-        if _ran(found):
+        if _is_finite(found):
             return Course(_run_of(found, 0), runs.bench.period)
     raise SolveError("The loop cannot be run with its own numbers, nor with those of any start.")
 

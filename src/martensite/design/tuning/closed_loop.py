@@ -144,9 +144,14 @@ class ControlledModel:
     """A model under PID control, ready to run for any gains."""
 
     def __init__(
-        self, chain: Chain, law: PidLaw | None = None, measured: int = -1, zeroed: bool = True,
-        reverse: bool = False, compiled: bool | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        chain: Chain,
+        law: PidLaw | None = None,
+        measured: int = -1,
+        zeroed: bool = True,
+        reverse: bool = False,
+        compiled: bool | None = None,
+    ) -> None:
         """Close the loop around a model.
 
         Args:
@@ -169,9 +174,12 @@ class ControlledModel:
         parts = zip(chain.blocks, chain.split(), strict=True)
         values = [float(v) for block, own in parts for v in (*own, *block.given())]
         block = ClosedLoop(
-            blocks=chain.blocks, values=tuple(values), tap=taps[measured], law=law,
+            blocks=chain.blocks,
+            values=tuple(values),
+            tap=taps[measured],
+            law=law,
             sign=-1.0 if reverse else 1.0,
-        )  # fmt: skip
+        )
         if zeroed:
             idle = np.full((1, 1), law.idle)
             block = block.with_given([*values, float(chain.simulate(idle)[0, measured])])
@@ -179,7 +187,7 @@ class ControlledModel:
 
     def run(self, gains: Gains, reference: Numbers) -> Trajectory:
         """A run from rest, for gains of one sign or 0."""
-        found = self.engine.simulate(logs(gains), _column(reference))
+        found = self.engine.simulate(compute_logarithms(gains), _build_column(reference))
         return Trajectory(reference, found[:, 0], found[:, 1], self.chain.interval)
 
     def slopes(self, gains: Gains, reference: Numbers) -> tuple[Numbers, Numbers]:
@@ -188,13 +196,13 @@ class ControlledModel:
         They are those between the switchings of the controller: where another gain makes the
         integral stop or go on a sample earlier, the run itself jumps a little.
         """
-        return self.engine.jacobian(logs(gains), _column(reference))
+        return self.engine.jacobian(compute_logarithms(gains), _build_column(reference))
 
 
-def logs(gains: Gains) -> Numbers:
+def compute_logarithms(gains: Gains) -> Numbers:
     """Logarithms of the sizes of gains."""
     return np.log(np.maximum(np.abs(np.array(gains, dtype=float)), LEAST))
 
 
-def _column(reference: Numbers) -> Numbers:
+def _build_column(reference: Numbers) -> Numbers:
     return cast("Numbers", np.asarray(reference, dtype=float))[:, None]

@@ -25,7 +25,7 @@ import numpy as np
 from martensite.base.errors import SolveError
 from martensite.design.tuning.goals import Cost, Numbers
 from martensite.design.tuning.loop_runs import LoopRuns, Seen
-from martensite.design.tuning.perturbed import Plants
+from martensite.design.tuning.plant_spread import Plants
 from martensite.search.free_numbers import FreeNumber
 
 Tell = Callable[[str, float], None]
@@ -38,7 +38,7 @@ CLOUD, NARROW, SCATTER = 16, 0.15, 1.0
 
 
 @dataclass(frozen=True)
-class Search:
+class TuningSearch:
     """How parameters are searched."""
 
     scattered: int = 16
@@ -55,13 +55,18 @@ class Search:
     seed: int = 0
 
 
-class Hunt:
+class GainHunt:
     """The search of one tuning: it counts its runs."""
 
     def __init__(
-        self, runs: LoopRuns, cost: Cost, free: Sequence[FreeNumber], plants: Plants | None,
-        search: Search, watch: Tell | None,
-    ) -> None:  # fmt: skip
+        self,
+        runs: LoopRuns,
+        cost: Cost,
+        free: Sequence[FreeNumber],
+        plants: Plants | None,
+        search: TuningSearch,
+        watch: Tell | None,
+    ) -> None:
         self.runs, self.cost, self.free = runs, cost, free
         self.search, self.watch = search, watch
         self.drawn: Mapping[str, Any] = plants.values if plants else {}
@@ -181,15 +186,23 @@ class Hunt:
 
         if self.runs.native:
             found = optimize.minimize(
-                self.gradient, begin, jac=True, method="L-BFGS-B", bounds=bounds, callback=told,
+                self.gradient,
+                begin,
+                jac=True,
+                method="L-BFGS-B",
+                bounds=bounds,
+                callback=told,
                 options={"maxiter": self.search.iterations, "ftol": 1e-6, "maxls": 12},
-            )  # fmt: skip
+            )
         else:
             found = optimize.minimize(
-                lambda z: float(self.values(z[None, :])[0]), begin, method="Nelder-Mead",
-                bounds=bounds, callback=told,
+                lambda z: float(self.values(z[None, :])[0]),
+                begin,
+                method="Nelder-Mead",
+                bounds=bounds,
+                callback=told,
                 options={"maxiter": self.search.iterations, "xatol": 1e-2, "fatol": 1e-6},
-            )  # fmt: skip
+            )
         end = np.asarray(found.x)
         return float(self.values(end[None, :])[0]), end
 

@@ -37,7 +37,7 @@ STEP, SMOOTH, ORDER = 0.05, 1e-3, 8.0
 
 
 @dataclass(frozen=True)
-class Goal:
+class TuningGoal:
     """How parts of the cost count beside the error."""
 
     error: str = "itae"
@@ -90,7 +90,7 @@ class Course:
         self.change = np.diff(reference, prepend=start)
         self.steps = np.abs(self.change) > STEP * self.span
         self.steps[0] = True
-        self.clock = _since(self.steps) * period
+        self.clock = _count_since(self.steps) * period
         self.way = self._way()
 
     def _way(self) -> Numbers:
@@ -106,7 +106,7 @@ class Course:
         return found
 
 
-def _since(marks: Any) -> Numbers:
+def _count_since(marks: Any) -> Numbers:
     """Samples since the last mark."""
     places = np.arange(len(marks))
     return (places - np.maximum.accumulate(np.where(marks, places, 0))).astype(float)
@@ -115,7 +115,7 @@ def _since(marks: Any) -> Numbers:
 class Cost:
     """A goal on a course: costs of runs, and their derivatives."""
 
-    def __init__(self, goal: Goal, course: Course) -> None:
+    def __init__(self, goal: TuningGoal, course: Course) -> None:
         self.goal, self.course = goal, course
 
     def __call__(self, seen: Seen) -> Numbers:
@@ -134,7 +134,7 @@ class Cost:
         goal, course = self.goal, self.course
         error, by_output = self._error(seen.output - seen.reference)
         beyond, more = self._overshoot(seen.output - seen.reference)
-        moved, by_signal = _size(np.diff(seen.signal) / course.signal)
+        moved, by_signal = _smooth_size(np.diff(seen.signal) / course.signal)
         count = max(moved.shape[-1], 1)
         energy = seen.power.mean(-1) / course.power
         activity = moved.sum(-1) / count
@@ -151,7 +151,7 @@ class Cost:
             return (e**2).mean(-1) / span**2, 2.0 * e / e.shape[-1] / span**2
         timed = clock if self.goal.error == "itae" else np.ones_like(clock)
         weights = timed / timed.sum()
-        size, slope = _size(e / span)
+        size, slope = _smooth_size(e / span)
         return size @ weights, slope * weights / span
 
     def _overshoot(self, e: Numbers) -> tuple[Any, Numbers]:
@@ -165,7 +165,7 @@ class Cost:
         return np.where(some, mean, 0.0)[..., 0], slope * way / span / count
 
 
-def _size(x: Numbers) -> tuple[Numbers, Numbers]:
+def _smooth_size(x: Numbers) -> tuple[Numbers, Numbers]:
     """|x| and its derivative, smooth around 0."""
     root = np.sqrt(x**2 + SMOOTH**2)
     return root - SMOOTH, x / root

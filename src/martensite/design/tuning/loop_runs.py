@@ -47,9 +47,15 @@ class LoopRuns:
     """A bench, ready to be run with any numbers."""
 
     def __init__(
-        self, bench: Bench, duration: float, *, drive: str | None = None, seed: int | None = 0,
-        waveforms: Mapping[str, AbstractWaveform] | None = None, native: bool | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        bench: Bench,
+        duration: float,
+        *,
+        drive: str | None = None,
+        seed: int | None = 0,
+        waveforms: Mapping[str, AbstractWaveform] | None = None,
+        native: bool | None = None,
+    ) -> None:
         """Prepare runs of one loop of a bench.
 
         Args:
@@ -63,13 +69,13 @@ class LoopRuns:
         Raises:
             ParameterError: there is no such controller.
         """
-        self.bench, self.drive = bench, loop_of(bench, drive)
+        self.bench, self.drive = bench, find_loop(bench, drive)
         played = {**(waveforms or {}), **reference_waveforms(bench)}
         played |= noise_waveforms(bench, duration, seed)
         samples = int(duration / bench.period + 1e-6) + 1
         self.grid = grid_of(bench, played, duration, samples, bench.period)
         self.times = np.array(self.grid.times)
-        self.output = judged_output(bench, self.drive)
+        self.output = find_judged_output(bench, self.drive)
         self._groups = self._wanted()
         self._names = list(dict.fromkeys(name for group in self._groups for name in group))
         self.runner = BatchRunner(bench, self.grid, self._names, native=native)
@@ -112,10 +118,12 @@ class LoopRuns:
         reference = list_references(self.bench)[row]
         ports = list(plant.actuators())
         names: list[Any] = [
-            (self.output,), (reference,), (reference.replace(REFERENCE, WANTED),),
+            (self.output,),
+            (reference,),
+            (reference.replace(REFERENCE, WANTED),),
             tuple(plant.label(port, "power") for port in ports),
             tuple(plant.label(port, "hottest") for port in ports),
-        ]  # fmt: skip
+        ]
         return Seen(*names)
 
     def _sorted(self, rows: Numbers, axis: int = -1) -> Seen:
@@ -127,7 +135,7 @@ class LoopRuns:
         return Seen(first[0], first[1], first[2], taken[3].sum(axis), hottest)
 
 
-def loop_of(bench: Bench, drive: str | None) -> str:
+def find_loop(bench: Bench, drive: str | None) -> str:
     """The drive whose controller is meant.
 
     Raises:
@@ -142,7 +150,7 @@ def loop_of(bench: Bench, drive: str | None) -> str:
     return drive
 
 
-def judged_output(bench: Bench, drive: str) -> str:
+def find_judged_output(bench: Bench, drive: str) -> str:
     """The output by which a loop is judged: the truth where there is one, else the reading."""
     name = bench.controllers.members()[drive].measured
     known = bench.plant.outputs()

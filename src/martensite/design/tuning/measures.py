@@ -48,41 +48,47 @@ class Measures:
 
 
 UNITS = {
-    "itae": "{} s^2", "iae": "{} s", "rms": "{}", "overshoot": "1", "settling": "s",
-    "energy": "J", "activity": "signal", "hottest": "K",
-}  # fmt: skip
+    "itae": "{} s^2",
+    "iae": "{} s",
+    "rms": "{}",
+    "overshoot": "1",
+    "settling": "s",
+    "energy": "J",
+    "activity": "signal",
+    "hottest": "K",
+}
 """Unit of every measure; {} is that of what is controlled."""
 
 
-def measures(seen: Seen, course: Course) -> Measures:
+def measure_loop(seen: Seen, course: Course) -> Measures:
     """Numbers of one run, arrays of shape (samples,)."""
     e = seen.reference - seen.output
     period, after = course.period, np.abs(e[1:])
     iae = float(after.sum() * period)
     return Measures(
-        itae=itae(seen, course),
+        itae=compute_itae(seen, course),
         iae=iae,
         rms=float(np.sqrt((e**2).mean())),
         overshoot=max(float((-e * course.way).max()), 0.0) / course.span + 0.0,
-        settling=_settling(e, course),
+        settling=_measure_settling(e, course),
         energy=float(seen.power[:-1].sum() * period),
         activity=float(np.abs(np.diff(seen.signal)).mean()),
         hottest=float(seen.hottest.max()),
     )
 
 
-def itae(seen: Seen, course: Course) -> Any:
+def compute_itae(seen: Seen, course: Course) -> Any:
     """∫ t |e| dt of runs, shape (..., samples) -> (...,); NaN where a run failed."""
     found = np.abs(seen.reference - seen.output) @ course.clock * course.period
     return float(found) if np.ndim(found) == 0 else found
 
 
-def _settling(e: Numbers, course: Course) -> float:
+def _measure_settling(e: Numbers, course: Course) -> float:
     """Longest settling of all steps after which the reference stands [s]."""
     starts = np.flatnonzero(course.steps & (course.way != 0.0))
     found = 0.0
     for first in starts:
-        gone = np.flatnonzero((course.way[first:] == 0.0) | _again(course, int(first)))
+        gone = np.flatnonzero((course.way[first:] == 0.0) | _find_next_step(course, int(first)))
         last = int(first) + (int(gone[0]) if len(gone) else len(e) - int(first))
         outside = np.abs(e[first:last]) > BAND * abs(course.change[first])
         late = int(np.flatnonzero(outside)[-1]) + 1 if outside.any() else 0
@@ -90,7 +96,7 @@ def _settling(e: Numbers, course: Course) -> float:
     return found
 
 
-def _again(course: Course, first: int) -> Any:
+def _find_next_step(course: Course, first: int) -> Any:
     """Where the next step is, from a step on."""
     later = course.steps[first:].copy()
     later[0] = False

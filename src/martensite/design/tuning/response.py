@@ -39,7 +39,7 @@ class StepResponse(NamedTuple):
     """Steady error, in the unit of the output."""
 
 
-def steps(levels: Sequence[tuple[float, float]], interval: float) -> Numbers:
+def build_steps(levels: Sequence[tuple[float, float]], interval: float) -> Numbers:
     """A reference that stands at levels, each for some time.
 
     Args:
@@ -55,7 +55,7 @@ def steps(levels: Sequence[tuple[float, float]], interval: float) -> Numbers:
     return np.repeat([level for level, _ in levels], counts).astype(float)
 
 
-def step_responses(reference: Numbers, output: Numbers, interval: float) -> list[StepResponse]:
+def measure_steps(reference: Numbers, output: Numbers, interval: float) -> list[StepResponse]:
     """How an output answers every step of a reference.
 
     Args:
@@ -66,26 +66,27 @@ def step_responses(reference: Numbers, output: Numbers, interval: float) -> list
     turns = np.flatnonzero(np.diff(reference)) + 1
     ends = [*turns[1:], len(reference)]
     return [
-        _answered(float(reference[a - 1]), float(reference[a]), output[a:b], interval)
+        _measure_step(float(reference[a - 1]), float(reference[a]), output[a:b], interval)
         for a, b in zip(turns, ends, strict=True)
     ]
 
 
-def _answered(before: float, after: float, output: Numbers, interval: float) -> StepResponse:
+def _measure_step(before: float, after: float, output: Numbers, interval: float) -> StepResponse:
     gone = (output - before) / (after - before)
     risen = np.flatnonzero(gone >= RISE)
     outside = np.flatnonzero(np.abs(gone - 1.0) > BAND)
     last = int(outside[-1]) + 1 if len(outside) else 0
     tail = output[len(output) - max(round(LAST * len(output)), 1) :]
     return StepResponse(
-        before, after,
+        before,
+        after,
         rise=float(risen[0]) * interval if len(risen) else math.inf,
         settling=last * interval if last < len(output) else math.inf,
         overshoot=max(float(gone.max()) - 1.0, 0.0),
         error=after - float(tail.mean()),
-    )  # fmt: skip
+    )
 
 
-def rms_error(reference: Numbers, output: Numbers, skip: int = 0) -> float:
+def compute_rms_error(reference: Numbers, output: Numbers, skip: int = 0) -> float:
     """Root mean square of reference less output after some samples."""
     return float(np.sqrt(np.mean((reference - output)[skip:] ** 2)))

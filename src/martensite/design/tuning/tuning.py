@@ -18,8 +18,8 @@ from scipy.optimize import minimize
 
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.pid import Gains
-from martensite.design.tuning.closed_loop import ControlledModel, Trajectory, logs
-from martensite.design.tuning.response import StepResponse, step_responses, steps
+from martensite.design.tuning.closed_loop import ControlledModel, Trajectory, compute_logarithms
+from martensite.design.tuning.response import StepResponse, build_steps, measure_steps
 from martensite.signals.sampling.sampled import Numbers
 
 STARTS = ((10.0, 0.01, 0.1), (50.0, 0.05, 100.0), (100.0, 0.2, 1000.0), (5.0, 0.001, 1000.0))
@@ -27,7 +27,7 @@ STARTS = ((10.0, 0.01, 0.1), (50.0, 0.05, 100.0), (100.0, 0.2, 1000.0), (5.0, 0.
 
 
 @dataclass(frozen=True)
-class Scale:
+class CostScale:
     """Units of the cost, in SI."""
 
     output: float = 1e-3
@@ -37,7 +37,7 @@ class Scale:
 
 
 @dataclass(frozen=True)
-class Weights:
+class CostWeights:
     """How parts of the cost count; error and its unit are 1."""
 
     overshoot: float = 1.0
@@ -47,20 +47,20 @@ class Weights:
 
 
 @dataclass(frozen=True)
-class Tuning:
+class ModelTuning:
     """How gains are searched."""
 
     levels: tuple[tuple[float, float], ...]
     """Reference: levels in the unit of the output, and times [s]."""
-    scale: Scale = field(default_factory=Scale)
-    weights: Weights = field(default_factory=Weights)
+    scale: CostScale = field(default_factory=CostScale)
+    weights: CostWeights = field(default_factory=CostWeights)
     starts: Sequence[tuple[float, float, float]] = STARTS
     evaluations: int = 600
     """Of all starts together."""
 
 
 @dataclass(frozen=True, eq=False)
-class Tuned:
+class TunedGains:
     """Gains that were found, and what the model does with them."""
 
     gains: Gains
@@ -71,7 +71,7 @@ class Tuned:
     costs: tuple[float, ...]
     """Where the searches ended, best first."""
     evaluations: int
-    scale: Scale
+    scale: CostScale
 
     def shown(self) -> Gains:
         """The gains in the units of the cost, such as percent per millimetre."""
@@ -90,7 +90,7 @@ class Tuned:
         return found
 
 
-def cost(run: Trajectory, gains: Gains, tuning: Tuning) -> float:
+def compute_cost(run: Trajectory, gains: Gains, tuning: ModelTuning) -> float:
     """What a run costs; infinite where it is not finite."""
     if not np.all(np.isfinite(run.output)):
         return np.inf
@@ -100,22 +100,22 @@ def cost(run: Trajectory, gains: Gains, tuning: Tuning) -> float:
     activity = float(np.mean(np.abs(np.diff(run.signal)))) / scale.signal
     return (
         error
-        + weights.overshoot * _excess(run) / scale.output
+        + weights.overshoot * _find_overshoot(run) / scale.output
         + weights.activity * activity
         + weights.proportional * unit * abs(gains.Kp)
         + weights.derivative * unit * abs(gains.Kd)
     )
 
 
-def _excess(run: Trajectory) -> float:
+def _find_overshoot(run: Trajectory) -> float:
     """Largest excess over the new level of any step."""
-    found = step_responses(run.reference, run.output, run.interval)
+    found = measure_steps(run.reference, run.output, run.interval)
     return max((step.overshoot * abs(step.after - step.before) for step in found), default=0.0)
 
 
-def tune(
-    model: ControlledModel, tuning: Tuning, watch: Callable[[str, float], None] | None = None
-) -> Tuned:
+def tune_model(
+    model: ControlledModel, tuning: ModelTuning, watch: Callable[[str, float], None] | None = None
+) -> TunedGains:
     """The gains of least cost on a model.
 
     Args:
@@ -126,44 +126,51 @@ def tune(
     Raises:
         ParameterError: there is no start, or none of them gives a run that is finite.
     """
-    reference = steps(tuning.levels, model.chain.interval)
+    reference = build_steps(tuning.levels, model.chain.interval)
     unit = tuning.scale.signal / tuning.scale.output
     count = 0
 
     def value(theta: Numbers) -> float:
         nonlocal count
         count += 1
-        gains = _gains(theta, model)
-        return cost(model.run(gains, reference), gains, tuning)
+        gains = _build_gains(theta, model)
+        return compute_cost(model.run(gains, reference), gains, tuning)
 
     ends: list[tuple[float, Numbers]] = []
     for k, start in enumerate(tuning.starts):
-        begin = logs(Gains(*(unit * gain for gain in start)))
-        ends.append(_searched(value, begin, max(tuning.evaluations // len(tuning.starts), 1)))
+        begin = compute_logarithms(Gains(*(unit * gain for gain in start)))
+        ends.append(_search_simplex(value, begin, max(tuning.evaluations // len(tuning.starts), 1)))
         if watch is not None:
             watch(f"start {k + 1} of {len(tuning.starts)}", (k + 1) / len(tuning.starts))
     ends.sort(key=lambda end: end[0])
     if not ends or not np.isfinite(ends[0][0]):
         raise ParameterError("No start of the tuning gives a run of the model that is finite.")
-    gains = _gains(ends[0][1], model)
+    gains = _build_gains(ends[0][1], model)
     run = model.run(gains, reference)
-    responses = tuple(step_responses(reference, run.output, run.interval))
-    return Tuned(gains, ends[0][0], run, responses, tuple(e[0] for e in ends), count, tuning.scale)
+    responses = tuple(measure_steps(reference, run.output, run.interval))
+    return TunedGains(
+        gains, ends[0][0], run, responses, tuple(e[0] for e in ends), count, tuning.scale
+    )
 
 
-def _gains(theta: Numbers, model: ControlledModel) -> Gains:
+def _build_gains(theta: Numbers, model: ControlledModel) -> Gains:
     return Gains(*(model.block.sign * float(gain) for gain in np.exp(np.clip(theta, -60, 60))))
 
 
-def _searched(
+def _search_simplex(
     value: Callable[[Numbers], float], begin: Numbers, evaluations: int
 ) -> tuple[float, Numbers]:
     simplex = np.vstack([begin, begin + np.eye(len(begin))])
     with np.errstate(all="ignore"):
         found = minimize(
-            value, begin, method="Nelder-Mead",
+            value,
+            begin,
+            method="Nelder-Mead",
             options={
-                "maxfev": evaluations, "initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-6,
+                "maxfev": evaluations,
+                "initial_simplex": simplex,
+                "xatol": 1e-3,
+                "fatol": 1e-6,
             },
-        )  # fmt: skip
+        )
     return float(found.fun), np.asarray(found.x)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from martensite.base import units
-from martensite.design.optimise.designed import Designed
+from martensite.design.optimise.optimised_design import OptimisedDesign
 from martensite.show.figures.panels import make_panels
 from martensite.show.figures.style import HEATING, INK, QUIET, styled
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT = 7.5, 3.2
 
 
-def plot_design(found: Designed, title: str = "") -> Figure:
+def plot_design(found: OptimisedDesign, title: str = "") -> Figure:
     """The best design over the runs of the search, and the first coordinate over time.
 
     Args:
@@ -33,7 +33,7 @@ def plot_design(found: Designed, title: str = "") -> Figure:
     return figure
 
 
-def _history(found: Designed, axes: Axes) -> None:
+def _history(found: OptimisedDesign, axes: Axes) -> None:
     """Goal of the best design so far; hollow while it does not keep all constraints."""
     goal = found.question.goal
     shown = units.choose_readable_unit(goal.unit)
@@ -47,7 +47,7 @@ def _history(found: Designed, axes: Axes) -> None:
     axes.legend(loc="best")
 
 
-def _motion(found: Designed, axes: Axes) -> None:
+def _motion(found: OptimisedDesign, axes: Axes) -> None:
     """The first coordinate of the scenario and of the design."""
     designs = found.designs
     name = next(iter(designs.system.mechanism.outputs()), "")

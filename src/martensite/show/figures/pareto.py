@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.design.sweep.pareto import ParetoFront
-from martensite.design.sweep.table import SweepTable, short_names
+from martensite.design.sweep.table import SweepTable, shorten_names
 from martensite.show.figures.style import FAINT, HEATING, INK, QUIET, new_figure, styled
 from martensite.show.figures.sweep_names import headline, label, layout
 
@@ -119,7 +119,7 @@ def _pair(
 def _designs(figure: Any, found: SweepTable, front: ParetoFront, named: list[int]) -> None:
     """A table of the designs that have a letter."""
     shown = front.columns(found)
-    short = short_names(list(found.varied))
+    short = shorten_names(list(found.varied))
     axes = figure.subplots()
     axes.set_axis_off()
     heads = ["run", *(label(one, short.get(name, name)) for name, one in shown.items())]

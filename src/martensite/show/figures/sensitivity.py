@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from martensite.design.sweep.indices import Sensitivity
-from martensite.design.sweep.table import short_names
+from martensite.design.sweep.indices import SensitivityIndices
+from martensite.design.sweep.table import shorten_names
 from martensite.show.figures.panels import make_panels
 from martensite.show.figures.style import COOLING, HEATING, INK, MEASURED, QUIET, styled
 from martensite.show.figures.sweep_names import layout
@@ -24,7 +24,7 @@ MOST = 10
 """Varied numbers in a panel, the most important."""
 
 
-def plot_sensitivity(found: Sequence[Sensitivity], title: str = "") -> Figure:
+def plot_sensitivity(found: Sequence[SensitivityIndices], title: str = "") -> Figure:
     """Draw what measures depend on, one panel for each, the most important number on top.
 
     Args:
@@ -50,10 +50,10 @@ def plot_sensitivity(found: Sequence[Sensitivity], title: str = "") -> Figure:
     return figure
 
 
-def _bars(axes: Axes, one: Sensitivity, kinds: list[str]) -> None:
+def _bars(axes: Axes, one: SensitivityIndices, kinds: list[str]) -> None:
     """Indices of one measure."""
     order = one.order[:MOST]
-    names = short_names(list(one.names))
+    names = shorten_names(list(one.names))
     places = np.arange(len(order))
     for k, kind in enumerate(kinds):
         index = one.indices.get(kind)
@@ -75,7 +75,7 @@ def _bars(axes: Axes, one: Sensitivity, kinds: list[str]) -> None:
     axes.set_title(title, fontweight="bold").set_parse_math(False)
 
 
-def _ends(one: Sensitivity) -> tuple[float, float]:
+def _ends(one: SensitivityIndices) -> tuple[float, float]:
     """Limits of the panel: 0 to 1, more where an interval of something drawn goes further."""
     drawn = [index for kind, index in one.indices.items() if kind in COLOURS]
     halves = [np.nan_to_num(index.wide) for index in drawn]

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.base.status import Status
-from martensite.design.sweep.given_data import spread
-from martensite.design.sweep.table import Column, SweepTable
+from martensite.design.sweep.given_data_indices import is_spread
+from martensite.design.sweep.table import SweepColumn, SweepTable
 from martensite.show.figures.style import FAINT, HEATING, QUIET, SIMULATED, new_figure, styled
 from martensite.show.figures.sweep_names import headline, label, layout, put_on, varied_labels
 from martensite.show.figures.sweep_scatter import draw_matrix, matrix_size
@@ -60,7 +60,7 @@ def _size(count: int) -> tuple[float, float]:
     return PANEL[0] * max(columns, 1.3), PANEL[1] * rows + 0.3
 
 
-def _panels(figure: Figure, found: SweepTable, chosen: list[Column]) -> None:
+def _panels(figure: Figure, found: SweepTable, chosen: list[SweepColumn]) -> None:
     panels = figure.subplots(*layout(len(chosen)), squeeze=False).ravel()
     draw = _over_one if len(found.varied) == 1 else _over_two
     for panel, one in zip(panels, chosen, strict=False):
@@ -69,7 +69,7 @@ def _panels(figure: Figure, found: SweepTable, chosen: list[Column]) -> None:
         panel.set_axis_off()
 
 
-def _over_one(axes: Axes, found: SweepTable, one: Column) -> None:
+def _over_one(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
     """A measure over the varied number; crosses on the axis where runs failed."""
     (varied,) = found.varied.values()
     x, y = varied.readable(), one.readable()
@@ -84,7 +84,7 @@ def _over_one(axes: Axes, found: SweepTable, one: Column) -> None:
         axes.set_yticks([])
 
 
-def _over_two(axes: Axes, found: SweepTable, one: Column) -> None:
+def _over_two(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
     """A map of a measure over both varied numbers; points for samples."""
     first, second = found.varied.values()
     usable = found.good & np.isfinite(one.values)
@@ -112,13 +112,13 @@ def _map(axes: Axes, levels: list[Any], values: Any) -> Any:
     drawn = axes.pcolormesh(
         *levels, np.ma.masked_invalid(values.T), shading="nearest", cmap=MAP, rasterized=True
     )
-    if min(values.shape) > 3 and np.isfinite(values).all() and spread(values):
+    if min(values.shape) > 3 and np.isfinite(values).all() and is_spread(values):
         lines = axes.contour(*levels, values.T, levels=6, colors="white", linewidths=0.6)
         axes.clabel(lines, fontsize=7.0, fmt="%.4g")
     return drawn
 
 
-def _marks(axes: Axes, x: Any, y: Any, found: SweepTable, one: Column) -> None:
+def _marks(axes: Axes, x: Any, y: Any, found: SweepTable, one: SweepColumn) -> None:
     """Runs that failed, and those in which what is measured never happened."""
     never = found.good & np.isinf(one.values)
     looks: tuple[tuple[Any, str, Any], ...] = (

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from martensite.base.formats import typeset_unit
-from martensite.design.sweep.table import Column, SweepTable, short_names
+from martensite.design.sweep.table import SweepColumn, SweepTable, shorten_names
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -16,18 +16,18 @@ NARROW = 30.0
 """Ratio of the ends of a logarithmic axis below which it has numbers between powers of ten."""
 
 
-def label(one: Column, short: str = "") -> str:
+def label(one: SweepColumn, short: str = "") -> str:
     """Name and unit of a column, for an axis."""
     return f"{short or one.name} [{typeset_unit(one.shown, '–')}]"
 
 
 def varied_labels(found: SweepTable) -> list[str]:
     """Labels of all varied numbers."""
-    names = short_names(found.varied)
+    names = shorten_names(found.varied)
     return [label(one, names[path]) for path, one in found.varied.items()]
 
 
-def put_on(axes: Axes, x: Column, y: Column | None = None) -> None:
+def put_on(axes: Axes, x: SweepColumn, y: SweepColumn | None = None) -> None:
     """Give the axes of a panel the scales of their columns, with plain numbers."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 

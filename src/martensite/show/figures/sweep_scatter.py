@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.status import Status
-from martensite.design.sweep.table import Column, SweepTable
+from martensite.design.sweep.table import SweepColumn, SweepTable
 from martensite.show.figures.style import HEATING
 from martensite.show.figures.sweep_names import label, put_on, varied_labels
 
@@ -29,7 +29,7 @@ def matrix_size(found: SweepTable) -> tuple[float, float]:
     return CELL * count + 1.4, CELL * count + 0.6
 
 
-def draw_matrix(figure: Figure, found: SweepTable, one: Column) -> None:
+def draw_matrix(figure: Figure, found: SweepTable, one: SweepColumn) -> None:
     """Draw the lower triangle of all pairs, and the measure over each number in the last row.
 
     Of more than six varied numbers, those are drawn whose ranks go most with the measure.
@@ -79,14 +79,14 @@ def _name(panel: Any, x: str, y: str, below: bool, left: bool) -> None:
         panel.tick_params(labelleft=False)
 
 
-def _leading(columns: list[Column], one: Column, usable: NDArray[np.bool_]) -> list[int]:
+def _leading(columns: list[SweepColumn], one: SweepColumn, usable: NDArray[np.bool_]) -> list[int]:
     """Places of the varied numbers that are drawn, in their order."""
     if len(columns) <= MOST_AXES:
         return list(range(len(columns)))
-    from martensite.design.sweep.given_data import ranks
+    from martensite.design.sweep.given_data_indices import rank_columns
 
-    y = ranks(one.values[usable])
-    strengths = [abs(np.corrcoef(ranks(c.values[usable]), y)[0, 1]) for c in columns]
+    y = rank_columns(one.values[usable])
+    strengths = [abs(np.corrcoef(rank_columns(c.values[usable]), y)[0, 1]) for c in columns]
     return sorted(np.argsort(strengths)[::-1][:MOST_AXES].tolist())
 
 

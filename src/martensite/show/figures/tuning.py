@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.base import units
 from martensite.design.tuning.bench_tuning import TunedBench
-from martensite.design.tuning.loop_runs import judged_output
+from martensite.design.tuning.loop_runs import find_judged_output
 from martensite.show.figures.panels import make_panels
 from martensite.show.figures.style import HEATING, INK, QUIET, styled
 
@@ -33,7 +33,7 @@ def plot_tuning(found: TunedBench, drive: str, title: str = "") -> Figure:
         title: above the figure.
     """
     bench = found.bench
-    output = bench.outputs()[judged_output(bench, drive)]
+    output = bench.outputs()[find_judged_output(bench, drive)]
     shown = units.choose_readable_unit(output.unit)
     factor, _ = units.find_conversion(shown, output.unit)
     label = {"1": "", "degC": " [K]"}.get(shown, f" [{shown}]")

@@ -8,7 +8,7 @@ from typing import Any
 
 from martensite.base.formats import write_percent
 from martensite.base.summary import DataTable, Sentence, Summary
-from martensite.design.sizing.catalogue_check import CheckRow, Spread, spread
+from martensite.design.sizing.catalogue_check import CheckRow, RatioSpread, summarise_ratios
 from martensite.physics.materials.base import DOUBTFUL, MaterialNumber
 from martensite.show.summaries.sizing import strip_unit, write_seconds
 
@@ -61,11 +61,11 @@ def _alloys(rows: Sequence[CheckRow]) -> list[str]:
     return list(dict.fromkeys(row.alloy for row in rows))
 
 
-def _spreads(rows: Sequence[CheckRow], alloy: str) -> dict[str, Spread | None]:
+def _spreads(rows: Sequence[CheckRow], alloy: str) -> dict[str, RatioSpread | None]:
     own = [row for row in rows if row.alloy == alloy]
     return {
-        "current": spread([row.current_ratio for row in own]),
-        "cooling": spread([row.cooling_ratio for row in own]),
+        "current": summarise_ratios([row.current_ratio for row in own]),
+        "cooling": summarise_ratios([row.cooling_ratio for row in own]),
     }
 
 

@@ -9,7 +9,11 @@ import numpy as np
 
 from martensite.base.formats import write_quantity
 from martensite.base.summary import Block, DataTable, Sentence, Summary
-from martensite.design.optimise.designed import Designed, Held, Reported
+from martensite.design.optimise.optimised_design import (
+    OptimisedDesign,
+    ReportedMeasure,
+    RoundedDesign,
+)
 
 NUMBERS = ("free", "scenario", "found", "from", "to", "")
 MEASURES = ("measure", "scenario", "found", "limit", "")
@@ -19,7 +23,7 @@ COARSE = 1e-2
 """Change by half the steps from which on it is told."""
 
 
-def summarise_design(found: Designed, title: str) -> Summary:
+def summarise_design(found: OptimisedDesign, title: str) -> Summary:
     """Everything about a design."""
     question, counts = found.question, found.counts
     sense = "most" if question.most else "least"
@@ -38,7 +42,7 @@ def summarise_design(found: Designed, title: str) -> Summary:
     return Summary(title, blocks, {"title": title} | found.to_dict(), lead)
 
 
-def _describe_doubts(found: Designed) -> Iterator[Block]:
+def _describe_doubts(found: OptimisedDesign) -> Iterator[Block]:
     if found.life:
         yield Sentence(found.life)
     if found.accuracy > COARSE:
@@ -51,7 +55,7 @@ def _describe_doubts(found: Designed) -> Iterator[Block]:
     yield from (Sentence(f"Caution: {note}", "caution") for note in found.notes)
 
 
-def _number_rows(found: Designed) -> list[tuple[str, ...]]:
+def _number_rows(found: OptimisedDesign) -> list[tuple[str, ...]]:
     """Rows of the free numbers."""
     rows: list[tuple[str, ...]] = []
     for one, value, z in zip(found.question.free, found.numbers, found.z, strict=True):
@@ -62,7 +66,7 @@ def _number_rows(found: Designed) -> list[tuple[str, ...]]:
     return rows
 
 
-def _measure_rows(found: Designed) -> list[tuple[str, ...]]:
+def _measure_rows(found: OptimisedDesign) -> list[tuple[str, ...]]:
     """Rows of the measures, those with limits and the goal first."""
     question = found.question
     places = {one.name: k for k, one in enumerate(question.free)}
@@ -78,12 +82,12 @@ def _measure_rows(found: Designed) -> list[tuple[str, ...]]:
     ]
 
 
-def _write_values(one: Reported, values: Sequence[float]) -> str:
+def _write_values(one: ReportedMeasure, values: Sequence[float]) -> str:
     """A measure in all cases."""
     return ", ".join(dict.fromkeys(_write_value(value, one) for value in values))
 
 
-def _write_value(value: float, one: Reported) -> str:
+def _write_value(value: float, one: ReportedMeasure) -> str:
     if math.isnan(value):
         return "failed"
     if math.isinf(value):
@@ -93,7 +97,7 @@ def _write_value(value: float, one: Reported) -> str:
     return write_quantity(float(f"{value:.9g}"), one.unit)
 
 
-def _write_limits(found: Designed, words: str) -> tuple[str, str]:
+def _write_limits(found: OptimisedDesign, words: str) -> tuple[str, str]:
     """Limits of a measure, and whether it is pressed against them."""
     question = found.question
     limits = [c for c in question.subject if c.aim.words == words]
@@ -105,7 +109,7 @@ def _write_limits(found: Designed, words: str) -> tuple[str, str]:
     return ", ".join(signs), ", ".join([*goal, *(missed or active)])
 
 
-def _describe_whole(found: Designed) -> Iterator[Block]:
+def _describe_whole(found: OptimisedDesign) -> Iterator[Block]:
     """The best designs with other whole numbers."""
     if not found.held or found.relaxed is None or found.relaxed_goal is None:
         return
@@ -122,7 +126,9 @@ def _describe_whole(found: Designed) -> Iterator[Block]:
     yield Sentence(f"If nothing had to be whole: {values}, {goal}.")
 
 
-def _whole_row(one: Held, others: Sequence[tuple[int, object]], unit: str) -> tuple[str, ...]:
+def _whole_row(
+    one: RoundedDesign, others: Sequence[tuple[int, object]], unit: str
+) -> tuple[str, ...]:
     numbers = [
         write_quantity(float(f"{one.numbers[k]:.5g}"), getattr(free, "unit", "1"))
         for k, free in others
@@ -131,7 +137,7 @@ def _whole_row(one: Held, others: Sequence[tuple[int, object]], unit: str) -> tu
     return (*map(str, one.whole), *numbers, write_quantity(float(f"{one.goal:.5g}"), unit), kept)
 
 
-def _describe_balance(found: Designed) -> Iterator[Block]:
+def _describe_balance(found: OptimisedDesign) -> Iterator[Block]:
     """What holds the design where it is."""
     if found.balance is None or not found.kept:
         return
@@ -145,7 +151,7 @@ def _describe_balance(found: Designed) -> Iterator[Block]:
         )
 
 
-def _describe_grid(found: Designed) -> Iterator[Block]:
+def _describe_grid(found: OptimisedDesign) -> Iterator[Block]:
     """The grid beside the search."""
     scan, question = found.scan, found.question
     if scan is None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from martensite.base.summary import Block, DataTable, Sentence, Summary
-from martensite.design.sweep.indices import Sensitivity
+from martensite.design.sweep.indices import SensitivityIndices
 from martensite.design.sweep.table import SweepTable
 
 HOW = {
@@ -17,7 +17,9 @@ HOW = {
 }
 
 
-def summarise_sensitivity(store: Path, table: SweepTable, found: Sequence[Sensitivity]) -> Summary:
+def summarise_sensitivity(
+    store: Path, table: SweepTable, found: Sequence[SensitivityIndices]
+) -> Summary:
     """Everything about what the measures of a sweep depend on."""
     data = {
         "store": str(store),
@@ -30,7 +32,7 @@ def summarise_sensitivity(store: Path, table: SweepTable, found: Sequence[Sensit
     return Summary("", [block for one in found for block in _describe(table, one)], data)
 
 
-def _describe(table: SweepTable, one: Sensitivity) -> Iterator[Block]:
+def _describe(table: SweepTable, one: SensitivityIndices) -> Iterator[Block]:
     column = table.measures[one.measure]
     yield Sentence(
         f"{one.measure}: {column.words(one.mean)} on average, standard deviation "
@@ -43,7 +45,7 @@ def _describe(table: SweepTable, one: Sensitivity) -> Iterator[Block]:
     yield from (Sentence(f"Caution: {remark}", "caution") for remark in one.remarks)
 
 
-def _collect(one: Sensitivity) -> dict[str, Any]:
+def _collect(one: SensitivityIndices) -> dict[str, Any]:
     return {
         "method": one.method,
         "used": one.used,

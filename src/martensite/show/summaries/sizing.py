@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from martensite.base.formats import write_percent
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.design.sizing.candidates import Candidate, Sizing
-from martensite.design.sizing.cycle import Cycle
+from martensite.design.sizing.cycle import PulseCycle
 from martensite.design.sizing.request import WireRequest
 from martensite.physics.materials.base import DOUBTFUL, MaterialNumber, load_material
 
@@ -149,7 +149,7 @@ def _tell_margins(request: WireRequest, found: Candidate) -> str:
     )
 
 
-def _tell_pulse(request: WireRequest, found: Candidate, cycle: Cycle) -> list[str]:
+def _tell_pulse(request: WireRequest, found: Candidate, cycle: PulseCycle) -> list[str]:
     drive, static = found.drive, found.statics
     if drive is None:
         return []

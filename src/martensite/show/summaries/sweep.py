@@ -8,17 +8,17 @@ from typing import Any
 from martensite.base.formats import write_quantity
 from martensite.base.status import Status
 from martensite.base.summary import DataTable, Sentence, Summary
-from martensite.design.sweep.plan import ACCURACY, Plan
+from martensite.design.sweep.plan import ACCURACY, SweepPlan
 from martensite.design.sweep.running import Progress
 from martensite.design.sweep.store import Store
-from martensite.design.sweep.summary import count_above, spread, statuses
+from martensite.design.sweep.summary import compute_spread, count_above, count_statuses
 
 NAMED = 5
 """Failed runs that are named."""
 SPREAD = ("lowest", "median", "highest")
 
 
-def summarise_sweep(plan: Plan, store: Store, progress: Progress) -> Summary:
+def summarise_sweep(plan: SweepPlan, store: Store, progress: Progress) -> Summary:
     """Everything about a sweep.
 
     Args:
@@ -28,7 +28,7 @@ def summarise_sweep(plan: Plan, store: Store, progress: Progress) -> Summary:
     """
     system = plan.course.system
     rows = [
-        (words, *(write_quantity(v, one.unit_in(system)) for v in spread(store, words)))
+        (words, *(write_quantity(v, one.unit_in(system)) for v in compute_spread(store, words)))
         for words, one in plan.measures.items()
     ]
     warned = (*_tell_failures(plan, store), *progress.remarks)
@@ -51,19 +51,19 @@ def _tell_effort(progress: Progress) -> Iterator[str]:
         yield f"{1e3 * progress.seconds / progress.made:.3g} ms of processor time per run"
 
 
-def _tell_steps(plan: Plan, store: Store) -> str:
+def _tell_steps(plan: SweepPlan, store: Store) -> str:
     """On what steps, or how accurate."""
     course = plan.course
     if course.step is not None:
         return f"in steps of at most {course.step:.3g} s on `{course.runtime}`"
-    worst = spread(store, ACCURACY)[2]
+    worst = compute_spread(store, ACCURACY)[2]
     return (
         f"to a tolerance of {course.tolerance:.1e} on `{course.runtime}`; accuracy {worst:.1e} "
         "of range, or better"
     )
 
 
-def _tell_failures(plan: Plan, store: Store) -> Iterator[str]:
+def _tell_failures(plan: SweepPlan, store: Store) -> Iterator[str]:
     """Sentences on runs that failed, or are coarse."""
     tolerance = plan.course.tolerance
     rough = count_above(store, ACCURACY, tolerance)
@@ -72,14 +72,14 @@ def _tell_failures(plan: Plan, store: Store) -> Iterator[str]:
             f"{rough:,} runs: the tolerance of {tolerance:.1e} was not reached; `accuracy` "
             "says how far each may be off."
         )
-    counts, rows = statuses(store, NAMED)
+    counts, rows = count_statuses(store, NAMED)
     for status, first in sorted(rows.items()):
         named = ", ".join(map(str, first)) + (" …" if counts[status] > len(first) else "")
         yield f"{counts[status]:,} runs: {Status(status).sentence} (run {named})"
 
 
-def _collect(plan: Plan, store: Store, progress: Progress) -> dict[str, Any]:
-    counts, _ = statuses(store, 0)
+def _collect(plan: SweepPlan, store: Store, progress: Progress) -> dict[str, Any]:
+    counts, _ = count_statuses(store, 0)
     course = plan.course
     return {
         "store": str(store.path),
@@ -89,11 +89,12 @@ def _collect(plan: Plan, store: Store, progress: Progress) -> dict[str, Any]:
         "chunks": [len(store.made()), plan.chunks],
         "step": course.step,
         "tolerance": None if course.step else course.tolerance,
-        "accuracy": None if course.step else spread(store, ACCURACY)[2],
+        "accuracy": None if course.step else compute_spread(store, ACCURACY)[2],
         "runtime": course.runtime,
         "status": {s.name.lower(): counts[s] for s in Status},
         "measures": {
-            words: dict(zip(SPREAD, spread(store, words), strict=True)) for words in plan.measures
+            words: dict(zip(SPREAD, compute_spread(store, words), strict=True))
+            for words in plan.measures
         },
         "cautions": plan.cautions(),
         "remarks": progress.remarks,

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Any
 from martensite.base.formats import choose_difference_unit, write_quantity
 from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.control.loop.names import list_readings
-from martensite.design.tuning.loop_runs import judged_output
+from martensite.design.tuning.loop_runs import find_judged_output
 from martensite.design.tuning.measures import UNITS
 from martensite.scenario.overrides import as_toml, change_document
 
 if TYPE_CHECKING:
     from martensite.design.rules.rule_starts import LoopTests
     from martensite.design.tuning.bench_tuning import TunedBench
-    from martensite.design.tuning.over_plants import Ratio
+    from martensite.design.tuning.plant_comparison import Ratio
     from martensite.scenario.scenario import Scenario
 
 HEAD = ("", "before", "after")
@@ -99,7 +99,7 @@ def _table_rows(found: Tuning) -> list[tuple[str, str, str]]:
 def _write_measure(name: str, value: float, found: Tuning) -> str:
     """A measure in a unit that people read."""
     bench = found.found.bench
-    unit = bench.outputs()[judged_output(bench, found.drive)].unit
+    unit = bench.outputs()[find_judged_output(bench, found.drive)].unit
     if math.isinf(value):
         return "never"
     if name == "hottest":

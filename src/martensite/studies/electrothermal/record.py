@@ -12,7 +12,7 @@ from functools import cache, cached_property
 from statistics import fmean
 
 from martensite.characterise.polynomial_regression import fit_powers
-from martensite.design.sizing.cycle import crossing
+from martensite.design.sizing.cycle import find_crossing
 from martensite.scenario import datasets
 from martensite.scenario.staircase import (
     SupplyOffset,
@@ -84,7 +84,7 @@ class RecordStaircase:
         level = 0.5 * (self.mean(*self.stated.cold) + self.mean(*self.stated.hot))
         current, found = self.table["current"], self.resistance
         last = self.within(*self.stated.cold)[-1]
-        below = crossing(current[last:], [-ohms for ohms in found[last:]], -level)
+        below = find_crossing(current[last:], [-ohms for ohms in found[last:]], -level)
         return math.nan if below is None else below
 
     def rise(self) -> float:

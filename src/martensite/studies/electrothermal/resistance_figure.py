@@ -38,7 +38,8 @@ def over_temperature(axes: Any, stated: Printed) -> None:
     )
     for shape, (label, colour, dashes) in LOOKS.items():
         fit = fitting.fit_shape(shape, stated.offset)
-        label += f", rms {fitting.residual_rms(fit):.3f} Ω, kept back {fitting.residual_rms(fit, 'held-out'):.3f} Ω"
+        rms, held = fitting.residual_rms(fit), fitting.residual_rms(fit, "held-out")
+        label += f", rms {rms:.3f} Ω, kept back {held:.3f} Ω"
         axes.plot(*fit_curve(fit), color=colour, linestyle=dashes, label=label, linewidth=1.5)
     _draw_points(axes, stated)
     label_axes(

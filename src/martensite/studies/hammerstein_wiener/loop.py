@@ -12,14 +12,14 @@ import numpy as np
 from martensite.control.controllers.pid import Gains, PidLaw
 from martensite.control.sensors.base import Numbers
 from martensite.design.tuning.closed_loop import Trajectory
-from martensite.design.tuning.response import steps
-from martensite.design.tuning.tuning import Tuning
+from martensite.design.tuning.response import build_steps
+from martensite.design.tuning.tuning import ModelTuning
 from martensite.kernels import floats
 from martensite.studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench, RunningBench
 
 LEVELS = ((0.0, 2.0), (3e-3, 13.0), (6e-3, 15.0))
 """Of the reference of steps: position [m] and time [s]."""
-TUNING = Tuning(LEVELS)
+TUNING = ModelTuning(LEVELS)
 """How gains are found on a model: with the same steps, errors in mm and duties in percent."""
 SINE = (4e-3, 1.5e-3, 25.0, 10.0)
 """Mean [m], amplitude [m], period [s] and time of the first zero [s] of the sine."""
@@ -29,7 +29,7 @@ SINE_TIME, SINE_SCORED = 70.0, 20.0
 
 def step_reference() -> Numbers:
     """The reference of steps [m]."""
-    return steps(LEVELS, INTERVAL)
+    return build_steps(LEVELS, INTERVAL)
 
 
 def sine_reference() -> Numbers:

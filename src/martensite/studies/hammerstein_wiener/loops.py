@@ -9,8 +9,8 @@ import numpy as np
 
 from martensite.control.controllers.pid import Gains
 from martensite.design.tuning.closed_loop import ControlledModel, Trajectory
-from martensite.design.tuning.response import StepResponse, step_responses
-from martensite.design.tuning.tuning import Tuned, tune
+from martensite.design.tuning.response import StepResponse, measure_steps
+from martensite.design.tuning.tuning import TunedGains, tune_model
 from martensite.identify.chains.chain import Chain
 from martensite.studies.hammerstein_wiener import loop, models
 from martensite.studies.hammerstein_wiener.bench import INTERVAL
@@ -24,7 +24,7 @@ LOOPS = ("stage 2, 12 wavelets", "stage 2, not anchored", "stage 2, hysteresis",
 class LoopPair:
     """A model and the bench under the same gains."""
 
-    tuned: Tuned
+    tuned: TunedGains
     model: Trajectory
     bench: Trajectory
 
@@ -35,7 +35,7 @@ class LoopPair:
 
     def responses(self) -> list[tuple[StepResponse, StepResponse]]:
         """Every step, by model and bench."""
-        rows = (step_responses(r.reference, r.output, INTERVAL) for r in (self.model, self.bench))
+        rows = (measure_steps(r.reference, r.output, INTERVAL) for r in (self.model, self.bench))
         return list(zip(*rows, strict=True))
 
 
@@ -79,9 +79,9 @@ def build_controlled(name: str) -> ControlledModel:
 
 
 @cache
-def find_gains(name: str) -> Tuned:
+def find_gains(name: str) -> TunedGains:
     """Gains found on a model alone."""
-    return tune(build_controlled(name), loop.TUNING)
+    return tune_model(build_controlled(name), loop.TUNING)
 
 
 @cache

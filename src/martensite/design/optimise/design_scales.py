@@ -14,8 +14,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.design.optimise.evaluate import Slopes
-from martensite.design.optimise.question import Question
+from martensite.design.optimise.evaluate import AimSlopes
+from martensite.design.optimise.question import DesignQuestion
 
 Numbers: TypeAlias = NDArray[np.float64]
 FAR = 10.0
@@ -26,7 +26,7 @@ KEPT = 1e-5
 """Violation, as a share of a limit, that counts as none."""
 
 
-class Judged(NamedTuple):
+class JudgedDesigns(NamedTuple):
     """Many designs as a search sees them."""
 
     goal: Numbers
@@ -50,7 +50,7 @@ class Judged(NamedTuple):
         return [int(k) for k in np.lexsort((self.goal, lost))]
 
 
-class Gradient(NamedTuple):
+class DesignGradient(NamedTuple):
     """One design as a search sees it, with derivatives by the places of the free numbers."""
 
     goal: float
@@ -62,10 +62,10 @@ class Gradient(NamedTuple):
 
 
 @dataclass
-class Scales:
+class DesignScales:
     """How a question is turned into goal and slacks."""
 
-    question: Question
+    question: DesignQuestion
     goal: float = 1.0
     """Size of the goal."""
 
@@ -80,23 +80,26 @@ class Scales:
         goals = goals[np.isfinite(goals) & (goals > 0.0)]
         self.goal = float(np.median(goals)) if len(goals) else 1.0
 
-    def convergence_scales(self, values: Numbers) -> Judged:
+    def convergence_scales(self, values: Numbers) -> JudgedDesigns:
         """Of values of designs, (designs, cases, aims)."""
         goal = self.sign * values[:, :, 0].mean(axis=1) / self.goal
-        slack = [c.sign * (values[:, :, k + 1] - c.limit) / c.scale
-                 for k, c in enumerate(self.question.subject)]  # fmt: skip
+        slack = [
+            c.sign * (values[:, :, k + 1] - c.limit) / c.scale
+            for k, c in enumerate(self.question.subject)
+        ]
         table = np.stack(slack, axis=2).reshape(len(values), -1) if slack else goal[:, None][:, :0]
         held = np.clip(np.nan_to_num(table, nan=-FAR, posinf=FAR, neginf=-FAR), -FAR, FAR)
         held[np.isnan(values).any(axis=(1, 2))] = -FAR
-        return Judged(np.where(np.isfinite(goal), goal, WORST), held)
+        return JudgedDesigns(np.where(np.isfinite(goal), goal, WORST), held)
 
-    def gradient(self, found: Slopes) -> Gradient:
+    def gradient(self, found: AimSlopes) -> DesignGradient:
         """Of one design."""
         one = self.convergence_scales(found.values[None])
         slope = self.sign * found.slopes[:, 0].mean(axis=0) / self.goal
-        rows = [c.sign * found.slopes[:, k + 1] / c.scale
-                for k, c in enumerate(self.question.subject)]  # fmt: skip
+        rows = [
+            c.sign * found.slopes[:, k + 1] / c.scale for k, c in enumerate(self.question.subject)
+        ]
         count = found.slopes.shape[2]
         table = np.stack(rows, axis=1).reshape(-1, count) if rows else np.zeros((0, count))
         table = np.where((np.abs(one.slack[0]) < FAR)[:, None], table, 0.0)
-        return Gradient(float(one.goal[0]), one.slack[0], slope, table)
+        return DesignGradient(float(one.goal[0]), one.slack[0], slope, table)

@@ -37,7 +37,7 @@ LINEAR = 0.7
 
 
 @dataclass(frozen=True, eq=False)
-class Index:
+class SensitivityIndex:
     """A number per axis that says how important it is."""
 
     values: Numbers
@@ -45,7 +45,7 @@ class Index:
     """Half of its interval of 95 %; NaN where none is known."""
 
     @classmethod
-    def unknown(cls, width: int) -> Index:
+    def unknown(cls, width: int) -> SensitivityIndex:
         """Where nothing varies."""
         return cls(np.full(width, np.nan), np.full(width, np.nan))
 
@@ -56,12 +56,14 @@ class Index:
         return number if math.isnan(wide) else f"{number} ± {wide:.3f}"
 
 
-def spread(values: Numbers) -> bool:
+def is_spread(values: Numbers) -> bool:
     """Whether numbers differ by more than rounding."""
     return bool(np.ptp(values) > SAME * np.max(np.abs(values), initial=0.0))
 
 
-def given_data(x: Numbers, y: Numbers, seed: int = 0) -> tuple[dict[str, Index], list[str]]:
+def estimate_indices(
+    x: Numbers, y: Numbers, seed: int = 0
+) -> tuple[dict[str, SensitivityIndex], list[str]]:
     """Indices of a measure, and sentences on them.
 
     Args:
@@ -71,15 +73,15 @@ def given_data(x: Numbers, y: Numbers, seed: int = 0) -> tuple[dict[str, Index],
     """
     width = x.shape[1]
     names = ("delta", "first", "rank slope", "slope")
-    if not spread(y):
-        return {name: Index.unknown(width) for name in names}, []
+    if not is_spread(y):
+        return {name: SensitivityIndex.unknown(width) for name in names}, []
     rng = np.random.default_rng(seed)
-    x, y = _shuffled(x, y, rng)
-    rank_slope, monotonic = slopes(ranks(x), ranks(y))
-    slope, linear = slopes(x, y)
+    x, y = _shuffle_runs(x, y, rng)
+    rank_slope, monotonic = fit_slopes(rank_columns(x), rank_columns(y))
+    slope, linear = fit_slopes(x, y)
     found = {
-        "delta": _by_axis(moved, x[:MOST_DELTA], y[:MOST_DELTA], rng),
-        "first": _by_axis(first_order, x[:MOST_FIRST], y[:MOST_FIRST], rng),
+        "delta": _estimate_axes(estimate_delta, x[:MOST_DELTA], y[:MOST_DELTA], rng),
+        "first": _estimate_axes(estimate_first_order, x[:MOST_FIRST], y[:MOST_FIRST], rng),
         "rank slope": rank_slope,
         "slope": slope,
     }
@@ -91,60 +93,60 @@ def given_data(x: Numbers, y: Numbers, seed: int = 0) -> tuple[dict[str, Index],
     ]
 
 
-def _shuffled(x: Numbers, y: Numbers, rng: np.random.Generator) -> tuple[Numbers, Numbers]:
+def _shuffle_runs(x: Numbers, y: Numbers, rng: np.random.Generator) -> tuple[Numbers, Numbers]:
     """In random order: what is equal falls into classes by chance, not by its place."""
     order = rng.permutation(len(y))
     return x[order], y[order]
 
 
-def _by_axis(
+def _estimate_axes(
     estimate: Callable[[Numbers, Numbers], float], x: Numbers, y: Numbers, rng: np.random.Generator
-) -> Index:
+) -> SensitivityIndex:
     """An index of every number, its bias reduced, with half of its interval."""
     found: list[tuple[float, float]] = []
     for one in x.T:
-        if not spread(one):
+        if not is_spread(one):
             found.append((math.nan, math.nan))
             continue
         draws = (rng.integers(len(y), size=len(y)) for _ in range(DRAWS))
         drawn = np.array([estimate(one[rows], y[rows]) for rows in draws])
         value = 2.0 * estimate(one, y) - float(np.mean(drawn))
         found.append((value, NORMAL_95 * float(np.std(drawn, ddof=1))))
-    return Index(*np.array(found).T)
+    return SensitivityIndex(*np.array(found).T)
 
 
-def first_order(x: Numbers, y: Numbers) -> float:
+def estimate_first_order(x: Numbers, y: Numbers) -> float:
     """Variance of the means of classes of x, over the variance."""
-    if not spread(y):
+    if not is_spread(y):
         return 0.0
-    means = ((float(np.mean(part)), len(part)) for part in _classes(x, y))
+    means = ((float(np.mean(part)), len(part)) for part in _split_classes(x, y))
     middle = float(np.mean(y))
     return sum(n * (mean - middle) ** 2 for mean, n in means) / (len(y) * float(np.var(y)))
 
 
-def moved(x: Numbers, y: Numbers) -> float:
+def estimate_delta(x: Numbers, y: Numbers) -> float:
     """Delta: half the area between the densities of y and of its classes, on average."""
-    if not spread(y):
+    if not is_spread(y):
         return 0.0
     seen = np.linspace(float(np.min(y)), float(np.max(y)), GRID)
-    whole = _density(y, seen)
+    whole = _estimate_density(y, seen)
 
     def area(part: Numbers) -> float:
-        if not spread(part):  # a peak without width, of which there may be one in the whole
+        if not is_spread(part):  # a peak without width, of which there may be one in the whole
             return 2.0 * float(np.mean(y != part[0]))
-        return float(np.trapezoid(np.abs(whole - _density(part, seen)), seen))
+        return float(np.trapezoid(np.abs(whole - _estimate_density(part, seen)), seen))
 
-    return sum(len(part) * area(part) for part in _classes(x, y)) / (2 * len(y))
+    return sum(len(part) * area(part) for part in _split_classes(x, y)) / (2 * len(y))
 
 
-def _density(y: Numbers, seen: Numbers) -> Numbers:
+def _estimate_density(y: Numbers, seen: Numbers) -> Numbers:
     """Density by Gaussian kernels, (GRID,)."""
     wide = float(np.std(y, ddof=1)) * (0.75 * len(y)) ** -0.2
     kernels = np.exp(-0.5 * ((seen - y[:, None]) / wide) ** 2)
     return np.mean(kernels, axis=0) / (wide * math.sqrt(2.0 * math.pi))
 
 
-def _classes(x: Numbers, y: Numbers) -> list[Numbers]:
+def _split_classes(x: Numbers, y: Numbers) -> list[Numbers]:
     """y in classes of x of equal size, as many as SALib makes of that many runs."""
     count = len(y)
     power = 2.0 / (7.0 + math.tanh((1500.0 - count) / 500.0))
@@ -155,15 +157,15 @@ def _classes(x: Numbers, y: Numbers) -> list[Numbers]:
 # ---------------------------------------------------------------- regression
 
 
-def ranks(values: Numbers) -> Numbers:
+def rank_columns(values: Numbers) -> Numbers:
     """Places in the order of size, of every column; equal ones share the mean of theirs."""
     if values.ndim > 1:
-        return np.stack([ranks(one) for one in values.T], axis=1)
+        return np.stack([rank_columns(one) for one in values.T], axis=1)
     _, places, counts = np.unique(values, return_inverse=True, return_counts=True)
     return (np.cumsum(counts) - 0.5 * (counts - 1))[places]
 
 
-def slopes(x: Numbers, y: Numbers) -> tuple[Index, float]:
+def fit_slopes(x: Numbers, y: Numbers) -> tuple[SensitivityIndex, float]:
     """Standardised coefficients of a linear regression, and the share of the variance explained.
 
     Args:
@@ -178,4 +180,4 @@ def slopes(x: Numbers, y: Numbers) -> tuple[Index, float]:
     share = 1.0 - float(rest @ rest) / len(b)
     free = max(len(b) - len(found) - 1, 1)
     errors = np.sqrt(np.diag(np.linalg.pinv(a.T @ a)) * float(rest @ rest) / free)
-    return Index(found, NORMAL_95 * errors), share
+    return SensitivityIndex(found, NORMAL_95 * errors), share

@@ -12,12 +12,15 @@ FREE = ("folder", "modules", "title")
 LONGEST = 60
 """Characters of a value that is shown."""
 WORDS = {
-    "over": "axes", "traces": "traces", "chunk": "runs in a chunk",
-    "version": "version of martensite", "numbers": "numbers in files that the scenario names",
-}  # fmt: skip
+    "over": "axes",
+    "traces": "traces",
+    "chunk": "runs in a chunk",
+    "version": "version of martensite",
+    "numbers": "numbers in files that the scenario names",
+}
 
 
-def differing(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
+def list_differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
     """Words for everything that is not the same in two specifications of a sweep.
 
     The scenario stands for its numbers: where its text differs, they are not named as well.
@@ -27,13 +30,13 @@ def differing(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
     apart = [name for name in names if known.get(name) != there.get(name)]
     if "scenario" in apart and "numbers" in apart:
         apart.remove("numbers")
-    return [_told(name, there.get(name), known.get(name)) for name in apart]
+    return [_describe_difference(name, there.get(name), known.get(name)) for name in apart]
 
 
-def _told(name: str, there: Any, here: Any) -> str:
+def _describe_difference(name: str, there: Any, here: Any) -> str:
     """One difference, with both values if they are short."""
     if name == "scenario":
-        there, here = _lines(str(there), str(here))
+        there, here = _find_changed_lines(str(there), str(here))
     label = WORDS.get(name, name)
     both = [one if isinstance(one, str) else json.dumps(one) for one in (there, here)]
     if name == "numbers" or max(map(len, both)) > LONGEST:
@@ -41,7 +44,7 @@ def _told(name: str, there: Any, here: Any) -> str:
     return f"{label} `{both[0]}` there, `{both[1]}` here"
 
 
-def _lines(there: str, here: str) -> tuple[str, str]:
+def _find_changed_lines(there: str, here: str) -> tuple[str, str]:
     """The first lines of two texts that are not the same."""
     pairs = zip_longest(there.splitlines(), here.splitlines(), fillvalue="")
     return next(((a.strip(), b.strip()) for a, b in pairs if a.strip() != b.strip()), ("", ""))

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError
-from martensite.design.optimise.evaluate import Counts, Designs
-from martensite.design.optimise.judged import Judged, Scales
+from martensite.design.optimise.design_scales import DesignScales, JudgedDesigns
+from martensite.design.optimise.evaluate import DesignEvaluator, RunCounts
 
 Numbers: TypeAlias = NDArray[np.float64]
 BATCH = 1024
@@ -26,12 +26,12 @@ MOST = 1_000_000
 
 
 @dataclass(frozen=True)
-class Scan:
+class DesignScan:
     """The designs of a grid."""
 
     z: Numbers
     """(designs, free)"""
-    convergence_scales: Judged
+    convergence_scales: JudgedDesigns
     shape: tuple[int, ...]
     best: int | None
     """The design that keeps all constraints and has the least goal; None if none keeps all."""
@@ -49,16 +49,20 @@ class Scan:
     def to_dict(self) -> dict[str, Any]:
         """For JSON."""
         return {
-            "simulations": len(self.z), "shape": list(self.shape),
-            "kept": int(self.convergence_scales.kept.sum()), "numbers": list(self.numbers),
+            "simulations": len(self.z),
+            "shape": list(self.shape),
+            "kept": int(self.convergence_scales.kept.sum()),
+            "numbers": list(self.numbers),
             "values": list(self.values),
-        }  # fmt: skip
+        }
 
 
-def scan(
-    designs: Designs, scales: Scales, points: int | Sequence[int],
+def scan_designs(
+    designs: DesignEvaluator,
+    scales: DesignScales,
+    points: int | Sequence[int],
     watch: Callable[[float], None] | None = None,
-) -> Scan:  # fmt: skip
+) -> DesignScan:
     """Judge all designs of a grid, even on the scale of each free number.
 
     Args:
@@ -72,7 +76,7 @@ def scan(
     """
     free = designs.question.free
     counts = [points] * len(free) if isinstance(points, int) else list(points)
-    axes = [_axis(designs, k, count) for k, count in enumerate(counts)]
+    axes = [_space_axis(designs, k, count) for k, count in enumerate(counts)]
     shape = tuple(len(axis) for axis in axes)
     if min(counts) < 2 or int(np.prod(shape)) > MOST:
         raise ParameterError(
@@ -80,20 +84,24 @@ def scan(
             f"{' x '.join(map(str, counts))}."
         )
     z = np.array(list(itertools.product(*axes)))
-    values = _values(designs, z, watch)
+    values = _evaluate_grid(designs, z, watch)
     judged = scales.convergence_scales(values)
     first = judged.order()[0]
-    return Scan(
-        z, judged, shape, first if judged.kept[first] else None,
-        tuple(designs.numbers(z[first]).tolist()), tuple(values[first].mean(axis=0).tolist()),
-    )  # fmt: skip
+    return DesignScan(
+        z,
+        judged,
+        shape,
+        first if judged.kept[first] else None,
+        tuple(designs.numbers(z[first]).tolist()),
+        tuple(values[first].mean(axis=0).tolist()),
+    )
 
 
-def _values(
-    designs: Designs, z: Numbers, watch: Callable[[float], None] | None
-) -> Numbers:  # fmt: skip
+def _evaluate_grid(
+    designs: DesignEvaluator, z: Numbers, watch: Callable[[float], None] | None
+) -> Numbers:
     """Values of all designs, which do not count as those of a search."""
-    counts, designs.counts = designs.counts, Counts()
+    counts, designs.counts = designs.counts, RunCounts()
     found: list[Numbers] = []
     try:
         for k in range(0, len(z), BATCH):
@@ -105,7 +113,7 @@ def _values(
     return np.concatenate(found)
 
 
-def _axis(designs: Designs, k: int, count: int) -> Numbers:
+def _space_axis(designs: DesignEvaluator, k: int, count: int) -> Numbers:
     """Places of the points along a free number."""
     one = designs.question.free[k]
     if not one.whole:

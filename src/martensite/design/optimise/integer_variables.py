@@ -15,7 +15,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.design.optimise.search import Hunt, Point
+from martensite.design.optimise.search import DesignHunt, DesignPoint
 
 Numbers: TypeAlias = NDArray[np.float64]
 Combination = tuple[int, ...]
@@ -26,14 +26,16 @@ ROUNDS = 3
 
 
 @dataclass(frozen=True)
-class Tried:
+class TriedCombination:
     """The best design with some whole numbers."""
 
     numbers: Combination
-    point: Point
+    point: DesignPoint
 
 
-def rounded(hunt: Hunt, relaxed: Point) -> tuple[Point, list[Tried], Point]:
+def round_design(
+    hunt: DesignHunt, relaxed: DesignPoint
+) -> tuple[DesignPoint, list[TriedCombination], DesignPoint]:
     """The best design whose whole numbers are whole, all that were tried, and the best relaxed one.
 
     A whole design that is better than the relaxed one shows that this was not the best: it is
@@ -46,19 +48,22 @@ def rounded(hunt: Hunt, relaxed: Point) -> tuple[Point, list[Tried], Point]:
     places = [k for k, one in enumerate(hunt.designs.question.free) if one.whole]
     if not places:
         return relaxed, [], relaxed
-    tried: dict[Combination, Tried] = {}
+    tried: dict[Combination, TriedCombination] = {}
     for _ in range(ROUNDS):
-        _walk(hunt, relaxed, places, tried)
-        best = _best(tried).point
+        _walk_neighbours(hunt, relaxed, places, tried)
+        best = _choose_best(tried).point
         if not best.before(relaxed):
             break
-        relaxed = _searched(hunt, best.z, np.zeros(hunt.size, np.bool_))
-    return _best(tried).point, sorted(tried.values(), key=lambda one: one.numbers), relaxed
+        relaxed = _search_from(hunt, best.z, np.zeros(hunt.size, np.bool_))
+    return _choose_best(tried).point, sorted(tried.values(), key=lambda one: one.numbers), relaxed
 
 
-def _walk(
-    hunt: Hunt, relaxed: Point, places: list[int], tried: dict[Combination, Tried]
-) -> None:  # fmt: skip
+def _walk_neighbours(
+    hunt: DesignHunt,
+    relaxed: DesignPoint,
+    places: list[int],
+    tried: dict[Combination, TriedCombination],
+) -> None:
     """Try what lies around the relaxed design, then neighbours of the best."""
     free, values = hunt.designs.question.free, hunt.designs.numbers(relaxed.z)
     sides = [
@@ -70,22 +75,24 @@ def _walk(
     while waiting and len(tried) < MOST:
         for numbers in waiting:
             hunt.tell(f"whole numbers: {', '.join(map(str, numbers))}", 0.85)
-            found = Tried(numbers, _held(hunt, begin, places, numbers))
+            found = TriedCombination(numbers, _search_held(hunt, begin, places, numbers))
             if numbers not in tried or found.point.before(tried[numbers].point):
                 tried[numbers] = found
-        best = _best(tried)
+        best = _choose_best(tried)
         begin = best.point.z
-        waiting = [n for n in _neighbours(hunt, places, best.numbers) if n not in tried]
+        waiting = [n for n in _list_neighbours(hunt, places, best.numbers) if n not in tried]
 
 
-def _best(tried: dict[Combination, Tried]) -> Tried:
+def _choose_best(tried: dict[Combination, TriedCombination]) -> TriedCombination:
     found = next(iter(tried.values()))
     for one in tried.values():
         found = one if one.point.before(found.point) else found
     return found
 
 
-def _neighbours(hunt: Hunt, places: list[int], numbers: Combination) -> list[Combination]:
+def _list_neighbours(
+    hunt: DesignHunt, places: list[int], numbers: Combination
+) -> list[Combination]:
     """One number one up or down, within bounds."""
     free = hunt.designs.question.free
     found: list[Combination] = []
@@ -96,17 +103,19 @@ def _neighbours(hunt: Hunt, places: list[int], numbers: Combination) -> list[Com
     return found
 
 
-def _held(hunt: Hunt, begin: Numbers, places: list[int], numbers: Combination) -> Point:
+def _search_held(
+    hunt: DesignHunt, begin: Numbers, places: list[int], numbers: Combination
+) -> DesignPoint:
     """The best design with these numbers."""
     free = hunt.designs.question.free
     fixed = np.zeros(hunt.size, np.bool_)
     fixed[places] = True
     z = begin.copy()
     z[places] = [free[k].share(float(n)) for k, n in zip(places, numbers, strict=True)]
-    return _searched(hunt, z, fixed)
+    return _search_from(hunt, z, fixed)
 
 
-def _searched(hunt: Hunt, z: Numbers, fixed: NDArray[np.bool_]) -> Point:
+def _search_from(hunt: DesignHunt, z: Numbers, fixed: NDArray[np.bool_]) -> DesignPoint:
     """The best design from a point, whatever was found before."""
     hunt.best = None
     hunt.judge(z[None])

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base import units
-from martensite.design.optimise.evaluate import Designs
-from martensite.design.optimise.judged import Gradient, Scales
+from martensite.design.optimise.design_scales import DesignGradient, DesignScales
+from martensite.design.optimise.evaluate import DesignEvaluator
 from martensite.search.free_numbers import BOX_TEMPERATURE
 
 ACTIVE = 2e-3
@@ -29,7 +29,7 @@ PER_CENT = 0.01
 
 
 @dataclass(frozen=True)
-class Pressing:
+class ActiveConstraint:
     """A constraint or a bound that a design is pressed against."""
 
     name: str
@@ -63,21 +63,23 @@ class Pressing:
             return f"`{label}` is met, but relaxing it gains nothing."
         way = "more" if self.more else "less"
         return (
-            f"`{label}` holds it: {_difference(self.step, self.unit)} {way} would gain "
-            f"{_difference(self.gain, goal_unit)} ({100.0 * self.share:.3g} %)."
+            f"`{label}` holds it: {_format_difference(self.step, self.unit)} {way} would gain "
+            f"{_format_difference(self.gain, goal_unit)} ({100.0 * self.share:.3g} %)."
         )
 
 
 @dataclass(frozen=True)
-class Balance:
+class OptimalityBalance:
     """All that a design is pressed against."""
 
-    pressing: tuple[Pressing, ...]
+    pressing: tuple[ActiveConstraint, ...]
     residue: float
     """What of the slope of the goal is not balanced, as a share of it."""
 
 
-def balance(designs: Designs, scales: Scales, z: NDArray[np.float64]) -> Balance | None:
+def find_multipliers(
+    designs: DesignEvaluator, scales: DesignScales, z: NDArray[np.float64]
+) -> OptimalityBalance | None:
     """What holds a design; None if it cannot be differentiated.
 
     Whole numbers are held by being whole and take no part.
@@ -94,21 +96,30 @@ def balance(designs: Designs, scales: Scales, z: NDArray[np.float64]) -> Balance
     for row, (k, side) in enumerate(met):
         normals[row, k] = 1.0 if side == "lower" else -1.0
     rows = np.concatenate([one.slack_slope[slack], normals])[:, moving]
-    weights, residue = _balanced(rows, one.goal_slope[moving])
+    weights, residue = _solve_multipliers(rows, one.goal_slope[moving])
     goal = abs(float(found.values[:, 0].mean())) or 1.0
-    pressing = _constraints(designs, scales, one, slack, weights, goal)
+    pressing = _list_active(designs, scales, one, slack, weights, goal)
     for (k, side), weight in zip(met, weights[len(slack) :], strict=True):
         limit = free[k].low if side == "lower" else free[k].high
         rate = weight * scales.goal / abs(free[k].slope(float(z[k])))
         step = PER_CENT * (BOX_TEMPERATURE if free[k].unit == "K" else abs(limit) or free[k].high)
-        pressing.append(Pressing(
-            free[k].name, f"{side} bound", limit, free[k].unit, rate, step, rate * step,
-            rate * step / goal, side == "upper",
-        ))  # fmt: skip
-    return Balance(tuple(pressing), residue)
+        pressing.append(
+            ActiveConstraint(
+                free[k].name,
+                f"{side} bound",
+                limit,
+                free[k].unit,
+                rate,
+                step,
+                rate * step,
+                rate * step / goal,
+                side == "upper",
+            )
+        )
+    return OptimalityBalance(tuple(pressing), residue)
 
 
-def _balanced(
+def _solve_multipliers(
     rows: NDArray[np.float64], slope: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], float]:
     """Non-negative weights of rows whose sum is the slope, and the share that is missing."""
@@ -121,13 +132,17 @@ def _balanced(
     return weights, float(missing) / size
 
 
-def _constraints(
-    designs: Designs, scales: Scales, one: Gradient, slack: NDArray[np.intp],
-    weights: NDArray[np.float64], goal: float,
-) -> list[Pressing]:  # fmt: skip
+def _list_active(
+    designs: DesignEvaluator,
+    scales: DesignScales,
+    one: DesignGradient,
+    slack: NDArray[np.intp],
+    weights: NDArray[np.float64],
+    goal: float,
+) -> list[ActiveConstraint]:
     """Active constraints, those of all cases together."""
     subject = designs.question.subject
-    found: list[Pressing] = []
+    found: list[ActiveConstraint] = []
     for i, constraint in enumerate(subject):
         rows = [k for k, row in enumerate(slack) if row % len(subject) == i]
         if not rows:
@@ -135,14 +150,24 @@ def _constraints(
         rate = float(sum(weights[k] for k in rows)) * scales.goal / constraint.scale
         step = PER_CENT * constraint.scale
         cases = tuple(int(slack[k]) // len(subject) for k in rows)
-        found.append(Pressing(
-            constraint.words, "constraint", constraint.limit, constraint.aim.unit, rate, step,
-            rate * step, rate * step / goal, constraint.most, cases,
-        ))  # fmt: skip
+        found.append(
+            ActiveConstraint(
+                constraint.words,
+                "constraint",
+                constraint.limit,
+                constraint.aim.unit,
+                rate,
+                step,
+                rate * step,
+                rate * step / goal,
+                constraint.most,
+                cases,
+            )
+        )
     return found
 
 
-def _difference(value: float, unit: str) -> str:
+def _format_difference(value: float, unit: str) -> str:
     """A difference in a unit that people read; of temperatures in kelvin."""
     shown = "K" if unit == "K" else units.choose_readable_unit(unit)
     factor = 1.0 if unit == "K" else units.find_conversion(shown, unit)[0]

@@ -6,16 +6,16 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
-from martensite.design.optimise.evaluate import Counts, Designs
-from martensite.design.optimise.pressing import Balance
-from martensite.design.optimise.question import Question
-from martensite.design.optimise.scan import Scan
-from martensite.design.optimise.search import Mark
+from martensite.design.optimise.active_constraints import OptimalityBalance
+from martensite.design.optimise.evaluate import DesignEvaluator, RunCounts
+from martensite.design.optimise.grid_scan import DesignScan
+from martensite.design.optimise.question import DesignQuestion
+from martensite.design.optimise.search import SearchMark
 from martensite.simulate.waveform_levels import WaveformLevels
 
 
 @dataclass(frozen=True)
-class Reported:
+class ReportedMeasure:
     """A measure of the design of the scenario and of the one that was found."""
 
     words: str
@@ -27,7 +27,7 @@ class Reported:
 
 
 @dataclass(frozen=True)
-class Held:
+class RoundedDesign:
     """The best design with some whole numbers."""
 
     whole: tuple[int, ...]
@@ -41,10 +41,10 @@ class Held:
 
 
 @dataclass(frozen=True, eq=False)
-class Designed:
+class OptimisedDesign:
     """A design: the best that was found, and why it is where it is."""
 
-    question: Question
+    question: DesignQuestion
     steering: WaveformLevels
     """System and waveforms with the numbers that were found."""
     z: tuple[float, ...]
@@ -55,20 +55,20 @@ class Designed:
     """Whether it keeps all constraints."""
     missed: tuple[str, ...]
     """Constraints that it does not keep."""
-    reported: tuple[Reported, ...]
+    reported: tuple[ReportedMeasure, ...]
     """The goal first, then what is constrained, then other measures."""
-    balance: Balance | None
+    balance: OptimalityBalance | None
     """What holds it; None if it cannot be differentiated."""
-    held: tuple[Held, ...]
+    held: tuple[RoundedDesign, ...]
     """The best designs with other whole numbers, that of the answer among them."""
     relaxed: tuple[float, ...] | None
     """What was found if whole numbers could be anything [SI]; None if there are none."""
     relaxed_goal: float | None
     """[SI]"""
-    counts: Counts
-    history: tuple[Mark, ...]
+    counts: RunCounts
+    history: tuple[SearchMark, ...]
     """How the best design became better."""
-    designs: Designs
+    designs: DesignEvaluator
     """What judged them, in the steps of the answer."""
     step: float
     """Longest step of its runs [s]."""
@@ -76,7 +76,7 @@ class Designed:
     """Largest change of what it is judged by on halving the step, as a share of limits and goal."""
     life: str = ""
     """What is claimed of its life."""
-    scan: Scan | None = None
+    scan: DesignScan | None = None
     """The grid that it was compared with."""
     notes: list[str] = field(default_factory=list[str])
 
@@ -88,12 +88,12 @@ class Designed:
     @property
     def goal(self) -> float:
         """Mean over the cases [SI]."""
-        return _mean(self.reported[0].after)
+        return _compute_mean(self.reported[0].after)
 
     @property
     def goal_before(self) -> float:
         """That of the scenario [SI]."""
-        return _mean(self.reported[0].before)
+        return _compute_mean(self.reported[0].before)
 
     def named(self) -> dict[str, float]:
         """What was found by name [SI]."""
@@ -106,31 +106,38 @@ class Designed:
         free = zip(question.free, self.numbers, self.z, strict=True)
         return {
             "goal": {
-                "measure": question.goal.words, "unit": question.goal.unit,
+                "measure": question.goal.words,
+                "unit": question.goal.unit,
                 "sense": "max" if question.most else "min",
-                "before": self.goal_before, "after": self.goal,
+                "before": self.goal_before,
+                "after": self.goal,
             },
             "kept": self.kept,
             "missed": list(self.missed),
             "free": {
                 one.name: {
-                    "before": one.start, "after": number, "low": one.low, "high": one.high,
-                    "unit": one.unit, "whole": one.whole, "at_bound": one.bound(z),
-                } for one, number, z in free
+                    "before": one.start,
+                    "after": number,
+                    "low": one.low,
+                    "high": one.high,
+                    "unit": one.unit,
+                    "whole": one.whole,
+                    "at_bound": one.bound(z),
+                }
+                for one, number, z in free
             },
             "subject": [one.words for one in question.subject],
             "cases": [dict(case) for case in question.cases],
             "measures": {
-                one.words: {
-                    "unit": one.unit, "before": list(one.before), "after": list(one.after)
-                } for one in self.reported
+                one.words: {"unit": one.unit, "before": list(one.before), "after": list(one.after)}
+                for one in self.reported
             },
             "pressing": [] if balance is None else [one.to_dict() for one in balance.pressing],
             "imbalance": None if balance is None else balance.residue,
             "whole_numbers": [vars(one) for one in self.held],
-            "relaxed": None if self.relaxed is None else {
-                "numbers": list(self.relaxed), "goal": self.relaxed_goal,
-            },
+            "relaxed": None
+            if self.relaxed is None
+            else {"numbers": list(self.relaxed), "goal": self.relaxed_goal},
             "runs": self.counts.to_dict(),
             "step": self.step,
             "accuracy": self.accuracy,
@@ -138,8 +145,8 @@ class Designed:
             "grid": None if self.scan is None else self.scan.to_dict(),
             "history": [mark._asdict() for mark in self.history],
             "notes": self.notes,
-        }  # fmt: skip
+        }
 
 
-def _mean(values: tuple[float, ...]) -> float:
+def _compute_mean(values: tuple[float, ...]) -> float:
     return math.fsum(values) / len(values)

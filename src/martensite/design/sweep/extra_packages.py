@@ -10,7 +10,7 @@ from martensite.base.errors import InputError
 _NAMES = {"SALib": "SALib", "zarr": "Zarr"}
 
 
-def extra(module: str) -> Any:
+def import_extra(module: str) -> Any:
     """A module of such a package.
 
     Raises:

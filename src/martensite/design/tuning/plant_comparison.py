@@ -10,8 +10,8 @@ import numpy as np
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.design.tuning.goals import Course, Numbers
 from martensite.design.tuning.loop_runs import LoopRuns, Seen
-from martensite.design.tuning.measures import itae
-from martensite.design.tuning.perturbed import Plants
+from martensite.design.tuning.measures import compute_itae
+from martensite.design.tuning.plant_spread import Plants
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class OverPlants:
         return Ratio(float(np.median(found)), float(found.max()), float((found < 1.0).mean()))
 
 
-def over_plants(
+def compare_over_plants(
     runs: LoopRuns, sets: Mapping[str, Mapping[str, float]], plants: Plants
 ) -> OverPlants:
     """Run every set of numbers, given by path, on every plant.
@@ -63,6 +63,6 @@ def over_plants(
     found: dict[str, Numbers] = {}
     for name, numbers in sets.items():
         seen = runs.run(runs.table({**plants.values, **numbers}, plants.count))
-        values = np.asarray(itae(seen, course))
+        values = np.asarray(compute_itae(seen, course))
         found[name] = np.where(np.isfinite(values), values, np.inf)
     return OverPlants(found)

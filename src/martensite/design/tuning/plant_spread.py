@@ -46,9 +46,12 @@ class Plants:
 
 
 def draw_plants(
-    bench: Bench, spreads: Mapping[str, float], count: int = 64, seed: int = 0,
+    bench: Bench,
+    spreads: Mapping[str, float],
+    count: int = 64,
+    seed: int = 0,
     method: str = "sobol",
-) -> Plants:  # fmt: skip
+) -> Plants:
     """Draw plants around that of a bench.
 
     Args:
@@ -69,15 +72,15 @@ def draw_plants(
             f"Plants need a spread and must be at least 1, but are {count} with "
             f"{len(spreads)} spreads."
         )
-    unit = _unit(len(spreads), count, seed, method)
+    unit = _draw_unit(len(spreads), count, seed, method)
     values: dict[str, Any] = {}
     for (name, spread), z in zip(spreads.items(), unit.T, strict=True):
-        path, column = _drawn(bench, name, spread, z)
+        path, column = _draw_parameter(bench, name, spread, z)
         values[path] = column
     return Plants(values, count, seed)
 
 
-def _unit(width: int, count: int, seed: int, method: str) -> NDArray[np.float64]:
+def _draw_unit(width: int, count: int, seed: int, method: str) -> NDArray[np.float64]:
     """Numbers in [-1, 1], shape (count, width)."""
     qmc: Any = import_module("scipy.stats.qmc")
     if method == "sobol":
@@ -88,21 +91,21 @@ def _unit(width: int, count: int, seed: int, method: str) -> NDArray[np.float64]
     return np.asarray(2.0 * found - 1.0, np.float64)
 
 
-def _drawn(
+def _draw_parameter(
     bench: Bench, name: str, spread: float, z: NDArray[np.float64]
 ) -> tuple[str, NDArray[np.float64]]:
     """Path in the bench and numbers of one parameter."""
-    leaf = plant_leaf(bench, name)
+    leaf = find_plant_leaf(bench, name)
     if not (math.isfinite(spread) and spread > 0.0):
         raise ParameterError(f"The spread of `{name}` must be above 0, but is {spread:g}.")
     if leaf.value == 0.0 and leaf.declared.unit != "K":
         raise ParameterError(f"`{name}` is 0, and a spread is a share of it.")
-    found = leaf.value + half_width(leaf, spread) * z
+    found = leaf.value + parse_half_width(leaf, spread) * z
     require_allowed(leaf, float(found.min()), float(found.max()))
     return PLANT + leaf.path, found
 
 
-def plant_leaf(bench: Bench, name: str) -> Leaf:
+def find_plant_leaf(bench: Bench, name: str) -> Leaf:
     """The number of the plant that a path, or a unique ending of one, names.
 
     Raises:
@@ -112,7 +115,7 @@ def plant_leaf(bench: Bench, name: str) -> Leaf:
     return next(leaf for leaf in bench.plant.leaves() if leaf.path == path)
 
 
-def half_width(leaf: Leaf, spread: float) -> float:
+def parse_half_width(leaf: Leaf, spread: float) -> float:
     """Half the width of a spread, in SI: a share of the number, or kelvin for a temperature."""
     return spread if leaf.declared.unit == "K" else spread * abs(leaf.value)
 

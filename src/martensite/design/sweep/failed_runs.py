@@ -10,16 +10,16 @@ from collections.abc import Callable
 
 from martensite.base.errors import MartensiteError
 from martensite.design.backends.base import Job, StoppedError
-from martensite.design.sweep.plan import Piece
+from martensite.design.sweep.plan import SweepPiece
 
 MOST = 32
 """Lost runs from which on it is given up."""
 NAMED = 5
 
 
-def kept(
-    job: Job, chunk: int, attempt: Callable[[range], Piece], begin: str = ""
-) -> tuple[Piece, tuple[str, ...]]:
+def keep_runs(
+    job: Job, chunk: int, attempt: Callable[[range], SweepPiece], begin: str = ""
+) -> tuple[SweepPiece, tuple[str, ...]]:
     """What can be kept of a chunk, and sentences on what cannot.
 
     Args:
@@ -34,7 +34,7 @@ def kept(
     """
     lost: dict[int, str] = {}
 
-    def halved(rows: range) -> list[Piece]:
+    def halved(rows: range) -> list[SweepPiece]:
         try:
             return [attempt(rows)]
         except MartensiteError:
@@ -48,24 +48,24 @@ def kept(
         return halved(range(rows.start, middle)) + halved(range(middle, rows.stop))
 
     pieces = halved(job.rows(chunk))
-    remarks = begin, _told(lost) if lost else ""
-    return Piece.joined(pieces), tuple(filter(None, remarks))
+    remarks = begin, _describe_lost(lost) if lost else ""
+    return SweepPiece.joined(pieces), tuple(filter(None, remarks))
 
 
-def _told(lost: dict[int, str]) -> str:
+def _describe_lost(lost: dict[int, str]) -> str:
     """Which runs are lost, and why the first of them is."""
     reason = next(iter(lost.values())).rstrip(".")
-    return f"Lost: run {_named(lost)} ({reason}). The others of its chunk were made."
+    return f"Lost: run {_name_run(lost)} ({reason}). The others of its chunk were made."
 
 
-def _named(lost: dict[int, str]) -> str:
+def _name_run(lost: dict[int, str]) -> str:
     return ", ".join(map(str, list(lost)[:NAMED])) + (" …" if len(lost) > NAMED else "")
 
 
 def _give_up(chunk: int, lost: dict[int, str]) -> None:
     if len(lost) >= MOST:
         raise StoppedError(
-            f"{MOST} runs of chunk {chunk} are lost (run {_named(lost)}), the first by "
+            f"{MOST} runs of chunk {chunk} are lost (run {_name_run(lost)}), the first by "
             f"{next(iter(lost.values())).rstrip('.')}. That is no matter of some numbers: try one "
             "alone by `martensite run`. Chunks that were made are kept."
         )
