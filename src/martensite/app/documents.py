@@ -7,10 +7,10 @@ refused before it is begun.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any, cast
 
-from martensite.app.messages import require_entry
+from martensite.app.messages import JsonTable, Request, require_entry
 from martensite.app.packaged_scenarios import FOLDER, build_packaged
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, ParameterError
@@ -23,7 +23,7 @@ MOST_SAMPLES = 200_001
 MOST_STEPS = 2_000_000
 
 
-def read_request_scenario(request: Mapping[str, Any], desk: Desk) -> Scenario:
+def read_request_scenario(request: Request, desk: Desk) -> Scenario:
     """Build the scenario of a request, `text` with `changes`.
 
     Raises:
@@ -56,7 +56,7 @@ def count_steps(scenario: Scenario) -> float:
     return scenario.duration / step
 
 
-def check_files(text: str, changes: Mapping[str, Any]) -> None:
+def check_files(text: str, changes: Request) -> None:
     """Refuse files that do not lie beside the packaged scenarios.
 
     Raises:
@@ -74,7 +74,7 @@ def check_files(text: str, changes: Mapping[str, Any]) -> None:
 def _list_files(node: Any, path: str) -> Iterator[str]:
     """Names of files in a document; published data sets are no files here."""
     if isinstance(node, dict):
-        for key, value in cast("dict[str, Any]", node).items():
+        for key, value in cast("JsonTable", node).items():
             yield from _list_files(value, f"{path}.{key}")
     elif isinstance(node, list):
         for value in cast("list[Any]", node):

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from martensite.app.messages import Refusal, Written, describe_refusal
+from martensite.app.messages import JsonTable, Refusal, Written, describe_refusal
 from martensite.app.worker_pool import STOP_LIMIT, Worker
 
 AT_ONCE = 4
@@ -32,24 +32,24 @@ class PageJob:
 
     tab: str
     call: str
-    request: dict[str, Any]
+    request: JsonTable
     worker: Worker
     id: str = field(default_factory=lambda: secrets.token_hex(8))
     state: str = "running"
     """running, done, failed, or cancelled."""
     began: float = field(default_factory=time.time)
     ended: float | None = None
-    trail: list[dict[str, Any]] = field(default_factory=list[dict[str, Any]])
+    trail: list[JsonTable] = field(default_factory=list[JsonTable])
     """Notes so far, thinned out."""
-    last: dict[str, Any] | None = None
+    last: JsonTable | None = None
     outcome: Any = None
     """The answer, or the sentence of a refusal."""
-    listeners: set[asyncio.Queue[dict[str, Any]]] = field(
-        default_factory=set["asyncio.Queue[dict[str, Any]]"]
+    listeners: set[asyncio.Queue[JsonTable]] = field(
+        default_factory=set["asyncio.Queue[JsonTable]"]
     )
     task: asyncio.Task[None] | None = None
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> JsonTable:
         """The job without its notes and outcome."""
         return {
             "id": self.id,
@@ -60,7 +60,7 @@ class PageJob:
             "last": self.last,
         }
 
-    def whole(self) -> dict[str, Any]:
+    def whole(self) -> JsonTable:
         """The job with all that is known of it."""
         return {
             **self.summary(),
@@ -69,7 +69,7 @@ class PageJob:
             "outcome": self.outcome,
         }
 
-    def told(self, note: dict[str, Any]) -> None:
+    def told(self, note: JsonTable) -> None:
         """Keep a note and pass it on."""
         self.last = note
         self.trail.append(note)
@@ -82,7 +82,7 @@ class PageJob:
         self.state, self.outcome, self.ended = state, outcome, time.time()
         self._send({"job": self.whole()})
 
-    def _send(self, message: dict[str, Any]) -> None:
+    def _send(self, message: JsonTable) -> None:
         for queue in self.listeners:
             if queue.full():  # who listens too slowly is told anew
                 while not queue.empty():
@@ -91,9 +91,9 @@ class PageJob:
             queue.put_nowait(message)
 
     @asynccontextmanager
-    async def listening(self) -> AsyncIterator[asyncio.Queue[dict[str, Any]]]:
+    async def listening(self) -> AsyncIterator[asyncio.Queue[JsonTable]]:
         """A queue that begins with all that is known and goes on with notes and the end."""
-        queue: asyncio.Queue[dict[str, Any]] = asyncio.Queue(64)
+        queue: asyncio.Queue[JsonTable] = asyncio.Queue(64)
         queue.put_nowait({"job": self.whole()})
         self.listeners.add(queue)
         try:
@@ -109,7 +109,7 @@ class PageJobs:
     folder: Path
     known: dict[str, PageJob] = field(default_factory=dict[str, PageJob])
 
-    def begin(self, tab: str, call: str, request: dict[str, Any]) -> PageJob:
+    def begin(self, tab: str, call: str, request: JsonTable) -> PageJob:
         """Begin a job.
 
         Raises:

@@ -10,6 +10,10 @@ from typing import Any, cast
 from martensite.base.errors import InputError, MartensiteError
 from martensite.scenario.plain_values import convert_to_plain
 
+Request = Mapping[str, Any]
+"""What a call is asked, as it came from outside: read entry by entry with `require_entry`."""
+JsonTable = dict[str, Any]
+"""A table that goes out as JSON, or a table of a document."""
 MOST_BYTES = 8 * 2**20
 """The longest message that is read."""
 DEEPEST_NESTING = 64
@@ -44,7 +48,7 @@ def write_message(message: Any) -> bytes:
     return text.encode("utf-8", "replace")
 
 
-def read_message(data: bytes) -> dict[str, Any]:
+def read_message(data: bytes) -> JsonTable:
     """A message that came from outside: a table of at most `MOST_BYTES` bytes.
 
     Raises:
@@ -70,7 +74,7 @@ def read_message(data: bytes) -> dict[str, Any]:
         raise BadMessageError(f"The message is not JSON: {error}.") from None
     if not isinstance(found, dict):
         raise BadMessageError("The message must be a table (an object of JSON).")
-    return cast("dict[str, Any]", found)
+    return cast("JsonTable", found)
 
 
 def _replace_infinite(text: str) -> float:
@@ -97,7 +101,7 @@ def _check_depth(found: Any) -> None:
     raise RecursionError
 
 
-def require_entry(request: Mapping[str, Any], name: str, sort: type, default: Any = ...) -> Any:
+def require_entry(request: Request, name: str, sort: type, default: Any = ...) -> Any:
     """An entry of a message, checked.
 
     Raises:
@@ -130,7 +134,7 @@ def _shorten_value(value: Any) -> str:
     return text if len(text) <= 60 else f"{text[:57]}…"
 
 
-def describe_refusal(error: BaseException) -> dict[str, Any]:
+def describe_refusal(error: BaseException) -> JsonTable:
     """What a worker says of an error: a sentence and its kind."""
     if isinstance(error, MartensiteError):
         kind = "input" if isinstance(error, InputError) else "failed"

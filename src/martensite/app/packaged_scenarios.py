@@ -5,8 +5,9 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from martensite.app.messages import JsonTable, Request
 from martensite.scenario.recorded_waveforms import LOG
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ def list_following() -> dict[str, str]:
     return {name: text for name, text in _list_texts() if _is_following(text)}
 
 
-def describe_scenarios(texts: Mapping[str, str]) -> dict[str, Any]:
+def describe_scenarios(texts: Mapping[str, str]) -> JsonTable:
     """Scenarios as the page lists them, with their titles."""
     found = [
         {"name": name, "title": str(tomllib.loads(text).get("title", name)), "text": text}
@@ -39,7 +40,7 @@ def describe_scenarios(texts: Mapping[str, str]) -> dict[str, Any]:
 
 
 def build_packaged(
-    text: str, changes: Mapping[str, Any] | None = None, log: Record | None = None
+    text: str, changes: Request | None = None, log: Record | None = None
 ) -> Scenario:
     """The scenario in a text; files that it names lie beside the packaged ones."""
     from martensite.scenario.scenario import read_scenario

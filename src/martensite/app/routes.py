@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from martensite.app.messages import BadMessageError
+from martensite.app.messages import BadMessageError, Request
 from martensite.base.errors import suggest_name
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ ROUTES: Mapping[str, tuple[str, str]] = {
 """Name -> module of `martensite.app.calls`, and function."""
 
 
-def find_call(name: str) -> Callable[[Mapping[str, Any], Desk], Any]:
+def find_call(name: str) -> Callable[[Request, Desk], Any]:
     """The function that answers a call.
 
     Raises:

@@ -17,14 +17,14 @@ import signal
 import sys
 import threading
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from queue import SimpleQueue
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
-from martensite.app.messages import describe_refusal, write_message
+from martensite.app.messages import JsonTable, Request, describe_refusal, write_message
 from martensite.app.routes import find_call
 
 MEMORY = 4 * 2**30
@@ -37,7 +37,7 @@ class Desk:
 
     folder: Path
     """Where uploaded files lie and new ones are made."""
-    tell: Callable[[Mapping[str, Any]], None] = lambda note: None
+    tell: Callable[[Request], None] = lambda note: None
     """Sends a note on how far it is."""
     stop: threading.Event = field(default_factory=threading.Event)
     """Set once the work shall end; who can, ends with the best so far."""
@@ -49,13 +49,13 @@ class _Lines:
     def __init__(self, out: BinaryIO) -> None:
         self._out, self._lock = out, threading.Lock()
 
-    def send(self, message: Mapping[str, Any]) -> None:
+    def send(self, message: Request) -> None:
         with self._lock:
             self._out.write(write_message(message) + b"\n")
             self._out.flush()
 
 
-_Work = SimpleQueue[tuple[dict[str, Any], threading.Event]]
+_Work = SimpleQueue[tuple[JsonTable, threading.Event]]
 """Calls, each with what tells it to stop."""
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from martensite.app.messages import Refusal, Written, write_message
+from martensite.app.messages import JsonTable, Refusal, Written, write_message
 
 COMMAND = (sys.executable, "-m", "martensite.app.worker")
 LONGEST_LINE = 64 * 2**20
@@ -35,7 +35,7 @@ GARBLED_SENTENCE = (
     "The process that computed this gave an answer that cannot be read. Please report it."
 )
 
-Tell = Callable[[dict[str, Any]], None]
+Tell = Callable[[JsonTable], None]
 
 
 class Worker:
@@ -60,7 +60,7 @@ class Worker:
             )
         return self._process
 
-    async def ask(self, call: str, request: dict[str, Any], tell: Tell | None = None) -> Any:
+    async def ask(self, call: str, request: JsonTable, tell: Tell | None = None) -> Any:
         """The answer to a call.
 
         Raises:
@@ -114,7 +114,7 @@ class Worker:
                 transport.close()
 
 
-async def _write_line(process: asyncio.subprocess.Process, message: dict[str, Any]) -> None:
+async def _write_line(process: asyncio.subprocess.Process, message: JsonTable) -> None:
     pipe = process.stdin
     if pipe is not None:
         pipe.write(write_message(message) + b"\n")
@@ -138,7 +138,7 @@ async def _read_line(process: asyncio.subprocess.Process) -> bytes:
         reading.cancel()
 
 
-def _parse_line(line: bytes) -> dict[str, Any]:
+def _parse_line(line: bytes) -> JsonTable:
     """What a worker says in a line.
 
     Raises:
@@ -157,7 +157,7 @@ def _parse_line(line: bytes) -> dict[str, Any]:
     raise Refusal(GARBLED_SENTENCE, 500, "lost")
 
 
-def _take_answer(said: dict[str, Any]) -> Any:
+def _take_answer(said: JsonTable) -> Any:
     if "refused" in said:
         status = 400 if said["kind"] == "input" else 422
         raise Refusal(said["refused"], status, said["kind"])
@@ -187,7 +187,7 @@ class WorkerPool:
         await worker.start()
         self._free(worker)
 
-    async def ask(self, lane: str, call: str, request: dict[str, Any]) -> Any:
+    async def ask(self, lane: str, call: str, request: JsonTable) -> Any:
         """The answer to a quick call; a newer one of the same lane goes over one that waits.
 
         Raises:

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Mapping
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from threading import Event
-from typing import Any
 
 from martensite.app.identify.fit_outcome import describe_outcome
 from martensite.app.identify.fit_progress import FitProgress, describe_measured, describe_parameter
 from martensite.app.identify.fit_request import read_task
-from martensite.app.messages import BadMessageError, require_entry
+from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, SolveError
@@ -25,7 +23,7 @@ ENDED = ("reason", "simulations", "jacobians", "seconds", "history")
 """What cannot be computed again from the numbers found."""
 
 
-def run_fit(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def run_fit(request: Request, desk: Desk) -> JsonTable:
     """Fit parameters of a scenario to a log: long work, which tells how far it is.
 
     A request is that of `identify.fit_request`; with `state`, the key of an earlier search of the
@@ -70,7 +68,7 @@ def search_parameters(arranged: ArrangedFit, watching: FitProgress, path: Path) 
         raise SolveError("The fit was stopped before its first run had ended.") from None
 
 
-def _place_state(request: Mapping[str, Any], desk: Desk) -> tuple[str, Path]:
+def _place_state(request: Request, desk: Desk) -> tuple[str, Path]:
     """A file for the state of the search, with that of an earlier one if it is to go on."""
     drawer = UploadFolder(desk.folder)
     key, path = drawer.place("search.json")
@@ -79,7 +77,7 @@ def _place_state(request: Mapping[str, Any], desk: Desk) -> tuple[str, Path]:
     return key, path
 
 
-def _keep_fit(request: Mapping[str, Any], fit: LogFit, desk: Desk, state: str) -> str:
+def _keep_fit(request: Request, fit: LogFit, desk: Desk, state: str) -> str:
     """A file from which the call `fit_files` makes others; its key."""
     key, path = UploadFolder(desk.folder).place("fit.json")
     ended = {name: getattr(fit, name) for name in ENDED}
@@ -91,7 +89,7 @@ def _keep_fit(request: Mapping[str, Any], fit: LogFit, desk: Desk, state: str) -
 ENDINGS = {"material": "toml", "report": "html"}
 
 
-def write_fit_file(request: Mapping[str, Any], desk: Desk) -> dict[str, str]:
+def write_fit_file(request: Request, desk: Desk) -> dict[str, str]:
     """What a finished fit leaves behind.
 
     {"key": of the fit, "what": "material"} -> {"key": …, "name": …}
@@ -123,7 +121,7 @@ def _write_file(fit: LogFit, what: str, path: Path) -> None:
     write_report(fit, path, scenario=fit.scenario)
 
 
-def _repeat_fit(kept: Mapping[str, Any], desk: Desk) -> LogFit:
+def _repeat_fit(kept: Request, desk: Desk) -> LogFit:
     """The fit, at the numbers that were found."""
     arranged = read_task(require_entry(kept, "request", dict), desk).arranged()
     ended = Event()
@@ -136,7 +134,7 @@ def _repeat_fit(kept: Mapping[str, Any], desk: Desk) -> LogFit:
     return replace(found, **known, history=history)
 
 
-def _read_kept(drawer: UploadFolder, key: str) -> dict[str, Any]:
+def _read_kept(drawer: UploadFolder, key: str) -> JsonTable:
     try:
         found = json.loads(drawer.path(key).read_text(encoding="utf-8"))
         if isinstance(found, dict) and {"request", "state", "ended"} <= found.keys():

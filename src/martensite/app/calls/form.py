@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any, cast
@@ -14,7 +13,7 @@ from martensite.app.forms.controls import Control, EntrySpot
 from martensite.app.forms.kind_change import change_kind
 from martensite.app.forms.sections import MATERIAL, FormSections
 from martensite.app.forms.table_filler import MissingNumber
-from martensite.app.messages import BadMessageError, require_entry
+from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite.app.worker import Desk
 from martensite.base.files import toml_document
 from martensite.scenario.catalogue import list_registries, summarise_class
@@ -24,7 +23,7 @@ from martensite.scenario.scenario import Scenario
 NEW = Path(__file__).parents[1] / "forms" / "new.toml"
 
 
-def build_form(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def build_form(request: Request, desk: Desk) -> JsonTable:
     """The form of a scenario: a control for all that it declares.
 
     {"text": TOML, "changes": {path: value}, "removed": [path]}
@@ -38,7 +37,7 @@ def build_form(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     controls; the same changes with these numbers beside them are the next request.
     """
     text = require_entry(request, "text", str, "") or NEW.read_text("utf-8")
-    changes = cast("dict[str, Any]", require_entry(request, "changes", dict, {}))
+    changes = cast("JsonTable", require_entry(request, "changes", dict, {}))
     text = _remove_entries(text, require_entry(request, "removed", list, []))
     kinds = [path for path in changes if path == MATERIAL or path.endswith(".kind")]
     rest = {path: value for path, value in changes.items() if path not in kinds}
@@ -71,7 +70,7 @@ def _remove_entries(text: str, removed: list[Any]) -> str:
     return as_toml(document)
 
 
-def _describe_form(scenario: Scenario, found: ChangedScenario) -> dict[str, Any]:
+def _describe_form(scenario: Scenario, found: ChangedScenario) -> JsonTable:
     return {
         "text": scenario.text,
         "title": scenario.title,
@@ -83,7 +82,7 @@ def _describe_form(scenario: Scenario, found: ChangedScenario) -> dict[str, Any]
     }
 
 
-def _describe_missing(found: ChangedScenario) -> dict[str, Any]:
+def _describe_missing(found: ChangedScenario) -> JsonTable:
     """What is still needed."""
     names = ", ".join(f"`{one.name}` ({one.declared.doc})" for one in found.missing)
     owner = found.missing[0].owner

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 from martensite.app.identify.display_units import describe_difference, describe_display
 from martensite.app.identify.fit_request import build_scenario
@@ -13,7 +12,7 @@ from martensite.app.identify.mapped_table import describe_cuts, read_record, rea
 from martensite.app.identify.number_list import list_numbers
 from martensite.app.identify.raw_table import RawColumn, RawTable, read_raw
 from martensite.app.identify.thinning import find_envelope
-from martensite.app.messages import require_entry
+from martensite.app.messages import JsonTable, Request, require_entry
 from martensite.app.packaged_scenarios import describe_scenarios, list_following
 from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
@@ -35,7 +34,7 @@ LONG = 100_000
 """Rows from which on it is advised to thin out."""
 
 
-def describe_table(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def describe_table(request: Request, desk: Desk) -> JsonTable:
     """What is in an uploaded table, and what its columns may mean.
 
     {"key": …, "separator": "auto"}
@@ -60,7 +59,7 @@ def describe_table(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     }
 
 
-def _describe_column(column: RawColumn, guess: Guess) -> dict[str, Any]:
+def _describe_column(column: RawColumn, guess: Guess) -> JsonTable:
     known = [number for number in column.numbers if not math.isnan(number)]
     rows = find_envelope(column.numbers, SMALL)
     return {
@@ -103,7 +102,7 @@ def _list_notes(raw: RawTable, meant: list[Guess]) -> Iterator[str]:
 DRAWN = 800
 
 
-def describe_records(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def describe_records(request: Request, desk: Desk) -> JsonTable:
     """The columns of a mapped table over time, to be looked at and cut.
 
     {"key": …, "columns": [{at, name, unit}], "interval": null, "drop": false, "cuts": [] }
@@ -111,7 +110,7 @@ def describe_records(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     [{name, rows, refused}]}: curves thinned so that lows and highs stay; times in s, values in SI.
     """
     record = read_record(request, desk)
-    columns: list[dict[str, Any]] = []
+    columns: list[JsonTable] = []
     for name, column in record.columns.items():
         if name == "time":
             continue
@@ -135,7 +134,7 @@ def describe_records(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     }
 
 
-def list_followers(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def list_followers(request: Request, desk: Desk) -> JsonTable:
     """Scenarios that come with the package and follow a log.
 
     {} -> {"scenarios": [{name, title, text}]}
@@ -156,7 +155,7 @@ LOSS_WORDS = {
 }
 
 
-def match_scenario(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def match_scenario(request: Request, desk: Desk) -> JsonTable:
     """A scenario beside a log: what follows which column, what is compared, and what could be free.
 
     {the table as `identify.mapped_table` takes it, "text": TOML,
@@ -195,7 +194,7 @@ def match_scenario(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     }
 
 
-def _list_drives(document: Mapping[str, Any], scenario: Scenario) -> list[dict[str, str]]:
+def _list_drives(document: Request, scenario: Scenario) -> list[dict[str, str]]:
     """What may follow a column, with the column that each follows."""
     section = scenario.places.drive
     followed = {
@@ -205,9 +204,9 @@ def _list_drives(document: Mapping[str, Any], scenario: Scenario) -> list[dict[s
     return [one | {"column": followed.get(one["path"], "")} for one in describe_drives(document)]
 
 
-def _describe_built(scenario: Scenario, record: Record) -> dict[str, Any]:
+def _describe_built(scenario: Scenario, record: Record) -> JsonTable:
     system = scenario.system
-    outputs, refused = list[dict[str, Any]](), ""
+    outputs, refused = list[JsonTable](), ""
     try:
         found, _, notes = match_columns(record, system, (), scenario.follows)
         outputs = [

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 from martensite.app.documents import LONGEST_TEXT, read_request_scenario
 from martensite.app.engine import run_fast
-from martensite.app.messages import BadMessageError, require_entry
+from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite.app.packaged_scenarios import describe_scenarios, list_standalone
 from martensite.app.uploads import UploadFolder
 from martensite.app.views.alarm_spans import list_alarms
@@ -27,7 +27,7 @@ from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 
 
-def list_scenarios(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def list_scenarios(request: Request, desk: Desk) -> JsonTable:
     """The scenarios that come with the package: `{}` -> `{"scenarios": [{name, title, text}]}`."""
     return describe_scenarios(list_standalone())
 
@@ -36,7 +36,7 @@ MOST_DOCUMENTS = 12
 """Documents that are compared at once."""
 
 
-def compare_documents(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def compare_documents(request: Request, desk: Desk) -> JsonTable:
     """What differs between documents.
 
     {"texts": [TOML, TOML, …]}
@@ -53,17 +53,17 @@ def compare_documents(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     return {"rows": [row for row in rows if any(v != row["values"][0] for v in row["values"])]}
 
 
-def _flatten_document(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str]]:
+def _flatten_document(table: Request, above: str = "") -> Iterator[tuple[str, str]]:
     """Dotted path and value, as it is written, of every entry."""
     for key, value in table.items():
         path = f"{above}{key}"
         if isinstance(value, dict):
-            yield from _flatten_document(cast("dict[str, Any]", value), f"{path}.")
+            yield from _flatten_document(cast("JsonTable", value), f"{path}.")
         else:
             yield path, value if isinstance(value, str) else toml_value(value)
 
 
-def run_scenario(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def run_scenario(request: Request, desk: Desk) -> JsonTable:
     """Run a scenario: all that the bench draws of it.
 
     {"text": TOML, "changes": {"element.diameter": "0.25 mm"}}
@@ -83,7 +83,7 @@ def run_scenario(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     }
 
 
-def _summarise_run(scenario: Scenario, result: Result) -> dict[str, Any]:
+def _summarise_run(scenario: Scenario, result: Result) -> JsonTable:
     return {
         "title": scenario.title,
         "described": scenario.system.description(),
@@ -100,7 +100,7 @@ def _summarise_run(scenario: Scenario, result: Result) -> dict[str, Any]:
     }
 
 
-def _draw_run(scenario: Scenario, result: Result) -> dict[str, Any]:
+def _draw_run(scenario: Scenario, result: Result) -> JsonTable:
     """What the charts need beside the columns."""
     energies = describe_energy(result)
     return {
@@ -114,7 +114,7 @@ def _draw_run(scenario: Scenario, result: Result) -> dict[str, Any]:
     }
 
 
-def export_scenario(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def export_scenario(request: Request, desk: Desk) -> JsonTable:
     """Make a file of a scenario: a figure, or its numbers.
 
     {"text": TOML, "changes": {…}, "what": "png"} -> {"key": of the file, "name": what it is called}

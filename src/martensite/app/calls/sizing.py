@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from martensite.app.messages import BadMessageError, require_entry
+from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite.app.worker import Desk
 from martensite.base import units
 from martensite.base.errors import InputError, ParameterError, suggest_name
@@ -26,9 +26,9 @@ EXAMPLE = {"force": "8 N", "stroke": "5 mm", "rate": "0.05 Hz", "supply": "12 V"
 LONGEST_FIELD = 200
 
 
-def list_fields() -> list[dict[str, Any]]:
+def list_fields() -> list[JsonTable]:
     """Every field of a request: what is declared of it, its default as text, an example."""
-    found: list[dict[str, Any]] = []
+    found: list[JsonTable] = []
     for entry in describe_class("", WireRequest)["parameters"]:
         declared = WireRequest.declarations[entry["name"]]
         found.append(
@@ -55,7 +55,7 @@ def _write_default(declared: Declared) -> str:
     return number if unit == "1" else f"{number} {unit}"
 
 
-def read_fields(request: Mapping[str, Any]) -> dict[str, str]:
+def read_fields(request: Request) -> dict[str, str]:
     """The fields of a message that are filled in.
 
     Raises:
@@ -85,9 +85,9 @@ def convert_field(name: str, text: str) -> Any:
     return declared.convert("the sizing", name, text)
 
 
-def convert_fields(given: Mapping[str, str]) -> tuple[dict[str, Any], dict[str, str]]:
+def convert_fields(given: Mapping[str, str]) -> tuple[JsonTable, dict[str, str]]:
     """Values of the fields that can be read, and the sentences about the others."""
-    found: dict[str, Any] = {}
+    found: JsonTable = {}
     refused: dict[str, str] = {}
     for name, text in given.items():
         try:
@@ -97,7 +97,7 @@ def convert_fields(given: Mapping[str, str]) -> tuple[dict[str, Any], dict[str, 
     return found, refused
 
 
-def read_request(request: Mapping[str, Any]) -> WireRequest:
+def read_request(request: Request) -> WireRequest:
     """The request of a message.
 
     Raises:
@@ -114,7 +114,7 @@ def read_request(request: Mapping[str, Any]) -> WireRequest:
     return WireRequest(**found)
 
 
-def describe_sizing(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def describe_sizing(request: Request, desk: Desk) -> JsonTable:
     """The form of a sizing: its fields, and what is wrong with what is typed into them.
 
     {"fields": {"force": "8 N", …}} -> {"fields": [declared…], "refused": {name: sentence},
@@ -134,10 +134,10 @@ def describe_sizing(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     }
 
 
-def _find_contradiction(found: Mapping[str, Any]) -> str:
+def _find_contradiction(found: Request) -> str:
     """Whether fields that are right by themselves exclude each other, the others left aside."""
     needed = [n for n, d in WireRequest.declarations.items() if d.default is REQUIRED]
-    values: dict[str, Any] = {**dict.fromkeys(needed, 1.0), **found}
+    values: JsonTable = {**dict.fromkeys(needed, 1.0), **found}
     try:
         WireRequest(**values)
     except InputError as error:
@@ -145,7 +145,7 @@ def _find_contradiction(found: Mapping[str, Any]) -> str:
     return ""
 
 
-def size_wires(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def size_wires(request: Request, desk: Desk) -> JsonTable:
     """Size a wire: every size and alloy put to a request. Long work.
 
     Stopped, it ends with the candidates judged so far.
@@ -173,7 +173,7 @@ def size_wires(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
 def _describe_candidate(
     request: WireRequest, number: int, found: Candidate, catalogue: WireCatalogue
-) -> dict[str, Any]:
+) -> JsonTable:
     limits = list_margins(request, found)
     text, refused = _write_scenario(request, found, catalogue)
     return {
@@ -189,7 +189,7 @@ def _describe_candidate(
     }
 
 
-def _describe_margin(margin: Margin) -> dict[str, Any]:
+def _describe_margin(margin: Margin) -> JsonTable:
     """A margin with its numbers as they are shown."""
     shown = "" if margin.unit == margin.shown == "1" else margin.shown
     used, limit = (
@@ -219,7 +219,7 @@ def _write_scenario(
 CATALOGUE_FIELDS = ("stress", "ambient", "alloy")
 
 
-def compare_catalogue(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def compare_catalogue(request: Request, desk: Desk) -> JsonTable:
     """The model beside the maker's table of wires. Long work; stopped, it ends with what is there.
 
     {"fields": {"stress": …, "ambient": …, "alloy": …}} -> {"columns": […], "rows": [[…]], …}

@@ -10,12 +10,11 @@ import inspect
 import json
 import time
 from collections import Counter
-from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, get_args
+from typing import get_args
 
-from martensite.app.messages import require_entry, write_message
+from martensite.app.messages import JsonTable, Request, require_entry, write_message
 from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError
@@ -25,7 +24,7 @@ from martensite.scenario.datasets import describe_dataset, is_here
 from martensite.studies.base import AbstractStudy, Verdict, load_study, study_names
 
 
-def load_named_study(request: Mapping[str, Any]) -> AbstractStudy:
+def load_named_study(request: Request) -> AbstractStudy:
     """The study of a request.
 
     Raises:
@@ -34,7 +33,7 @@ def load_named_study(request: Mapping[str, Any]) -> AbstractStudy:
     return load_study(require_entry(request, "name", str))
 
 
-def describe_study(study: AbstractStudy) -> dict[str, Any]:
+def describe_study(study: AbstractStudy) -> JsonTable:
     """What is known of a study without computing anything."""
     guide = [" ".join(paragraph.split()) for paragraph in study.guide.split("\n\n")]
     return {
@@ -64,7 +63,7 @@ def _is_complete(name: str) -> bool:
     return all(is_here(f"{name}/{file}") for file in describe_dataset(name).files)
 
 
-def count_verdicts(claims: list[dict[str, Any]]) -> dict[str, int]:
+def count_verdicts(claims: list[JsonTable]) -> dict[str, int]:
     """How many claims there are of each verdict."""
     counted = Counter(claim["verdict"] for claim in claims)
     return {verdict: counted[verdict] for verdict in get_args(Verdict)}
@@ -74,10 +73,10 @@ def _locate_results(study: AbstractStudy, folder: Path) -> Path:
     return folder / "studies" / f"{study.key}-{version('martensite')}.json"
 
 
-def read_results(study: AbstractStudy, folder: Path) -> dict[str, Any] | None:
+def read_results(study: AbstractStudy, folder: Path) -> JsonTable | None:
     """Results that were computed before and still hold; None without any."""
     try:
-        found: dict[str, Any] = json.loads(_locate_results(study, folder).read_text("utf-8"))
+        found: JsonTable = json.loads(_locate_results(study, folder).read_text("utf-8"))
         UploadFolder(folder).path(found["figure"])
         same = found["missing"] == [one["name"] for one in list_missing_data(study)]
     except (OSError, ValueError, KeyError, TypeError, DataError):
@@ -85,7 +84,7 @@ def read_results(study: AbstractStudy, folder: Path) -> dict[str, Any] | None:
     return found if same else None
 
 
-def write_results(study: AbstractStudy, folder: Path, results: Mapping[str, Any]) -> None:
+def write_results(study: AbstractStudy, folder: Path, results: Request) -> None:
     """Keep results until the version or the data are others."""
     place = _locate_results(study, folder)
     place.parent.mkdir(exist_ok=True)
@@ -93,19 +92,19 @@ def write_results(study: AbstractStudy, folder: Path, results: Mapping[str, Any]
         part.write_bytes(write_message(results))
 
 
-def list_studies(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def list_studies(request: Request, desk: Desk) -> JsonTable:
     """All studies, each with the tally of its verdicts if it was computed before.
 
     {} -> {"studies": [{"name": …, "title": …, "sources": […], "tally": {…} or null, …}]}
     """
-    found: list[dict[str, Any]] = []
+    found: list[JsonTable] = []
     for study in map(load_study, study_names()):
         results = read_results(study, desk.folder)
         found.append(describe_study(study) | {"tally": results["tally"] if results else None})
     return {"studies": found}
 
 
-def describe_study_page(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def describe_study_page(request: Request, desk: Desk) -> JsonTable:
     """One study: what it is, the scenarios to open, and its results if they were computed before.
 
     {"name": …}
@@ -120,7 +119,7 @@ def describe_study_page(request: Mapping[str, Any], desk: Desk) -> dict[str, Any
     }
 
 
-def compute_study(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def compute_study(request: Request, desk: Desk) -> JsonTable:
     """Compute a study: its claims, part by part, and its figure. Long work.
 
     {"name": …} -> {"name": …, "claims": […], "tally": {…}, "figure": key of a file, …}
@@ -129,9 +128,9 @@ def compute_study(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     that is over}. The results are kept in the folder.
     """
     study, begun = load_named_study(request), time.perf_counter()
-    claims: list[dict[str, Any]] = []
+    claims: list[JsonTable] = []
     parts = study.parts()
-    new: list[dict[str, Any]] = []
+    new: list[JsonTable] = []
     for done, (words, part) in enumerate(parts.items()):
         desk.tell({"doing": words, "done": done, "of": len(parts) + 1, "claims": new})
         new = [claim.to_dict() for claim in part()]

@@ -5,11 +5,9 @@ from __future__ import annotations
 import csv
 import math
 import zipfile
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-from martensite.app.messages import require_entry
+from martensite.app.messages import JsonTable, Request, require_entry
 from martensite.app.sweeping.sweep_folder import SweepFolder
 from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
@@ -22,7 +20,7 @@ FORMULA = ("=", "+", "-", "@", "\t", "\r")
 """What a text begins with that a spreadsheet would compute."""
 
 
-def export_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def export_sweep(request: Request, desk: Desk) -> JsonTable:
     """Make a file of a sweep, to be taken away.
 
     {"key": …, "kind": "csv" or "zarr"} -> {"file": key of the file, "name": …, "bytes": …}

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from importlib.util import find_spec
-from typing import Any
 
 from martensite.app.documents import read_request_scenario
+from martensite.app.messages import JsonTable, Request
 from martensite.app.worker import Desk
 from martensite.base import units
 from martensite.base.errors import MartensiteError
@@ -25,7 +25,7 @@ from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_m
 from martensite.simulate.variants import RUNTIMES
 
 
-def describe_sweep_form(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def describe_sweep_form(request: Request, desk: Desk) -> JsonTable:
     """What can be asked of a sweep of a scenario: its numbers, samples, and measures.
 
     {"text": TOML} -> {"title", "targets": […], "designs": […], "measures": […], "outputs": […], …}
@@ -66,7 +66,7 @@ def _sort_grid_first(names: list[str]) -> list[str]:
     return sorted(names, key=lambda name: (name != "grid", name))
 
 
-def _list_targets(scenario: Scenario) -> Iterator[dict[str, Any]]:
+def _list_targets(scenario: Scenario) -> Iterator[JsonTable]:
     """Numbers that can be varied: value and bounds in a unit that people read."""
     leaves: dict[str | None, dict[str, Declared]] = {
         None: {one.path: one.declared for one in scenario.whole.leaves()}
@@ -77,7 +77,7 @@ def _list_targets(scenario: Scenario) -> Iterator[dict[str, Any]]:
         yield _describe_target(target, leaves[target.drive][target.path])
 
 
-def _describe_target(one: Target, declared: Declared) -> dict[str, Any]:
+def _describe_target(one: Target, declared: Declared) -> JsonTable:
     shown = units.choose_familiar_unit(one.value, one.unit)
     same = declared.unit == one.unit
     low, high = (declared.low, declared.high) if same else (-math.inf, math.inf)
@@ -93,7 +93,7 @@ def _describe_target(one: Target, declared: Declared) -> dict[str, Any]:
     }
 
 
-def _describe_measure(name: str, scenario: Scenario) -> dict[str, Any]:
+def _describe_measure(name: str, scenario: Scenario) -> JsonTable:
     """A measure: whether it needs an output, or stands alone."""
     kind = MEASURES[name]
     alone = True

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from martensite.app.documents import read_request_scenario
-from martensite.app.messages import BadMessageError, require_entry
+from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite.app.packaged_scenarios import build_packaged
 from martensite.app.sweeping.command_line import write_command
 from martensite.app.sweeping.store_summary import read_scenario_of, read_wanted_of, summarise_store
@@ -40,13 +39,13 @@ from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario
 
 
-def list_sweeps(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def list_sweeps(request: Request, desk: Desk) -> JsonTable:
     """The sweeps in the folder, the newest first: `{}` -> `{"sweeps": [{key, title, …}]}`."""
     shelf = SweepFolder(desk.folder)
     return {"sweeps": [summarise_store(key, path) for key, path in shelf.all().items()]}
 
 
-def plan_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def plan_sweep(request: Request, desk: Desk) -> JsonTable:
     """Check what is asked of a sweep: how many runs it has, or what is wrong with each field.
 
     Request as of the job `sweep` -> {"faults": {field: sentence}, "runs": …, "command": …, …}
@@ -66,7 +65,7 @@ def plan_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     }
 
 
-def estimate_time(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def estimate_time(request: Request, desk: Desk) -> JsonTable:
     """Estimate how long a sweep will take, from one block of its runs.
 
     Request as of the job `sweep` -> {"seconds": …, "tried": runs of the block, "took": its time, …}
@@ -88,7 +87,7 @@ NAMED = 5
 """Failed runs that are named."""
 
 
-def run_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def run_sweep(request: Request, desk: Desk) -> JsonTable:
     """Run many variants of a scenario into a store of the folder, or go on with one (a job).
 
     {"text": TOML, "over": […], "sample": …, "measures": […], "seed", "step", "runtime", "workers"}
@@ -117,7 +116,7 @@ def run_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     }
 
 
-def _find_store(request: Mapping[str, Any], desk: Desk) -> tuple[str, Path, Scenario, SweepRequest]:
+def _find_store(request: Request, desk: Desk) -> tuple[str, Path, Scenario, SweepRequest]:
     """Key and store, and what is asked for: anew, or as a store has it."""
     shelf, key = SweepFolder(desk.folder), require_entry(request, "resume", str, "")
     if key:
@@ -144,7 +143,7 @@ def _catch_stop(desk: Desk) -> Iterator[list[str]]:
         said.append(str(error))
 
 
-def _count_ended(store: Store) -> dict[str, Any]:
+def _count_ended(store: Store) -> JsonTable:
     """How many runs are there, and how they ended."""
     counts, rows = count_statuses(store, NAMED)
     return {
@@ -158,7 +157,7 @@ def _count_ended(store: Store) -> dict[str, Any]:
 NAMED = 5
 
 
-def read_points(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def read_points(request: Request, desk: Desk) -> JsonTable:
     """All that is drawn of a sweep, as far as it is made.
 
     {"key": …}
@@ -180,7 +179,7 @@ def read_points(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     }
 
 
-def read_row(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def read_row(request: Request, desk: Desk) -> JsonTable:
     """The scenario of one run of a sweep, with exactly its numbers.
 
     {"key": …, "row": 12} -> {"text": TOML, "values": [SI], "status": …}
@@ -201,10 +200,10 @@ def read_row(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
 
 MOST_LISTED = 2000
 """Runs of a front that are listed."""
-NO_FRONT: Mapping[str, Any] = {"rows": [], "values": {}, "count": 0, "compared": 0, "left_out": []}
+NO_FRONT: Request = {"rows": [], "values": {}, "count": 0, "compared": 0, "left_out": []}
 
 
-def find_front(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def find_front(request: Request, desk: Desk) -> JsonTable:
     """The runs of a sweep that no other beats, as far as it is made.
 
     {"key": …, "minimise": ["energy"], "maximise": ["stroke"]}
@@ -234,14 +233,14 @@ def find_front(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     }
 
 
-def _read_names(request: Mapping[str, Any], name: str) -> list[str]:
+def _read_names(request: Request, name: str) -> list[str]:
     given = require_entry(request, name, list, [])
     if not all(isinstance(one, str) for one in given):
         raise BadMessageError(f"`{name}` must be a list of texts.")
     return given
 
 
-def estimate_indices(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def estimate_indices(request: Request, desk: Desk) -> JsonTable:
     """How much of the variance of a measure every varied number explains.
 
     {"key": …, "measure": "stroke"}
@@ -263,7 +262,7 @@ def estimate_indices(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
     }
 
 
-def delete_sweep(request: Mapping[str, Any], desk: Desk) -> dict[str, Any]:
+def delete_sweep(request: Request, desk: Desk) -> JsonTable:
     """Delete a sweep: `{"key": …}` -> `{}`. One that is running is refused."""
     SweepFolder(desk.folder).delete(require_entry(request, "key", str))
     return {}

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from martensite.app.forms.documents import Table
 from martensite.app.forms.table_filler import MissingNumber
+from martensite.app.messages import JsonTable
 
 
 @dataclass
 class ChangedScenario:
     """A document with another kind in it."""
 
-    document: Table
+    document: JsonTable
     notes: list[str] = field(default_factory=list[str])
     assumed: list[str] = field(default_factory=list[str])
     """Paths of start values."""

@@ -13,6 +13,7 @@ from typing import Any
 from martensite.actuators.assembly import Members
 from martensite.app.forms import controls, documents, wording
 from martensite.app.forms.controls import Control, EntrySpot
+from martensite.app.messages import JsonTable
 from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
 from martensite.base.registry import Registry
 from martensite.control.controllers.numbered_gains import NumberedGains
@@ -29,7 +30,7 @@ Paths = Callable[[str], str]
 class ControlWalk:
     """Makes groups of some components of a scenario."""
 
-    document: dict[str, Any]
+    document: JsonTable
     origins: dict[str, str]
     written: Paths
     """From the path of an object to where the document has it."""

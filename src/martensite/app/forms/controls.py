@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.app.forms import origins, ranges, wording
+from martensite.app.messages import JsonTable
 from martensite.base.parameters import REQUIRED, Declared
 from martensite.physics.materials.base import Material
 
-Control = dict[str, Any]
+Control = JsonTable
 ROUNDING = 1e-9
 """Relative difference that is rounding."""
 

@@ -2,31 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, cast
 
-Table = dict[str, Any]
+from martensite.app.messages import JsonTable, Request
 
 
-def find_entry(document: Mapping[str, Any], path: str) -> Any:
+def find_entry(document: Request, path: str) -> Any:
     """What stands at a path, or None."""
     node: Any = document
     for key in path.split("."):
         if not isinstance(node, dict) or key not in node:
             return None
-        node = cast("Table", node)[key]
+        node = cast("JsonTable", node)[key]
     return node
 
 
-def find_table(document: Mapping[str, Any], path: str) -> Table:
+def find_table(document: Request, path: str) -> JsonTable:
     """The table at a path; a bare text is its kind, and nothing an empty one."""
     found = find_entry(document, path)
     if isinstance(found, str):
         return {"kind": found}
-    return cast("Table", found) if isinstance(found, dict) else {}
+    return cast("JsonTable", found) if isinstance(found, dict) else {}
 
 
-def put_entry(document: Table, path: str, value: Any) -> None:
+def put_entry(document: JsonTable, path: str, value: Any) -> None:
     """Put a value at a path; tables on the way are made, bare kinds become tables."""
     *above, last = path.split(".")
     node = document
@@ -35,16 +34,16 @@ def put_entry(document: Table, path: str, value: Any) -> None:
         if not isinstance(below, dict):
             below = {"kind": below} if isinstance(below, str) else {}
             node[key] = below
-        node = cast("Table", below)
+        node = cast("JsonTable", below)
     node[last] = value
 
 
-def remove_entry(document: Table, path: str) -> None:
+def remove_entry(document: JsonTable, path: str) -> None:
     """Take an entry away, and the tables above it that are empty then."""
     head, _, last = path.rpartition(".")
     owner = find_entry(document, head) if head else document
     if not isinstance(owner, dict) or last not in owner:
         return
-    del cast("Table", owner)[last]
+    del cast("JsonTable", owner)[last]
     if head and not owner and "." in head:
         remove_entry(document, head)

@@ -14,11 +14,11 @@ from typing import Any
 from martensite.app.forms import documents
 from martensite.app.forms.changed_scenario import ChangedScenario
 from martensite.app.forms.control_tree import flatten_controls
-from martensite.app.forms.documents import Table
 from martensite.app.forms.material import with_material
 from martensite.app.forms.sections import MATERIAL, FormSections
 from martensite.app.forms.surroundings import change_reference, change_source, relax_surroundings
 from martensite.app.forms.table_filler import KIND, TableFiller
+from martensite.app.messages import JsonTable
 from martensite.app.packaged_scenarios import FOLDER, list_standalone
 from martensite.base.errors import InputError, ParameterError
 from martensite.base.files import toml_document
@@ -35,7 +35,7 @@ from martensite.scenario.sections import MODEL, NAME, PERIOD, REFERENCE
 Unit = Callable[[Leaf], str]
 
 
-def change_kind(scenario: Scenario, path: str, kind: str, given: Table) -> ChangedScenario:
+def change_kind(scenario: Scenario, path: str, kind: str, given: JsonTable) -> ChangedScenario:
     """Put another kind into a scenario.
 
     Args:
@@ -72,7 +72,7 @@ def change_kind(scenario: Scenario, path: str, kind: str, given: Table) -> Chang
 
 
 def _list_candidates(
-    scenario: Scenario, document: Table, path: str, kind: str
+    scenario: Scenario, document: JsonTable, path: str, kind: str
 ) -> Iterator[ChangedScenario]:
     """Documents with the other kind, the one that keeps most first."""
     group = _find_group(scenario, path)
@@ -89,7 +89,7 @@ def _list_candidates(
         yield from change_reference(scenario, made, path.removesuffix(f".{KIND}"))
 
 
-def _find_group(scenario: Scenario, path: str) -> Table:
+def _find_group(scenario: Scenario, path: str) -> JsonTable:
     """The group whose kind stands at a path."""
     for one in flatten_controls(FormSections(scenario).all()):
         if one.get("kind") and one["kind"]["path"] == path:
@@ -105,8 +105,8 @@ def _find_registry(kind: str) -> Registry[Any]:
 
 def _put_kind(
     scenario: Scenario,
-    document: Table,
-    group: Table,
+    document: JsonTable,
+    group: JsonTable,
     cls: type[Parametrised],
     registry: Registry[Any],
     fresh: bool,
@@ -151,9 +151,9 @@ def _keep_entries(
     registry: Registry[Any],
     cls: type[Parametrised],
     was: type[Parametrised],
-    old: Table,
+    old: JsonTable,
     fresh: bool,
-) -> Table:
+) -> JsonTable:
     """Entries of a table that belong to no kind."""
     inner = [name for name, _ in list_nested(cls)]
     names = {

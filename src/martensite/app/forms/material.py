@@ -7,8 +7,8 @@ from copy import deepcopy
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.app.forms import documents
 from martensite.app.forms.changed_scenario import ChangedScenario
-from martensite.app.forms.documents import Table
 from martensite.app.forms.table_filler import KIND, TableFiller, read_kind, without_material
+from martensite.app.messages import JsonTable
 from martensite.app.packaged_scenarios import FOLDER
 from martensite.base.parameters import REQUIRED, Parametrised
 from martensite.physics.laws.base import LAWS
@@ -18,7 +18,7 @@ USUAL_LAWS = ("liang-rogers", "lagoudas", "mas-hybrid", "brinson")
 """Laws among which one is chosen for a material that names none, the first if all fit."""
 
 
-def with_material(document: Table, name: str) -> ChangedScenario:
+def with_material(document: JsonTable, name: str) -> ChangedScenario:
     """The document with another material; a law that it cannot serve goes to one that it can."""
     made = deepcopy(document)
     material = load_material(name, FOLDER) if name else None
@@ -40,7 +40,7 @@ def with_material(document: Table, name: str) -> ChangedScenario:
     return ChangedScenario(made, notes, choices[best].assumed, choices[best].missing)
 
 
-def _law_for(material: Material | None) -> Table:
+def _law_for(material: Material | None) -> JsonTable:
     """The law that a material names, or of which it has most; the first of the usual ones."""
     if material is not None and material.law:
         return dict(material.law)
@@ -53,7 +53,7 @@ def _law_for(material: Material | None) -> Table:
     return {KIND: min(USUAL_LAWS, key=lacks)}
 
 
-def _with_law(table: Table, cls: type[Parametrised], law: Table) -> Table:
+def _with_law(table: JsonTable, cls: type[Parametrised], law: JsonTable) -> JsonTable:
     """A table of an element with another law, in the wire that it is made of."""
     if "law" in cls.declarations:
         return {**table, "law": law}

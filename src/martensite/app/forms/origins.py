@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from martensite.app.messages import JsonTable
 from martensite.physics.materials.base import DOUBTFUL, Material, MaterialNumber
 
 ORIGIN_WORDS = {
@@ -15,7 +14,7 @@ ORIGIN_WORDS = {
 }
 
 
-def describe_origin(noted: str, name: str, material: Material | None) -> dict[str, Any]:
+def describe_origin(noted: str, name: str, material: Material | None) -> JsonTable:
     """An origin as `Scenario.origins` notes it, told in full.
 
     `from` is scenario, default, plant, start, law or material; `words` a sentence; for a number of
@@ -32,7 +31,7 @@ def describe_origin(noted: str, name: str, material: Material | None) -> dict[st
     return found
 
 
-def describe_source(material: Material, number: MaterialNumber) -> dict[str, Any]:
+def describe_source(material: Material, number: MaterialNumber) -> JsonTable:
     """A number of a material with its source."""
     source = material.sources[number.source]
     return {
@@ -46,7 +45,7 @@ def describe_source(material: Material, number: MaterialNumber) -> dict[str, Any
     }
 
 
-def find_material_number(material: Material | None, name: str) -> dict[str, Any] | None:
+def find_material_number(material: Material | None, name: str) -> JsonTable | None:
     """What the material has for a number that the scenario gives itself; None if it has none."""
     if material is None or name not in material.values:
         return None

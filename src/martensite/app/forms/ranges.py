@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any
 
+from martensite.app.messages import JsonTable
 from martensite.base.parameters import Declared
 
 SIZES = {
@@ -57,7 +57,7 @@ def is_unlimited(value: float, declared: Declared) -> bool:
     return not math.isfinite(value) or largest
 
 
-def build_slider(value: float, unit: str, declared: Declared) -> dict[str, Any] | None:
+def build_slider(value: float, unit: str, declared: Declared) -> JsonTable | None:
     """Ends of a slider in SI, whether it is logarithmic and goes in whole numbers; None for none.
 
     There is none for a number that says that there is no limit.

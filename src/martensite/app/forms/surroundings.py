@@ -12,8 +12,8 @@ from typing import Any
 from martensite.app.forms import documents
 from martensite.app.forms.changed_scenario import ChangedScenario
 from martensite.app.forms.control_tree import place_units
-from martensite.app.forms.documents import Table
 from martensite.app.forms.table_filler import KIND, TableFiller
+from martensite.app.messages import JsonTable
 from martensite.base.files import toml_document
 from martensite.base.parameters import Parametrised
 from martensite.physics.electrical.base import SOURCES
@@ -61,7 +61,7 @@ def change_reference(
         yield made
 
 
-def _list_kinds(document: Table) -> tuple[Any, Any]:
+def _list_kinds(document: JsonTable) -> tuple[Any, Any]:
     """Kinds of mechanism and source."""
     drive = "driver" if "driver" in document else "drive"
     return tuple(documents.find_entry(document, f"{n}.kind") for n in ("mechanism", drive))  # type: ignore[return-value]

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any, cast
 
 from martensite.actuators.elements.from_material import ASSUMED_KINDS
+from martensite.app.messages import JsonTable
 from martensite.base.errors import InputError
 from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
 from martensite.base.registry import Registry
@@ -21,7 +22,6 @@ from martensite.scenario.build import LAW
 from martensite.scenario.components import component_class, is_members
 from martensite.signals.base import DRIVE
 
-Table = dict[str, Any]
 KIND = "kind"
 
 
@@ -57,13 +57,13 @@ class TableFiller:
         self,
         cls: type[Parametrised],
         registry: Registry[Any] | None,
-        old: Table,
+        old: JsonTable,
         path: str,
         was: type[Parametrised] | None = None,
-    ) -> Table:
+    ) -> JsonTable:
         """The table of a class from that of another one, or from its own, completed."""
         was = was or cls
-        made: Table = {KIND: cls.registered_name} if registry is not None else {}
+        made: JsonTable = {KIND: cls.registered_name} if registry is not None else {}
         if was is cls:
             made |= {key: value for key, value in old.items() if key not in cls.declarations}
         spread = self._collect_entries(old, was, registry)
@@ -80,7 +80,7 @@ class TableFiller:
         return made
 
     def _collect_entries(
-        self, old: Table, was: type[Parametrised], registry: Registry[Any] | None
+        self, old: JsonTable, was: type[Parametrised], registry: Registry[Any] | None
     ) -> dict[str, tuple[Any, Declared]]:
         """Entries by name with their declarations, those of a component of the same sort too."""
         found: dict[str, tuple[Any, Declared]] = {}
@@ -148,7 +148,7 @@ class TableFiller:
         cls: type[Parametrised],
         registry: Registry[Any] | None,
         name: str,
-        old: Table,
+        old: JsonTable,
         path: str,
         was: type[Parametrised],
     ) -> Any:
@@ -176,7 +176,7 @@ class TableFiller:
             return self._begin_row(declared, path) if given is None else given
         if given is None and declared.default is not REQUIRED:
             return None
-        return self.table(inner, None, cast("Table", given or {}), path) or None
+        return self.table(inner, None, cast("JsonTable", given or {}), path) or None
 
     def _begin_row(self, declared: Declared, path: str) -> Any:
         """Typical value of what is no single number, such as the samples of a table."""
@@ -192,7 +192,7 @@ class TableFiller:
         cls: type[Parametrised],
         registry: Registry[Any],
         name: str,
-        old: Table,
+        old: JsonTable,
         path: str,
         was: type[Parametrised],
     ) -> Any:
@@ -231,7 +231,7 @@ class TableFiller:
         implied = set(made) - set(full) == {KIND} and KIND not in full
         return given if implied and given is not None else made
 
-    def _find_meant(self, name: str, declared: Declared, full: Table) -> Table | None:
+    def _find_meant(self, name: str, declared: Declared, full: JsonTable) -> JsonTable | None:
         """The kind that a table names, or that is meant without one."""
         if KIND in full:
             return full
@@ -244,9 +244,9 @@ class TableFiller:
         return None
 
 
-def read_kind(value: Any) -> Table:
+def read_kind(value: Any) -> JsonTable:
     """A table; a bare text is its kind, and nothing is empty."""
-    return {KIND: value} if isinstance(value, str) else dict(cast("Table", value or {}))
+    return {KIND: value} if isinstance(value, str) else dict(cast("JsonTable", value or {}))
 
 
 def _is_alike(one: Declared, other: Declared) -> bool:
@@ -254,12 +254,14 @@ def _is_alike(one: Declared, other: Declared) -> bool:
     return one.kind == other.kind and one.registry is other.registry
 
 
-def without_material(table: Table, material: Material | None) -> Table:
+def without_material(table: JsonTable, material: Material | None) -> JsonTable:
     """A table of an element without numbers that a material has, at any depth."""
     if material is None:
         return table
     return {
-        key: without_material(cast("Table", value), material) if isinstance(value, dict) else value
+        key: without_material(cast("JsonTable", value), material)
+        if isinstance(value, dict)
+        else value
         for key, value in table.items()
         if key not in material.values or key not in NAMES
     }

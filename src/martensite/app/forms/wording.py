@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
+from martensite.app.messages import JsonTable
 from martensite.base import units
 from martensite.base.errors import UnitError
 
@@ -67,7 +67,7 @@ def print_unit(unit: str) -> str:
     return text.replace("*", "·")
 
 
-def describe_display(unit: str, value: float | None = None) -> dict[str, Any]:
+def describe_display(unit: str, value: float | None = None) -> JsonTable:
     """How a number in an SI unit is shown: spelling, label, factor and offset.
 
     shown = SI · factor + offset; the spelling is empty where there is no unit.

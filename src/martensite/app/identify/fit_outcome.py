@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 from martensite.app.identify.display_units import describe_difference, describe_display
 from martensite.app.identify.fit_progress import describe_parameter, round_digits
 from martensite.app.identify.followed_columns import embed_log
 from martensite.app.identify.thinning import MOST_CORNERS as FEW
+from martensite.app.messages import JsonTable
 from martensite.app.views.columns import choose_rows
 from martensite.fit.compared_outputs import ComparedOutput, list_compared
 from martensite.fit.fit_task import LogFit
@@ -21,7 +21,7 @@ from martensite.search.free_numbers import FreeNumber
 DRAWN_ROWS = 800
 
 
-def describe_outcome(fit: LogFit) -> dict[str, Any]:
+def describe_outcome(fit: LogFit) -> JsonTable:
     """All that is shown of a fit; numbers in SI."""
     return {
         "title": fit.scenario.title if fit.scenario else "",
@@ -59,7 +59,7 @@ def _list_warnings(fit: LogFit) -> list[str]:
     return [sentence for sentence in list_fit_warnings(fit) if sentence not in told]
 
 
-def _describe_parameter(fit: LogFit, free: FreeNumber) -> dict[str, Any]:
+def _describe_parameter(fit: LogFit, free: FreeNumber) -> JsonTable:
     low, high = fit.uncertainty.widened(free.name)
     known = math.isfinite(low) and math.isfinite(high)
     return {
@@ -84,7 +84,7 @@ def _thin_rows(history: tuple[tuple[int, float], ...]) -> list[tuple[int, float]
     return [history[row] for row in choose_rows(len(history), FEW)]
 
 
-def _list_curves(one: ComparedOutput) -> dict[str, Any]:
+def _list_curves(one: ComparedOutput) -> JsonTable:
     """A record and output, measured and modelled; what was kept back is flagged."""
     rows = choose_rows(len(one.times), DRAWN_ROWS)
     return {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from threading import Event
 from typing import Any
@@ -14,6 +14,7 @@ from martensite.app.identify.display_units import (
     shown_number,
 )
 from martensite.app.identify.thinning import MOST_CORNERS
+from martensite.app.messages import JsonTable, Request
 from martensite.app.views.columns import choose_rows
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
@@ -35,7 +36,7 @@ class FitProgress:
 
     problem: Problem
     """With the records that the search sees."""
-    tell: Callable[[Mapping[str, Any]], None]
+    tell: Callable[[Request], None]
     stop: Event
     began: float = field(default_factory=time.monotonic)
     _next: float = 0.0
@@ -81,7 +82,7 @@ class FitProgress:
             }
         )
 
-    def _curves(self, values: tuple[float, ...], now: float) -> dict[str, Any]:
+    def _curves(self, values: tuple[float, ...], now: float) -> JsonTable:
         """What the best so far gives, unless that was shown already, or takes too long."""
         if now < self._next_curves or values == self._drawn:
             return {}
@@ -105,7 +106,7 @@ def round_digits(value: float) -> float:
     return float(f"{value:.{DIGITS}g}")
 
 
-def describe_measured(one: Experiment) -> dict[str, Any]:
+def describe_measured(one: Experiment) -> JsonTable:
     """A record as it was measured, at the rows that are drawn."""
     rows, known = choose_rows(len(one.times), MOST_CORNERS), one.system.outputs()
     return {
@@ -124,7 +125,7 @@ def describe_measured(one: Experiment) -> dict[str, Any]:
     }
 
 
-def describe_parameter(free: FreeNumber) -> dict[str, Any]:
+def describe_parameter(free: FreeNumber) -> JsonTable:
     """A parameter that is searched: where from, between which bounds, shown in which unit."""
     how = shown_number(free.start, free.unit)
     if is_nuisance(free.path):

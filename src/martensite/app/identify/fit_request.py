@@ -9,12 +9,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any, cast
 
 from martensite.app.documents import check_files
 from martensite.app.identify.mapped_table import read_records
-from martensite.app.messages import BadMessageError, require_entry
+from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite.app.packaged_scenarios import build_packaged
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError, ParameterError
@@ -30,7 +29,7 @@ MOST_ROWS = 50_000
 """Rows of a record: each is a step of every run where the scenario follows it."""
 
 
-def build_scenario(request: Mapping[str, Any], record: Record) -> Scenario:
+def build_scenario(request: Request, record: Record) -> Scenario:
     """The scenario of a request, with a record that it may follow.
 
     Raises:
@@ -41,7 +40,7 @@ def build_scenario(request: Mapping[str, Any], record: Record) -> Scenario:
     return build_packaged(text, log=record)
 
 
-def read_task(request: Mapping[str, Any], desk: Desk) -> FitTask:
+def read_task(request: Request, desk: Desk) -> FitTask:
     """The task of a request.
 
     Raises:
@@ -69,34 +68,34 @@ def read_task(request: Mapping[str, Any], desk: Desk) -> FitTask:
     )
 
 
-def _list_ranges(request: Mapping[str, Any], name: str) -> list[SearchRange]:
+def _list_ranges(request: Request, name: str) -> list[SearchRange]:
     found: list[SearchRange] = []
     for entry in require_entry(request, name, list, []):
         if not isinstance(entry, dict):
             raise BadMessageError(f"`{name}` must hold tables with a `name`.")
-        table = cast("dict[str, Any]", entry)
+        table = cast("JsonTable", entry)
         low, high, start = (_read_number(table, key) for key in ("low", "high", "start"))
         found.append(SearchRange(require_entry(table, "name", str), low, high, start))
     return found
 
 
-def _read_number(table: Mapping[str, Any], key: str) -> float | None:
+def _read_number(table: Request, key: str) -> float | None:
     return None if table.get(key) is None else require_entry(table, key, float)
 
 
-def _read_hold_out(request: Mapping[str, Any]) -> str | list[str]:
+def _read_hold_out(request: Request) -> str | list[str]:
     given = request.get("hold_out", AUTO)
     if isinstance(given, list):
         return [str(name) for name in cast("list[Any]", given)]
     return require_entry(request, "hold_out", str, AUTO)
 
 
-def _read_noise(request: Mapping[str, Any]) -> dict[str, float]:
+def _read_noise(request: Request) -> dict[str, float]:
     given = require_entry(request, "noise", dict, {})
     return {str(name): require_entry(given, name, float) for name in given}
 
 
-def _read_search(request: Mapping[str, Any]) -> FitSearch:
+def _read_search(request: Request) -> FitSearch:
     usual = FitSearch()
     starts = require_entry(request, "starts", int, usual.starts)
     if not 0 <= starts <= MOST_STARTS:

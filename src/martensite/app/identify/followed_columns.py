@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
 from martensite.app.identify.thinning import find_corners
+from martensite.app.messages import JsonTable, Request
 from martensite.base import units
 from martensite.base.errors import ParameterError
 from martensite.base.files import toml_document
@@ -25,7 +26,7 @@ SOURCE_OF = {"V": "voltage", "A": "current", "W": "power", "K": "temperature"}
 """Unit of a column -> the source that takes it as it is."""
 
 
-def describe_drives(document: Mapping[str, Any]) -> list[dict[str, str]]:
+def describe_drives(document: Request) -> list[dict[str, str]]:
     """What may follow a column: path of its waveform, kind of source, column that it follows.
 
     Raises:
@@ -34,7 +35,7 @@ def describe_drives(document: Mapping[str, Any]) -> list[dict[str, str]]:
     return [_describe_drive(path, table) for path, table in _list_driven(document)]
 
 
-def _list_driven(document: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
+def _list_driven(document: Request) -> Iterator[tuple[str, Request]]:
     """Path of every waveform, and the table that holds it."""
     drive = drive_section(document)
     if isinstance(document.get(drive), dict):
@@ -46,15 +47,15 @@ def _list_driven(document: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str
         yield f"{SIGNALS}.{name}", {WAVEFORM: table}
 
 
-def _list_tables(given: Any) -> Iterator[tuple[str, dict[str, Any]]]:
-    for name, table in cast("dict[str, Any]", given if isinstance(given, dict) else {}).items():
+def _list_tables(given: Any) -> Iterator[tuple[str, JsonTable]]:
+    for name, table in cast("JsonTable", given if isinstance(given, dict) else {}).items():
         if isinstance(table, dict):
-            yield name, cast("dict[str, Any]", table)
+            yield name, cast("JsonTable", table)
 
 
-def _describe_drive(path: str, table: Mapping[str, Any]) -> dict[str, str]:
+def _describe_drive(path: str, table: Request) -> dict[str, str]:
     given = table.get(WAVEFORM)
-    waveform = cast("dict[str, Any]", given if isinstance(given, dict) else {"kind": given})
+    waveform = cast("JsonTable", given if isinstance(given, dict) else {"kind": given})
     kind = str(table.get("kind", ""))
     natural = NATURAL.get(SOURCES[kind].unit, "") if kind in SOURCES.names() else ""
     followed = str(waveform.get("column", natural)) if waveform.get("kind") == LOG else ""
@@ -68,7 +69,7 @@ def _describe_drive(path: str, table: Mapping[str, Any]) -> dict[str, str]:
     }
 
 
-def follow_column(document: dict[str, Any], path: str, column: str, unit: str) -> dict[str, Any]:
+def follow_column(document: JsonTable, path: str, column: str, unit: str) -> JsonTable:
     """A scenario whose drive, or signal, follows a column of a log in such a unit.
 
     A source of another unit gives way to the one that takes the column as it is. A fixed
@@ -94,7 +95,7 @@ def follow_column(document: dict[str, Any], path: str, column: str, unit: str) -
     found = change_document(document, changes)
     run = found.get("run")
     if isinstance(run, dict):
-        cast("dict[str, Any]", run).pop("duration", None)
+        cast("JsonTable", run).pop("duration", None)
     return found
 
 
@@ -107,18 +108,18 @@ def embed_log(scenario: Scenario, log: Record, numbers: Mapping[str, str]) -> st
         numbers: texts of quantities to put in.
     """
     record, section = from_zero(log), scenario.places.drive
-    changes: dict[str, Any] = dict(numbers)
+    changes: JsonTable = dict(numbers)
     for name, column in scenario.follows.items():
         path = waveform_path(scenario.system, name, section).removesuffix(".")
         changes[path] = _list_corners(record, column)
     document = change_document(toml_document(scenario.text), changes)
     run = document.get("run")
     if scenario.follows and isinstance(run, dict):
-        cast("dict[str, Any]", run).pop("lead", None)
+        cast("JsonTable", run).pop("lead", None)
     return as_toml(document)
 
 
-def _list_corners(record: Record, column: str) -> dict[str, Any]:
+def _list_corners(record: Record, column: str) -> JsonTable:
     """A waveform through the corners of a column."""
     known = [(t, x) for t, x in zip(record.times, record[column], strict=True) if math.isfinite(x)]
     times, values = zip(*known, strict=True)

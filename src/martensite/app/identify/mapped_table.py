@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from martensite.app.identify.raw_table import BINARY, read_raw
-from martensite.app.messages import BadMessageError, require_entry
+from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base import units
@@ -31,7 +31,7 @@ FEWEST_ROWS = 8
 MOST_RECORDS = 40
 
 
-def read_record(request: Mapping[str, Any], desk: Desk) -> Record:
+def read_record(request: Request, desk: Desk) -> Record:
     """The whole table in SI.
 
     Raises:
@@ -50,7 +50,7 @@ def read_record(request: Mapping[str, Any], desk: Desk) -> Record:
     )
 
 
-def read_records(request: Mapping[str, Any], desk: Desk) -> list[Record]:
+def read_records(request: Request, desk: Desk) -> list[Record]:
     """The records that a table was cut into, in the order of the request.
 
     Raises:
@@ -60,10 +60,10 @@ def read_records(request: Mapping[str, Any], desk: Desk) -> list[Record]:
     return [_cut_record(whole, cut) for cut in _read_cuts(request)] or [whole]
 
 
-def describe_cuts(request: Mapping[str, Any], desk: Desk) -> list[dict[str, Any]]:
+def describe_cuts(request: Request, desk: Desk) -> list[JsonTable]:
     """Of every cut its name and rows, or why it is no record; for who is still cutting."""
     whole = read_record(request, desk)
-    found: list[dict[str, Any]] = []
+    found: list[JsonTable] = []
     for cut in _read_cuts(request):
         try:
             record = _cut_record(whole, cut)
@@ -74,14 +74,14 @@ def describe_cuts(request: Mapping[str, Any], desk: Desk) -> list[dict[str, Any]
     return found
 
 
-def _read_cuts(request: Mapping[str, Any]) -> list[dict[str, Any]]:
+def _read_cuts(request: Request) -> list[JsonTable]:
     cuts = [_require_table(cut, "cuts") for cut in require_entry(request, "cuts", list, [])]
     if len(cuts) > MOST_RECORDS:
         raise DataError(f"{len(cuts)} records are too many; at most {MOST_RECORDS} are fitted.")
     return cuts
 
 
-def _read_columns(request: Mapping[str, Any]) -> list[tuple[int, str, str]]:
+def _read_columns(request: Request) -> list[tuple[int, str, str]]:
     """Place, name and unit of every column that is used."""
     found = [_require_table(entry, "columns") for entry in require_entry(request, "columns", list)]
     columns = [
@@ -97,10 +97,10 @@ def _read_columns(request: Mapping[str, Any]) -> list[tuple[int, str, str]]:
     return columns
 
 
-def _require_table(entry: Any, name: str) -> dict[str, Any]:
+def _require_table(entry: Any, name: str) -> JsonTable:
     if not isinstance(entry, dict):
         raise BadMessageError(f"`{name}` must hold tables, but holds {str(entry)[:40]!r}.")
-    return cast("dict[str, Any]", entry)
+    return cast("JsonTable", entry)
 
 
 @lru_cache(maxsize=2)
@@ -154,7 +154,7 @@ def _read_arrays(path: Path, headings: Mapping[int, str], interval: float | None
     return Record(path.stem, found, spelt, path)
 
 
-def _cut_record(whole: Record, cut: Mapping[str, Any]) -> Record:
+def _cut_record(whole: Record, cut: Request) -> Record:
     """The rows of a stretch of time, every so many of them."""
     times = whole.times
     first, last = (

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 from martensite.app.identify.display_units import shown_number
+from martensite.app.messages import JsonTable
 from martensite.base import units
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Leaf
@@ -15,7 +15,7 @@ from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
 
 
-def list_numbers(scenario: Scenario) -> list[dict[str, Any]]:
+def list_numbers(scenario: Scenario) -> list[JsonTable]:
     """One entry per number, or per numbers of one name and value, which then move together."""
     leaves = [leaf for leaf in scenario.system.leaves() if _can_be_free(leaf)]
     endings: dict[str, list[Leaf]] = {}
@@ -30,14 +30,14 @@ def _can_be_free(leaf: Leaf) -> bool:
     return leaf.declared.unit not in units.OF_READINGS and math.isfinite(leaf.value)
 
 
-def _list_entries(scenario: Scenario, name: str, group: list[Leaf]) -> Iterator[dict[str, Any]]:
+def _list_entries(scenario: Scenario, name: str, group: list[Leaf]) -> Iterator[JsonTable]:
     if len({(leaf.value, leaf.declared.unit) for leaf in group}) == 1:
         yield _describe_entry(scenario, name, group)
     else:
         yield from (_describe_entry(scenario, leaf.path, [leaf]) for leaf in group)
 
 
-def _describe_entry(scenario: Scenario, name: str, group: list[Leaf]) -> dict[str, Any]:
+def _describe_entry(scenario: Scenario, name: str, group: list[Leaf]) -> JsonTable:
     leaf = group[0]
     path, declared = scenario.places.path(leaf.path), leaf.declared
     low, high = _find_bounds(scenario, name)

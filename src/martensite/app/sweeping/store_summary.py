@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
+from martensite.app.messages import JsonTable, Request
 from martensite.app.packaged_scenarios import build_packaged
 from martensite.app.sweeping.sweep_folder import is_busy, measure_bytes
 from martensite.base.errors import MartensiteError
@@ -14,17 +13,17 @@ from martensite.design.sweep.store import STATUS, Store
 from martensite.scenario.scenario import Scenario
 
 
-def read_scenario_of(spec: Mapping[str, Any]) -> Scenario:
+def read_scenario_of(spec: Request) -> Scenario:
     """The scenario that a sweep varies."""
     return build_packaged(spec["scenario"])
 
 
-def read_wanted_of(spec: Mapping[str, Any]) -> SweepRequest:
+def read_wanted_of(spec: Request) -> SweepRequest:
     """What was asked for."""
     return SweepRequest.of_spec(spec)
 
 
-def summarise_store(key: str, path: Path) -> dict[str, Any]:
+def summarise_store(key: str, path: Path) -> JsonTable:
     """A line about a sweep: `state` is running, done, stopped or unreadable."""
     told = {
         "key": key,

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from martensite.app.messages import JsonTable
 from martensite.app.views.columns import describe_conversion
 from martensite.base.status import Status
 from martensite.design.sweep.axes import SweepAxis
@@ -30,7 +31,7 @@ class SweepDrawing:
     store: Store
 
     @cached_property
-    def spec(self) -> dict[str, Any]:
+    def spec(self) -> JsonTable:
         """What was asked for."""
         return self.store.spec
 
@@ -75,12 +76,12 @@ class SweepDrawing:
         length = int(self.spec["chunk"])
         return np.arange(chunk * length, min((chunk + 1) * length, self.size))
 
-    def points(self, chunks: Iterable[int]) -> dict[str, Any]:
+    def points(self, chunks: Iterable[int]) -> JsonTable:
         """Drawn runs of chunks that are there: numbers of runs, status, and columns in SI.
 
         Columns of a grid are its measures alone: levels say the rest.
         """
-        found: dict[str, Any] = {"rows": [], "status": [], "columns": {n: [] for n in self._names}}
+        found: JsonTable = {"rows": [], "status": [], "columns": {n: [] for n in self._names}}
         for first, last in _list_stretches(sorted(chunks)):
             rows = np.arange(self.rows(first)[0], self.rows(last)[-1] + 1)
             kept = self.kept(rows)
@@ -88,7 +89,7 @@ class SweepDrawing:
                 self._add(found, rows, kept)
         return found
 
-    def _add(self, found: dict[str, Any], rows: Rows, kept: Rows) -> None:
+    def _add(self, found: JsonTable, rows: Rows, kept: Rows) -> None:
         region, places = slice(int(rows[0]), int(rows[-1]) + 1), kept - rows[0]
         found["rows"] += kept.tolist()
         found["status"] += self.store.group[STATUS][region][places].tolist()
@@ -100,7 +101,7 @@ class SweepDrawing:
         varied = [one.target.name for one in self.axes] if self.levels is None else []
         return [*varied, *self.spec["measures"]]
 
-    def layout(self) -> dict[str, Any]:
+    def layout(self) -> JsonTable:
         """What the columns are, and how they are shown (shown = SI · factor + offset)."""
         short = shorten_names([one.target.name for one in self.axes])
         return {
@@ -124,7 +125,7 @@ class SweepDrawing:
             "statuses": [[int(one), one.name.lower(), one.sentence] for one in Status],
         }
 
-    def _shown(self, name: str) -> dict[str, Any]:
+    def _shown(self, name: str) -> JsonTable:
         array = self.store.group[name]
         column = SweepColumn(name, str(array.attrs["units"]), np.empty(0))
         how = describe_conversion(column.declared, column.shown)

@@ -8,8 +8,8 @@ from collections.abc import Generator, Iterable
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
+from martensite.app.messages import JsonTable
 from martensite.app.sweeping.sweep_drawing import SweepDrawing
 from martensite.app.worker import Desk
 from martensite.base.status import Status
@@ -99,7 +99,7 @@ class SweepProgress:
                 }
             )
 
-    def _state(self, progress: Progress, elapsed: float) -> dict[str, Any]:
+    def _state(self, progress: Progress, elapsed: float) -> JsonTable:
         rate = progress.made / elapsed if progress.made and elapsed > 0.0 else None
         return {
             "phase": "running",

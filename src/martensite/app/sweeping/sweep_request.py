@@ -6,11 +6,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
-from martensite.app.messages import BadMessageError, require_entry
+from martensite.app.messages import BadMessageError, Request, require_entry
 from martensite.base import units
 from martensite.base.errors import MartensiteError, ParameterError
 from martensite.design.sampling.base import AbstractDesign, parse_sampling
@@ -28,7 +28,7 @@ MOST_WORDS = 64
 LONGEST_ENTRY = 400
 
 
-def read_wanted(request: Mapping[str, Any]) -> SweepRequest:
+def read_wanted(request: Request) -> SweepRequest:
     """What is asked for, as the library takes it.
 
     Raises:
@@ -45,7 +45,7 @@ def read_wanted(request: Mapping[str, Any]) -> SweepRequest:
     )
 
 
-def read_workers(request: Mapping[str, Any]) -> SweepExecution:
+def read_workers(request: Request) -> SweepExecution:
     """Who runs it: as many processes as are asked for, or what the library chooses."""
     workers = require_entry(request, "workers", int, 0)
     if not 0 <= workers <= 256:
@@ -77,7 +77,7 @@ def require_size(plan: SweepPlan) -> SweepPlan:
     return plan
 
 
-def _read_texts(request: Mapping[str, Any], name: str) -> tuple[str, ...]:
+def _read_texts(request: Request, name: str) -> tuple[str, ...]:
     given = require_entry(request, name, list)
     fits = (isinstance(one, str) and len(one) <= LONGEST_ENTRY for one in given)
     if len(given) > MOST_WORDS or not all(fits):
@@ -106,9 +106,7 @@ class FieldFaults(dict[str, str]):
             return None
 
 
-def check_request(
-    scenario: Scenario, request: Mapping[str, Any]
-) -> tuple[SweepPlan | None, FieldFaults]:
+def check_request(scenario: Scenario, request: Request) -> tuple[SweepPlan | None, FieldFaults]:
     """The plan that a request asks for, or what is wrong with it, by field of the form.
 
     Fields are `over.0`, `over.1` …, `sample`, `seed`, `measures.0` …, `step`, `runtime`,

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from itertools import pairwise
-from typing import Any
 
+from martensite.app.messages import JsonTable
 from martensite.app.views.columns import describe_column
 from martensite.app.views.traces import TOGETHER
 from martensite.control.loop.names import ALARM
@@ -24,13 +24,13 @@ MOST_SPANS = 400
 """Spans that are told; what follows is one."""
 
 
-def list_alarms(result: Result) -> list[dict[str, Any]]:
+def list_alarms(result: Result) -> list[JsonTable]:
     """All alarms with panel, column, how it is shown, and spans [s]; then the supervisor's."""
     found = [_describe_alarm(result, alarm) for alarm in result.alarms]
     return [*found, *_list_supervised(result)]
 
 
-def _describe_alarm(result: Result, alarm: Alarm) -> dict[str, Any]:
+def _describe_alarm(result: Result, alarm: Alarm) -> JsonTable:
     port = alarm.port or next(iter(result.system.actuators()))
     column = result.system.label(port, alarm.quantity)
     spans = list(_find_spans(result.times, list_margins(result, alarm, port)))
@@ -82,7 +82,7 @@ def _limit_spans(spans: list[Span]) -> list[Span]:
     )
 
 
-def _list_supervised(result: Result) -> Iterator[dict[str, Any]]:
+def _list_supervised(result: Result) -> Iterator[JsonTable]:
     """The alarm of the supervisor of a bench, if it was raised."""
     spans = alarmed(result)
     if not spans:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from martensite.app.messages import JsonTable
 from martensite.base import units
 from martensite.simulate.result import Result
 
@@ -11,7 +10,7 @@ MOST_ROWS = 2001
 """Points that are drawn of a column; more cannot be told apart on a screen."""
 
 
-def list_columns(result: Result) -> dict[str, Any]:
+def list_columns(result: Result) -> JsonTable:
     """Times [s], columns in SI, and what each is called.
 
     `outputs` gives for every column its SI unit, the unit it is shown in with factor and offset
@@ -32,14 +31,14 @@ def choose_rows(count: int, most: int = MOST_ROWS) -> list[int]:
     return [round(i * (count - 1) / (most - 1)) for i in range(most)]
 
 
-def describe_column(result: Result, name: str) -> dict[str, Any]:
+def describe_column(result: Result, name: str) -> JsonTable:
     """How a column is called, and how it is shown."""
     output = result.outputs[name]
     how = describe_conversion(output.unit, units.of_column(name, output.unit))
     return {**how, "long_name": output.long_name, "symbol": output.symbol}
 
 
-def describe_conversion(unit: str, spelling: str) -> dict[str, Any]:
+def describe_conversion(unit: str, spelling: str) -> JsonTable:
     """A SI unit, the unit it is shown in, and how: shown = SI · factor + offset."""
     offset = units.from_si(0.0, spelling, unit)
     return {

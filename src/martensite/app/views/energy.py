@@ -17,6 +17,7 @@ from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.elements.rows import AbstractRow
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine
+from martensite.app.messages import JsonTable
 from martensite.app.views.columns import choose_rows
 from martensite.design.analysis.energy import integrate_energies
 from martensite.simulate.result import Result
@@ -42,7 +43,7 @@ class EnergyCourse:
     """[J]"""
 
 
-def describe_energy(result: Result) -> dict[str, Any]:
+def describe_energy(result: Result) -> JsonTable:
     """Courses of the energies, efficiency over time, and what is not known, in a sentence."""
     actuators = result.system.actuators()
     if not actuators:
@@ -75,7 +76,7 @@ def describe_energy(result: Result) -> dict[str, Any]:
     return {"courses": [vars(c) for c in courses], "efficiency": efficiency, "sentence": said}
 
 
-def _describe_missing(sentence: str) -> dict[str, Any]:
+def _describe_missing(sentence: str) -> JsonTable:
     return {"courses": [], "efficiency": None, "sentence": sentence}
 
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
+from martensite.app.messages import JsonTable
 from martensite.app.views.columns import describe_column
 from martensite.base import units
 from martensite.simulate.result import Result
 
 
-def list_key_results(result: Result, energies: dict[str, Any]) -> list[dict[str, Any]]:
+def list_key_results(result: Result, energies: JsonTable) -> list[JsonTable]:
     """Rows `{key, name, value, shown, factor, offset}`; values in SI, shown as columns are.
 
     Args:
@@ -29,7 +29,7 @@ def list_key_results(result: Result, energies: dict[str, Any]) -> list[dict[str,
 
 def _build_row(
     key: str, name: str, value: float, unit: str, factor: float, offset: float = 0.0
-) -> dict[str, Any]:
+) -> JsonTable:
     return {
         "key": key,
         "name": name,
@@ -40,7 +40,7 @@ def _build_row(
     }
 
 
-def _list_strokes(result: Result) -> Iterator[dict[str, Any]]:
+def _list_strokes(result: Result) -> Iterator[JsonTable]:
     """How far each coordinate goes that is judged."""
     judged = {result.coordinate, *result.system.mechanism.convergence_scales()}
     for name, output in result.system.mechanism.outputs().items():
@@ -54,7 +54,7 @@ def _list_strokes(result: Result) -> Iterator[dict[str, Any]]:
             )
 
 
-def _list_peaks(result: Result) -> Iterator[dict[str, Any]]:
+def _list_peaks(result: Result) -> Iterator[JsonTable]:
     """Highest temperature, stress and force of all elements, and the lowest martensite fraction."""
     ports = list(result.system.actuators())
     for name, words, choose in (
@@ -70,7 +70,7 @@ def _list_peaks(result: Result) -> Iterator[dict[str, Any]]:
             yield _build_row(name, words, value, how["shown"], how["factor"], how["offset"])
 
 
-def _list_energies(energies: dict[str, Any]) -> Iterator[dict[str, Any]]:
+def _list_energies(energies: JsonTable) -> Iterator[JsonTable]:
     """Each energy at the end, and the efficiency."""
     for course in energies["courses"]:
         if course["key"] != "stored":

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from dataclasses import asdict
 from functools import lru_cache
-from typing import Any
 
+from martensite.app.messages import JsonTable
 from martensite.base.errors import MartensiteError
 from martensite.physics.laws.base import AbstractLaw
 from martensite.show.figures.phase_diagram import LEAST_STRESS, Band, bands
@@ -24,10 +24,10 @@ STRESSES, TEMPERATURES = 100e6, 10.0
 NO_LINES = "This law has no transformation lines in the plane of temperature and stress."
 
 
-def describe_phase(result: Result) -> dict[str, Any]:
+def describe_phase(result: Result) -> JsonTable:
     """Bands of the laws of a run; actuators with the same law share a diagram."""
     laws: dict[AbstractLaw, int] = {}
-    ports: dict[str, dict[str, Any]] = {}
+    ports: dict[str, JsonTable] = {}
     highest, coldest = _find_limits(result)
     for port, actuator in result.system.actuators().items():
         ports[port] = {
@@ -48,7 +48,7 @@ def _find_limits(result: Result) -> tuple[float, float]:
     return highest, TEMPERATURES * math.floor((cold - 8.0) / TEMPERATURES)
 
 
-def _describe_diagram(law: AbstractLaw, highest: float, coldest: float) -> dict[str, Any]:
+def _describe_diagram(law: AbstractLaw, highest: float, coldest: float) -> JsonTable:
     try:
         found = _find_bands(law, highest, coldest)
     except MartensiteError as error:

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, Point
+from martensite.app.messages import JsonTable
 from martensite.app.views.columns import choose_rows
 from martensite.kernels import floats
 from martensite.scenario.scenario import Scenario
@@ -29,7 +29,7 @@ UNKNOWN_LENGTH = 0.1
 SHOWN = ("temperature", "martensite_fraction", "force")
 
 
-def describe_scene(scenario: Scenario, result: Result) -> dict[str, Any]:
+def describe_scene(scenario: Scenario, result: Result) -> JsonTable:
     """Shapes and pictures of a run; see `Scene` in the page's types for what is what."""
     system: AbstractSystem = scenario.system
     lengths = measure_lengths(system, result)
@@ -107,9 +107,9 @@ def _find_natural_length(element: AbstractElement) -> float:
 
 def _describe_shape(
     shape: DrawingShape, stands: bool, system: AbstractSystem, quantum: float
-) -> dict[str, Any]:
+) -> JsonTable:
     """A shape without its places, unless it stands still."""
-    found: dict[str, Any] = {
+    found: JsonTable = {
         "name": shape.name,
         "kind": shape.kind,
         "size": shape.size,
@@ -121,7 +121,7 @@ def _describe_shape(
     return found
 
 
-def _describe_element(element: AbstractElement) -> dict[str, Any]:
+def _describe_element(element: AbstractElement) -> JsonTable:
     """What an element is made of: diameters of wire and coil [m], and turns of the coil."""
     one = getattr(element, "one", None)
     if isinstance(one, AbstractElement):

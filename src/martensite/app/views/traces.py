@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
-from typing import Any
 
 from martensite.actuators.assembly.outputs import OUTPUTS
+from martensite.app.messages import JsonTable
 from martensite.app.views.columns import choose_rows
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
@@ -52,7 +52,7 @@ class TracePanel:
         self.ports.setdefault(port, []).append(column)
 
 
-def list_panels(result: Result, outside: Outside | None = None) -> list[dict[str, Any]]:
+def list_panels(result: Result, outside: Outside | None = None) -> list[JsonTable]:
     """The panels over time, from top to bottom."""
     panels: dict[str, TracePanel] = {}
     homes = _find_homes(result, outside)
@@ -130,7 +130,7 @@ def _rank_panel(panel: TracePanel) -> tuple[bool, int]:
     return not panel.usual, order.index(panel.key) + 1 if known else 0 if panel.usual else 99
 
 
-def list_loops(result: Result) -> list[dict[str, Any]]:
+def list_loops(result: Result) -> list[JsonTable]:
     """Quantities over one another, by port: `{key, ports: {port: [x, y]}}`.
 
     The first coordinate over temperature belongs to them if there is but one actuator.
