@@ -20,7 +20,7 @@ from martensite.signals.constant import Constant
 from martensite.signals.held import Held
 from martensite.testing.conformance import Check, require_condition
 from martensite.testing.examples import build_plant
-from martensite.testing.plants import PERIOD, find_range, observe_rest
+from martensite.testing.readings import PERIOD, find_range, observe_rest
 
 SAMPLES = 40
 """Of a run on a bench."""

@@ -13,7 +13,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.testing.conformance import Check, require_condition
 from martensite.testing.examples import build_example, build_plant
-from martensite.testing.plants import require_same_traced
+from martensite.testing.readings import require_same_traced
 
 MOMENTS = ((0.7, 320.0, 300.0), (0.2, 300.0, 320.0))
 """Signal, reading of a sensor, and the one before."""

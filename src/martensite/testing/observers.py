@@ -12,7 +12,7 @@ from martensite.control.observers.base import AbstractObserver
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.testing.conformance import Check, require_condition
-from martensite.testing.plants import PERIOD, require_same_traced
+from martensite.testing.readings import PERIOD, require_same_traced
 
 Named = Mapping[str, float]
 ABSURD = ((1e9, 0.0), (-1e9, 0.0), (0.0, 0.0), (1e-300, 0.0), (1e9, NEVER))

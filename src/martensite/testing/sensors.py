@@ -12,7 +12,7 @@ from martensite.control.sensors.base import AbstractSensor, simulate_readings
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.testing.conformance import Check, require_condition
-from martensite.testing.plants import find_range, require_same_traced
+from martensite.testing.readings import find_range, require_same_traced
 
 MANY = 4000
 """Readings of which the noise is judged."""

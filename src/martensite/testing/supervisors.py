@@ -12,7 +12,7 @@ from martensite.control.loop.supervisor import AbstractSupervisor
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.testing.conformance import Check, require_condition
-from martensite.testing.plants import PERIOD, draw_readings, find_range, require_same_traced
+from martensite.testing.readings import PERIOD, draw_readings, find_range, require_same_traced
 
 COUNT = 400
 """Samples that are tried."""
