@@ -148,9 +148,9 @@ def test_a_process_whose_parent_is_killed_ends(tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(
         "import os, sys, time\n"
-        "from martensite.design.backends.processes import _pool_of\n"
+        "from martensite.design.backends.processes import _open_pool\n"
         'if __name__ == "__main__":\n'
-        "    with _pool_of(1) as pool:\n"
+        "    with _open_pool(1) as pool:\n"
         "        print(pool.submit(os.getpid).result(), flush=True)\n"
         "        pool.submit(time.sleep, 600)\n"
         "        time.sleep(600)\n"

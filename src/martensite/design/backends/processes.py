@@ -2,7 +2,7 @@
 
 A process that dies takes its chunks with it. They are made again, each in a process of its own; a
 chunk that kills its process once more is halved until the runs that do it are found
-(`martensite.design.sweep.salvage`). Ctrl-C is heard by this process alone: chunks under way are
+(`martensite.design.sweep.failed_runs`). Ctrl-C is heard by this process alone: chunks under way are
 finished,
 the others are left for later. When this process is killed, the others end as well.
 """

@@ -1,10 +1,9 @@
 """`optimise_design`: the numbers of an actuator for which a goal is best and all limits are kept.
 
-A sample of the box, descents with exact derivatives through the march, whole numbers rounded with
-their neighbours (`martensite.design.optimise.search`, `martensite.design.optimise.whole`). Runs are
-made in fixed steps, at most a tenth of the least thermal time constant in the box. At the design
-that is found the steps are halved until this changes little, and the design is adjusted in the
-steps that this takes.
+A sample of the box, descents with exact derivatives through the march (`search`), whole numbers
+rounded with their neighbours (`integer_variables`). Runs are made in fixed steps, at most a tenth
+of the least thermal time constant in the box. At the design that is found the steps are halved
+until this changes little, and the design is adjusted in the steps that this takes.
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ the other direction it leaves the branch, at first with hardly any transformatio
 system holds for both. What a controller designed here does there, a run must show.
 
 The flat state of a plant holds much that is no state of its small motions: where the law last
-turned, the stress of the step before. `in_readings` says it in what can be measured or estimated
-instead: with z = C_z x for chosen outputs, A_z is the least-squares solution of
+turned, the stress of the step before. `realise_readings` says it in what can be measured or
+estimated instead: with z = C_z x for chosen outputs, A_z is the least-squares solution of
 
     C_z A v = A_z C_z v    for all v that signals reach,    v = B, A B, A² B, …
 
@@ -120,7 +120,7 @@ def realise_readings(linear: LinearSystem, states: Sequence[str]) -> Readings:
     """A linear system whose states are some of its outputs.
 
     Args:
-        linear: from `linearised`.
+        linear: from `linearise_plant`.
         states: names of outputs. Such as only repeat each other do no harm.
 
     Raises:

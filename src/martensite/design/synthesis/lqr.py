@@ -125,7 +125,7 @@ def design_regulator(readings: Readings, measured: str, sizes: LqrSizes) -> Regu
     """The regulator that minimises the cost of a linear plant with one input.
 
     Args:
-        readings: from `in_readings`, or the mean of both branches.
+        readings: from `realise_readings`, or the mean of both branches.
         measured: which of its states shall follow a reference.
         sizes: of the cost.
 

@@ -18,7 +18,7 @@ from martensite.identify.chains.residuals import ResidualSquares
 from martensite.search.autocorrelation import count_effective_samples
 
 TIMES = 3.0
-"""Length of a block over the time that the residuals remember, τ of `effective_samples`."""
+"""Length of a block over the time that the residuals remember, τ of `count_effective_samples`."""
 FEWEST = 30
 """Blocks of a record at least, if it has as many samples."""
 

@@ -28,7 +28,7 @@ def plot_energy(found: CycleEnergies, title: str = "") -> Figure:
     """Draw the energies of every cycle, and the efficiency.
 
     Args:
-        found: of `energy_per_cycle`.
+        found: of `compute_cycle_energies`.
         title: headline.
     """
     with styled():

@@ -28,7 +28,7 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
     next to nothing moves there is neither phase nor distortion.
 
     Args:
-        found: of `frequency_response`.
+        found: of `measure_frequency_response`.
         title: headline; by default what was asked.
     """
     with styled():

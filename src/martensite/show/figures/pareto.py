@@ -30,7 +30,7 @@ def plot_pareto(found: SweepTable, front: ParetoFront, title: str = "") -> Figur
 
     Args:
         found: the runs.
-        front: of `pareto_front`.
+        front: of `find_pareto_front`.
         title: headline; by default that of the sweep.
     """
     pairs = list(combinations(range(len(front.goals)), 2))[:MOST_PAIRS] or [(0, 0)]
