@@ -66,7 +66,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def call(*arguments: str) -> Result:
-    return CliRunner().invoke(app, ["export", "c", *arguments])
+    return CliRunner(env={"COLUMNS": "140"}).invoke(app, ["export", "c", *arguments])
 
 
 def read(name: str) -> str:

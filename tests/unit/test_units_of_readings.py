@@ -312,7 +312,7 @@ def test_in_python_they_are_floats_in_si() -> None:
 
 
 def call(*arguments: str) -> Any:
-    return CliRunner().invoke(app, list(arguments))
+    return CliRunner(env={"COLUMNS": "140"}).invoke(app, list(arguments))
 
 
 def test_set_and_params_speak_of_the_everyday_unit() -> None:
