@@ -6,8 +6,8 @@ import pytest
 from martensite.base.errors import ParameterError
 from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.chain_text import parse_chain
-from martensite.identify.chains.levenberg import Normal, minimise_cost
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
+from martensite.search.levenberg_marquardt import Normal, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 RNG = np.random.default_rng(5)

@@ -15,19 +15,19 @@ from sweep_tables import ANGLES, ishigami, ishigami_indices, table, with_status,
 
 from martensite.base.errors import DataError, InputError, UnknownNameError
 from martensite.design.sampling.base import parse_sampling
-from martensite.design.sweep.given_data_indices import (
-    estimate_delta,
-    estimate_first_order,
-    estimate_indices,
-    fit_slopes,
-    rank_columns,
-)
 from martensite.design.sweep.indices import (
     SensitivityIndices,
     compute_sensitivity,
     estimate_block_indices,
 )
 from martensite.design.sweep.table import SweepTable
+from martensite.search.given_data_indices import (
+    estimate_delta,
+    estimate_first_order,
+    estimate_indices,
+    fit_slopes,
+    rank_columns,
+)
 
 BASE = 2048
 

@@ -10,11 +10,11 @@ from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.correlations import correlate_residuals
 from martensite.identify.chains.covariance_sums import sum_blocks
 from martensite.identify.chains.directions import find_rising, split_by_direction
-from martensite.identify.chains.levenberg import minimise_cost
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.identify.chains.uncertainty import estimate_chain_uncertainty, measure_coverage
 from martensite.identify.chains.unidentifiable_directions import invert_normal
 from martensite.identify.chains.validation import compare_validations, validate_chain
+from martensite.search.levenberg_marquardt import minimise_cost
 from martensite.show.figures.model import plot_model, plot_model_loop
 from martensite.show.figures.model_axes import thinned
 from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static_blocks

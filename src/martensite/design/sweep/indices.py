@@ -23,8 +23,8 @@ from martensite.base.errors import DataError
 from martensite.design.sampling.saltelli import count_block_runs
 from martensite.design.sweep.axes import Numbers
 from martensite.design.sweep.extra_packages import import_extra
-from martensite.design.sweep.given_data_indices import SensitivityIndex, estimate_indices, is_spread
 from martensite.design.sweep.table import SweepColumn, SweepTable
+from martensite.search.given_data_indices import SensitivityIndex, estimate_indices, is_spread
 
 LEAST_BLOCKS = 8
 LEAST_RUNS = 32

@@ -23,7 +23,6 @@ from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.decimation import thin_records
 from martensite.identify.chains.impulse_response import Pair, impulse_response
-from martensite.identify.chains.levenberg import minimise_cost
 from martensite.identify.chains.linear_weights import LinearStart, fit_weights
 from martensite.identify.chains.realisation import (
     Matched,
@@ -35,6 +34,7 @@ from martensite.identify.chains.realisation import (
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.identify.operators import sections
 from martensite.kernels import floats
+from martensite.search.levenberg_marquardt import minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 LAGS = 256

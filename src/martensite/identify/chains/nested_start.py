@@ -16,10 +16,10 @@ from martensite.identify.blocks.base import AbstractBlock, AbstractStatic, Numbe
 from martensite.identify.chains.best_linear import polish_linear
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import ChainEngine
-from martensite.identify.chains.levenberg import minimise_cost
 from martensite.identify.chains.linear_start import linear_twin
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.identify.chains.wiener_hammerstein import fit_through
+from martensite.search.levenberg_marquardt import minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 STEPS = 40

@@ -8,10 +8,10 @@ from dataclasses import replace
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.goals import find_expected
-from martensite.identify.chains.levenberg import Found, minimise_cost
 from martensite.identify.chains.noise_model import noise_model
 from martensite.identify.chains.options import Options
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
+from martensite.search.levenberg_marquardt import Found, minimise_cost
 
 TURNS = 3
 """How often noise model and chain follow each other."""

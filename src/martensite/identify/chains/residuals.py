@@ -20,7 +20,7 @@ from scipy.signal import lfilter
 from martensite.base.errors import ParameterError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.engine import ChainEngine, ChainStart
-from martensite.identify.chains.levenberg import Found, Normal, minimise_cost
+from martensite.search.levenberg_marquardt import Found, Normal, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 STARTS = ("rest", "zero", "estimate")

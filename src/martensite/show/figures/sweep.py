@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.base.status import Status
-from martensite.design.sweep.given_data_indices import is_spread
 from martensite.design.sweep.table import SweepColumn, SweepTable
+from martensite.search.given_data_indices import is_spread
 from martensite.show.figures.style import FAINT, HEATING, QUIET, SIMULATED, new_figure, styled
 from martensite.show.figures.sweep_names import headline, label, layout, put_on, varied_labels
 from martensite.show.figures.sweep_scatter import draw_matrix, matrix_size

@@ -83,7 +83,7 @@ def _leading(columns: list[SweepColumn], one: SweepColumn, usable: NDArray[np.bo
     """Places of the varied numbers that are drawn, in their order."""
     if len(columns) <= MOST_AXES:
         return list(range(len(columns)))
-    from martensite.design.sweep.given_data_indices import rank_columns
+    from martensite.search.given_data_indices import rank_columns
 
     y = rank_columns(one.values[usable])
     strengths = [abs(np.corrcoef(rank_columns(c.values[usable]), y)[0, 1]) for c in columns]

@@ -19,11 +19,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from martensite.design.sweep.axes import Numbers
-
+Numbers: TypeAlias = NDArray[np.float64]
 MOST_DELTA, MOST_FIRST = 1000, 20_000
 """Runs that an index is estimated from at most, drawn at random from all."""
 DRAWS = 24

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from martensite.identify.blocks.base import Numbers
-
+Numbers: TypeAlias = NDArray[np.float64]
 FLOOR = 1e-3
 """Least scale of a number, over the median of all."""
 TRIES = 18
@@ -59,7 +59,7 @@ def minimise_cost(
     iterations: int = 100,
     tolerance: float = 1e-7,
     patience: int = 4,
-    free: Numbers | None = None,
+    free: NDArray[np.bool_] | None = None,
     watch: Callable[[int, float, Numbers], None] | None = None,
 ) -> Found:
     """The nearest minimum from a start.
@@ -92,7 +92,7 @@ def minimise_cost(
 
 
 def _try_step(
-    cost: LeastSquaresCost, theta: Numbers, normal: Normal, damping: float, moving: Numbers
+    cost: LeastSquaresCost, theta: Numbers, normal: Normal, damping: float, moving: NDArray[np.intp]
 ) -> tuple[Numbers, float] | None:
     """The next point and damping, or None if no step makes it better."""
     gradient, hessian = normal.gradient[moving], normal.hessian[np.ix_(moving, moving)]
