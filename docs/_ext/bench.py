@@ -1,6 +1,6 @@
 """Markdown about the interface of the web bench, from the docstrings of its modules.
 
-The modules are read, not imported: the server's packages need not be installed.
+Calls are read, not imported: the server's packages need not be installed.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import re
 from pathlib import Path
 
 import martensite
+from martensite.app.routes import ROUTES
 
 APP = Path(martensite.__file__).parent / "app"
 
@@ -27,9 +28,16 @@ def addresses() -> str:
 
 
 def calls() -> str:
-    """Every call: its name, and what its module says of it."""
-    found = {path.stem: docstring(path) for path in sorted((APP / "calls").glob("[!_]*.py"))}
-    return "\n".join(f"`{name}`\n: {_told(text)}\n" for name, text in found.items())
+    """Every call: its name, and what its function says of it."""
+    rows = sorted(ROUTES.items())
+    return "\n".join(f"`{name}`\n: {_told(_explain_call(*place))}\n" for name, place in rows)
+
+
+def _explain_call(module: str, function: str) -> str:
+    """The docstring of a function that answers a call."""
+    tree = ast.parse((APP / "calls" / f"{module}.py").read_text(encoding="utf-8"))
+    found = (n for n in tree.body if isinstance(n, ast.FunctionDef) and n.name == function)
+    return ast.get_docstring(next(found)) or ""
 
 
 def _told(text: str) -> str:

@@ -1,6 +1,6 @@
 """The page on the web bench is true: its program runs, and its reference leaves no call out.
 
-Source of truth: a bench that the program starts itself, and the modules of the calls.
+Source of truth: a bench that the program starts itself, and the table of the calls.
 """
 
 from __future__ import annotations
@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 from fences import ROOT, fences
 
+from martensite.app.routes import ROUTES
+
 PAGE = ROOT / "docs" / "howto" / "app.md"
 (PROGRAM,) = [block.text for block in fences(PAGE) if block.language == "python"]
 (SCENARIO,) = [
@@ -21,7 +23,7 @@ PAGE = ROOT / "docs" / "howto" / "app.md"
     for block in fences(ROOT / "docs" / "tutorial.md")
     if "%%writefile lift.toml" in block.text
 ]
-CALLS = ROOT / "src" / "martensite" / "app" / "calls"
+APP = ROOT / "src" / "martensite" / "app"
 
 
 def test_the_program_runs(tmp_path: Path) -> None:
@@ -49,14 +51,13 @@ def written(monkeypatch: pytest.MonkeyPatch) -> dict[str, str]:
 
 
 def test_every_call_is_there(written: dict[str, str]) -> None:
-    names = [path.stem for path in CALLS.glob("[!_]*.py")]
-    assert "run" in names
-    missing = [name for name in names if f"`{name}`\n: " not in written["calls"]]
+    assert "run" in ROUTES
+    missing = [name for name in ROUTES if f"`{name}`\n: " not in written["calls"]]
     assert missing == []
 
 
 def test_every_address_is_there(written: dict[str, str]) -> None:
-    source = (CALLS.parent / "site.py").read_text(encoding="utf-8")
+    source = (APP / "site.py").read_text(encoding="utf-8")
     for address in ("/api/call/", "/api/jobs", "/api/files", "/watch"):
         assert address in source
         assert address in written["addresses"]

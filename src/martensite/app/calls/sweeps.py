@@ -154,9 +154,6 @@ def _count_ended(store: Store) -> JsonTable:
     }
 
 
-NAMED = 5
-
-
 def read_points(request: Request, desk: Desk) -> JsonTable:
     """All that is drawn of a sweep, as far as it is made.
 
