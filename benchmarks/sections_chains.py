@@ -66,7 +66,7 @@ def in_numpy(chain: Chain, u: np.ndarray) -> Function:
         w = np.polyval(powers, r) - np.polyval(powers, zero)
         b, a = fraction(linear, poles)
         x = w[0] + lfilter(b, a, w - w[0])  # from rest; its gain there is 1
-        shown = np.array([value for _, value, _ in knots.shown(last)])
+        shown = np.array([value for _, value, _ in knots.describe_numbers(last)])
         return extended(x, shown[0::2], shown[1::2])
 
     return run

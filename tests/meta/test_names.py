@@ -1,0 +1,114 @@
+"""Names say what a thing is or does: the rules for names, and the glossary they may draw on.
+
+Source of truth: the rules themselves. A module-level function is a verb with a noun, a public class
+name occurs once, no function or file is called by a bare participle, and `docs/glossary.md` is
+short enough to be read. `test_breaches_are_found` shows that each rule can fail.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCES = ROOT / "src" / "martensite"
+ONE_WORD = 0.25
+"""Largest share of module-level functions with a name of one word: commands, and verbs that need
+no object."""
+TERMS = 60
+PARTICIPLE = re.compile(r"(?!_?(?:embed|feed|need|seed|speed|exceed|proceed|red)$)_?[a-z]+ed$")
+IRREGULAR = {"drawn", "told", "seen", "kept", "held", "shown", "given", "taken", "brought", "known"}
+FIELD = {"mixed", "planned", "failed", "fixed", "compiled", "sampled", "detached"}
+"""Participles that are words of the field, or states that are asked for."""
+
+Names = Iterator[tuple[str, str]]
+
+
+def parse_sources() -> dict[str, ast.Module]:
+    """Every module of the package, by its path."""
+    paths = sorted(SOURCES.rglob("*.py"))
+    return {str(p.relative_to(SOURCES)): ast.parse(p.read_text("utf-8")) for p in paths}
+
+
+def list_functions(modules: dict[str, ast.Module]) -> Names:
+    """Module and name of every function at the top of a module."""
+    for path, tree in modules.items():
+        for node in tree.body:
+            if isinstance(node, ast.FunctionDef):
+                yield path, node.name
+
+
+def list_classes(modules: dict[str, ast.Module]) -> Names:
+    """Module and name of every public class."""
+    for path, tree in modules.items():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                yield path, node.name
+
+
+def is_participle(name: str) -> bool:
+    """Whether a name is one participle and nothing else."""
+    word = name.strip("_")
+    return word not in FIELD and (word in IRREGULAR or bool(PARTICIPLE.fullmatch(word)))
+
+
+def share_of_one_word(names: list[str]) -> float:
+    """Share of names without a second word."""
+    return sum("_" not in name.strip("_") for name in names) / len(names)
+
+
+def find_doubles(names: Names) -> dict[str, list[str]]:
+    """Names that occur more than once, and where."""
+    pairs = list(names)
+    counts = Counter(name for _, name in pairs)
+    return {n: [path for path, name in pairs if name == n] for n in counts if counts[n] > 1}
+
+
+def list_terms(page: str) -> list[str]:
+    """Terms of the glossary: first cells of its tables."""
+    cells = [line.split("|")[1].strip() for line in page.splitlines() if line.startswith("| ")]
+    return [cell for cell in cells if cell != "term"]
+
+
+MODULES = parse_sources()
+
+
+def test_most_functions_are_a_verb_and_a_noun() -> None:
+    names = [name for _, name in list_functions(MODULES)]
+    assert share_of_one_word(names) <= ONE_WORD
+
+
+def test_no_function_is_a_bare_participle() -> None:
+    assert [pair for pair in list_functions(MODULES) if is_participle(pair[1])] == []
+
+
+def test_no_file_is_a_bare_participle() -> None:
+    assert [path for path in MODULES if is_participle(Path(path).stem)] == []
+
+
+def test_a_public_class_name_occurs_once() -> None:
+    assert find_doubles(list_classes(MODULES)) == {}
+
+
+def test_the_formatter_decides_everywhere() -> None:
+    files = [path for top in ("src", "tests") for path in sorted((ROOT / top).rglob("*.py"))]
+    told = re.compile(r"#\s*fmt:\s*(skip|off)")
+    assert [str(path) for path in files if told.search(path.read_text("utf-8"))] == []
+
+
+def test_the_glossary_is_short_and_says_each_term_once() -> None:
+    terms = list_terms((ROOT / "docs" / "glossary.md").read_text("utf-8"))
+    assert len(set(terms)) == len(terms) <= TERMS
+
+
+def test_breaches_are_found() -> None:
+    tree = {"a.py": ast.parse("class Course: ...\ndef drawn(): ...\ndef judged(): ...")}
+    again = tree | {"b.py": ast.parse("class Course: ...\ndef draw_loop(): ...")}
+    names = [name for _, name in list_functions(again)]
+    assert share_of_one_word(names) == 2 / 3
+    assert [is_participle(name) for name in names] == [True, True, False]
+    assert find_doubles(list_classes(again)) == {"Course": ["a.py", "b.py"]}
+    assert list_terms("| term | meaning |\n|---|---|\n| lane | a run |") == ["lane"]
