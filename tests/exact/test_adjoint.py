@@ -22,7 +22,7 @@ def everything(xp, v):
     special = xp.quarter_sine(inside) + xp.erfcx(xp.abs(b))
     special = special + xp.power(inside, b) + xp.power(c, 1.5) + a**3 * b**-2
     held = xp.detach(a) * b + xp.store(c) * a
-    return [choice + smooth - kinked + special + held + xp.solved(a, a - (a * a - b) / 2.0)]
+    return [choice + smooth - kinked + special + held + xp.implicit_root(a, a - (a * a - b) / 2.0)]
 
 
 def both_ways(kernel, count):

@@ -26,7 +26,7 @@ from martensite.physics.electrical.power import PowerSource
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held
-from martensite.simulate.controlled import simulate_controlled
+from martensite.simulate.controlled_run import simulate_controlled
 
 DT = 0.01
 WIDE = PidLaw(low=-1e6, high=1e6)

@@ -21,7 +21,7 @@ from martensite.signals.ramp import Ramp
 from martensite.signals.staircase import Staircase
 from martensite.simulate.api import simulate
 from martensite.simulate.closed_loop import ELECTRICAL, simulate_loop
-from martensite.simulate.controlled import simulate_controlled
+from martensite.simulate.controlled_run import simulate_controlled
 
 OUTPUTS = hanging_wire().outputs()
 

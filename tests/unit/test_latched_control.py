@@ -13,7 +13,7 @@ from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.latched_on_off import LatchedOnOff, replay_controller
 from martensite.signals.constant import Constant
-from martensite.simulate.controlled import simulate_controlled
+from martensite.simulate.controlled_run import simulate_controlled
 
 TIMES = [k / 200.0 for k in range(2001)]
 

@@ -24,7 +24,7 @@ from martensite.signals.base import AbstractDrive
 from martensite.signals.constant import Constant
 from martensite.signals.staircase import Staircase
 from martensite.simulate.api import simulate
-from martensite.simulate.controlled import simulate_controlled
+from martensite.simulate.controlled_run import simulate_controlled
 from martensite.simulate.result import Result
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "antagonistic_wires.toml"

@@ -31,7 +31,7 @@ from martensite.signals.sampling.sampled import Sampled
 from martensite.signals.sine import Sine
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
-from martensite.simulate.controlled import simulate_controlled
+from martensite.simulate.controlled_run import simulate_controlled
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
 DT = 0.05

@@ -22,7 +22,7 @@ from martensite.control.sensors.ideal import IdealSensor
 from martensite.physics.electrical.power import PowerSource
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
-from martensite.simulate.controlled import simulate_controlled
+from martensite.simulate.controlled_run import simulate_controlled
 from martensite.simulate.result import Result
 
 PERIOD = 0.1

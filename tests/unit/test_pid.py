@@ -21,7 +21,7 @@ from martensite.kernels import floats
 from martensite.physics.electrical.power import PowerSource
 from martensite.signals.constant import Constant
 from martensite.signals.step import Step
-from martensite.simulate.controlled import simulate_controlled
+from martensite.simulate.controlled_run import simulate_controlled
 
 WIDE: dict[str, Any] = {"low": -1e9, "high": 1e9}
 GAINS = Gains(1.7, 0.05, 3.0)

@@ -11,8 +11,8 @@ import pytest
 
 from martensite.base.errors import DataError
 from martensite.signals.records import Record
-from martensite.signals.sampling.gridded import from_record, pieces_of_record, to_record
 from martensite.signals.sampling.periods import average_periods
+from martensite.signals.sampling.regular_grid import from_record, pieces_of_record, to_record
 from martensite.signals.sampling.resampling import (
     collect_experiments,
     resample_record,

@@ -19,7 +19,7 @@ from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.free_run_scores import free_run, mean_fit, score_chain
 from martensite.identify.chains.goals import at_rest
 from martensite.identify.chains.search import Searched, StructureCandidate, search
-from martensite.identify.chains.search import _decided as decided
+from martensite.identify.chains.search import _decide_next as decided
 from martensite.identify.chains.stages import Identified, ModelStage, identify_stages
 from martensite.identify.chains.structure_patterns import MOST, expand_pattern
 from martensite.signals.sampling.resampling import resample_record, select_signals

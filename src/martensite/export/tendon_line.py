@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from martensite.actuators.elements.base import AbstractElement, Pull, Spring, fitted
+from martensite.actuators.elements.base import AbstractElement, Pull, Spring, equilibrium_force
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, Output
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
@@ -79,7 +79,9 @@ class TendonLine(AbstractMechanism):
         def tangent(xp: Namespace, force: Scalar) -> Spring:
             return element.tangent(xp, state, force)
 
-        force = fitted(xp, tangent, _build_pull(signals), element.force(state), element.passes)
+        force = equilibrium_force(
+            xp, tangent, _build_pull(signals), element.force(state), element.passes
+        )
         reach, give = signals
         return [force], [reach - give * force]
 

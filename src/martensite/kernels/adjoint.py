@@ -58,7 +58,7 @@ _RULES: dict[str, Rule] = {
     ),
     "erfcx": lambda g, bar, y, a: (bar * (2.0 * a[0] * y - 2.0 / ROOT_PI),),
     "store": lambda g, bar, y, a: (bar,),
-    "solved": lambda g, bar, y, a: (None, bar),
+    "implicit_root": lambda g, bar, y, a: (None, bar),
 }  # fmt: skip
 
 
@@ -114,4 +114,4 @@ def _list_arguments(graph: Graph, index: int) -> tuple[int, ...]:
     operation, arguments = graph.operations[index], graph.arguments[index]
     if operation in ("input", "constant", "detach") or operation in FLAGS:
         return ()
-    return arguments[1:] if operation in ("where", "solved") else arguments
+    return arguments[1:] if operation in ("where", "implicit_root") else arguments

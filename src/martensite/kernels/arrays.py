@@ -28,7 +28,7 @@ class ArrayNamespace:
         store: Any = _return_same,
         precision: str = "float64",
         repeat: Any = floats.repeat,
-        solved: Any = floats.solved,
+        implicit_root: Any = floats.implicit_root,
         iterate: Any = None,
     ) -> None:
         self.level = 0
@@ -44,7 +44,7 @@ class ArrayNamespace:
         self.each = floats.each
         self.repeat = repeat
         self.iterate = iterate or self._iterate
-        self.solved = solved
+        self.implicit_root = implicit_root
 
     def _iterate(self, most: int, body: Any, *state: Any) -> Sequence[Any]:
         """Turns of a body; elements whose first number is not above 0 keep their state."""

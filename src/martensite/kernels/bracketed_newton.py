@@ -74,4 +74,4 @@ def solve_bracketed(
     root = xp.iterate(most, turn, going, start, *bracket, FIRST)[1]
     at = xp.detach(root)
     value, slope = value_and_slope(xp, function, at)
-    return xp.solved(root, at - value / xp.detach(slope))
+    return xp.implicit_root(root, at - value / xp.detach(slope))

@@ -160,7 +160,7 @@ C_DIALECT = Dialect(
         "quarter_sine": "quarter_sine({})",
         "erfcx": "erfcx({})",
         "detach": "{}",
-        "solved": "{}",
+        "implicit_root": "{}",
         "store": "{}",
         "eps": "2.220446049250313e-16",
     },

@@ -306,10 +306,10 @@ class DualNamespace:
         """Distance from 1 to the next number."""
         return self.base.eps()
 
-    def solved(self, root: Any, newton: Any) -> Any:
+    def implicit_root(self, root: Any, newton: Any) -> Any:
         """The value of a root with the tangent of a Newton step from it."""
         (v, _), (w, t) = self.parts(root), self.parts(newton)
-        return self.pair(self.base.solved(v, w), t)
+        return self.pair(self.base.implicit_root(v, w), t)
 
     def detach(self, x: Any) -> Any:
         """The value alone."""

@@ -141,7 +141,7 @@ def detach(x: float) -> float:
     return x
 
 
-def solved(root: float, newton: float) -> float:
+def implicit_root(root: float, newton: float) -> float:
     """`root` itself."""
     return root
 

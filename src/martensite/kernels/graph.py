@@ -216,7 +216,7 @@ class Graph:
         operation, arguments = self.operations[index], self.arguments[index]
         if operation in ("input", "constant"):
             return ()
-        return arguments[:1] if operation == "solved" else arguments
+        return arguments[:1] if operation == "implicit_root" else arguments
 
     def value_of(self, node: Expr) -> float | bool | None:
         """The value of a constant node, else None."""
@@ -274,7 +274,7 @@ class Graph:
         if operation in ("add", "sub", "mul", "div"):
             simple = _apply_identities(operation, nodes, known)
             return self._signs(operation, nodes, known) if simple is None else simple
-        if operation == "solved" and known[0] is not None:
+        if operation == "implicit_root" and known[0] is not None:
             return nodes[0]
         if operation in ("both", "either") and (known[0] is not None or known[1] is not None):
             flag, other = (known[0], nodes[1]) if known[0] is not None else (known[1], nodes[0])

@@ -21,9 +21,13 @@ class JaxNamespace(ArrayNamespace):
     """The kernel operations over JAX arrays, and the configured `jax` itself."""
 
     def __init__(self, jax: Any) -> None:
-        detach, solved = jax.lax.stop_gradient, _make_implicit_root(jax)
+        detach, implicit_root = jax.lax.stop_gradient, _make_implicit_root(jax)
         super().__init__(
-            jax.numpy, detach=detach, repeat=self.loop, solved=solved, iterate=self.until
+            jax.numpy,
+            detach=detach,
+            repeat=self.loop,
+            implicit_root=implicit_root,
+            iterate=self.until,
         )
         self.jax = jax
 
@@ -76,7 +80,7 @@ class JaxNamespace(ArrayNamespace):
 def _make_implicit_root(jax: Any) -> Any:
     """A function (root, newton) whose value is the root and whose slopes are those of `newton`."""
 
-    def solved(root: Any, newton: Any) -> Any:
+    def implicit_root(root: Any, newton: Any) -> Any:
         shape = jax.numpy.broadcast_shapes(jax.numpy.shape(root), jax.numpy.shape(newton))
         return marked(*(jax.numpy.broadcast_to(x, shape) for x in (root, newton)))
 
@@ -88,7 +92,7 @@ def _make_implicit_root(jax: Any) -> Any:
 
     marked = jax.custom_jvp(root)
     marked.defjvp(slopes)
-    return solved
+    return implicit_root
 
 
 def has_jax() -> bool:
@@ -132,4 +136,6 @@ def make_storing_namespace(xp: JaxNamespace, one: Any) -> ArrayNamespace:
     def store(x: Any) -> Any:
         return x / one
 
-    return ArrayNamespace(xp.np, xp.detach, store, str(one.dtype), xp.repeat, xp.solved, xp.iterate)
+    return ArrayNamespace(
+        xp.np, xp.detach, store, str(one.dtype), xp.repeat, xp.implicit_root, xp.iterate
+    )

@@ -127,7 +127,7 @@ class Namespace(Protocol):
         """`x` itself, but a constant to differentiation."""
         ...
 
-    def solved(self, root: Scalar, newton: Scalar, /) -> Scalar:
+    def implicit_root(self, root: Scalar, newton: Scalar, /) -> Scalar:
         """`root`, with the derivatives of `newton`: a step of Newton's method from that root.
 
         The step must start at `detach(root)`. Only derivatives evaluate it, and they need not

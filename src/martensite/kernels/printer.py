@@ -335,7 +335,7 @@ FLOAT_DIALECT = Dialect(
         "quarter_sine": "_sin(1.5707963267948966 * {})",
         "erfcx": "_erfcx({})",
         "detach": "{}",
-        "solved": "{}",
+        "implicit_root": "{}",
         "store": "{}",
         "eps": "2.220446049250313e-16",
     },
@@ -355,7 +355,7 @@ ARRAY_DIALECT = Dialect(
                 "where": 3, "both": 2, "either": 2, "negate": 1, "minimum": 2, "maximum": 2,
                 "abs": 1, "sqrt": 1, "exp": 1, "log": 1, "power": 2, "sin": 1, "cos": 1, "tanh": 1,
                 "nearest": 1, "quarter_sine": 1, "erfcx": 1, "detach": 1, "store": 1, "eps": 0,
-                "solved": 2,
+                "implicit_root": 2,
             }.items()
         },
     },

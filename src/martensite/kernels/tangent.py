@@ -123,7 +123,7 @@ class TangentWalk:
                 continue
             found.add(index)
             operation, arguments = self._graph.operations[index], self._graph.arguments[index]
-            if operation == "solved":
+            if operation == "implicit_root":
                 stack.append(arguments[1])
             elif operation not in ("input", "constant", "detach"):
                 stack += arguments
@@ -135,7 +135,7 @@ class TangentWalk:
         bare = Expr(graph, index)
         if operation in ("input", "constant", "detach"):
             return bare
-        if operation == "solved":
+        if operation == "implicit_root":
             _, slope = self._duals.parts(self._level(args[1]).known[args[1]])
             return self._dual(Expr(graph, args[0]), slope)
         if operation in ("each", "repeat"):

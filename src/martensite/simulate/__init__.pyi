@@ -4,7 +4,7 @@ from martensite.simulate.batch import compute_sensitivity as compute_sensitivity
 from martensite.simulate.closed_loop import LoopResult as LoopResult
 from martensite.simulate.closed_loop import simulate_loop as simulate_loop
 from martensite.simulate.compiled import bind_system as bind_system
-from martensite.simulate.controlled import simulate_controlled as simulate_controlled
+from martensite.simulate.controlled_run import simulate_controlled as simulate_controlled
 from martensite.simulate.lanes import Lanes as Lanes
 from martensite.simulate.measures.base import parse_measure as parse_measure
 from martensite.simulate.path_layout import Choices as Choices

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from martensite.actuators.assembly.actuator import Actuator, Feed, Group
 from martensite.actuators.assembly.base import AbstractSystem, State
-from martensite.actuators.assembly.course import advanced
+from martensite.actuators.assembly.course import advance_steps
 from martensite.actuators.assembly.machine import Machine
 from martensite.actuators.assembly.members import Members
 from martensite.actuators.assembly.outputs import OUTPUTS, PROFILES
@@ -21,5 +21,5 @@ __all__ = [
     "Members",
     "State",
     "System",
-    "advanced",
+    "advance_steps",
 ]

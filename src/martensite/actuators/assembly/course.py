@@ -14,7 +14,7 @@ Piece = tuple[Sequence[Scalar], Scalar]
 """Signals, and for how long [s]."""
 
 
-def advanced(
+def advance_steps(
     xp: Namespace, system: AbstractSystem, state: Any, pieces: Sequence[Piece], turns: int
 ) -> tuple[Any, StepReport]:
     """The state after some turns of the same pieces, and the worst report of all steps."""

@@ -273,7 +273,7 @@ def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[
     ]
 
 
-def fitted(
+def equilibrium_force(
     xp: Namespace, tangent: Callable[[Namespace, Scalar], Spring], pull: Pull, force: Scalar,
     passes: int,
 ) -> Scalar:  # fmt: skip

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 
-from martensite.actuators.elements.base import AbstractElement, Pull, Spring, fitted
+from martensite.actuators.elements.base import AbstractElement, Pull, Spring, equilibrium_force
 from martensite.actuators.elements.columns import Cells, Links
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.linkage import EndToEnd, Linkage
@@ -98,7 +98,7 @@ class AbstractCut(AbstractElement):
         def near(xp: Namespace, force: Scalar) -> Spring:
             return linkage.whole(xp, free, soft, force)
 
-        force = fitted(xp, near, pull, force, self.passes)
+        force = equilibrium_force(xp, near, pull, force, self.passes)
         return force, self.force_share(xp, free, soft, force)
 
     def force_share(self, xp: Namespace, free: Column, soft: Column, force: Scalar) -> Column:

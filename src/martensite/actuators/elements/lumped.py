@@ -33,7 +33,7 @@ from martensite.actuators.elements.base import (
     Pull,
     Spring,
     StoredHeat,
-    fitted,
+    equilibrium_force,
     points_of,
 )
 from martensite.kernels.dual import compute_jacobian, value_and_slope
@@ -164,7 +164,7 @@ class AbstractLumped(AbstractElement, init=False):
             def near(xp: Namespace, force: Scalar) -> Spring:
                 return self.spring(xp, fractions, temperature, force)
 
-            return fitted(xp, near, pull, state.force, self.passes)
+            return equilibrium_force(xp, near, pull, state.force, self.passes)
 
         line = self._heat_line(xp, state, heating, loaded, dt)
         imposed = heating.temperature
@@ -200,7 +200,7 @@ class AbstractLumped(AbstractElement, init=False):
             def near(xp: Namespace, force: Scalar) -> Spring:
                 return self.spring(xp, Fractions(at[0], at[1]), at[2], force)
 
-            return fitted(xp, near, pull, state.force, self.passes)
+            return equilibrium_force(xp, near, pull, state.force, self.passes)
 
         def stress(xp: Namespace, at: Column) -> Scalar:
             return self.stress(xp, loaded(xp, at))

@@ -12,7 +12,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from martensite.actuators.elements.base import AbstractElement, Pull, Spring, fitted
+from martensite.actuators.elements.base import AbstractElement, Pull, Spring, equilibrium_force
 from martensite.actuators.mechanisms.base import (
     AbstractMechanism,
     Column,
@@ -103,7 +103,9 @@ class AbstractLoadLine(AbstractMechanism):
         def tangent(xp: Namespace, force: Scalar) -> Spring:
             return element.tangent(xp, state, force)
 
-        force = fitted(xp, tangent, self.load_line(memory), element.force(state), element.passes)
+        force = equilibrium_force(
+            xp, tangent, self.load_line(memory), element.force(state), element.passes
+        )
         elongation = element.elongation(xp, state, force)
         return [force], [self.position(xp, memory, force, elongation)]
 

@@ -27,7 +27,13 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from martensite.actuators.elements.base import AbstractElement, Effort, Pull, Spring, fitted
+from martensite.actuators.elements.base import (
+    AbstractElement,
+    Effort,
+    Pull,
+    Spring,
+    equilibrium_force,
+)
 from martensite.actuators.mechanisms.base import (
     MECHANISMS,
     AbstractMechanism,
@@ -161,7 +167,7 @@ class TensileTestingMachine(AbstractMechanism):
             return element.tangent(xp, state, force)
 
         pull = self._pull(memory, signals)
-        force = fitted(xp, tangent, pull, element.force(state), element.passes)
+        force = equilibrium_force(xp, tangent, pull, element.force(state), element.passes)
         give = (force - memory.force) * (1.0 / self.stiffness)
         travel = self._travel(xp, memory, element, state, force, signals)
         return [force], [give - travel, travel]

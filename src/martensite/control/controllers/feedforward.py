@@ -29,7 +29,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from martensite.actuators.assembly import AbstractSystem, advanced
+from martensite.actuators.assembly import AbstractSystem, advance_steps
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import option, param, part, text
 from martensite.base.units import DIFFERENCE
@@ -153,7 +153,7 @@ class Feedforward(AbstractController):
 
     def _after(self, xp: Namespace, state: Any, signal: Scalar, length: Scalar, steps: int) -> Any:
         """State of the model after some time."""
-        after, _ = advanced(xp, self.model, state, [((signal,), length / steps)], steps)
+        after, _ = advance_steps(xp, self.model, state, [((signal,), length / steps)], steps)
         return after
 
     def _solve_signal(self, xp: Namespace, state: Any, target: Scalar, before: Scalar) -> Scalar:

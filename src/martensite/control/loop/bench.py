@@ -16,7 +16,7 @@ standard normal numbers; what is not given is 0, so that a run without them is o
 
 from __future__ import annotations
 
-from martensite.actuators.assembly import AbstractSystem, Actuator, advanced
+from martensite.actuators.assembly import AbstractSystem, Actuator, advance_steps
 from martensite.actuators.assembly.base import DriveSignal
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Output
 from martensite.base.parameters import option, param, part
@@ -132,7 +132,7 @@ class Bench(AbstractSystem, init=False):
             period.apply_faults(self, xp, state.time),
             period.split_period(self, xp, signals),
         )
-        after, report = advanced(xp, plant, state.plant, pieces, self.turns)
+        after, report = advance_steps(xp, plant, state.plant, pieces, self.turns)
         time = state.time + self.period
         known = period.collect_truth(self, xp, period.apply_faults(self, xp, time), after, signals)
         sensors = period.update_sensors(self, xp, state.sensors, known, given, time)

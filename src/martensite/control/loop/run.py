@@ -36,7 +36,7 @@ from martensite.kernels.c99 import find_compiler
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
 from martensite.simulate.api import simulate
-from martensite.simulate.controlled import simulate_controlled
+from martensite.simulate.controlled_run import simulate_controlled
 
 if TYPE_CHECKING:
     from martensite.simulate.result import Result

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from martensite.actuators.assembly import advanced
+from martensite.actuators.assembly import advance_steps
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import param, text
@@ -97,7 +97,7 @@ class InverseModel(AbstractObserver):
         """Estimates at the root, and the state of the model there."""
         applied = list_required(self, signals)
         before = NestedShape(self.__dict__["_example"]).rebuild(memory)
-        state, _ = advanced(xp, self.model, before, [(applied, dt / turns)], turns)
+        state, _ = advance_steps(xp, self.model, before, [(applied, dt / turns)], turns)
         temperature, expected = hidden_states.read_hidden(xp, self.model, state, applied)
 
         def ohms(xp: Namespace, fraction: Scalar) -> Scalar:

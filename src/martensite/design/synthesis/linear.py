@@ -25,7 +25,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from martensite.actuators.assembly import AbstractSystem, advanced
+from martensite.actuators.assembly import AbstractSystem, advance_steps
 from martensite.base.errors import InputError, suggest_name
 from martensite.design.synthesis.operating_point import SteadyPoint
 from martensite.identify.chains.linear_system import LinearSystem
@@ -100,7 +100,7 @@ def _differentiate_plant(
 
     def period(xp: Namespace, numbers: Sequence[Scalar]) -> Sequence[Scalar]:
         state, drives = shape.rebuild(numbers[:size]), numbers[size:]
-        after, _ = advanced(xp, system, state, [(drives, interval / turns)], turns)
+        after, _ = advance_steps(xp, system, state, [(drives, interval / turns)], turns)
         return [*flatten_numbers(after), *system.observe(xp, state, *drives)]
 
     return compute_jacobian(floats, period, at)[1]

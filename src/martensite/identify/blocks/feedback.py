@@ -95,7 +95,7 @@ class Feedback(AbstractRanged):
         held = [(i, xp.detach(c)) for i, c in fed]
         for _ in range(NEWTON):
             root = root + _step_towards(xp, held, root, xp.detach(u), middle, half, half)
-        y = xp.solved(root, root + _step_towards(xp, fed, root, u, middle, half, 1e300))
+        y = xp.implicit_root(root, root + _step_towards(xp, fed, root, u, middle, half, 1e300))
         return [u] * order + sections.rest_cascade(order, y) + [y] * self._earlier
 
     def step(

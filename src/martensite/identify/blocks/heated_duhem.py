@@ -241,4 +241,4 @@ def _hold_rise(xp: Namespace, heat: _Heat, u: Scalar) -> Scalar:
     rise: Scalar = xp.detach(2.0 * bare / (still + root))
     for _ in range(NEWTON):
         rise = xp.detach(newton(rise))
-    return xp.solved(rise, newton(rise))
+    return xp.implicit_root(rise, newton(rise))

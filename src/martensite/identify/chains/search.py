@@ -120,10 +120,10 @@ def search(
         complete = False
         if not done:
             raise
-    return _decided(done, validation, complete)
+    return _decide_next(done, validation, complete)
 
 
-def _decided(
+def _decide_next(
     done: Sequence[StructureCandidate], validation: Sequence[Sampled], complete: bool
 ) -> Searched:
     ranked = sorted(done, key=lambda c: -c.validation if math.isfinite(c.validation) else math.inf)

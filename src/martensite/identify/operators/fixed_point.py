@@ -29,7 +29,7 @@ def fixed_point(xp: Namespace, held: Map, start: Column, given: Column) -> list[
     root = xp.repeat(TURNS, turn, *(xp.detach(s) for s in start))
     root = [xp.detach(s) for s in root]
     newton = _compute_newton_step(xp, held, root, fixed, given)
-    return [xp.solved(s, s - d) for s, d in zip(root, newton, strict=True)]
+    return [xp.implicit_root(s, s - d) for s, d in zip(root, newton, strict=True)]
 
 
 def _compute_newton_step(

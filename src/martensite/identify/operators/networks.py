@@ -86,7 +86,7 @@ class AbstractNetwork(AbstractCurve):
         """g(q) with its slope as written, so that each derivative is one product more."""
         here = xp.detach(q)
         value, slope = self.unit_shape(xp, xp.clip(here, -FARTHEST, FARTHEST))
-        return xp.solved(value, value + slope * (q - here))
+        return xp.implicit_root(value, value + slope * (q - here))
 
     def line(self, slope: float, offset: float) -> Numbers:
         """The line alone, its units idle in their frame."""

@@ -44,7 +44,7 @@ def remove_waist(xp: Namespace, share: Scalar, waist: Scalar) -> Scalar:
     root = xp.store(_find_waist_root(xp, xp.detach(wanted), xp.detach(waist)))
     rest = root * (1.0 - waist + waist * root * root) - wanted
     slope = xp.detach(1.0 - waist + 3.0 * waist * root * root)
-    y = xp.clip(xp.solved(root, root - rest / slope), -1.0, 1.0)
+    y = xp.clip(xp.implicit_root(root, root - rest / slope), -1.0, 1.0)
     return xp.where(xp.abs(wanted) < 1.0, 0.5 + 0.5 * y, share)
 
 

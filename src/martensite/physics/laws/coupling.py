@@ -156,7 +156,7 @@ def _polish_fractions(
     end = _limit_fractions(xp, m + length * step_m, o + length * step_o)
     at = Fractions(*(xp.detach(x) for x in end))
     step, _ = _compute_newton_step(xp, answer, at)
-    return Fractions(*(xp.solved(x, y + d) for x, y, d in zip(end, at, step, strict=True)))
+    return Fractions(*(xp.implicit_root(x, y + d) for x, y, d in zip(end, at, step, strict=True)))
 
 
 def _limit_fractions(xp: Namespace, martensite: Scalar, oriented: Scalar) -> Fractions:

@@ -75,7 +75,7 @@ def simulate_controlled(
         raise InputError(f"The run needs more than {MOST_STEPS:,} steps; shorten its duration.")
     pieces = max(1, math.ceil(period / longest - 1e-6))
     plan = _Plan(system, arrange_waveforms(system, drives), periods, period, pieces, every)
-    walk = _Walk(plan)
+    walk = _ControlledWalk(plan)
     return walk.result(walk.run(watch).require())
 
 
@@ -99,7 +99,7 @@ class _Plan:
     every: int
 
 
-class _Walk:
+class _ControlledWalk:
     """One march through all periods."""
 
     def __init__(self, plan: _Plan) -> None:

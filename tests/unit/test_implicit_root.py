@@ -44,7 +44,7 @@ def cube(xp: Any, a: Any, b: Any, count: int = TURNS) -> Any:
     (root,) = xp.repeat(count, lambda x: (newton_step(xp, x, a, b),), 1.0)
     at = xp.detach(root)
     slope = xp.detach(3.0 * at * at + a)
-    return xp.solved(root, at - (at * at * at + a * at - b) / slope)
+    return xp.implicit_root(root, at - (at * at * at + a * at - b) / slope)
 
 
 def plain(xp: Any, a: Any, b: Any) -> Sequence[Any]:
@@ -205,7 +205,11 @@ def test_roots_in_loops_have_the_derivatives_of_differences(name: str, runtime: 
 
 def test_the_value_is_the_root_wherever_the_step_leads(runtime: Any) -> None:
     def kernel(xp: Any, a: Any, b: Any) -> Sequence[Any]:
-        return xp.solved(a * b, 7.0 * a - b), xp.solved(3.0, b), xp.solved(b, 3.0)
+        return (
+            xp.implicit_root(a * b, 7.0 * a - b),
+            xp.implicit_root(3.0, b),
+            xp.implicit_root(b, 3.0),
+        )
 
     values, found = runtime(kernel, 2.0, 5.0)
     assert values.tolist() == [10.0, 3.0, 5.0]
@@ -218,7 +222,7 @@ def test_what_leads_to_a_root_is_not_differentiated(runtime: Any) -> None:
 
     def kernel(xp: Any, a: Any, b: Any) -> Sequence[Any]:
         root, _ = xp.repeat(TURNS, lambda x, y: (x + 1e9 * b * (y - a), a), 0.5 * a * b, a)
-        return (xp.solved(root, xp.detach(root) + 0.5 * b),)
+        return (xp.implicit_root(root, xp.detach(root) + 0.5 * b),)
 
     values, found = runtime(kernel, 2.0, 5.0)
     assert values.tolist() == [5.0]
@@ -230,7 +234,7 @@ def test_what_leads_to_a_root_is_not_differentiated(runtime: Any) -> None:
 
 def marked(xp: Any, a: Any, b: Any) -> Any:
     """A root whose step has known derivatives of every order."""
-    return xp.solved(xp.detach(a + b), xp.sin(a * b))
+    return xp.implicit_root(xp.detach(a + b), xp.sin(a * b))
 
 
 def by_a(xp: Any, a: Any, b: Any) -> Sequence[Any]:
@@ -273,7 +277,9 @@ def test_each_level_of_duals_has_its_own_slope() -> None:
 def test_a_wrong_step_is_noticed(runtime: Any) -> None:
     def wrong(xp: Any, a: Any, b: Any) -> Sequence[Any]:
         at = xp.detach(cube(xp, a, b))
-        return (xp.solved(at, at - (at * at * at + a * at - b) / (3.0 * at * at + 1.001 * a)),)
+        return (
+            xp.implicit_root(at, at - (at * at * at + a * at - b) / (3.0 * at * at + 1.001 * a)),
+        )
 
     _, slopes = exact(*PLACES[0])
     _, found = runtime(wrong, *PLACES[0])
