@@ -75,7 +75,7 @@ def all_parts() -> str:
     """One section per registry, one below it per entry."""
     return "\n".join(
         f"## {PLURALS.get(kind, kind)}\n\n"
-        + "\n".join(part(describe.one(registry, name)) for name in registry.names())
+        + "\n".join(part(describe.describe_entry(registry, name)) for name in registry.names())
         for kind, registry in catalogue.list_registries().items()
     )
 
@@ -197,7 +197,7 @@ def canonical_numbers() -> str:
 # -- sweeps ------------------------------------------------------------------------------
 def sweeps() -> str:
     """Measures with their parameters, then what makes a sample and who runs it."""
-    measures = [part(describe.one(MEASURES, name)) for name in MEASURES.names()]
+    measures = [part(describe.describe_entry(MEASURES, name)) for name in MEASURES.names()]
     return "\n".join(
         ["## Measures\n", *measures, "## Samples\n", _listed(DESIGNS), "## Backends\n",
          _listed(BACKENDS)]

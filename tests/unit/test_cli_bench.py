@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 import pytest
 from command import Command
 
-from martensite.cli import waiting
+from martensite.cli import progress
 from martensite.scenario.catalogue import list_registries
 from martensite.scenario.netcdf import open_result
 from martensite.scenario.scenario import load, read_scenario
@@ -123,7 +123,7 @@ def test_run_outside_shows_how_far_it_is_to_a_terminal(
     def bar(label: str) -> Iterator[Any]:
         yield Watcher() if terminal else None
 
-    monkeypatch.setattr(waiting, "share_bar", bar)
+    monkeypatch.setattr(progress, "show_share", bar)
     fine(*outside(folder), *(["--json"] if json else []))
     shown = terminal and not json
     assert Watcher.told == (pytest.approx([0.25, 0.5, 0.75, 1.0]) if shown else [])

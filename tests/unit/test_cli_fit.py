@@ -239,7 +239,7 @@ def interrupting(after: int, monkeypatch: pytest.MonkeyPatch) -> list[SearchNote
     def bar(describe: Callable[[SearchNote], str]) -> Iterator[Tell | None]:
         yield tell
 
-    monkeypatch.setattr(fit_logs, "search_bar", bar)
+    monkeypatch.setattr(fit_logs, "show_search", bar)
     return notes
 
 

@@ -16,9 +16,9 @@ from martensite.identify.chains.unidentifiable_directions import invert_normal
 from martensite.identify.chains.validation import compare_validations, validate_chain
 from martensite.search.levenberg_marquardt import minimise_cost
 from martensite.show.figures.model import plot_model, plot_model_loop
-from martensite.show.figures.model_axes import thinned
 from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static_blocks
 from martensite.show.figures.model_tests import plot_model_tests
+from martensite.show.figures.signal_labels import thin_line
 from martensite.show.pages import write_model_report
 from martensite.signals.sampling.sampled import Sampled
 
@@ -235,8 +235,8 @@ def test_figures_show_what_they_say(truth):
     band = estimate_chain_uncertainty(chain, squares).band(record)
     figure = plot_model(found, band)
     measured, computed = figure.axes[1].lines[:2]
-    assert np.array_equal(computed.get_ydata(), found.computed[thinned(found.computed[:, 0]), 0])
-    assert np.array_equal(measured.get_xdata(), record.times[thinned(record.outputs[:, 0])])
+    assert np.array_equal(computed.get_ydata(), found.computed[thin_line(found.computed[:, 0]), 0])
+    assert np.array_equal(measured.get_xdata(), record.times[thin_line(record.outputs[:, 0])])
     assert f"{found.fit:.2f} %" in figure.axes[1].get_title("left")
     assert len(plot_model_loop(found).axes) == 2
     titles = [axes.get_title("left") for axes in plot_model_tests(found).axes]
@@ -266,6 +266,6 @@ def test_a_report_tells_scores_faults_and_numbers(truth, tmp_path):
 
 def test_a_thinned_line_keeps_its_extremes():
     values = np.random.default_rng(12).normal(size=50_000)
-    places = thinned(values)
+    places = thin_line(values)
     assert len(places) < 8000
     assert {int(np.argmax(values)), int(np.argmin(values))} <= set(places.tolist())

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from martensite.base.errors import InputError, ParameterError
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.show.figures.law_paths import plot_point
-from martensite.show.figures.phase_diagram import Band, Line, bands, driven
+from martensite.show.figures.phase_diagram import Band, Line, find_bands, find_driven_bands
 from martensite.simulate.path_layout import TWINNED, Choices
 from martensite.simulate.paths import PATHS, named_path
 from martensite.simulate.point import PointResult
@@ -46,7 +46,7 @@ def followed(name: str, path: str, **choices: Any) -> list[PointResult]:
 @pytest.mark.parametrize("name", ["liang-rogers", "elahinia"])
 def test_driven_lines_agree_with_the_parameters(name: str) -> None:
     law = example(name)
-    found = lines(driven(law, STRESSES, 250.0))
+    found = lines(find_driven_bands(law, STRESSES, 250.0))
     for line in NAMES:
         slope = law.C_A if line.startswith("A") else law.C_M
         expected = [getattr(law, line) + stress / slope for stress in STRESSES]
@@ -62,7 +62,9 @@ def test_lines_from_parameters_are_taken_only_if_the_law_keeps_them() -> None:
             return tuple(s._replace(finish=s.finish + 20.0) for s in super().strips())
 
     values = {leaf.path: leaf.value for leaf in example("liang-rogers").leaves()}
-    plain, shifted = (lines(bands(cls(**values), 200e6, 250.0)) for cls in (LiangRogers, Shifted))
+    plain, shifted = (
+        lines(find_bands(cls(**values), 200e6, 250.0)) for cls in (LiangRogers, Shifted)
+    )
     for name in NAMES:
         assert plain[name].temperature[0] == values[name]
         assert shifted[name].temperature[0] == pytest.approx(values[name] + 20.0, abs=0.1)
@@ -70,7 +72,7 @@ def test_lines_from_parameters_are_taken_only_if_the_law_keeps_them() -> None:
 
 def test_brinson_has_bands_of_detwinning_and_of_cooling() -> None:
     law = example("brinson")
-    found = {band.process: band for band in bands(law, 300e6, 260.0)}
+    found = {band.process: band for band in find_bands(law, 300e6, 260.0)}
     assert set(found) == {"loading", "cooling", "reverse"}
     loading = found["loading"]
     assert loading.start.stress[:2] == (law.sigma_s, law.sigma_s)
@@ -84,7 +86,7 @@ def test_brinson_has_bands_of_detwinning_and_of_cooling() -> None:
 
 def test_cold_martensite_of_layers_turns_at_the_width_of_the_hysteresis() -> None:
     law = example("mas-hybrid")
-    found = {band.process: band for band in bands(law, 300e6, 280.0)}
+    found = {band.process: band for band in find_bands(law, 300e6, 280.0)}
     assert set(found) == {"forward", "reverse", "orientation"}
     assert found["orientation"].finish.stress[0] == pytest.approx(law.Delta_sigma, rel=0.02)
     rest = law.T_L - law.sigma_L / law.dsigma_dT
@@ -99,7 +101,7 @@ def test_cold_martensite_of_layers_turns_at_the_width_of_the_hysteresis() -> Non
 @pytest.mark.parametrize("name", builders.REGISTRIES["law"].names())
 def test_every_law_has_a_forward_and_a_reverse_band_in_the_right_order(name: str) -> None:
     law = example(name)
-    found = lines(bands(law, 200e6, 250.0))
+    found = lines(find_bands(law, 200e6, 250.0))
     assert set(NAMES) <= set(found)
     marks = find_isobar(law)
     assert marks.M_f < marks.M_s
@@ -114,7 +116,7 @@ def test_a_law_that_never_transforms_has_no_bands_and_no_default_paths() -> None
 
     law = Inert(**{leaf.path: leaf.value for leaf in example("liang-rogers").leaves()})
     assert all(math.isnan(value) for value in find_isobar(law))
-    assert driven(law, STRESSES, 250.0) == []
+    assert find_driven_bands(law, STRESSES, 250.0) == []
     with pytest.raises(ParameterError, match="does not transform fully"):
         named_path("superelastic", law)
 

@@ -32,7 +32,7 @@ from martensite.physics.electrical.temperature import PrescribedTemperature
 from martensite.physics.laws.base import AbstractLaw
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.laws.mas import MullerAchenbachSeelecke
-from martensite.show.figures.hysteresis import senses, strips
+from martensite.show.figures.hysteresis import find_senses, find_strips
 from martensite.show.figures.overview import plot_result, save_figure
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.result import Result
@@ -210,18 +210,18 @@ def test_ripple_is_no_turn_but_a_minor_loop_is() -> None:
     ripple = CELSIUS + np.where(np.arange(N) % 2, 0.0, 1.5)  # of 100 K
     slow = np.interp(np.arange(801), np.linspace(0, 800, N), CELSIUS)
     slow = slow + np.where(np.arange(801) % 2, 0.0, 3.0)
-    found = senses(slow.tolist())
+    found = find_senses(slow.tolist())
     assert np.flatnonzero(np.diff(found)).size == 1
     assert abs(int(np.flatnonzero(np.diff(found))[0]) - 400) <= 10
-    assert senses(ripple.tolist()).tolist()[:PEAK] == [1] * PEAK
+    assert find_senses(ripple.tolist()).tolist()[:PEAK] == [1] * PEAK
     minor = [300.0, 350.0, 340.0, 400.0]
-    assert senses(minor).tolist() == [1, -1, 1]
-    assert senses([300.0, 300.0, 340.0, 320.0, 320.0]).tolist() == [1, 1, -1, -1]
-    assert senses([300.0, 300.0, 300.0]).tolist() == [0, 0]
+    assert find_senses(minor).tolist() == [1, -1, 1]
+    assert find_senses([300.0, 300.0, 340.0, 320.0, 320.0]).tolist() == [1, 1, -1, -1]
+    assert find_senses([300.0, 300.0, 300.0]).tolist() == [0, 0]
 
 
 def test_strips_lie_at_the_mean_stress() -> None:
-    reverse, forward = strips(make_result())  # mean stress 100 MPa
+    reverse, forward = find_strips(make_result())  # mean stress 100 MPa
     assert (reverse.low, reverse.high) == pytest.approx((78.0, 88.0))
     assert (forward.low, forward.high) == pytest.approx((54.5, 64.5))
     first, second, third = loops(plain())

@@ -15,7 +15,7 @@ __all__ = ["app", "main"]
 COMMANDS = (
     "check cite conform data demo design export export_c export_fmu export_mujoco fit fit_film "
     "fit_logs fit_motor fit_tangents fit_vibration identify law listings pareto run sensitivity "
-    "serve size study sweep tune"
+    "size study sweep tune web_bench"
 )
 """Modules whose commands register themselves."""
 

@@ -47,13 +47,13 @@ def check(
     from martensite.show.terminal import print_summary
 
     loaded = load_scenario(scenario, settings, modules)
-    report = _collect(loaded) | _find_ends(loaded)
+    report = _collect_report(loaded) | _find_ends(loaded)
     if report["leaves"]:
         raise InputError(report["leaves"])
-    print_summary(Summary(loaded.title, list(_describe(report)), report), json)
+    print_summary(Summary(loaded.title, list(_describe_report(report)), report), json)
 
 
-def _describe(report: dict[str, Any]) -> Iterator[Block]:
+def _describe_report(report: dict[str, Any]) -> Iterator[Block]:
     yield from (Sentence(f"Caution: {caution}", "caution") for caution in report["cautions"])
     if report["doubtful"]:
         names = ", ".join(report["doubtful"])
@@ -125,7 +125,7 @@ def _tell_steps(report: dict[str, Any]) -> str:
     )
 
 
-def _collect(scenario: Scenario) -> dict[str, Any]:
+def _collect_report(scenario: Scenario) -> dict[str, Any]:
     from martensite.physics.materials.base import DOUBTFUL
     from martensite.simulate.api import first_step
 
@@ -172,7 +172,7 @@ def params(
         print_summary(Summary("", [table], rows), json)
         return
     import_modules(modules)
-    found = describe.anywhere(name)
+    found = describe.find_entries(name)
     blocks = [block for part in found for block in describe_part(part)]
     print_summary(Summary("", blocks, found), json)
 

@@ -34,13 +34,13 @@ def conform(
     from martensite.testing import check_target
 
     found = check_target(target)
-    blocks = [block for one in found for block in _describe(one)]
-    print_summary(Summary("", blocks, [_collect(one) for one in found]), json)
+    blocks = [block for one in found for block in _describe_findings(one)]
+    print_summary(Summary("", blocks, [_collect_findings(one) for one in found]), json)
     if not all(one.holds for one in found):
         raise typer.Exit(1)
 
 
-def _collect(found: Conformance) -> dict[str, Any]:
+def _collect_findings(found: Conformance) -> dict[str, Any]:
     return {
         "name": found.name,
         "kind": found.kind,
@@ -49,7 +49,7 @@ def _collect(found: Conformance) -> dict[str, Any]:
     }
 
 
-def _describe(found: Conformance) -> Iterator[Block]:
+def _describe_findings(found: Conformance) -> Iterator[Block]:
     """Every promise in a line, and below it what is wrong."""
     yield Heading(str(found))
     faults = {one.check: one for one in found.faults}

@@ -25,7 +25,7 @@ from martensite.cli.options import (
     spread_options,
 )
 from martensite.cli.outputs import Outputs
-from martensite.cli.waiting import share_bar
+from martensite.cli.progress import show_share
 
 if TYPE_CHECKING:
     from martensite.design.optimise.optimised_design import OptimisedDesign
@@ -99,7 +99,7 @@ class DesignOptions:
             InputError: the scenario is no open loop, or an option does not fit it.
             SolveError: no design can be run.
         """
-        from martensite.cli.design_saved import name_targets, require_written
+        from martensite.cli.design_document import name_targets, require_written
         from martensite.design.optimise.optimise import optimise_design
         from martensite.design.optimise.search import DesignSearch
 
@@ -111,7 +111,7 @@ class DesignOptions:
         free = self.free or []
         if saved:
             require_written(scenario, free)
-        with share_bar("designing") as tell:
+        with show_share("designing") as tell:
             found = optimise_design(
                 scenario.system,
                 scenario.waveform,
@@ -161,7 +161,7 @@ def design(
     options.check()
     loaded = load_scenario(scenario, settings, modules)
     found = options.search(loaded, saved=save is not None)
-    from martensite.cli.design_saved import write_design
+    from martensite.cli.design_document import write_design
     from martensite.show.figures.design import plot_design
     from martensite.show.summaries.design import summarise_design
 

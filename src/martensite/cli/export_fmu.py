@@ -76,7 +76,7 @@ def fmu(
     print_summary(_summarise_fmu(made), json)
 
 
-def _collect(made: Fmu) -> dict[str, Any]:
+def _collect_signals(made: Fmu) -> dict[str, Any]:
     report = {
         "file": str(made.path),
         "fmi": made.fmi,
@@ -101,7 +101,7 @@ def _summarise_fmu(made: Fmu) -> Summary:
         f"inputs: {inputs}",
         f"wrote {made.path} (FMI {made.fmi}; {known})",
     )
-    return Summary("", [Sentence(line) for line in lines], _collect(made))
+    return Summary("", [Sentence(line) for line in lines], _collect_signals(made))
 
 
 def _count_signals(made: Fmu, kind: str) -> str:

@@ -27,7 +27,7 @@ from martensite.cli.options import (
     spread_options,
 )
 from martensite.cli.outputs import check_absent, check_ending, check_folder
-from martensite.cli.waiting import search_bar, spinner
+from martensite.cli.progress import show_search, show_spinner
 
 if TYPE_CHECKING:
     from martensite.base.summary import Summary
@@ -246,10 +246,10 @@ def fit_logs(
 def run_fit(task: FitTask, extras: FitExtras, json: bool) -> bool:
     """Do what a task says and show what there is of it; False if it was interrupted."""
     names = extras.profile or []
-    with spinner("reading logs, choosing steps"):
+    with show_spinner("reading logs, choosing steps"):
         arranged = task.arranged()
         extras.check(arranged)
-    with search_bar(lambda note: _describe_note(note, task.noise)) as tell:
+    with show_search(lambda note: _describe_note(note, task.noise)) as tell:
         fit = arranged.solved(tell, extras.resume)
     profiles, posterior = _walk_profiles(fit, names), None
     if extras.posterior is not None and len(profiles) == len(names):
@@ -259,7 +259,7 @@ def run_fit(task: FitTask, extras: FitExtras, json: bool) -> bool:
 
     title = "" if fit.scenario is None else fit.scenario.title
     summary = summarise_fit(fit, fit.scenario, profiles, title, posterior)
-    with spinner("writing"):
+    with show_spinner("writing"):
         written = extras.write(fit, summary)
     print_summary(summary, json, written)
     whole = len(profiles) == len(names) and (posterior is None) == (extras.posterior is None)
@@ -285,7 +285,7 @@ def _walk_profiles(fit: LogFit, names: Sequence[str]) -> list[Profile]:
     walked: list[Profile] = []
     try:
         for name in names:
-            with spinner(f"profile of {name}"):
+            with show_spinner(f"profile of {name}"):
                 walked.append(profile_likelihood(fit, name))
     except KeyboardInterrupt:
         return walked

@@ -26,7 +26,7 @@ from martensite.cli.options import (
     spread_options,
 )
 from martensite.cli.outputs import Outputs, open_parts
-from martensite.cli.waiting import share_bar, spinner
+from martensite.cli.progress import show_share, show_spinner
 
 if TYPE_CHECKING:
     from martensite.identify.chains.estimate import Options
@@ -222,7 +222,7 @@ def identify(
     outputs = Outputs(save, figure).check(force, data=(".json",))
     options = options.complete_columns(logs[0])
     stages = options.plan_stages()
-    with spinner("reading logs"):
+    with show_spinner("reading logs"):
         names = list(dict.fromkeys(name for stage in stages for name in stage.outputs))
         fitted, validation, other = options.read_records(logs, names)
         search = options.choose_search(fitted[0].interval)
@@ -232,7 +232,7 @@ def identify(
     from martensite.show.terminal import print_summary
 
     ended: list[str] = []
-    with share_bar("identifying") as bar:
+    with show_share("identifying") as bar:
 
         def tell(text: str, share: float) -> None:
             if INTERRUPTED in text:

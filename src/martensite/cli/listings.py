@@ -58,13 +58,13 @@ def list_parts(
 
     registry = catalogue.find_registry(kind)
     if name is None:
-        rows = describe.listed(registry)
+        rows = describe.list_entries(registry)
         if registry.kind == "block":
             rows = [{"written": _write_block(registry[row["name"]]), **row} for row in rows]
         print_summary(Summary("", [tabulate_parts(registry.kind, rows)], rows), json)
         return
     short = {getattr(registry[n], "short", ""): n for n in registry.names()}
-    part = describe.one(registry, short.get(name, name))
+    part = describe.describe_entry(registry, short.get(name, name))
     print_summary(Summary("", list(describe_part(part)), part), json)
 
 

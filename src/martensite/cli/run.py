@@ -25,7 +25,7 @@ from martensite.cli.options import (
     spread_options,
 )
 from martensite.cli.outputs import Outputs, open_parts
-from martensite.cli.waiting import run_bar, spinner
+from martensite.cli.progress import show_run, show_spinner
 
 if TYPE_CHECKING:
     from martensite.base.summary import Summary
@@ -118,10 +118,10 @@ class RunOptions:
     def run(self, scenario: Scenario, *, quiet: bool) -> Result:
         """The run, which shows how far it is unless it shall be quiet."""
         if scenario.bench is not None and not scenario.outside:
-            with spinner(f"simulating {scenario.title}"):
+            with show_spinner(f"simulating {scenario.title}"):
                 return scenario.run(runtime=self.runtime)
         most = read_quantity("budget", self.budget, "s")
-        with run_bar(scenario.title, quiet) as tell:
+        with show_run(scenario.title, quiet) as tell:
             return scenario.run(
                 tolerance=self.tolerance, runtime=self.runtime, budget=most, tell=tell
             )
@@ -183,8 +183,8 @@ def run_scenario(
     pulses = read_quantity("carrier", options.carrier, "Hz")
     result = options.run(scenario, quiet=quiet)
     averaging = None if pulses is None else _make_pulses(scenario, pulses)
-    agreements = _compare(result, record, options.compare is None and log is not None)
-    with spinner("writing"), open_parts(outputs) as files:
+    agreements = _compare_record(result, record, options.compare is None and log is not None)
+    with show_spinner("writing"), open_parts(outputs) as files:
         _write_files(files, scenario, result, record)
     from martensite.show.summaries.run import summarise_run
 
@@ -200,7 +200,7 @@ def _make_pulses(scenario: Scenario, carrier: float) -> Averaging:
     system, waveform = scenario.system, scenario.waveform
     alone = scenario.bench is None
     if alone and isinstance(system, System) and isinstance(waveform, AbstractWaveform):
-        with spinner(f"simulating the pulses of {scenario.title}"):
+        with show_spinner(f"simulating the pulses of {scenario.title}"):
             return compare_averaging(system, waveform, scenario.duration, carrier)
     raise InputError(
         "Option `--carrier` is for a system of one element and one drive, without a bench."
@@ -216,7 +216,7 @@ def _cut_log(log: Record, scenario: Scenario) -> Record:
     return replace(found, columns={name: c[:rows] for name, c in found.columns.items()})
 
 
-def _compare(result: Result, record: Record | None, followed: bool) -> list[Agreement]:
+def _compare_record(result: Result, record: Record | None, followed: bool) -> list[Agreement]:
     from martensite.scenario.compare import compare_with_record, list_common
 
     if record is None or (followed and not list_common(result, record)):

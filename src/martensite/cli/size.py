@@ -11,7 +11,7 @@ from martensite.base.errors import InputError, ParameterError
 from martensite.cli.app import app
 from martensite.cli.options import Json, Text, read_quantity
 from martensite.cli.outputs import Outputs
-from martensite.cli.waiting import progress_bar
+from martensite.cli.progress import show_progress
 
 if TYPE_CHECKING:
     from martensite.design.sizing.candidates import Sizing
@@ -67,7 +67,7 @@ def size(
         return
     outputs = Outputs(out, None).check(overwrite, data=(".toml",), option="--overwrite")
     request = _read_request(given, {"alloy": alloy, **chosen})
-    with progress_bar("simulating wires") as progress:
+    with show_progress("simulating wires") as progress:
         from martensite.design.sizing.candidates import size_wire
 
         sizing = size_wire(request, progress=progress)
@@ -138,6 +138,6 @@ def _check_catalogue(stress: Text, ambient: Text, alloy: str, json: bool) -> Non
     alloys = ALLOYS if alloy == "any" else (alloy,)
     load = STRESS if stress is None else read_quantity("stress", stress, "Pa")
     room = AMBIENT if ambient is None else read_quantity("ambient", ambient, "K")
-    with progress_bar("simulating wires") as progress:
+    with show_progress("simulating wires") as progress:
         rows = check_catalogue(alloys=alloys, stress=load, ambient=room, progress=progress)
     print_summary(summarise_check(rows, load, room), json)

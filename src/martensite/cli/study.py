@@ -12,7 +12,7 @@ from martensite.base.summary import DataTable, Sentence, Summary, Tone
 from martensite.cli.app import app
 from martensite.cli.options import Json
 from martensite.cli.outputs import Outputs
-from martensite.cli.waiting import spinner
+from martensite.cli.progress import show_spinner
 
 if TYPE_CHECKING:
     from martensite.studies.base import AbstractStudy, Claim
@@ -47,13 +47,13 @@ def study(
     drawn = _check_figures(found, figures, force)
     reports: list[dict[str, Any]] = []
     for one in found:
-        with spinner(f"computing {one.key}"):
+        with show_spinner(f"computing {one.key}"):
             summary = summarise_claims(one, one.claims())
         reports.append(summary.data)
         if not json:
             print_summary(summary)
         if one.key in drawn:
-            with spinner(f"drawing {one.key}"):
+            with show_spinner(f"drawing {one.key}"):
                 one.figure(drawn[one.key])
             if not json:
                 typer.echo(f"wrote {drawn[one.key]}")

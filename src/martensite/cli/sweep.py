@@ -20,7 +20,7 @@ from martensite.cli.options import (
     read_quantity,
 )
 from martensite.cli.outputs import Outputs
-from martensite.cli.waiting import spinner, sweep_bar
+from martensite.cli.progress import show_spinner, show_sweep
 
 
 @app.command()
@@ -104,9 +104,9 @@ def sweep(
     )
     how = SweepExecution(backend, workers, scheduler, chunk, tuple(modules or ()), force)
     path = out or Path(f"{scenario.stem}.zarr")
-    with spinner(f"preparing {loaded.title}"):
+    with show_spinner(f"preparing {loaded.title}"):
         begun = begin_sweep(loaded, wanted, path, how)
-    with sweep_bar(loaded.title) as tell:
+    with show_sweep(loaded.title) as tell:
         progress = begun.run(tell)
     print_summary(summarise_sweep(begun.plan, begun.store, progress), json)
     if figure is not None:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from martensite.base.errors import InputError
 from martensite.cli.options import read_positive, read_quantity
+from martensite.cli.progress import show_share, show_spinner
 from martensite.cli.tune_plants import draw_both_plants, judge_others
-from martensite.cli.waiting import share_bar, spinner
-from martensite.show.summaries.tuning import Tuning
+from martensite.show.summaries.tuning import TuningOutcome
 
 if TYPE_CHECKING:
     from martensite.cli.tune import TuneOptions
@@ -25,7 +25,7 @@ TRIED = 3
 PID = ("Kp", "Ki", "Kd")
 
 
-def run_tuning(scenario: Scenario, options: TuneOptions) -> Tuning:
+def run_tuning(scenario: Scenario, options: TuneOptions) -> TuningOutcome:
     """Do what the command line says.
 
     Raises:
@@ -37,7 +37,7 @@ def run_tuning(scenario: Scenario, options: TuneOptions) -> Tuning:
     bench = _find_bench(scenario)
     drive = find_loop(bench, options.loop)
     length = _read_duration(options, scenario)
-    with spinner("reading"):
+    with show_spinner("reading"):
         runs = _make_runs(bench, length, drive, scenario)
     seen, others = draw_both_plants(
         options.spread or [], options.plants, options.seed, scenario, bench
@@ -46,7 +46,7 @@ def run_tuning(scenario: Scenario, options: TuneOptions) -> Tuning:
         found, tests, origin = _search_gains(runs, options, length, scenario, seen)
     else:
         found, tests, origin = _apply_rule(runs, options, scenario)
-    return Tuning(
+    return TuningOutcome(
         scenario,
         options.method,
         found,
@@ -104,7 +104,7 @@ def _run_tests(options: TuneOptions, runs: LoopRuns, scenario: Scenario) -> Loop
     from martensite.simulate.drive_waveforms import by_name
 
     waves = by_name(scenario.system, scenario.waveform)
-    with spinner("step and relay test"):
+    with show_spinner("step and relay test"):
         return run_loop_tests(
             runs.bench,
             _choose_level(options, runs),
@@ -150,7 +150,7 @@ def _search_gains(
     controller = runs.bench.controllers.members()[runs.drive]
     free = _name_free(options, runs, isinstance(controller, Pid))
     tests, starts = _find_starts(options, runs, scenario, isinstance(controller, Pid))
-    with share_bar("tuning") as tell:
+    with show_share("tuning") as tell:
         found = tune_bench(
             runs.bench,
             length,

@@ -19,7 +19,7 @@ from martensite.base.summary import (
     Sentence,
     Summary,
 )
-from martensite.show.figures.style import styled
+from martensite.show.figures.style import use_style
 
 _STYLES = Path(__file__).parent / "page.css"
 _CODE = re.compile(r"`([^`]+)`")
@@ -144,6 +144,6 @@ def _draw_svg(picture: Picture) -> str:
     """A figure as SVG in base64; the same figure gives the same text."""
     buffer = io.BytesIO()
     figure = picture.draw()
-    with styled():
+    with use_style():
         figure.savefig(buffer, format="svg", metadata={"Date": None})
     return base64.b64encode(buffer.getvalue()).decode("ascii")

@@ -13,7 +13,7 @@ from martensite.app.messages import JsonTable
 from martensite.app.views.columns import describe_column
 from martensite.app.views.traces import TOGETHER
 from martensite.control.loop.names import ALARM
-from martensite.show.figures.bench_loops import alarmed
+from martensite.show.figures.bench_loops import find_alarmed_spans
 from martensite.simulate.alarms import Alarm, farthest_changes, undelivered_margins
 from martensite.simulate.result import Result
 
@@ -84,7 +84,7 @@ def _limit_spans(spans: list[Span]) -> list[Span]:
 
 def _list_supervised(result: Result) -> Iterator[JsonTable]:
     """The alarm of the supervisor of a bench, if it was raised."""
-    spans = alarmed(result)
+    spans = find_alarmed_spans(result)
     if not spans:
         return
     first, duration = spans[0][0], sum(end - begin for begin, end in spans)

@@ -13,7 +13,7 @@ from functools import lru_cache
 from martensite.app.messages import JsonTable
 from martensite.base.errors import MartensiteError
 from martensite.physics.laws.base import AbstractLaw
-from martensite.show.figures.phase_diagram import LEAST_STRESS, Band, bands
+from martensite.show.figures.phase_diagram import LEAST_STRESS, Band, find_bands
 from martensite.simulate.result import Result
 from martensite.simulate.transformation_points import find_isobar
 
@@ -59,4 +59,4 @@ def _describe_diagram(law: AbstractLaw, highest: float, coldest: float) -> JsonT
 
 @lru_cache(maxsize=64)
 def _find_bands(law: AbstractLaw, highest: float, coldest: float) -> list[Band]:
-    return bands(law, highest, min(coldest, find_isobar(law).M_f - 15.0))
+    return find_bands(law, highest, min(coldest, find_isobar(law).M_f - 15.0))

@@ -17,8 +17,8 @@ from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import MEASURED
 from martensite.control.observers.base import ESTIMATED
-from martensite.show.figures.bench_loops import loops as controlled
-from martensite.show.figures.hysteresis import LOOPS, runs, senses
+from martensite.show.figures.bench_loops import find_loops as controlled
+from martensite.show.figures.hysteresis import LOOPS, find_senses, split_runs
 from martensite.show.figures.labels import FRACTIONS
 from martensite.simulate.result import Result
 
@@ -157,6 +157,6 @@ def list_stretches(result: Result) -> dict[str, list[tuple[int, int, int]]]:
     found: dict[str, list[tuple[int, int, int]]] = {}
     for port in result.system.actuators():
         column = result.columns[result.system.label(port, "temperature")]
-        own = runs(senses([column[i] for i in kept]))
+        own = split_runs(find_senses([column[i] for i in kept]))
         found[port] = own if len(own) <= MOST_TURNS else [(0, 0, len(kept) - 1)]
     return found

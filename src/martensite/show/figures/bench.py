@@ -19,18 +19,23 @@ from martensite.control.controllers.base import AbstractController
 from martensite.control.observers.base import ESTIMATED
 from martensite.show.figures.bench_loops import (
     Loop,
-    alarmed,
-    applied,
-    bench_of,
-    estimates,
-    loops,
-    shown_error,
-    temperatures,
+    compute_shown_error,
+    find_alarmed_spans,
+    find_bench,
+    find_loops,
+    list_estimates,
+    list_temperatures,
+    map_applied_signals,
 )
-from martensite.show.figures.labels import around, axis, column, limits
-from martensite.show.figures.machine import colours
-from martensite.show.figures.measured import Record, check_records, draw_overlays, overlays
-from martensite.show.figures.style import HEATING, INK, MEASURED, QUIET, new_figure, styled
+from martensite.show.figures.labels import choose_limits, describe_axis, enclose_values, read_column
+from martensite.show.figures.machine import choose_colours
+from martensite.show.figures.measured import (
+    MeasuredRecord,
+    check_records,
+    draw_overlays,
+    find_overlays,
+)
+from martensite.show.figures.style import HEATING, INK, MEASURED, QUIET, make_figure, use_style
 from martensite.simulate.result import Result
 
 if TYPE_CHECKING:
@@ -51,7 +56,7 @@ SURE = 2.0
 
 
 @dataclass(frozen=True)
-class Panel:
+class BenchPanel:
     """One panel: its words, and what draws it."""
 
     title: str
@@ -60,7 +65,7 @@ class Panel:
 
 def plot_bench(
     result: Result,
-    records: Iterable[Record] | None = None,
+    records: Iterable[MeasuredRecord] | None = None,
     title: str | None = None,
     outside: Mapping[str, AbstractController] | None = None,
 ) -> Figure:
@@ -76,17 +81,17 @@ def plot_bench(
         InputError: the result is none of a bench.
         DataError: a record holds nothing that can be compared with the result.
     """
-    bench_of(result)
+    find_bench(result)
     measured = check_records(result, records)
-    with styled():
-        return _figure(result, _panels(result, measured, outside), title)
+    with use_style():
+        return _make_figure(result, _list_panels(result, measured, outside), title)
 
 
-def _figure(result: Result, panels: Sequence[Panel], title: str | None) -> Figure:
+def _make_figure(result: Result, panels: Sequence[BenchPanel], title: str | None) -> Figure:
     warnings = [line for text in result.warnings for line in textwrap.wrap(text, WRAPPED)]
     foot = FOOT + LINE * len(warnings)
     height = HEAD + foot + PANEL_HEIGHT * len(panels)
-    figure = new_figure(WIDTH, height)
+    figure = make_figure(WIDTH, height)
     grid = figure.add_gridspec(
         len(panels),
         1,
@@ -99,21 +104,21 @@ def _figure(result: Result, panels: Sequence[Panel], title: str | None) -> Figur
     stack = list(grid.subplots(sharex=True, squeeze=False)[:, 0])
     for axes, panel in zip(stack, panels, strict=True):
         panel.draw(axes)
-        _finish(axes, result, panel.title, axes is stack[-1])
+        _finish_panel(axes, result, panel.title, axes is stack[-1])
     figure.align_ylabels(stack)
-    _write(figure, result, title, warnings)
+    _write_header(figure, result, title, warnings)
     return figure
 
 
-def _finish(axes: Any, result: Result, title: str, last: bool) -> None:
+def _finish_panel(axes: Any, result: Result, title: str, last: bool) -> None:
     """Title, time, shade of alarms and key of a panel."""
     axes.set_title(title)
     axes.set_xlim(result.times[0], result.times[-1])
     axes.locator_params(axis="y", nbins=4)
     axes.tick_params(labelbottom=last)
     if last:
-        axes.set_xlabel(axis(result, "time").label)
-    for k, (begin, end) in enumerate(alarmed(result)):
+        axes.set_xlabel(describe_axis(result, "time").label)
+    for k, (begin, end) in enumerate(find_alarmed_spans(result)):
         label = "alarm" if k == 0 else "_nolegend_"
         axes.axvspan(begin, end, color=HEATING, alpha=0.12, linewidth=0.0, label=label)
     if axes.get_legend_handles_labels()[1]:
@@ -127,7 +132,7 @@ def _finish(axes: Any, result: Result, title: str, last: bool) -> None:
         )
 
 
-def _write(figure: Any, result: Result, title: str | None, warnings: Sequence[str]) -> None:
+def _write_header(figure: Any, result: Result, title: str | None, warnings: Sequence[str]) -> None:
     height, described = figure.get_figheight(), result.system.description()
     plain = {"va": "center", "parse_math": False}
     top = described[:1].upper() + described[1:] if title is None else title
@@ -140,50 +145,56 @@ def _write(figure: Any, result: Result, title: str | None, warnings: Sequence[st
 # -------------------------------------------------------------------- panels
 
 
-def _panels(
-    result: Result, records: Sequence[Record], outside: Mapping[str, AbstractController] | None
-) -> list[Panel]:
+def _list_panels(
+    result: Result,
+    records: Sequence[MeasuredRecord],
+    outside: Mapping[str, AbstractController] | None,
+) -> list[BenchPanel]:
     """All panels, from top to bottom."""
-    found = loops(result, outside)
-    panels = [_response(result, loop, records) for loop in found] or _outputs(result, records)
-    panels += [_errors(result, group) for group in _by_unit(result, found)]
-    panels += _signals(result, found)
-    panels += _temperatures(result, found, records)
-    panels += [_estimate(result, name) for name in estimates(result, found)]
+    found = find_loops(result, outside)
+    panels = [_show_response(result, loop, records) for loop in found] or _show_outputs(
+        result, records
+    )
+    panels += [_show_errors(result, group) for group in _group_by_unit(result, found)]
+    panels += _show_signals(result, found)
+    panels += _show_temperatures(result, found, records)
+    panels += [_show_estimate(result, name) for name in list_estimates(result, found)]
     return panels
 
 
-def _response(result: Result, loop: Loop, records: Sequence[Record]) -> Panel:
+def _show_response(result: Result, loop: Loop, records: Sequence[MeasuredRecord]) -> BenchPanel:
     """What shall be, what is, and what is known of it."""
-    how = axis(result, loop.truth)
+    how = describe_axis(result, loop.truth)
 
-    def draw(axes: Any) -> None:
-        reference, seen = how.values(loop.reference), column(result, loop.reading)
-        truth, known = column(result, loop.truth), overlays(result, records, loop.truth)
+    def draw_panel(axes: Any) -> None:
+        reference, seen = how.values(loop.reference), read_column(result, loop.reading)
+        truth, known = read_column(result, loop.truth), find_overlays(result, records, loop.truth)
         if loop.reading != loop.truth:
             word = "estimated" if loop.reading.startswith(ESTIMATED) else "measured"
             axes.plot(result.times, seen, label=word, **READ)
-        axes.plot(result.times, truth, color=colours(1)[0], label="response", zorder=2.2)
+        axes.plot(result.times, truth, color=choose_colours(1)[0], label="response", zorder=2.2)
         axes.plot(result.times, reference, label="reference", zorder=2.3, **FOLLOWED)
         draw_overlays(axes, how, known)
         axes.set_ylabel(how.label)
-        axes.set_ylim(*around(reference, truth, seen, *(one.values for one in known)))
+        axes.set_ylim(*enclose_values(reference, truth, seen, *(one.values for one in known)))
 
-    return Panel(how.long_name, draw)
+    return BenchPanel(how.long_name, draw_panel)
 
 
-def _outputs(result: Result, records: Sequence[Record]) -> list[Panel]:
+def _show_outputs(result: Result, records: Sequence[MeasuredRecord]) -> list[BenchPanel]:
     """Without a loop: what sensors look at, and their readings."""
-    bench = bench_of(result)
+    bench = find_bench(result)
     return [
-        _response(result, Loop("", np.full(len(result.times), np.nan), reading, truth, ""), records)
+        _show_response(
+            result, Loop("", np.full(len(result.times), np.nan), reading, truth, ""), records
+        )
         for name, mounted in bench.sensors.members().items()
         for reading, truth in [(f"measured.{name}", mounted.sees()[0])]
         if truth in result.outputs and result.unit(truth) == result.unit(reading)
     ]
 
 
-def _by_unit(result: Result, found: Sequence[Loop]) -> list[list[Loop]]:
+def _group_by_unit(result: Result, found: Sequence[Loop]) -> list[list[Loop]]:
     """Loops whose errors have one unit, together."""
     groups: dict[str, list[Loop]] = {}
     for loop in found:
@@ -191,88 +202,93 @@ def _by_unit(result: Result, found: Sequence[Loop]) -> list[list[Loop]]:
     return list(groups.values())
 
 
-def _errors(result: Result, group: Sequence[Loop]) -> Panel:
+def _show_errors(result: Result, group: Sequence[Loop]) -> BenchPanel:
     """Reference less response."""
 
-    def draw(axes: Any) -> None:
-        errors = [shown_error(result, loop) for loop in group]
-        how = axis(result, group[0].truth)
-        for loop, error, tint in zip(group, errors, colours(len(group)), strict=True):
+    def draw_panel(axes: Any) -> None:
+        errors = [compute_shown_error(result, loop) for loop in group]
+        how = describe_axis(result, group[0].truth)
+        for loop, error, tint in zip(group, errors, choose_colours(len(group)), strict=True):
             size = f"rms {np.sqrt(np.mean(error**2)):.3g} {how.difference_unit}".rstrip()
             label = size if len(group) == 1 else f"{loop.drive}: {size}"
             axes.plot(result.times, error, color=tint, label=label)
         axes.axhline(0.0, color=QUIET, linewidth=0.6, zorder=1.5)
         axes.set_ylabel(f"$e$ [{how.difference_unit or '–'}]")
-        axes.set_ylim(*around(*errors))
+        axes.set_ylim(*enclose_values(*errors))
 
-    return Panel("reference less response", draw)
+    return BenchPanel("reference less response", draw_panel)
 
 
-def _signals(result: Result, found: Sequence[Loop]) -> list[Panel]:
+def _show_signals(result: Result, found: Sequence[Loop]) -> list[BenchPanel]:
     """Signals that controllers want, and those that the sources got; those of a unit together."""
-    got, wants = applied(result), {loop.drive: loop.wanted for loop in found if loop.wanted}
-    drives = [drive.name for drive in bench_of(result).plant.drives()]
+    got, wants = (
+        map_applied_signals(result),
+        {loop.drive: loop.wanted for loop in found if loop.wanted},
+    )
+    drives = [drive.name for drive in find_bench(result).plant.drives()]
     groups: dict[str, list[str]] = {}
     for drive in drives:
         name = wants.get(drive) or got.get(drive)
         if name is not None:
             groups.setdefault(result.unit(name), []).append(drive)
-    return [_signal(result, group, wants, got) for group in groups.values()]
+    return [_show_signal(result, group, wants, got) for group in groups.values()]
 
 
-def _signal(
+def _show_signal(
     result: Result, group: Sequence[str], wants: Mapping[str, str], got: Mapping[str, str]
-) -> Panel:
+) -> BenchPanel:
     names = [name for drive in group for name in (wants.get(drive), got.get(drive)) if name]
 
-    def draw(axes: Any) -> None:
-        for drive, tint in zip(group, colours(len(group)), strict=True):
+    def draw_panel(axes: Any) -> None:
+        for drive, tint in zip(group, choose_colours(len(group)), strict=True):
             prefix = "" if len(group) == 1 else f"{drive} "
             for word, held, look in (("wanted", wants, WANTED), ("applied", got, APPLIED)):
                 if drive in held:
                     style = {"color": tint, "label": prefix + word, **HELD, **look}
-                    axes.plot(result.times, column(result, held[drive]), **style)
-        axes.set_ylabel(axis(result, names[-1]).label)
-        axes.set_ylim(*around(*(column(result, name) for name in names)))
+                    axes.plot(result.times, read_column(result, held[drive]), **style)
+        axes.set_ylabel(describe_axis(result, names[-1]).label)
+        axes.set_ylim(*enclose_values(*(read_column(result, name) for name in names)))
 
-    return Panel("signal", draw)
+    return BenchPanel("signal", draw_panel)
 
 
-def _temperatures(result: Result, found: Sequence[Loop], records: Sequence[Record]) -> list[Panel]:
+def _show_temperatures(
+    result: Result, found: Sequence[Loop], records: Sequence[MeasuredRecord]
+) -> list[BenchPanel]:
     """Temperatures of all elements, unless another panel shows the only one."""
-    names = temperatures(result)
+    names = list_temperatures(result)
     seen = {loop.truth for loop in found} | {
-        one.removeprefix(ESTIMATED) for one in estimates(result, found)
+        one.removeprefix(ESTIMATED) for one in list_estimates(result, found)
     }
     if not names or (len(names) == 1 and names[0] in seen):
         return []
 
-    def draw(axes: Any) -> None:
-        for name, tint in zip(names, colours(len(names)), strict=True):
+    def draw_panel(axes: Any) -> None:
+        for name, tint in zip(names, choose_colours(len(names)), strict=True):
             label = name.rpartition(".")[0] or "_nolegend_"
-            axes.plot(result.times, column(result, name), color=tint, label=label)
-            draw_overlays(axes, axis(result, name), overlays(result, records, name))
-        axes.set_ylabel(axis(result, names[0]).label)
-        axes.set_ylim(*around(*(column(result, name) for name in names)))
+            axes.plot(result.times, read_column(result, name), color=tint, label=label)
+            draw_overlays(axes, describe_axis(result, name), find_overlays(result, records, name))
+        axes.set_ylabel(describe_axis(result, names[0]).label)
+        axes.set_ylim(*enclose_values(*(read_column(result, name) for name in names)))
 
-    return [Panel(axis(result, names[0]).long_name.partition(", ")[0], draw)]
+    return [BenchPanel(describe_axis(result, names[0]).long_name.partition(", ")[0], draw_panel)]
 
 
-def _estimate(result: Result, name: str) -> Panel:
+def _show_estimate(result: Result, name: str) -> BenchPanel:
     """An estimate beside the truth, and how sure it is where that is known."""
     truth = name.removeprefix(ESTIMATED)
 
-    def draw(axes: Any) -> None:
-        true, found = column(result, truth), column(result, name)
+    def draw_panel(axes: Any) -> None:
+        true, found = read_column(result, truth), read_column(result, name)
         if f"{name}_std" in result.columns:
-            how = axis(result, name)
+            how = describe_axis(result, name)
             factor, _ = units.find_conversion(how.shown, how.unit)
             wide = SURE * np.asarray(result[f"{name}_std"]) / factor
             look = {"color": READ["color"], "alpha": 0.2, "linewidth": 0.0}
             axes.fill_between(result.times, found - wide, found + wide, **look)
-        axes.plot(result.times, true, color=colours(1)[0], label="true")
+        axes.plot(result.times, true, color=choose_colours(1)[0], label="true")
         axes.plot(result.times, found, label="estimated", **READ)
-        axes.set_ylabel(axis(result, truth).label)
-        axes.set_ylim(*limits(truth, true, found))
+        axes.set_ylabel(describe_axis(result, truth).label)
+        axes.set_ylim(*choose_limits(truth, true, found))
 
-    return Panel(axis(result, truth).long_name, draw)
+    return BenchPanel(describe_axis(result, truth).long_name, draw_panel)

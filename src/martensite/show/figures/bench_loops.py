@@ -19,7 +19,7 @@ from martensite.control.loop.names import (
     wanted_name,
 )
 from martensite.control.observers.base import ESTIMATED
-from martensite.show.figures.labels import axis
+from martensite.show.figures.labels import describe_axis
 from martensite.simulate.result import Result
 
 TEMPERATURE = "temperature"
@@ -41,7 +41,7 @@ class Loop:
     """Column of the signal that it wants; empty if the result does not know it."""
 
 
-def bench_of(result: Result) -> Bench:
+def find_bench(result: Result) -> Bench:
     """The bench that was run.
 
     Raises:
@@ -55,40 +55,42 @@ def bench_of(result: Result) -> Bench:
     return result.system
 
 
-def loops(result: Result, outside: Mapping[str, AbstractController] | None = None) -> list[Loop]:
+def find_loops(
+    result: Result, outside: Mapping[str, AbstractController] | None = None
+) -> list[Loop]:
     """The loops of a bench; controllers that ran outside of it are given by drive."""
-    bench = bench_of(result)
+    bench = find_bench(result)
     members = bench.controllers.members()
     found = [
-        _loop(result, bench, drive, one, name)
+        _find_loop(result, bench, drive, one, name)
         for (drive, one), name in zip(members.items(), list_references(bench), strict=True)
     ]
     outer = outside or {}
     for drive, name in outside_references(bench, outer).items():
-        found.append(_loop(result, bench, drive, outer[drive], name))
+        found.append(_find_loop(result, bench, drive, outer[drive], name))
     return [loop for loop in found if loop is not None]
 
 
-def _loop(
+def _find_loop(
     result: Result, bench: Bench, drive: str, one: AbstractController, name: str
 ) -> Loop | None:
     """The loop of a controller; none if what it follows is no column."""
-    reading = _column(result, one.measured)
+    reading = _find_column(result, one.measured)
     if reading is None:
         return None
-    truth = _truth(result, bench, one.measured, reading)
+    truth = _find_truth(result, bench, one.measured, reading)
     known = name in result.columns  # not in that of another run than `simulate_bench`
     given = result.columns[name] if known else [one.reference.value(time) for time in result.times]
     wanted = wanted_name(name) if known else ""
     return Loop(drive, np.asarray(given, dtype=np.float64), reading, truth, wanted)
 
 
-def _column(result: Result, name: str) -> str | None:
+def _find_column(result: Result, name: str) -> str | None:
     """The column of a reading: of a sensor, of an observer, or of the system itself."""
     return next((c for c in (MEASURED + name, name) if c in result.outputs), None)
 
 
-def _truth(result: Result, bench: Bench, name: str, reading: str) -> str:
+def _find_truth(result: Result, bench: Bench, name: str, reading: str) -> str:
     """What a reading is a reading of."""
     sensor = bench.sensors.members().get(name)
     seen = sensor.sees()[0] if sensor is not None else name.removeprefix(ESTIMATED)
@@ -96,19 +98,19 @@ def _truth(result: Result, bench: Bench, name: str, reading: str) -> str:
     return seen if known else reading
 
 
-def applied(result: Result) -> dict[str, str]:
+def map_applied_signals(result: Result) -> dict[str, str]:
     """Drive of the plant -> column of the signal that its source got, where there is one."""
-    plant = bench_of(result).plant
+    plant = find_bench(result).plant
     return {plant.drive_at(port): plant.label(port, "drive") for port in plant.actuators()}
 
 
-def temperatures(result: Result) -> list[str]:
+def list_temperatures(result: Result) -> list[str]:
     """Columns of the temperatures of all elements."""
-    plant = bench_of(result).plant
+    plant = find_bench(result).plant
     return [plant.label(port, TEMPERATURE) for port in plant.actuators()]
 
 
-def estimates(result: Result, found: Sequence[Loop]) -> list[str]:
+def list_estimates(result: Result, found: Sequence[Loop]) -> list[str]:
     """Columns of estimates whose truth is known, and which no loop shows."""
     shown = {loop.reading for loop in found}
     return [
@@ -120,7 +122,7 @@ def estimates(result: Result, found: Sequence[Loop]) -> list[str]:
     ]
 
 
-def alarmed(result: Result) -> list[tuple[float, float]]:
+def find_alarmed_spans(result: Result) -> list[tuple[float, float]]:
     """Times between which the supervisor raised an alarm [s]."""
     raised = [value > 0.5 for value in result.columns.get(ALARM, ())]
     found: list[tuple[float, float]] = []
@@ -134,7 +136,7 @@ def alarmed(result: Result) -> list[tuple[float, float]]:
     return found if begin is None else [*found, (begin, result.times[-1])]
 
 
-def shown_error(result: Result, loop: Loop) -> Any:
+def compute_shown_error(result: Result, loop: Loop) -> Any:
     """Reference less truth, in the unit that the truth is shown in."""
-    how = axis(result, loop.truth)
+    how = describe_axis(result, loop.truth)
     return how.values(loop.reference) - how.values(result.columns[loop.truth])

@@ -9,7 +9,7 @@ import numpy as np
 from martensite.base import units
 from martensite.design.optimise.optimised_design import OptimisedDesign
 from martensite.show.figures.panels import make_panels
-from martensite.show.figures.style import HEATING, INK, QUIET, styled
+from martensite.show.figures.style import HEATING, INK, QUIET, use_style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,15 +25,15 @@ def plot_design(found: OptimisedDesign, title: str = "") -> Figure:
         found: a design.
         title: above the figure.
     """
-    with styled():
+    with use_style():
         figure, ((left, right),) = make_panels(WIDTH, HEIGHT, 1, 2)
         figure.suptitle(title)
-        _history(found, left)
-        _motion(found, right)
+        _draw_history(found, left)
+        _draw_motion(found, right)
     return figure
 
 
-def _history(found: OptimisedDesign, axes: Axes) -> None:
+def _draw_history(found: OptimisedDesign, axes: Axes) -> None:
     """Goal of the best design so far; hollow while it does not keep all constraints."""
     goal = found.question.goal
     shown = units.choose_readable_unit(goal.unit)
@@ -47,7 +47,7 @@ def _history(found: OptimisedDesign, axes: Axes) -> None:
     axes.legend(loc="best")
 
 
-def _motion(found: OptimisedDesign, axes: Axes) -> None:
+def _draw_motion(found: OptimisedDesign, axes: Axes) -> None:
     """The first coordinate of the scenario and of the design."""
     designs = found.designs
     name = next(iter(designs.system.mechanism.outputs()), "")

@@ -14,8 +14,8 @@ from martensite.show.figures.style import (
     HEATING,
     INK,
     SIMULATED,
-    new_figure,
-    styled,
+    make_figure,
+    use_style,
 )
 
 if TYPE_CHECKING:
@@ -31,17 +31,19 @@ def plot_energy(found: CycleEnergies, title: str = "") -> Figure:
         found: of `compute_cycle_energies`.
         title: headline.
     """
-    with styled():
-        figure = new_figure(WIDTH, HEIGHT)
+    with use_style():
+        figure = make_figure(WIDTH, HEIGHT)
         grid = figure.add_gridspec(
             1, 3, left=0.065, right=0.985, top=0.77, bottom=0.155, wspace=0.27
         )
         heat, work, share = (figure.add_subplot(grid[0, k]) for k in range(3))
         write_headline(figure, title or f"Energy per cycle of {found.period:.4g} s")
-        _bars(heat, (("electrical", found.electrical, HEATING), ("heat", found.lost, COOLING)), 1.0)
+        _draw_bars(
+            heat, (("electrical", found.electrical, HEATING), ("heat", found.lost, COOLING)), 1.0
+        )
         heat.set_title("into and out of the elements [J]")
         pair = (("given", found.work, SIMULATED), ("returned", found.returned, FAINT))
-        _bars(work, pair, 1e3)
+        _draw_bars(work, pair, 1e3)
         work.set_title("work [mJ]")
         cycles = np.arange(1, len(found.work) + 1)
         share.plot(cycles, 100.0 * found.efficiency, ".-", color=INK)
@@ -54,7 +56,7 @@ def plot_energy(found: CycleEnergies, title: str = "") -> Figure:
         return figure
 
 
-def _bars(axes: Any, pairs: Any, factor: float) -> None:
+def _draw_bars(axes: Any, pairs: Any, factor: float) -> None:
     """Two bars side by side in every cycle."""
     for shift, (word, values, tint) in zip((-0.5, 0.5), pairs, strict=True):
         places = np.arange(1, len(values) + 1) + shift * BAR

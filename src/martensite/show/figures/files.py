@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from martensite.base.errors import DataError
 from martensite.base.files import replace_file
-from martensite.show.figures.style import styled
+from martensite.show.figures.style import use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,5 +31,5 @@ def write_figure(figure: Figure, path: Path) -> None:
         DataError: the suffix is another one, or the file cannot be written.
     """
     kind = check_format(path)
-    with replace_file(path) as part, styled():
+    with replace_file(path) as part, use_style():
         figure.savefig(part, format=kind)

@@ -18,8 +18,8 @@ from martensite.show.figures.style import (
     MEASURED,
     QUIET,
     SIMULATED,
-    new_figure,
-    styled,
+    make_figure,
+    use_style,
 )
 
 if TYPE_CHECKING:
@@ -49,8 +49,8 @@ def plot_film(report: FilmReport, forms: Sequence[str] | None = None, title: str
     """
     shown = [form for form in report.fits if forms is None or form in forms]
     ambient = report.ambient
-    with styled():
-        figure = new_figure(10.5 if ambient else 6.0, 4.2)
+    with use_style():
+        figure = make_figure(10.5 if ambient else 6.0, 4.2)
         grid = figure.add_gridspec(
             1,
             2 if ambient else 1,
@@ -64,15 +64,15 @@ def plot_film(report: FilmReport, forms: Sequence[str] | None = None, title: str
             0.02, 0.945, title or "Film coefficient", fontsize=11.5, fontweight="bold", va="center"
         )
         axes = figure.add_subplot(grid[0, 0])
-        _fits(axes, report, shown)
+        _draw_fits(axes, report, shown)
         if ambient is not None:
-            _ambient(figure.add_subplot(grid[0, 1]), report, ambient.shifts)
+            _draw_ambients(figure.add_subplot(grid[0, 1]), report, ambient.shifts)
         return figure
 
 
-def _fits(axes: Any, report: FilmReport, forms: Sequence[str]) -> None:
+def _draw_fits(axes: Any, report: FilmReport, forms: Sequence[str]) -> None:
     points = report.points
-    at = np.linspace(*_span(points.temperatures_degC), 101)
+    at = np.linspace(*_find_span(points.temperatures_degC), 101)
     banded = forms if len(forms) == 1 else BANDED
     top = max(points.h)
     for form in forms:
@@ -88,11 +88,11 @@ def _fits(axes: Any, report: FilmReport, forms: Sequence[str]) -> None:
     )
     axes.set_ylim(0.0, 1.35 * top)
     axes.set_title(f"fits; bands: {100 * report.level:g} % for the mean")
-    _name(axes)
+    _name_form(axes)
 
 
-def _ambient(axes: Any, report: FilmReport, shifts: Sequence[AtAmbient]) -> None:
-    at = np.asarray(_span(report.points.temperatures_degC))
+def _draw_ambients(axes: Any, report: FilmReport, shifts: Sequence[AtAmbient]) -> None:
+    at = np.asarray(_find_span(report.points.temperatures_degC))
     for shift in shifts:
         over = shift.points.ambient - report.points.ambient
         colour = INK if over == 0.0 else HEATING if over > 0.0 else COOLING
@@ -110,16 +110,16 @@ def _ambient(axes: Any, report: FilmReport, shifts: Sequence[AtAmbient]) -> None
     axes.set_title("the same powers with another ambient temperature; straight lines")
     axes.set_ylim(0.0, 1.1 * max(max(shift.points.h) for shift in shifts))
     axes.axhline(0.0, color=QUIET, linewidth=0.7)
-    _name(axes)
+    _name_form(axes)
 
 
-def _span(temperatures: Sequence[float]) -> tuple[float, float]:
+def _find_span(temperatures: Sequence[float]) -> tuple[float, float]:
     low, high = min(temperatures), max(temperatures)
     margin = 0.06 * (high - low)
     return low - margin, high + margin
 
 
-def _name(axes: Any) -> None:
+def _name_form(axes: Any) -> None:
     axes.set_xlabel("$T$ [°C]")
     axes.set_ylabel("$h$ [W/(m² K)]")
     axes.legend(loc="lower left")

@@ -15,9 +15,9 @@ from martensite.base import units
 from martensite.base.errors import InputError
 from martensite.fit.compared_outputs import HELD_OUT, TRAINING, ComparedOutput, list_compared
 from martensite.fit.fit_verdicts import format_error
-from martensite.show.figures.labels import Axis, around
+from martensite.show.figures.labels import QuantityAxis, enclose_values
 from martensite.show.figures.panels import add_key, make_grid, pick_evenly, shorten_name
-from martensite.show.figures.style import QUIET, SIMULATED, styled
+from martensite.show.figures.style import QUIET, SIMULATED, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,7 +36,7 @@ MOST = 12
 """Panels at most; of more, those spread evenly over the records."""
 WARM = 1.0
 """Least range of a measured temperature [K] over which a loop is drawn."""
-TIME = Axis("time", "time", "t", "s", "s")
+TIME = QuantityAxis("time", "time", "t", "s", "s")
 
 
 def plot_fit(fit: Fit, title: str = "") -> Figure:
@@ -47,13 +47,13 @@ def plot_fit(fit: Fit, title: str = "") -> Figure:
         title: headline.
     """
     rows = pick_evenly(list_compared(fit), MOST)
-    with styled():
+    with use_style():
         figure, panels = make_grid(len(rows), title or "Measured and fitted")
         for axes, one in zip(panels, rows, strict=True):
-            shown = output_axis(one.output, one.description)
-            _panel(axes, one, TIME, one.times, shown)
-        _common_scales(panels, rows)
-        _key(figure, rows)
+            shown = make_output_axis(one.output, one.description)
+            _draw_panel(axes, one, TIME, one.times, shown)
+        _share_scales(panels, rows)
+        _write_key(figure, rows)
         return figure
 
 
@@ -67,38 +67,40 @@ def plot_fit_loops(fit: Fit, title: str = "") -> Figure:
     Raises:
         InputError: no record holds both.
     """
-    found = [(one, across(one)) for one in list_compared(fit)]
+    found = [(one, find_loop_column(one)) for one in list_compared(fit)]
     rows = pick_evenly([one for one, column in found if column is not None], MOST)
     if not rows:
         raise InputError(
             "No record holds a temperature that varies, or both stress and strain: there is no "
             "loop to draw."
         )
-    with styled():
+    with use_style():
         figure, panels = make_grid(len(rows), title or "Measured and fitted, as loops")
         for axes, one in zip(panels, rows, strict=True):
-            column = across(one) or ""
+            column = find_loop_column(one) or ""
             record = one.experiment.record
             values = np.asarray(record[column])[one.experiment.rows]
-            horizontal = _column_axis(column, record.units[column])
-            _panel(axes, one, horizontal, values, output_axis(one.output, one.description))
-        _common_scales(panels, rows)
-        _key(figure, rows)
+            horizontal = _make_column_axis(column, record.units[column])
+            _draw_panel(
+                axes, one, horizontal, values, make_output_axis(one.output, one.description)
+            )
+        _share_scales(panels, rows)
+        _write_key(figure, rows)
         return figure
 
 
 def has_loops(fit: Fit) -> bool:
     """Whether `plot_fit_loops` has something to draw."""
-    return any(across(one) is not None for one in list_compared(fit))
+    return any(find_loop_column(one) is not None for one in list_compared(fit))
 
 
-def output_axis(name: str, described: Output) -> Axis:
+def make_output_axis(name: str, described: Output) -> QuantityAxis:
     """How an output is shown."""
     shown = units.of_column(name, described.unit)
-    return Axis(name, described.long_name, described.symbol, described.unit, shown)
+    return QuantityAxis(name, described.long_name, described.symbol, described.unit, shown)
 
 
-def across(one: ComparedOutput) -> str | None:
+def find_loop_column(one: ComparedOutput) -> str | None:
     """Column of a record over which an output makes a loop; None if there is none."""
     record, last = one.experiment.record, one.output.rpartition(".")[2]
     partner = {"stress": "strain", "force": "position"}.get(last)
@@ -111,12 +113,14 @@ def across(one: ComparedOutput) -> str | None:
     return None
 
 
-def _column_axis(column: str, unit: str) -> Axis:
+def _make_column_axis(column: str, unit: str) -> QuantityAxis:
     symbol = {"temperature": "T", "strain": "ε", "position": "x"}[column]
-    return Axis(column, column, symbol, unit, units.of_column(column, unit))
+    return QuantityAxis(column, column, symbol, unit, units.of_column(column, unit))
 
 
-def _panel(axes: Any, one: ComparedOutput, horizontal: Axis, x: Any, shown: Axis) -> None:
+def _draw_panel(
+    axes: Any, one: ComparedOutput, horizontal: QuantityAxis, x: Any, shown: QuantityAxis
+) -> None:
     """Measured and modelled values over a quantity."""
     across, measured = horizontal.values(x), shown.values(one.measured)
     dots = {"marker": "o", "markersize": 2.6, "markeredgewidth": 0.0, "linestyle": "none"}
@@ -124,7 +128,7 @@ def _panel(axes: Any, one: ComparedOutput, horizontal: Axis, x: Any, shown: Axis
     axes.plot(across, measured, color=SEEN, zorder=1.8, **(dots if len(x) <= DOTS else line))
     held = one.experiment.kept_back
     model = shown.values(one.model)
-    for part, colour, above in ((~held, SIMULATED, 2.2), (_joined(held), HELD, 2.1)):
+    for part, colour, above in ((~held, SIMULATED, 2.2), (_widen_rows(held), HELD, 2.1)):
         if part.any():
             axes.plot(across, np.where(part, model, np.nan), color=colour, zorder=above)
     if held.all():
@@ -136,10 +140,10 @@ def _panel(axes: Any, one: ComparedOutput, horizontal: Axis, x: Any, shown: Axis
                 axes.axvspan(low, high, color=TINT, linewidth=0.0, zorder=0.4)
     axes.set_xlabel(horizontal.label)
     axes.set_ylabel(shown.label)
-    _name(axes, one)
+    _write_name(axes, one)
 
 
-def _joined(rows: Any) -> Any:
+def _widen_rows(rows: Any) -> Any:
     """Rows, and those beside them, so that lines of two colours meet."""
     wide = rows.copy()
     wide[1:] |= rows[:-1]
@@ -147,13 +151,13 @@ def _joined(rows: Any) -> Any:
     return wide
 
 
-def _name(axes: Any, one: ComparedOutput) -> None:
+def _write_name(axes: Any, one: ComparedOutput) -> None:
     """The record above a panel, and below its name the errors."""
     axes.set_title(shorten_name(one.record), fontweight="bold", pad=14.0).set_parse_math(False)
     errors = [
         f"{format_error(one.output, one.rms(part), one.description.unit)}{word}"
         for part, word in ((TRAINING, ""), (HELD_OUT, " held out"))
-        if _any(one, part)
+        if _has_rows(one, part)
     ]
     axes.annotate(
         f"rms {', '.join(errors)}".replace("ohm", "Ω"),
@@ -166,21 +170,21 @@ def _name(axes: Any, one: ComparedOutput) -> None:
     )
 
 
-def _any(one: ComparedOutput, part: str) -> bool:
+def _has_rows(one: ComparedOutput, part: str) -> bool:
     return bool((one.used if part == TRAINING else one.held).any())
 
 
-def _common_scales(panels: Sequence[Any], rows: Sequence[ComparedOutput]) -> None:
+def _share_scales(panels: Sequence[Any], rows: Sequence[ComparedOutput]) -> None:
     """The same vertical scale for the same output, so that panels compare at a glance."""
     for name in dict.fromkeys(one.output for one in rows):
         own = [(axes, one) for axes, one in zip(panels, rows, strict=True) if one.output == name]
-        shown = output_axis(name, own[0][1].description)
+        shown = make_output_axis(name, own[0][1].description)
         values = [shown.values(column) for _, one in own for column in (one.measured, one.model)]
         for axes, _ in own:
-            axes.set_ylim(*around(*values))
+            axes.set_ylim(*enclose_values(*values))
 
 
-def _key(figure: Figure, rows: Sequence[ComparedOutput]) -> None:
+def _write_key(figure: Figure, rows: Sequence[ComparedOutput]) -> None:
     """What the lines are, below the headline."""
     from matplotlib.lines import Line2D
 

@@ -17,8 +17,8 @@ from martensite.show.figures.style import (
     INK,
     QUIET,
     SIMULATED,
-    new_figure,
-    styled,
+    make_figure,
+    use_style,
 )
 
 if TYPE_CHECKING:
@@ -52,21 +52,21 @@ def plot_correlation(fit: Fit, title: str = "") -> Figure:
     count = len(names)
     cell = CELL if count <= NUMBERED else 0.26
     margin = 0.25 + LETTER * max(map(len, names))
-    with styled():
+    with use_style():
         width, height = max(margin + cell * count + 1.1, 4.6), margin + cell * count + 0.5
-        figure = new_figure(width, height)
+        figure = make_figure(width, height)
         box = (margin / width, margin / height, cell * count / width, cell * count / height)
         axes = figure.add_axes(box)
         write_headline(figure, title or "Correlations of the parameters")
         shown = axes.imshow(
             np.ma.array(matrix, mask=~np.tril(np.ones_like(matrix, bool))),
-            cmap=_diverging(),
+            cmap=_make_colour_map(),
             vmin=-1.0,
             vmax=1.0,
             aspect="auto",
         )
-        _cells(axes, matrix, count <= NUMBERED)
-        _names(axes, names)
+        _draw_cells(axes, matrix, count <= NUMBERED)
+        _name_axes(axes, names)
         scale = figure.add_axes(
             ((margin + cell * count + 0.25) / width, box[1], 0.12 / width, box[3])
         )
@@ -87,17 +87,17 @@ def plot_singular_values(fit: Fit, title: str = "") -> Figure:
         fit: a finished fit.
         title: headline.
     """
-    longer, moves, how = _weakest(fit)
+    longer, moves, how = _find_weakest(fit)
     names = [shorten_name(name) for name in longer]
     margin = 0.35 + LETTER * max(map(len, names))
-    with styled():
+    with use_style():
         width = 4.55 + margin + 3.2
-        figure = new_figure(width, 3.6)
+        figure = make_figure(width, 3.6)
         left = figure.add_axes((0.72 / width, 0.14, 3.7 / width, 0.67))
         right = figure.add_axes(((4.55 + margin) / width, 0.14, 3.0 / width, 0.67))
         write_headline(figure, title or "What the data determine")
-        _values(left, fit)
-        _direction(right, names, moves)
+        _draw_values(left, fit)
+        _draw_direction(right, names, moves)
         write_title(right, how, color=QUIET, fontsize=8.0)
         return figure
 
@@ -111,15 +111,15 @@ def plot_search(fit: Fit, title: str = "") -> Figure:
     """
     runs, costs = (np.asarray(column, float) for column in zip(*fit.history, strict=True))
     total = fit.simulations + fit.jacobians
-    with styled():
-        figure = new_figure(6.4, 3.4)
+    with use_style():
+        figure = make_figure(6.4, 3.4)
         axes = figure.add_axes((0.13, 0.14, 0.84, 0.68))
         write_headline(figure, title or "Search")
         axes.step([*runs, total], [*costs, costs[-1]], where="post", color=SIMULATED)
         axes.plot(runs, costs, "o", color=SIMULATED, markersize=3.2)
         axes.set_yscale("log")
         axes.set_xlim(0.0, 1.03 * total)
-        _decades(axes, costs)
+        _set_decades(axes, costs)
         axes.set_xlabel("runs of single records, with and without derivatives")
         axes.set_ylabel("cost")
         ended = f"{fit.method}: {fit.reason}; cost {format_number(fit.cost, 3)}"
@@ -130,13 +130,13 @@ def plot_search(fit: Fit, title: str = "") -> Figure:
 # ---------------------------------------------------------------- correlations
 
 
-def _diverging() -> Any:
+def _make_colour_map() -> Any:
     from matplotlib.colors import LinearSegmentedColormap
 
     return LinearSegmentedColormap.from_list("correlation", [COOLING, "#ffffff", HEATING])
 
 
-def _cells(axes: Any, matrix: Any, numbered: bool) -> None:
+def _draw_cells(axes: Any, matrix: Any, numbered: bool) -> None:
     """Numbers in the cells; hatches where a correlation is not determined."""
     from matplotlib.patches import Rectangle
 
@@ -171,7 +171,7 @@ def _cells(axes: Any, matrix: Any, numbered: bool) -> None:
             axes.add_patch(Rectangle(corner, 1.0, 1.0, edgecolor="white", linewidth=1.0, **own))
 
 
-def _names(axes: Any, names: Sequence[str]) -> None:
+def _name_axes(axes: Any, names: Sequence[str]) -> None:
     places = range(len(names))
     axes.set_xticks(places, names, rotation=90)
     axes.set_yticks(places, names)
@@ -186,7 +186,7 @@ def _names(axes: Any, names: Sequence[str]) -> None:
 # ---------------------------------------------------------------- directions
 
 
-def _values(axes: Any, fit: Fit) -> None:
+def _draw_values(axes: Any, fit: Fit) -> None:
     """Singular values over the noise, those of 0 as open marks at the lower edge."""
     found = [1.0 / u if u else math.inf for u in fit.identifiability.uncertainties]
     seen = [value for value in found if 0.0 < value < math.inf]
@@ -217,7 +217,7 @@ def _values(axes: Any, fit: Fit) -> None:
             markersize=5.0,
             zorder=2.2,
         )
-    _decades(axes, np.asarray([bottom, 1.0, *heights]))
+    _set_decades(axes, np.asarray([bottom, 1.0, *heights]))
     axes.set_ylim(bottom, 2.5 * max([*seen, 1.0]))
     axes.set_xlim(0.4, len(found) + 0.6)
     axes.set_xticks(places if len(found) <= 16 else places[:: len(found) // 8])
@@ -227,7 +227,7 @@ def _values(axes: Any, fit: Fit) -> None:
         write_title(axes, "open: 0, nothing is seen at all", color=QUIET, fontsize=8.0)
 
 
-def _decades(axes: Any, values: Any) -> None:
+def _set_decades(axes: Any, values: Any) -> None:
     """Plain labels of powers of ten, and more of them where there are few decades."""
     from matplotlib.ticker import LogFormatterSciNotation, LogLocator, NullFormatter
 
@@ -237,7 +237,7 @@ def _decades(axes: Any, values: Any) -> None:
     axes.yaxis.set_minor_formatter(NullFormatter())
 
 
-def _weakest(fit: Fit) -> tuple[list[str], list[float], str]:
+def _find_weakest(fit: Fit) -> tuple[list[str], list[float], str]:
     """Names and moves, as shares of the search ranges, of the least certain direction."""
     found, names = fit.identifiability, fit.problem.names
     if found.weak:
@@ -258,7 +258,7 @@ def _weakest(fit: Fit) -> tuple[list[str], list[float], str]:
     return order, [sign * moves[name] for name in order], f"least certain direction: {how}"
 
 
-def _direction(axes: Any, names: Sequence[str], moves: Sequence[float]) -> None:
+def _draw_direction(axes: Any, names: Sequence[str], moves: Sequence[float]) -> None:
     places = np.arange(len(names))
     colours = [SIMULATED if move > 0.0 else HEATING for move in moves]
     axes.barh(places, moves, height=0.62, color=colours, zorder=2.0)

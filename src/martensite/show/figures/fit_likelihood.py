@@ -10,9 +10,9 @@ import numpy as np
 
 from martensite.base import units
 from martensite.base.errors import InputError
-from martensite.show.figures.labels import Axis
+from martensite.show.figures.labels import QuantityAxis
 from martensite.show.figures.panels import add_key, make_grid, write_title
-from martensite.show.figures.style import HEATING, INK, QUIET, SIMULATED, styled
+from martensite.show.figures.style import HEATING, INK, QUIET, SIMULATED, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,16 +38,16 @@ def plot_likelihood(profiles: Sequence[Profile], fit: Fit | None = None, title: 
     """
     if not profiles:
         raise InputError("There is no profile likelihood to draw.")
-    with styled():
+    with use_style():
         figure, panels = make_grid(len(profiles), title or "Profile likelihoods")
         for axes, one in zip(panels, profiles, strict=True):
-            _panel(axes, one, fit)
+            _draw_panel(axes, one, fit)
         add_key(figure, *panels[0].get_legend_handles_labels())
         return figure
 
 
-def _panel(axes: Any, one: Profile, fit: Fit | None) -> None:
-    shown = Axis(
+def _draw_panel(axes: Any, one: Profile, fit: Fit | None) -> None:
+    shown = QuantityAxis(
         one.name, one.name, one.name, one.unit, units.choose_familiar_unit(one.value, one.unit)
     )
     at = shown.values([point.at for point in one.points])
@@ -62,7 +62,7 @@ def _panel(axes: Any, one: Profile, fit: Fit | None) -> None:
     )
     axes.plot(at, excess, "o", color=SIMULATED, markersize=3.2, zorder=2.2)
     axes.plot(
-        *_between(at, excess, shown.values([one.value])[0]),
+        *_interpolate_root(at, excess, shown.values([one.value])[0]),
         color=SIMULATED,
         zorder=2.1,
         marker="o",
@@ -75,7 +75,7 @@ def _panel(axes: Any, one: Profile, fit: Fit | None) -> None:
     room = 0.06 * (high - low) or 1.0
     axes.set_xlim(low - room, high + room)
     if fit is not None:
-        _parabola(axes, one, fit, shown)
+        _draw_parabola(axes, one, fit, shown)
     ends = shown.values([one.below.at, one.above.at])
     axes.axvspan(*ends, color=BAND, linewidth=0.0, zorder=0.4)
     axes.axvline(float(shown.values([one.value])[0]), color=QUIET, linewidth=0.8, zorder=1.3)
@@ -83,17 +83,17 @@ def _panel(axes: Any, one: Profile, fit: Fit | None) -> None:
     axes.set_xlabel(f"[{shown.label.partition('[')[2]}")
     axes.set_ylabel("cost above the least / limit")
     write_title(axes, one.name, fontweight="bold", color=INK)
-    write_title(axes, _interval(one), loc="right", color=QUIET, fontsize=8.0)
+    write_title(axes, _describe_interval(one), loc="right", color=QUIET, fontsize=8.0)
 
 
-def _between(at: Any, excess: Any, best: float) -> tuple[Any, Any]:
+def _interpolate_root(at: Any, excess: Any, best: float) -> tuple[Any, Any]:
     """A curve through the points of a profile, interpolated in its root: nearly straight."""
     root = np.sign(at - best) * np.sqrt(np.maximum(excess, 0.0))
     fine = np.linspace(at[0], at[-1], 401)
     return fine, np.interp(fine, at, root) ** 2
 
 
-def _parabola(axes: Any, one: Profile, fit: Fit, shown: Axis) -> None:
+def _draw_parabola(axes: Any, one: Profile, fit: Fit, shown: QuantityAxis) -> None:
     """What the Jacobian at the optimum says of the same, in the same units."""
     unsure = fit.uncertainty
     error = unsure.errors[unsure.names.index(one.name)]
@@ -115,7 +115,7 @@ def _parabola(axes: Any, one: Profile, fit: Fit, shown: Axis) -> None:
     )
 
 
-def _interval(one: Profile) -> str:
+def _describe_interval(one: Profile) -> str:
     sides = [end.reason != "limit" for end in (one.below, one.above)]
     if all(sides):
         return "open on both sides"

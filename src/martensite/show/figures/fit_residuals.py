@@ -12,8 +12,8 @@ import numpy as np
 
 from martensite.fit.compared_outputs import ComparedOutput, list_compared
 from martensite.search.quantity_text import find_difference_unit
-from martensite.show.figures.fit import HELD, TIME, TINT, output_axis
-from martensite.show.figures.labels import Axis
+from martensite.show.figures.fit import HELD, TIME, TINT, make_output_axis
+from martensite.show.figures.labels import QuantityAxis
 from martensite.show.figures.panels import (
     draw_autocorrelation,
     pick_evenly,
@@ -21,7 +21,7 @@ from martensite.show.figures.panels import (
     write_headline,
     write_title,
 )
-from martensite.show.figures.style import INK, QUIET, SIMULATED, new_figure, styled
+from martensite.show.figures.style import INK, QUIET, SIMULATED, make_figure, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,9 +44,9 @@ def plot_fit_residuals(fit: Fit, title: str = "") -> Figure:
     """
     rows = pick_evenly(list_compared(fit), MOST)
     tests = {one.record: one for one in fit.whiteness}
-    with styled():
+    with use_style():
         height = 0.55 + 1.75 * len(rows)
-        figure = new_figure(9.2, height)
+        figure = make_figure(9.2, height)
         specs = figure.add_gridspec(
             len(rows),
             2,
@@ -59,16 +59,16 @@ def plot_fit_residuals(fit: Fit, title: str = "") -> Figure:
             width_ratios=(1.7, 1.0),
         )
         write_headline(figure, title or "Residuals: modelled less measured")
-        reach = _reach(rows)
+        reach = _find_reach(rows)
         for k, one in enumerate(rows):
             last = k == len(rows) - 1
-            _over_time(figure.add_subplot(specs[k, 0]), one, reach[one.output], last)
+            _draw_over_time(figure.add_subplot(specs[k, 0]), one, reach[one.output], last)
             axes = figure.add_subplot(specs[k, 1])
-            _memory(axes, tests.get(f"{one.record}, {one.output}"), last)
+            _draw_memory(axes, tests.get(f"{one.record}, {one.output}"), last)
         return figure
 
 
-def _reach(rows: list[ComparedOutput]) -> dict[str, float]:
+def _find_reach(rows: list[ComparedOutput]) -> dict[str, float]:
     """Largest residual of every output, in SI."""
     found: dict[str, float] = {}
     for one in rows:
@@ -77,9 +77,9 @@ def _reach(rows: list[ComparedOutput]) -> dict[str, float]:
     return found
 
 
-def _over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) -> None:
-    shown = output_axis(one.output, one.description)
-    factor = _factor(shown)
+def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) -> None:
+    shown = make_output_axis(one.output, one.description)
+    factor = _find_factor(shown)
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
     for part, colour in ((one.used, SIMULATED), (one.held, HELD)):
         if part.any():
@@ -96,12 +96,12 @@ def _over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) -> None
     )
 
 
-def _factor(shown: Axis) -> float:
+def _find_factor(shown: QuantityAxis) -> float:
     """SI per unit of a difference."""
     return 0.01 if shown.shown == "%" else find_difference_unit(shown.unit)[0]
 
 
-def _memory(axes: Any, test: Whiteness | None, last: bool) -> None:
+def _draw_memory(axes: Any, test: Whiteness | None, last: bool) -> None:
     """Autocorrelation by lag, within or beyond its band."""
     if test is None:
         axes.set_axis_off()

@@ -9,9 +9,9 @@ import numpy as np
 from martensite.base import units
 from martensite.design.analysis.frequency import FrequencyResponse
 from martensite.show.figures.labels import label_ratio
-from martensite.show.figures.machine import colours
+from martensite.show.figures.machine import choose_colours
 from martensite.show.figures.panels import write_headline
-from martensite.show.figures.style import QUIET, new_figure, styled
+from martensite.show.figures.style import QUIET, make_figure, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,8 +31,8 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
         found: of `measure_frequency_response`.
         title: headline; by default what was asked.
     """
-    with styled():
-        figure = new_figure(WIDTH, HEIGHT)
+    with use_style():
+        figure = make_figure(WIDTH, HEIGHT)
         grid = figure.add_gridspec(
             1, 3, left=0.075, right=0.985, top=0.77, bottom=0.145, wspace=0.28
         )
@@ -42,9 +42,9 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
         seen = np.where(found.gain > LEAST * np.max(found.gain), 1.0, np.nan)
         rows = (found.gain / size, seen * np.degrees(found.phase), seen * 100.0 * found.distortion)
         for one, values in zip(axes, rows, strict=True):
-            _lines(one, found, values)
-        _bandwidths(axes[0], found, size)
-        _logarithmic(axes[0], rows[0])
+            _draw_lines(one, found, values)
+        _mark_bandwidths(axes[0], found, size)
+        _set_logarithmic(axes[0], rows[0])
         for one, words in zip(
             axes, (f"gain [{unit}]", "phase [°]", "not in the first harmonic [%]"), strict=True
         ):
@@ -55,16 +55,18 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
             loc="upper right",
             ncols=6,
             bbox_to_anchor=(0.99, 0.985),
-            title=_words(found),
+            title=_describe_units(found),
             title_fontsize=8.0,
         )
         return figure
 
 
-def _lines(axes: Any, found: FrequencyResponse, values: Any) -> None:
+def _draw_lines(axes: Any, found: FrequencyResponse, values: Any) -> None:
     """A line per bias."""
     shown = units.choose_readable_unit(found.units[0])
-    for k, (bias, tint) in enumerate(zip(found.biases, colours(len(found.biases)), strict=True)):
+    for k, (bias, tint) in enumerate(
+        zip(found.biases, choose_colours(len(found.biases)), strict=True)
+    ):
         label = f"{units.from_si(float(bias), shown, found.units[0]):.3g}"
         axes.plot(found.frequencies, values[k], ".-", color=tint, label=label)
         loose = ~found.settled[k]
@@ -75,7 +77,7 @@ def _lines(axes: Any, found: FrequencyResponse, values: Any) -> None:
     axes.set_xlabel("$f$ [Hz]")
 
 
-def _logarithmic(axes: Any, gains: Any) -> None:
+def _set_logarithmic(axes: Any, gains: Any) -> None:
     """A logarithmic axis over what is not next to nothing."""
     most = float(np.max(gains))
     if most > 0.0:
@@ -83,14 +85,14 @@ def _logarithmic(axes: Any, gains: Any) -> None:
         axes.set_ylim(max(0.7 * float(np.min(gains)), LEAST * most), 1.5 * most)
 
 
-def _bandwidths(axes: Any, found: FrequencyResponse, size: float) -> None:
+def _mark_bandwidths(axes: Any, found: FrequencyResponse, size: float) -> None:
     """Where the gain is that of half the power."""
     for width, row in zip(found.bandwidth, found.gain, strict=True):
         if np.isfinite(width):
             axes.plot(width, row[0] / size / np.sqrt(2.0), "x", color=QUIET, zorder=3.0)
 
 
-def _words(found: FrequencyResponse) -> str:
+def _describe_units(found: FrequencyResponse) -> str:
     """What the lines are."""
     shown = units.choose_readable_unit(found.units[0])
     unit = {"1": "", "degC": " °C"}.get(shown, f" {shown}")

@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from martensite.show.figures.labels import axis, column, limits, mathematical
-from martensite.show.figures.measured import Record, pairs
+from martensite.show.figures.labels import choose_limits, describe_axis, read_column, typeset_symbol
+from martensite.show.figures.measured import MeasuredRecord, pair_columns
 from martensite.show.figures.style import COOLING, HEATING, INK, QUIET
 from martensite.simulate.result import Result
 
@@ -55,7 +55,7 @@ class StripMark:
     colour: str
 
 
-def senses(temperature: Sequence[float]) -> Any:
+def find_senses(temperature: Sequence[float]) -> Any:
     """+1 (heating), -1 (cooling) or 0 (isothermal) for every segment of a path.
 
     Args:
@@ -77,7 +77,7 @@ def senses(temperature: Sequence[float]) -> Any:
     return found
 
 
-def runs(sense: Any) -> list[tuple[int, int, int]]:
+def split_runs(sense: Any) -> list[tuple[int, int, int]]:
     """(sense, first point, last point) of every stretch of one sense."""
     if not len(sense):
         return []
@@ -85,7 +85,7 @@ def runs(sense: Any) -> list[tuple[int, int, int]]:
     return [(int(sense[a]), a, b) for a, b in pairwise(cuts)]
 
 
-def strips(result: Result) -> list[StripMark]:
+def find_strips(result: Result) -> list[StripMark]:
     """The strips of the law at the mean stress of the run; none if it has no such strips."""
     (actuator,) = result.system.actuators().values()
     law = actuator.element.law
@@ -93,7 +93,7 @@ def strips(result: Result) -> list[StripMark]:
     if any(n not in known for n in _SHIFTED) or any(n in known for n in _CRITICAL):
         return []
     values = {leaf.path: leaf.value for leaf in law.leaves()}
-    shown, stress = axis(result, "temperature"), float(np.mean(result["stress"]))
+    shown, stress = describe_axis(result, "temperature"), float(np.mean(result["stress"]))
 
     def mark(low: str, high: str, slope: str, colour: str) -> StripMark:
         ends = shown.values([values[name] + stress / values[slope] for name in (low, high)])
@@ -102,39 +102,43 @@ def strips(result: Result) -> list[StripMark]:
     return [mark("A_s", "A_f", "C_A", HEATING), mark("M_f", "M_s", "C_M", COOLING)]
 
 
-def draw_loops(panels: Sequence[Any], result: Result, records: Sequence[Record] = ()) -> None:
+def draw_loops(
+    panels: Sequence[Any], result: Result, records: Sequence[MeasuredRecord] = ()
+) -> None:
     """Draw the three loops ξ–T, ε–T and σ–ε; the first carries legend and strip names."""
     for axes, (x, y) in zip(panels, LOOPS, strict=True):
         draw_loop(axes, result, x, y, records)
         if x == "temperature":
             draw_strips(axes, result, named=axes is panels[0])
-    _legend(panels[0])
+    _write_legend(panels[0])
 
 
-def draw_loop(axes: Any, result: Result, x: str, y: str, records: Sequence[Record] = ()) -> None:
+def draw_loop(
+    axes: Any, result: Result, x: str, y: str, records: Sequence[MeasuredRecord] = ()
+) -> None:
     """Draw one quantity over another, with arrows; measured records lie below."""
-    points = column(result, x), column(result, y)
-    found = pairs(result, records, x, y)
+    points = read_column(result, x), read_column(result, y)
+    found = pair_columns(result, records, x, y)
     for *measured, look in found:
         axes.plot(*measured, label="_measured", **{**look, "zorder": 1.5})
-    stretches = runs(senses(result.columns["temperature"]))
-    axes.set_xlim(*limits(x, points[0], *(m[0] for m in found)))
-    axes.set_ylim(*limits(y, points[1], *(m[1] for m in found)))
+    stretches = split_runs(find_senses(result.columns["temperature"]))
+    axes.set_xlim(*choose_limits(x, points[0], *(m[0] for m in found)))
+    axes.set_ylim(*choose_limits(y, points[1], *(m[1] for m in found)))
     for sense, label, colour, width in SENSES:
         own = [(a, b) for s, a, b in stretches if s == sense]
         if own:
             line = {"color": colour, "linewidth": width, "zorder": 2.2}
-            axes.plot(*_joined(points, own), label=label, **line)
-            _arrow(axes, points, own, colour)
+            axes.plot(*_join_points(points, own), label=label, **line)
+            _draw_arrow(axes, points, own, colour)
     ring = {"marker": "o", "markersize": 5.0, "markerfacecolor": "white", "color": INK}
     axes.plot(*(c[:1] for c in points), label="start", linestyle="none", zorder=3.2, **ring)
-    axes.set_xlabel(axis(result, x).label)
-    axes.set_ylabel(axis(result, y).label)
+    axes.set_xlabel(describe_axis(result, x).label)
+    axes.set_ylabel(describe_axis(result, y).label)
 
 
 def draw_strips(axes: Any, result: Result, *, named: bool = True) -> None:
     """Mark the strips on a temperature axis, as far as they are in view."""
-    marks = strips(result)
+    marks = find_strips(result)
     left, right = axes.get_xlim()
     if marks:
         left = min(left, *(mark.low - 2.0 for mark in marks))
@@ -144,8 +148,8 @@ def draw_strips(axes: Any, result: Result, *, named: bool = True) -> None:
         axes.axvspan(mark.low, mark.high, color=mark.colour, alpha=0.10, linewidth=0.0, zorder=0.5)
     if named and marks:
         _name_strips(axes, marks)
-        mean = np.mean(column(result, "stress"))
-        _above(
+        mean = np.mean(read_column(result, "stress"))
+        _write_above(
             axes,
             1.0,
             ROWS[2],
@@ -156,12 +160,14 @@ def draw_strips(axes: Any, result: Result, *, named: bool = True) -> None:
         )
 
 
-def _joined(points: tuple[Any, Any], own: Sequence[tuple[int, int]]) -> list[Any]:
+def _join_points(points: tuple[Any, Any], own: Sequence[tuple[int, int]]) -> list[Any]:
     """Both coordinates of all stretches, with a gap after each."""
     return [np.concatenate([np.append(c[a : b + 1], np.nan) for a, b in own]) for c in points]
 
 
-def _arrow(axes: Any, points: tuple[Any, Any], own: Sequence[tuple[int, int]], colour: str) -> None:
+def _draw_arrow(
+    axes: Any, points: tuple[Any, Any], own: Sequence[tuple[int, int]], colour: str
+) -> None:
     """An arrowhead on the flank of the longest stretch, as the eye measures length."""
     spans = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
     scaled = np.stack([c / span for c, span in zip(points, spans, strict=True)])
@@ -169,7 +175,7 @@ def _arrow(axes: Any, points: tuple[Any, Any], own: Sequence[tuple[int, int]], c
     first, last = max(own, key=lambda ends: way[ends[1]] - way[ends[0]])
     if way[last] - way[first] < SHORTEST:
         return
-    along = way[_flank(scaled[:, first : last + 1]) + first]
+    along = way[_find_flank(scaled[:, first : last + 1]) + first]
     tail, head = (
         tuple(float(np.interp(w, way, c)) for c in points) for w in (along - 0.04, along + 0.02)
     )
@@ -178,7 +184,7 @@ def _arrow(axes: Any, points: tuple[Any, Any], own: Sequence[tuple[int, int]], c
     axes.annotate("", head, tail, arrowprops={**style, "shrinkA": 0.0, "shrinkB": 0.0}, zorder=3.0)
 
 
-def _flank(scaled: Any) -> int:
+def _find_flank(scaled: Any) -> int:
     """Index of the point after 40 % of the way up or down, or across if it is level."""
     across, up = scaled[:, -1] - scaled[:, 0]
     if max(abs(across), abs(up)) < SHORTEST:
@@ -193,7 +199,7 @@ def _name_strips(axes: Any, marks: Sequence[StripMark]) -> None:
     left, right = axes.get_xlim()
     width = _CLOSE * (right - left)
     upper, lower = marks
-    clash = min(abs(a - b) for a in _ends(upper) for b in _ends(lower)) < width
+    clash = min(abs(a - b) for a in _find_ends(upper) for b in _find_ends(lower)) < width
     for row, mark in enumerate(marks):
         narrow = mark.high - mark.low < width
         for place, name, side in (
@@ -201,22 +207,22 @@ def _name_strips(axes: Any, marks: Sequence[StripMark]) -> None:
             (mark.high, mark.high_name, "left"),
         ):
             share = (place - left) / (right - left)
-            _above(
+            _write_above(
                 axes,
                 share,
                 ROWS[row if clash else 0],
-                mathematical(name),
+                typeset_symbol(name),
                 color=mark.colour,
                 ha=side if narrow else "center",
                 fontsize=8.5,
             )
 
 
-def _ends(mark: StripMark) -> tuple[float, float]:
+def _find_ends(mark: StripMark) -> tuple[float, float]:
     return mark.low, mark.high
 
 
-def _above(axes: Any, x: float, points: float, text: str, **properties: Any) -> None:
+def _write_above(axes: Any, x: float, points: float, text: str, **properties: Any) -> None:
     """Write at a share of the width and some points above the axes."""
     axes.annotate(
         text,
@@ -230,7 +236,7 @@ def _above(axes: Any, x: float, points: float, text: str, **properties: Any) -> 
     )
 
 
-def _legend(axes: Any) -> None:
+def _write_legend(axes: Any) -> None:
     """Heating and cooling, above the axes on the left."""
     height = axes.get_position().height * axes.figure.get_figheight() * 72.0
     axes.legend(

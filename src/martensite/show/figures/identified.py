@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.base.formats import typeset_unit
 from martensite.show.figures.panels import make_panels
-from martensite.show.figures.style import MEASURED, SIMULATED, styled
+from martensite.show.figures.style import MEASURED, SIMULATED, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,11 +30,11 @@ def plot_identified(found: Identified, records: Sequence[Sampled], title: str = 
         title: headline.
     """
     shown = list(records)[:MOST_PANELS]
-    with styled():
+    with use_style():
         figure, grid = make_panels(7.5, 1.0 + 2.0 * len(shown), len(shown), 1)
         panels = grid[:, 0]
         for panel, record in zip(panels, shown, strict=True):
-            _panel(panel, found, record)
+            _draw_panel(panel, found, record)
         panels[-1].set_xlabel("time [s]")
         panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
         headline = title or f"{found.model.text()}, free run"
@@ -42,7 +42,7 @@ def plot_identified(found: Identified, records: Sequence[Sampled], title: str = 
         return figure
 
 
-def _panel(panel: Any, found: Identified, record: Sampled) -> None:
+def _draw_panel(panel: Any, found: Identified, record: Sampled) -> None:
     from martensite.identify.chains.free_run_scores import free_run
     from martensite.identify.chains.scores import fit_percent
     from martensite.signals.sampling.resampling import select_signals

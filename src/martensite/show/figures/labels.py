@@ -18,7 +18,7 @@ FRACTIONS = ("martensite_fraction",)
 
 
 @dataclass(frozen=True)
-class Axis:
+class QuantityAxis:
     """How one quantity is shown."""
 
     name: str
@@ -33,7 +33,7 @@ class Axis:
     @property
     def label(self) -> str:
         """Symbol and unit, such as T [°C]."""
-        return f"{mathematical(self.symbol)} [{typeset_unit(self.shown, '–')}]"
+        return f"{typeset_symbol(self.symbol)} [{typeset_unit(self.shown, '–')}]"
 
     @property
     def difference_unit(self) -> str:
@@ -46,38 +46,38 @@ class Axis:
         return (np.asarray(column, dtype=np.float64) - offset) / factor
 
 
-def axis(result: Result, name: str) -> Axis:
+def describe_axis(result: Result, name: str) -> QuantityAxis:
     """How the column `name` of a result is shown; `time` is one too."""
     unit = result.unit(name)
     if name == "time":
-        return Axis(name, "time", "t", unit, unit)
+        return QuantityAxis(name, "time", "t", unit, unit)
     _, long_name, symbol = result.outputs[name]
-    return Axis(name, long_name, symbol, unit, units.of_column(name, unit))
+    return QuantityAxis(name, long_name, symbol, unit, units.of_column(name, unit))
 
 
-def column(result: Result, name: str) -> Any:
+def read_column(result: Result, name: str) -> Any:
     """A column of a result as an array in its shown unit."""
-    return axis(result, name).values(result[name])
+    return describe_axis(result, name).values(result[name])
 
 
-def mathematical(symbol: str) -> str:
+def typeset_symbol(symbol: str) -> str:
     """A symbol such as ξ_S as italic mathematics with its subscript."""
     head, _, index = symbol.partition("_")
     return f"${head}_{{{index}}}$" if index else f"${head}$"
 
 
-def limits(name: str, *columns: Any) -> tuple[float, float]:
+def choose_limits(name: str, *columns: Any) -> tuple[float, float]:
     """Limits of the axis of `name` around all finite values, in its shown unit.
 
     A fraction is always seen from 0 to 1.
     """
-    low, high = around(*columns)
+    low, high = enclose_values(*columns)
     if name.rpartition(".")[-1] in FRACTIONS:
         return min(low, -0.06), max(high, 1.06)
     return low, high
 
 
-def around(*columns: Any, least: float = 1e-3) -> tuple[float, float]:
+def enclose_values(*columns: Any, least: float = 1e-3) -> tuple[float, float]:
     """Limits around all finite values, wide enough for a constant to look like one."""
     values = np.concatenate([np.ravel(c) for c in columns])
     values = values[np.isfinite(values)]

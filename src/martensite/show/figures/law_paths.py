@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.base.errors import InputError
-from martensite.show.figures.labels import Axis, around
+from martensite.show.figures.labels import QuantityAxis, enclose_values
 from martensite.show.figures.phase_diagram import (
     ARROWS,
     STRESS,
     TEMPERATURE,
-    arrow,
+    draw_arrow,
     draw_phase_diagram,
 )
 from martensite.show.figures.style import (
@@ -28,8 +28,8 @@ from martensite.show.figures.style import (
     INK,
     QUIET,
     SIMULATED,
-    new_figure,
-    styled,
+    make_figure,
+    use_style,
 )
 from martensite.simulate.path_stages import list_stages
 from martensite.simulate.point import PointResult
@@ -49,10 +49,10 @@ KINDS = {
 }
 """Colours of the legs of a single path."""
 AXES = {
-    "strain": Axis("strain", "strain", "ε", "1", "%"),
+    "strain": QuantityAxis("strain", "strain", "ε", "1", "%"),
     "stress": STRESS,
     "temperature": TEMPERATURE,
-    "martensite": Axis("martensite", "martensite fraction", "ξ", "1", "1"),
+    "martensite": QuantityAxis("martensite", "martensite fraction", "ξ", "1", "1"),
 }
 LOOP = ("strain", "stress")
 COLUMN, ROW, HEAD = 3.7, 2.9, 0.95
@@ -81,42 +81,42 @@ def plot_point(
     by_law: dict[Any, list[PointResult]] = {}
     for result in every:
         by_law.setdefault(result.law, []).append(result)
-    with styled():
-        return _one(every, title) if len(by_law) == 1 else _beside(by_law, title, plane)
+    with use_style():
+        return _draw_one(every, title) if len(by_law) == 1 else _draw_beside(by_law, title, plane)
 
 
-def _one(results: Sequence[PointResult], title: str | None) -> Figure:
+def _draw_one(results: Sequence[PointResult], title: str | None) -> Figure:
     """Four panels for one law."""
-    figure, panels = _panels(2, 2, 4.6, 3.1)
+    figure, panels = _make_panels(2, 2, 4.6, 3.1)
     (loop, diagram), (recovery, fraction) = panels
     draw_curves(loop, results, *LOOP)
     draw_curves(recovery, results, "temperature", "strain")
     draw_fractions(fraction, results)
-    draw_phase_diagram(diagram, results[0].law, results, _leg_colours(results))
-    _write(figure, title or _names([results[0]]), _legend(results))
+    draw_phase_diagram(diagram, results[0].law, results, _choose_leg_colours(results))
+    _write_header(figure, title or _join_names([results[0]]), _make_legend(results))
     return figure
 
 
-def _beside(
+def _draw_beside(
     by_law: dict[Any, list[PointResult]], title: str | None, plane: tuple[str, str]
 ) -> Figure:
     """One column per law."""
-    figure, panels = _panels(3, len(by_law), COLUMN, ROW)
+    figure, panels = _make_panels(3, len(by_law), COLUMN, ROW)
     for column, (law, results) in enumerate(by_law.items()):
         curves, fraction, diagram = (row[column] for row in panels)
         draw_curves(curves, results, *plane)
         draw_fractions(fraction, results)
-        draw_phase_diagram(diagram, law, results, _leg_colours(results))
+        draw_phase_diagram(diagram, law, results, _choose_leg_colours(results))
         curves.set_title(law.registered_name or type(law).__name__, fontweight="bold")
     for row in panels:
-        _share(row)
-    legends = [_legend(results) for results in by_law.values()]
+        _share_axes(row)
+    legends = [_make_legend(results) for results in by_law.values()]
     alike = all(legend == legends[0] for legend in legends)
     if not alike:  # every law has conditions of its own
         for axes, legend in zip(panels[0], legends, strict=True):
-            axes.legend(_samples(legend), list(legend), loc="best")
-    names = _names([results[0] for results in by_law.values()])
-    _write(figure, title or names, legends[0] if alike else {})
+            axes.legend(_make_samples(legend), list(legend), loc="best")
+    names = _join_names([results[0] for results in by_law.values()])
+    _write_header(figure, title or names, legends[0] if alike else {})
     return figure
 
 
@@ -124,18 +124,20 @@ def draw_curves(axes: Any, results: Sequence[PointResult], x: str, y: str) -> No
     """Draw one column over another, with an arrow on every leg that shows."""
     across, up = AXES[x], AXES[y]
     shown = [(across.values(r[x]), up.values(r[y])) for r in results]
-    axes.set_xlim(*around(*(s[0] for s in shown)))
-    axes.set_ylim(*around(*(s[1] for s in shown)))
+    axes.set_xlim(*enclose_values(*(s[0] for s in shown)))
+    axes.set_ylim(*enclose_values(*(s[1] for s in shown)))
     spans = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
     for result, colour, (horizontal, vertical) in zip(
-        results, _colours(results), shown, strict=True
+        results, _choose_colours(results), shown, strict=True
     ):
-        for leg, (first, last, own) in enumerate(_legs(result, colour, alone=len(results) == 1)):
+        for leg, (first, last, own) in enumerate(
+            _split_legs(result, colour, alone=len(results) == 1)
+        ):
             a, b = horizontal[first : last + 1], vertical[first : last + 1]
             axes.plot(a, b, color=own, zorder=2.2)
             length = np.hypot(np.ptp(a) / spans[0], np.ptp(b) / spans[1])
             if length > 0.12 and leg < ARROWS:
-                arrow(axes, a, b, own)
+                draw_arrow(axes, a, b, own)
         start = {"marker": "o", "markersize": 5.0, "markerfacecolor": "white", "color": INK}
         axes.plot(horizontal[:1], vertical[:1], linestyle="none", zorder=3.2, **start)
     axes.set_xlabel(across.label)
@@ -144,8 +146,10 @@ def draw_curves(axes: Any, results: Sequence[PointResult], x: str, y: str) -> No
 
 def draw_fractions(axes: Any, results: Sequence[PointResult]) -> None:
     """Draw ξ (solid) and the oriented part (dotted) over the legs of the paths."""
-    for result, colour in zip(results, _colours(results), strict=True):
-        for leg, (first, last, own) in enumerate(_legs(result, colour, alone=len(results) == 1)):
+    for result, colour in zip(results, _choose_colours(results), strict=True):
+        for leg, (first, last, own) in enumerate(
+            _split_legs(result, colour, alone=len(results) == 1)
+        ):
             x = np.linspace(leg, leg + 1.0, last - first + 1)
             axes.plot(x, result.martensite[first : last + 1], color=own, zorder=2.2)
             oriented = result.oriented[first : last + 1]
@@ -158,7 +162,7 @@ def draw_fractions(axes: Any, results: Sequence[PointResult]) -> None:
     axes.set_ylabel(f"{AXES['martensite'].label}, oriented dotted")
 
 
-def _legs(result: PointResult, colour: str, *, alone: bool) -> list[tuple[int, int, str]]:
+def _split_legs(result: PointResult, colour: str, *, alone: bool) -> list[tuple[int, int, str]]:
     """First sample, last sample and colour of every leg."""
     spans = pairwise(result.ends)
     if not alone:
@@ -167,37 +171,37 @@ def _legs(result: PointResult, colour: str, *, alone: bool) -> list[tuple[int, i
     return [(*span, KINDS.get(kind, INK)) for span, kind in zip(spans, kinds, strict=True)]
 
 
-def _leg_colours(results: Sequence[PointResult]) -> list[list[str]]:
+def _choose_leg_colours(results: Sequence[PointResult]) -> list[list[str]]:
     """One colour per leg of each result."""
     alone = len(results) == 1
     return [
-        [own for _, _, own in _legs(result, colour, alone=alone)]
-        for result, colour in zip(results, _colours(results), strict=True)
+        [own for _, _, own in _split_legs(result, colour, alone=alone)]
+        for result, colour in zip(results, _choose_colours(results), strict=True)
     ]
 
 
-def _colours(results: Sequence[PointResult]) -> list[str]:
+def _choose_colours(results: Sequence[PointResult]) -> list[str]:
     if len(results) == 1:
         return [INK]
     return [CASES[i % len(CASES)] for i in range(len(results))]
 
 
-def _legend(results: Sequence[PointResult]) -> dict[str, str]:
+def _make_legend(results: Sequence[PointResult]) -> dict[str, str]:
     """Text -> colour."""
     if len(results) > 1:
-        colours = _colours(results)
+        colours = _choose_colours(results)
         return {r.label or f"path {i + 1}": colours[i] for i, r in enumerate(results)}
     kinds = [stage.kind for stage in list_stages(results[0])]
     return {kind: KINDS.get(kind, INK) for kind in kinds}
 
 
-def _names(results: Sequence[PointResult]) -> str:
+def _join_names(results: Sequence[PointResult]) -> str:
     return ", ".join(r.law.registered_name or type(r.law).__name__ for r in results)
 
 
-def _panels(rows: int, columns: int, width: float, height: float) -> tuple[Figure, Any]:
+def _make_panels(rows: int, columns: int, width: float, height: float) -> tuple[Figure, Any]:
     size = 0.5 + columns * width, HEAD + rows * height
-    figure = new_figure(*size)
+    figure = make_figure(*size)
     grid = figure.add_gridspec(
         rows,
         columns,
@@ -211,7 +215,7 @@ def _panels(rows: int, columns: int, width: float, height: float) -> tuple[Figur
     return figure, grid.subplots(squeeze=False)
 
 
-def _share(row: Any) -> None:
+def _share_axes(row: Any) -> None:
     """Give all axes of a row the limits that hold all of them."""
     for which in ("xlim", "ylim"):
         ends = [getattr(axes, f"get_{which}")() for axes in row]
@@ -222,14 +226,14 @@ def _share(row: Any) -> None:
         axes.set_ylabel("")
 
 
-def _write(figure: Figure, title: str, legend: dict[str, str]) -> None:
+def _write_header(figure: Figure, title: str, legend: dict[str, str]) -> None:
     height = figure.get_figheight()
     place = {"va": "center", "parse_math": False}
     figure.text(0.02, 1.0 - 0.24 / height, title, fontsize=12.5, fontweight="bold", **place)
     if not legend:
         return
     figure.legend(
-        _samples(legend),
+        _make_samples(legend),
         list(legend),
         loc="upper left",
         ncols=min(len(legend), 7),
@@ -240,7 +244,7 @@ def _write(figure: Figure, title: str, legend: dict[str, str]) -> None:
     )
 
 
-def _samples(legend: dict[str, str]) -> list[Any]:
+def _make_samples(legend: dict[str, str]) -> list[Any]:
     from matplotlib.lines import Line2D
 
     return [Line2D([], [], color=colour) for colour in legend.values()]

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.show.figures.labels import Axis, axis, column, limits
-from martensite.show.figures.style import INK, QUIET, new_figure
+from martensite.show.figures.labels import QuantityAxis, choose_limits, describe_axis, read_column
+from martensite.show.figures.style import INK, QUIET, make_figure
 from martensite.simulate.result import Result
 
 if TYPE_CHECKING:
@@ -31,10 +31,10 @@ WIDE = 8
 
 def draw_machine(result: Result) -> Figure:
     """The panels of a machine, with the key of its actuators but no title."""
-    ports, own = list(result.system.actuators()), _grouped(result)
+    ports, own = list(result.system.actuators()), _group_outputs(result)
     rows = len(own) + (len(PANELS) if ports else 0)
     height = HEAD + FOOT + PANEL_HEIGHT * max(rows, 3)
-    figure = new_figure(WIDTH, height)
+    figure = make_figure(WIDTH, height)
     left, right = figure.add_gridspec(
         1,
         2,
@@ -47,27 +47,27 @@ def draw_machine(result: Result) -> Figure:
     )
     over_time = left.subgridspec(rows, 1, hspace=0.42).subplots(sharex=True, squeeze=False)[:, 0]
     for axes, names in zip(over_time, own, strict=False):
-        _lines(axes, result, names, list(names), colours(len(names)))
+        _draw_lines(axes, result, names, list(names), choose_colours(len(names)))
         if len(names) > 1:
             axes.legend(loc="upper right", ncols=len(names))
     for axes, name in zip(over_time[len(own) :], PANELS, strict=False):
         columns = [result.system.label(port, name) for port in ports]
-        _lines(axes, result, columns, ports, colours(len(ports)))
+        _draw_lines(axes, result, columns, ports, choose_colours(len(ports)))
     for axes in over_time:
         axes.tick_params(labelbottom=axes is over_time[-1])
-    over_time[-1].set_xlabel(axis(result, "time").label)
+    over_time[-1].set_xlabel(describe_axis(result, "time").label)
     loops = LOOPS if ports else ()
     spots = right.subgridspec(len(loops) + 1, 1, hspace=0.32).subplots(squeeze=False)[:, 0]
     for axes, (x, y) in zip(spots, loops, strict=False):
-        _loops(axes, result, ports, x, y)
-    _path(spots[-1], result)
+        _draw_loops(axes, result, ports, x, y)
+    _draw_path(spots[-1], result)
     figure.align_ylabels(list(over_time))
     figure.align_ylabels(list(spots))
-    _key(figure, ports, 1.0 - (HEAD - 0.28) / height)
+    _write_key(figure, ports, 1.0 - (HEAD - 0.28) / height)
     return figure
 
 
-def colours(count: int) -> list[Any]:
+def choose_colours(count: int) -> list[Any]:
     """One colour for each of `count` lines."""
     if count <= len(COLOURS):
         return list(COLOURS[:count])
@@ -76,12 +76,12 @@ def colours(count: int) -> list[Any]:
     return [colormaps["turbo"](x) for x in np.linspace(0.05, 0.95, count)]
 
 
-def width(i: int, count: int) -> float:
+def choose_width(i: int, count: int) -> float:
     """Of line `i` of `count`: the later are thinner, so that those below remain visible."""
     return 1.0 + 1.2 * (1.0 - (i + 1) / count)
 
 
-def _grouped(result: Result) -> list[list[str]]:
+def _group_outputs(result: Result) -> list[list[str]]:
     """Outputs of the mechanism, those of one unit together."""
     found: dict[str, list[str]] = {}
     for name, (unit, _, _) in result.system.of_mechanism().items():
@@ -89,64 +89,66 @@ def _grouped(result: Result) -> list[list[str]]:
     return list(found.values())
 
 
-def _lines(
+def _draw_lines(
     axes: Any, result: Result, columns: Sequence[str], labels: Sequence[str], tints: Sequence[Any]
 ) -> None:
     """Columns of one unit over time."""
-    shown = axis(result, columns[0])
+    shown = describe_axis(result, columns[0])
     for i, (name, label) in enumerate(zip(columns, labels, strict=True)):
-        look = {"color": tints[i], "linewidth": width(i, len(columns))}
-        axes.plot(result.times, column(result, name), label=label, **look)
-    axes.set_title(_words(shown, len(columns)))
+        look = {"color": tints[i], "linewidth": choose_width(i, len(columns))}
+        axes.plot(result.times, read_column(result, name), label=label, **look)
+    axes.set_title(_write_label(shown, len(columns)))
     axes.set_ylabel(shown.label)
     axes.set_xlim(result.times[0], result.times[-1])
-    axes.set_ylim(*limits(columns[0], *(column(result, name) for name in columns)))
+    axes.set_ylim(*choose_limits(columns[0], *(read_column(result, name) for name in columns)))
     axes.locator_params(axis="y", nbins=4)
 
 
-def _words(shown: Axis, count: int) -> str:
+def _write_label(shown: QuantityAxis, count: int) -> str:
     """What is drawn: without the name of the port, or of the coordinate where there are more."""
     words = shown.long_name.partition(", ")[0]
     return words if count == 1 or "." in shown.name else f"{words} and others"
 
 
-def _loops(axes: Any, result: Result, ports: Sequence[str], x: str, y: str) -> None:
+def _draw_loops(axes: Any, result: Result, ports: Sequence[str], x: str, y: str) -> None:
     """One quantity over another, for every actuator."""
     names = [(result.system.label(p, x), result.system.label(p, y)) for p in ports]
-    for i, ((across, up), tint) in enumerate(zip(names, colours(len(ports)), strict=True)):
-        look = {"color": tint, "linewidth": width(i, len(ports))}
-        axes.plot(column(result, across), column(result, up), **look)
+    for i, ((across, up), tint) in enumerate(zip(names, choose_colours(len(ports)), strict=True)):
+        look = {"color": tint, "linewidth": choose_width(i, len(ports))}
+        axes.plot(read_column(result, across), read_column(result, up), **look)
     for across, up in names:
-        axes.plot(column(result, across)[:1], column(result, up)[:1], **_ring())
-    axes.set_xlim(*limits(names[0][0], *(column(result, across) for across, _ in names)))
-    axes.set_ylim(*limits(names[0][1], *(column(result, up) for _, up in names)))
-    axes.set_xlabel(axis(result, names[0][0]).label)
-    axes.set_ylabel(axis(result, names[0][1]).label)
+        axes.plot(read_column(result, across)[:1], read_column(result, up)[:1], **_style_ring())
+    axes.set_xlim(
+        *choose_limits(names[0][0], *(read_column(result, across) for across, _ in names))
+    )
+    axes.set_ylim(*choose_limits(names[0][1], *(read_column(result, up) for _, up in names)))
+    axes.set_xlabel(describe_axis(result, names[0][0]).label)
+    axes.set_ylabel(describe_axis(result, names[0][1]).label)
 
 
-def _path(axes: Any, result: Result) -> None:
+def _draw_path(axes: Any, result: Result) -> None:
     """The first coordinate over the second, or over the temperature of the first element."""
     first, *others = result.system.of_mechanism()
     ports = list(result.system.actuators())
     across = others[0] if others or not ports else result.system.label(ports[0], "temperature")
-    axes.plot(column(result, across), column(result, first), color=INK, linewidth=1.1)
-    axes.plot(column(result, across)[:1], column(result, first)[:1], **_ring())
-    axes.set_xlabel(axis(result, across).label)
-    axes.set_ylabel(axis(result, first).label)
+    axes.plot(read_column(result, across), read_column(result, first), color=INK, linewidth=1.1)
+    axes.plot(read_column(result, across)[:1], read_column(result, first)[:1], **_style_ring())
+    axes.set_xlabel(describe_axis(result, across).label)
+    axes.set_ylabel(describe_axis(result, first).label)
 
 
-def _ring() -> dict[str, Any]:
+def _style_ring() -> dict[str, Any]:
     look = {"marker": "o", "markersize": 5.0, "markerfacecolor": "white", "color": INK}
     return {**look, "linestyle": "none", "zorder": 3.2}
 
 
-def _key(figure: Figure, ports: Sequence[str], height: float) -> None:
+def _write_key(figure: Figure, ports: Sequence[str], height: float) -> None:
     """The names of the actuators in their colours."""
     from matplotlib.lines import Line2D
 
     handles = [
         Line2D([], [], color=tint, label=port)
-        for port, tint in zip(ports, colours(len(ports)), strict=True)
+        for port, tint in zip(ports, choose_colours(len(ports)), strict=True)
     ]
     if handles:
         figure.legend(

@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from martensite.base.errors import DataError
-from martensite.show.figures.labels import Axis, axis
+from martensite.show.figures.labels import QuantityAxis, describe_axis
 from martensite.show.figures.style import MEASURED, SIMULATED
 from martensite.simulate.result import Result
 
@@ -25,7 +25,7 @@ KEYED = 5
 """Longest key: the simulation and the first records."""
 
 
-class Record(Protocol):
+class MeasuredRecord(Protocol):
     """What a figure needs of a record: columns in SI under the names of outputs."""
 
     @property
@@ -56,7 +56,7 @@ class Overlay:
     """Line properties of its record."""
 
 
-def check_records(result: Result, records: Iterable[Record] | None) -> list[Record]:
+def check_records(result: Result, records: Iterable[MeasuredRecord] | None) -> list[MeasuredRecord]:
     """The records as a list, each known to hold times and something to compare.
 
     Raises:
@@ -67,12 +67,12 @@ def check_records(result: Result, records: Iterable[Record] | None) -> list[Reco
     for record in found:
         if "time" not in record.columns:
             raise DataError(f"The record `{record.name}` has no column `time`.")
-        if not recorded(result, [record]):
+        if not list_recorded(result, [record]):
             listed = ", ".join(f"`{name}` [{result.unit(name)}]" for name in result.outputs)
             raise DataError(
                 f"The record `{record.name}` has no column to compare; possible are {listed}."
             )
-        if not _inside(result, np.asarray(record.columns["time"], np.float64)).any():
+        if not _mask_inside(result, np.asarray(record.columns["time"], np.float64)).any():
             raise DataError(
                 f"The record `{record.name}` has no sample between 0 and "
                 f"{result.times[-1]:.6g} s, the time simulated."
@@ -80,51 +80,51 @@ def check_records(result: Result, records: Iterable[Record] | None) -> list[Reco
     return found
 
 
-def recorded(result: Result, records: Iterable[Record]) -> list[str]:
+def list_recorded(result: Result, records: Iterable[MeasuredRecord]) -> list[str]:
     """Names of the outputs that at least one of the records holds."""
     records = list(records)
-    return [name for name in result.outputs if any(_holds(result, r, name) for r in records)]
+    return [name for name in result.outputs if any(_has_column(result, r, name) for r in records)]
 
 
-def overlays(result: Result, records: Iterable[Record], name: str) -> list[Overlay]:
+def find_overlays(result: Result, records: Iterable[MeasuredRecord], name: str) -> list[Overlay]:
     """The measured columns `name` of all records that have it, ready to draw."""
-    shown = axis(result, name)
+    shown = describe_axis(result, name)
     return [
-        _overlay(result, r, shown, look(r, i))
+        _make_overlay(result, r, shown, choose_look(r, i))
         for i, r in enumerate(records)
-        if _holds(result, r, name)
+        if _has_column(result, r, name)
     ]
 
 
-def pairs(
-    result: Result, records: Iterable[Record], x: str, y: str
+def pair_columns(
+    result: Result, records: Iterable[MeasuredRecord], x: str, y: str
 ) -> list[tuple[Any, Any, dict[str, Any]]]:
     """x, y (in shown units) and line properties of all records that have both columns."""
-    horizontal, vertical = axis(result, x), axis(result, y)
+    horizontal, vertical = describe_axis(result, x), describe_axis(result, y)
     return [
-        (horizontal.values(r.columns[x]), vertical.values(r.columns[y]), look(r, i))
+        (horizontal.values(r.columns[x]), vertical.values(r.columns[y]), choose_look(r, i))
         for i, r in enumerate(records)
-        if _holds(result, r, x) and _holds(result, r, y)
+        if _has_column(result, r, x) and _has_column(result, r, y)
     ]
 
 
-def draw_overlays(axes: Any, shown: Axis, found: Sequence[Overlay]) -> None:
+def draw_overlays(axes: Any, shown: QuantityAxis, found: Sequence[Overlay]) -> None:
     """Draw measured columns over time, with the RMS difference in their legend entries."""
     for i, overlay in enumerate(found):
         if len(found) <= NAMED:
-            label = _rms(shown, [overlay])
+            label = _describe_rms(shown, [overlay])
         else:
-            label = _rms(shown, found) if i == 0 else "_nolegend_"
+            label = _describe_rms(shown, found) if i == 0 else "_nolegend_"
         axes.plot(overlay.times, overlay.values, label=label, **overlay.line)
 
 
-def draw_key(figure: Any, left: float, top: float, records: Sequence[Record]) -> None:
+def draw_key(figure: Any, left: float, top: float, records: Sequence[MeasuredRecord]) -> None:
     """Say once which line is simulated and which is which record, from (left, top) on."""
     from matplotlib.lines import Line2D
 
-    looks = [{"color": SIMULATED}, *(look(r, i) for i, r in enumerate(records))]
+    looks = [{"color": SIMULATED}, *(choose_look(r, i) for i, r in enumerate(records))]
     lines = [Line2D([], [], **line) for line in looks]
-    names = ["simulated", *(_short(r.name) for r in records)]
+    names = ["simulated", *(_cut_name(r.name) for r in records)]
     shown = min(len(names), KEYED)
     key = figure.legend(
         lines[:shown],
@@ -140,7 +140,7 @@ def draw_key(figure: Any, left: float, top: float, records: Sequence[Record]) ->
         text.set_parse_math(False)
 
 
-def look(record: Record, i: int) -> dict[str, Any]:
+def choose_look(record: MeasuredRecord, i: int) -> dict[str, Any]:
     """Line properties of the i-th record: dots if it is short, else a thin line."""
     colour = MEASURED[i % len(MEASURED)]
     if len(record.columns["time"]) > DOTS:
@@ -155,11 +155,11 @@ def look(record: Record, i: int) -> dict[str, Any]:
     }
 
 
-def _short(name: str, most: int = 36) -> str:
+def _cut_name(name: str, most: int = 36) -> str:
     return name if len(name) <= most else name[: most - 1] + "…"
 
 
-def _rms(shown: Axis, found: Sequence[Overlay]) -> str:
+def _describe_rms(shown: QuantityAxis, found: Sequence[Overlay]) -> str:
     """The root mean square of all samples together, in words."""
     misfit = np.concatenate([overlay.misfit for overlay in found])
     if not misfit.size:
@@ -168,17 +168,19 @@ def _rms(shown: Axis, found: Sequence[Overlay]) -> str:
     return f"RMS {value}" if len(found) == 1 else f"RMS {value} ({len(found)} records)"
 
 
-def _holds(result: Result, record: Record, name: str) -> bool:
+def _has_column(result: Result, record: MeasuredRecord, name: str) -> bool:
     return name in record.columns and record.units.get(name) == result.unit(name)
 
 
-def _overlay(result: Result, record: Record, shown: Axis, line: dict[str, Any]) -> Overlay:
+def _make_overlay(
+    result: Result, record: MeasuredRecord, shown: QuantityAxis, line: dict[str, Any]
+) -> Overlay:
     times = np.asarray(record.columns["time"], np.float64)
     values = shown.values(record.columns[shown.name])
-    use = _inside(result, times) & np.isfinite(values)
+    use = _mask_inside(result, times) & np.isfinite(values)
     simulated = np.interp(times[use], result.times, shown.values(result[shown.name]))
     return Overlay(times, values, values[use] - simulated, line)
 
 
-def _inside(result: Result, times: Any) -> Any:
+def _mask_inside(result: Result, times: Any) -> Any:
     return (times >= result.times[0]) & (times <= result.times[-1])

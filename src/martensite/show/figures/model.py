@@ -9,9 +9,9 @@ import numpy as np
 from martensite.identify.chains.directions import find_rising
 from martensite.identify.chains.validation import Validation
 from martensite.show.figures.fit import SEEN
-from martensite.show.figures.labels import around
-from martensite.show.figures.model_axes import signal_label, thinned
+from martensite.show.figures.labels import enclose_values
 from martensite.show.figures.panels import write_headline, write_title
+from martensite.show.figures.signal_labels import thin_line, write_signal_label
 from martensite.show.figures.style import (
     COOLING,
     FAINT,
@@ -19,8 +19,8 @@ from martensite.show.figures.style import (
     INK,
     QUIET,
     SIMULATED,
-    new_figure,
-    styled,
+    make_figure,
+    use_style,
 )
 
 if TYPE_CHECKING:
@@ -45,9 +45,9 @@ def plot_model(validation: Validation, band: OutputBand | None = None, title: st
     record = validation.record
     inputs, outputs = len(record.input_names), len(record.output_names)
     heights = [0.6] * inputs + [1.7, 0.8] * outputs
-    with styled():
+    with use_style():
         height = 1.0 + 0.92 * sum(heights)
-        figure = new_figure(9.2, height)
+        figure = make_figure(9.2, height)
         specs = figure.add_gridspec(
             len(heights),
             1,
@@ -64,10 +64,10 @@ def plot_model(validation: Validation, band: OutputBand | None = None, title: st
             share = panels[0] if panels else None
             panels.append(figure.add_subplot(specs[place], sharex=share))
         for k in range(inputs):
-            _input(panels[k], validation, k)
+            _draw_input(panels[k], validation, k)
         for k in range(outputs):
-            _output(panels[inputs + 2 * k], validation, k, band)
-            _error(panels[inputs + 2 * k + 1], validation, k, band)
+            _draw_output(panels[inputs + 2 * k], validation, k, band)
+            _draw_error(panels[inputs + 2 * k + 1], validation, k, band)
         for axes in panels:
             axes.tick_params(labelbottom=axes is panels[-1])
         panels[-1].set_xlabel("$t$ [s]")
@@ -86,8 +86,8 @@ def plot_model_loop(validation: Validation, number: int = 0, title: str = "") ->
     """
     record = validation.record
     outputs = len(record.output_names)
-    with styled():
-        figure = new_figure(9.2, 0.75 + 3.4 * outputs)
+    with use_style():
+        figure = make_figure(9.2, 0.75 + 3.4 * outputs)
         height = figure.get_figheight()
         specs = figure.add_gridspec(
             outputs,
@@ -105,56 +105,56 @@ def plot_model_loop(validation: Validation, number: int = 0, title: str = "") ->
         for k in range(outputs):
             left = figure.add_subplot(specs[k, 0])
             right = figure.add_subplot(specs[k, 1], sharex=left, sharey=left)
-            _loop(left, validation, record.outputs[:, k], number, k, "measured")
-            _loop(right, validation, validation.computed[:, k], number, k, "computed")
+            _draw_loop(left, validation, record.outputs[:, k], number, k, "measured")
+            _draw_loop(right, validation, validation.computed[:, k], number, k, "computed")
             right.set_ylabel("")
             right.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=2)
         return figure
 
 
-def _input(axes: Any, validation: Validation, k: int) -> None:
+def _draw_input(axes: Any, validation: Validation, k: int) -> None:
     record = validation.record
-    places = thinned(record.inputs[:, k])
+    places = thin_line(record.inputs[:, k])
     axes.plot(record.times[places], record.inputs[places, k], color=INK, linewidth=0.9)
-    axes.set_ylabel(signal_label(record.input_names[k], record.units))
+    axes.set_ylabel(write_signal_label(record.input_names[k], record.units))
     axes.locator_params(axis="y", nbins=3)
 
 
-def _output(axes: Any, validation: Validation, k: int, band: OutputBand | None) -> None:
+def _draw_output(axes: Any, validation: Validation, k: int, band: OutputBand | None) -> None:
     record, computed = validation.record, validation.computed[:, k]
     times, name = record.times, record.output_names[k]
     measured = record.outputs[:, k]
     if band is not None:
         low, high = (computed + sign * band.measured[:, k] for sign in (-1.0, 1.0))
         axes.fill_between(times, low, high, color=BAND, linewidth=0.0, label="band", zorder=1.1)
-    places = thinned(measured)
+    places = thin_line(measured)
     axes.plot(times[places], measured[places], color=SEEN, linewidth=2.0, label="measured")
-    places = thinned(computed)
+    places = thin_line(computed)
     axes.plot(times[places], computed[places], color=SIMULATED, linewidth=1.1, label="computed")
-    axes.set_ylabel(signal_label(name, record.units))
-    axes.set_ylim(*around(measured, computed))
+    axes.set_ylabel(write_signal_label(name, record.units))
+    axes.set_ylim(*enclose_values(measured, computed))
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=3)
     fit = validation.score(name).fit_percent
     words = f"{name}: fit {fit:.2f} % (NRMSE, free run)"
     write_title(axes, words, fontweight="bold", color=INK)
 
 
-def _error(axes: Any, validation: Validation, k: int, band: OutputBand | None) -> None:
+def _draw_error(axes: Any, validation: Validation, k: int, band: OutputBand | None) -> None:
     record, errors = validation.record, validation.residuals[:, k]
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
     if band is not None:
         width = band.measured[:, k]
         axes.fill_between(record.times, -width, width, color=FAINT, linewidth=0.0, zorder=0.8)
-    places = thinned(errors)
+    places = thin_line(errors)
     axes.plot(record.times[places], errors[places], color=SIMULATED, linewidth=0.8)
     reach = 1.12 * float(np.nanmax(np.abs(errors))) or 1.0
     axes.set_ylim(-reach, reach)
     unit = record.units.get(record.output_names[k], "")
-    axes.set_ylabel(signal_label("error", {"error": "K" if unit == "degC" else unit}))
+    axes.set_ylabel(write_signal_label("error", {"error": "K" if unit == "degC" else unit}))
     axes.locator_params(axis="y", nbins=3)
 
 
-def _loop(axes: Any, validation: Validation, y: Any, number: int, k: int, words: str) -> None:
+def _draw_loop(axes: Any, validation: Validation, y: Any, number: int, k: int, words: str) -> None:
     """One path in two colours, thin enough to see through."""
     record = validation.record
     step = max(1, len(record) // LOOPED)
@@ -163,6 +163,6 @@ def _loop(axes: Any, validation: Validation, y: Any, number: int, k: int, words:
     for mask, name, colour in ((up, "rising", HEATING), (~up, "falling", COOLING)):
         path = np.where(mask | np.roll(mask, 1), y, np.nan)
         axes.plot(u, path, color=colour, linewidth=0.9, alpha=0.8, label=name)
-    axes.set_xlabel(signal_label(record.input_names[number], record.units))
-    axes.set_ylabel(signal_label(record.output_names[k], record.units))
+    axes.set_xlabel(write_signal_label(record.input_names[number], record.units))
+    axes.set_ylabel(write_signal_label(record.output_names[k], record.units))
     write_title(axes, words, fontweight="bold", color=INK)

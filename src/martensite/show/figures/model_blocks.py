@@ -17,7 +17,7 @@ from martensite.identify.chains.linear_system import LinearSystem
 from martensite.identify.chains.linearise import linearise_chain
 from martensite.show.figures.fit import SEEN
 from martensite.show.figures.panels import write_headline, write_title
-from martensite.show.figures.style import FAINT, INK, SIMULATED, new_figure, styled
+from martensite.show.figures.style import FAINT, INK, SIMULATED, make_figure, use_style
 from martensite.signals.sampling.sampled import Sampled
 
 if TYPE_CHECKING:
@@ -43,8 +43,8 @@ def plot_static_blocks(chain: Chain, record: Sampled, title: str = "") -> Figure
     places = [k for k, block in enumerate(chain.blocks) if isinstance(block, AbstractStatic)]
     if not places:
         raise InputError(f"Model `{chain.text()}` has no static block.")
-    with styled():
-        figure = new_figure(max(3.3 * len(places), 4.6), 3.5)
+    with use_style():
+        figure = make_figure(max(3.3 * len(places), 4.6), 3.5)
         specs = figure.add_gridspec(
             2,
             len(places),
@@ -60,7 +60,7 @@ def plot_static_blocks(chain: Chain, record: Sampled, title: str = "") -> Figure
         for i, place in enumerate(places):
             curve = figure.add_subplot(specs[0, i])
             counts = figure.add_subplot(specs[1, i], sharex=curve)
-            _static(curve, counts, chain, place, record)
+            _draw_static(curve, counts, chain, place, record)
         return figure
 
 
@@ -73,7 +73,7 @@ def plot_linear_blocks(chain: Chain, title: str = "") -> Figure:
     places = [k for k, block in enumerate(chain.blocks) if block.linear]
     if not places:
         raise InputError(f"Model `{chain.text()}` has no linear block.")
-    systems = [(f"{k + 1}: {chain.blocks[k].text()}", _alone(chain, k)) for k in places]
+    systems = [(f"{k + 1}: {chain.blocks[k].text()}", _isolate_block(chain, k)) for k in places]
     return plot_linear(systems, title or f"Linear blocks of {chain.name}")
 
 
@@ -84,9 +84,9 @@ def plot_linear(systems: list[tuple[str, LinearSystem]], title: str = "") -> Fig
         systems: names and systems; of several inputs and outputs the first are drawn.
         title: headline.
     """
-    with styled():
+    with use_style():
         height = 0.85 + 2.1 * len(systems)
-        figure = new_figure(9.6, height)
+        figure = make_figure(9.6, height)
         specs = figure.add_gridspec(
             len(systems),
             3,
@@ -100,14 +100,14 @@ def plot_linear(systems: list[tuple[str, LinearSystem]], title: str = "") -> Fig
         write_headline(figure, title)
         for row, (name, linear) in enumerate(systems):
             axes = [figure.add_subplot(specs[row, i]) for i in range(3)]
-            _step(axes[0], name, linear)
-            _bode(axes[1], axes[2], linear)
+            _draw_step(axes[0], name, linear)
+            _draw_bode(axes[1], axes[2], linear)
             for one in axes if row < len(systems) - 1 else ():
                 one.set_xlabel("")
         return figure
 
 
-def _alone(chain: Chain, place: int) -> LinearSystem:
+def _isolate_block(chain: Chain, place: int) -> LinearSystem:
     """One block as a linear system."""
     block = chain.blocks[place]
     own = Chain(
@@ -120,7 +120,7 @@ def _alone(chain: Chain, place: int) -> LinearSystem:
     return linearise_chain(own, np.zeros(block.inputs))
 
 
-def _static(curve: Any, counts: Any, chain: Chain, place: int, record: Sampled) -> None:
+def _draw_static(curve: Any, counts: Any, chain: Chain, place: int, record: Sampled) -> None:
     block = chain.blocks[place]
     x = chain.before(place, record)[:, 0]
     low, high = float(np.min(x)), float(np.max(x))
@@ -140,7 +140,7 @@ def _static(curve: Any, counts: Any, chain: Chain, place: int, record: Sampled) 
     counts.set_xlabel("input (seen: shaded)")
 
 
-def _step(axes: Any, name: str, linear: LinearSystem) -> None:
+def _draw_step(axes: Any, name: str, linear: LinearSystem) -> None:
     constants = linear.time_constants()
     longest = float(np.max(constants[np.isfinite(constants)], initial=linear.interval))
     duration = min(CONSTANTS * longest, MOST * linear.interval)
@@ -151,7 +151,7 @@ def _step(axes: Any, name: str, linear: LinearSystem) -> None:
     write_title(axes, name, fontweight="bold", color=INK)
 
 
-def _bode(gain: Any, phase: Any, linear: LinearSystem) -> None:
+def _draw_bode(gain: Any, phase: Any, linear: LinearSystem) -> None:
     half = 0.5 / linear.interval
     constants = linear.time_constants()
     slow = float(np.max(constants[np.isfinite(constants)], initial=linear.interval))

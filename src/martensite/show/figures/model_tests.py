@@ -15,7 +15,15 @@ from martensite.identify.chains.correlations import LEVELS, Crossed
 from martensite.identify.chains.validation import Validation
 from martensite.search.whiteness import Whiteness
 from martensite.show.figures.panels import draw_autocorrelation, write_headline, write_title
-from martensite.show.figures.style import FAINT, HEATING, INK, QUIET, SIMULATED, new_figure, styled
+from martensite.show.figures.style import (
+    FAINT,
+    HEATING,
+    INK,
+    QUIET,
+    SIMULATED,
+    make_figure,
+    use_style,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,9 +42,9 @@ def plot_model_tests(validation: Validation, title: str = "") -> Figure:
     outputs = validation.record.output_names
     rows = [[one for one in validation.crossed if one.output == name] for name in outputs]
     columns = 1 + max((len(row) for row in rows), default=0)
-    with styled():
+    with use_style():
         height = 0.95 + 2.3 * len(outputs)
-        figure = new_figure(3.1 * max(columns, 2), height)
+        figure = make_figure(3.1 * max(columns, 2), height)
         specs = figure.add_gridspec(
             len(outputs),
             columns,
@@ -54,13 +62,13 @@ def plot_model_tests(validation: Validation, title: str = "") -> Figure:
         for k, name in enumerate(outputs):
             test = white.get(f"{validation.record.name}, {name}")
             if test is not None:
-                _memory(figure.add_subplot(specs[k, 0]), name, test)
+                _draw_memory(figure.add_subplot(specs[k, 0]), name, test)
             for i, one in enumerate(rows[k], start=1):
-                _crossed(figure.add_subplot(specs[k, i]), one)
+                _draw_cross_correlation(figure.add_subplot(specs[k, i]), one)
         return figure
 
 
-def _memory(axes: Any, output: str, test: Whiteness) -> None:
+def _draw_memory(axes: Any, output: str, test: Whiteness) -> None:
     draw_autocorrelation(axes, test)
     axes.set_xlabel("lag [samples]")
     axes.set_ylabel("autocorrelation")
@@ -68,7 +76,7 @@ def _memory(axes: Any, output: str, test: Whiteness) -> None:
     write_title(axes, f"{output} with itself: {words}", color=INK, fontsize=8.0)
 
 
-def _crossed(axes: Any, one: Crossed) -> None:
+def _draw_cross_correlation(axes: Any, one: Crossed) -> None:
     lags = np.array(one.lags) * one.interval
     for level, shade in zip(reversed(LEVELS), reversed(SHADES), strict=True):
         band = one.band(level)

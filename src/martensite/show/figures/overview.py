@@ -19,11 +19,11 @@ from martensite.control.loop.bench import Bench
 from martensite.show.figures.bench import plot_bench
 from martensite.show.figures.files import check_format, write_figure
 from martensite.show.figures.hysteresis import LOOPS, draw_loops
-from martensite.show.figures.labels import axis
+from martensite.show.figures.labels import describe_axis
 from martensite.show.figures.machine import draw_machine
-from martensite.show.figures.measured import Record, check_records, draw_key
-from martensite.show.figures.style import HEATING, QUIET, new_figure, styled
-from martensite.show.figures.timeseries import draw_timeseries, panel_names
+from martensite.show.figures.measured import MeasuredRecord, check_records, draw_key
+from martensite.show.figures.style import HEATING, QUIET, make_figure, use_style
+from martensite.show.figures.timeseries import draw_timeseries, list_panels
 from martensite.simulate.result import Result
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ LEFT = 0.07
 
 def plot_result(
     result: Result,
-    records: Iterable[Record] | None = None,
+    records: Iterable[MeasuredRecord] | None = None,
     title: str | None = None,
     outside: Mapping[str, AbstractController] | None = None,
 ) -> Figure:
@@ -58,21 +58,21 @@ def plot_result(
         DataError: a record holds nothing that can be compared with the result.
     """
     if result.variants is not None:
-        with styled():
-            return _batch(result, title)
+        with use_style():
+            return _draw_batch(result, title)
     if isinstance(result.system, Bench):
         return plot_bench(result, records, title, outside)
     measured = check_records(result, records)
-    with styled():
+    with use_style():
         if not isinstance(result.system, System):
-            return _machine(result, title)
-        return _figure(result, measured, title)
+            return _draw_machine(result, title)
+        return _make_figure(result, measured, title)
 
 
 def save_figure(
     result: Result,
     path: str | os.PathLike[str],
-    records: Iterable[Record] | None = None,
+    records: Iterable[MeasuredRecord] | None = None,
     title: str | None = None,
     outside: Mapping[str, AbstractController] | None = None,
 ) -> None:
@@ -87,13 +87,13 @@ def save_figure(
     write_figure(plot_result(result, records, title, outside), path)
 
 
-def _figure(result: Result, records: Sequence[Record], title: str | None) -> Figure:
-    names = panel_names(result, records)
+def _make_figure(result: Result, records: Sequence[MeasuredRecord], title: str | None) -> Figure:
+    names = list_panels(result, records)
     warnings = [line for text in result.warnings for line in textwrap.wrap(text, 165)]
     head = HEAD + (KEY if records else 0.0)
     foot = FOOT + LINE * len(warnings)
     height = head + foot + PANEL_HEIGHT * len(names)
-    figure = new_figure(WIDTH, height)
+    figure = make_figure(WIDTH, height)
     left, right = figure.add_gridspec(
         1,
         2,
@@ -118,13 +118,13 @@ def _figure(result: Result, records: Sequence[Record], title: str | None) -> Fig
     return figure
 
 
-def _batch(result: Result, title: str | None) -> Figure:
+def _draw_batch(result: Result, title: str | None) -> Figure:
     """Every column over time, with a line per variant."""
     import matplotlib
 
     names = list(result.columns)
     height = HEAD + FOOT + 2.0 * PANEL_HEIGHT * len(names)
-    figure = new_figure(0.75 * WIDTH, height)
+    figure = make_figure(0.75 * WIDTH, height)
     grid = figure.add_gridspec(
         len(names),
         1,
@@ -137,19 +137,19 @@ def _batch(result: Result, title: str | None) -> Figure:
     panels = list(grid.subplots(sharex=True, squeeze=False)[:, 0])
     colours: Any = matplotlib.colormaps["viridis"]
     for axes, name in zip(panels, names, strict=True):
-        shown = axis(result, name)
+        shown = describe_axis(result, name)
         lines = axes.plot(result.times, shown.values(result[name]).T, linewidth=1.0)
         for k, line in enumerate(lines):
             line.set_color(colours(k / max(len(lines) - 1, 1)))
         axes.set_title(shown.long_name)
         axes.set_ylabel(shown.label)
         axes.set_xlim(result.times[0], result.times[-1])
-    panels[-1].set_xlabel(axis(result, "time").label)
+    panels[-1].set_xlabel(describe_axis(result, "time").label)
     _write_text(figure, result, title, [])
     return figure
 
 
-def _machine(result: Result, title: str | None) -> Figure:
+def _draw_machine(result: Result, title: str | None) -> Figure:
     """Records of machines are compared in numbers only."""
     figure = draw_machine(result)
     _write_text(figure, result, title, [])
@@ -158,24 +158,24 @@ def _machine(result: Result, title: str | None) -> Figure:
 
 def _write_text(figure: Any, result: Result, title: str | None, warnings: Sequence[str]) -> None:
     height = figure.get_figheight()
-    top = title if title is not None else _title(result)
+    top = title if title is not None else _make_title(result)
     plain = {"va": "center", "parse_math": False}
     figure.text(0.02, 1.0 - 0.26 / height, top, fontsize=12.5, fontweight="bold", **plain)
-    figure.text(0.02, 1.0 - 0.49 / height, _summary(result), color=QUIET, **plain)
+    figure.text(0.02, 1.0 - 0.49 / height, _write_lead(result), color=QUIET, **plain)
     for i, line in enumerate(reversed(warnings)):
         place = (0.16 + LINE * i) / height
         figure.text(0.02, place, line, color=HEATING, fontsize=8.0, **plain)
 
 
-def _title(result: Result) -> str:
+def _make_title(result: Result) -> str:
     text = result.system.description()
     return text[:1].upper() + text[1:]
 
 
-def _summary(result: Result) -> str:
+def _write_lead(result: Result) -> str:
     if result.variants is not None:
         return f"{len(result.variants)} variants: {result.variants.count_endings()}"
-    stroke = axis(result, result.coordinate)
+    stroke = describe_axis(result, result.coordinate)
     factor, _ = units.find_conversion(stroke.shown, stroke.unit)
     parts = [
         f"stroke {result.stroke / factor:.3g} {stroke.difference_unit}",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from martensite.show.figures.style import FAINT, QUIET, SIMULATED, new_figure
+from martensite.show.figures.style import FAINT, QUIET, SIMULATED, make_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,7 +30,7 @@ def make_grid(count: int, title: str) -> tuple[Figure, list[Any]]:
     columns = {1: 1, 2: 2, 4: 2}.get(count, 3)
     rows = math.ceil(count / columns)
     width, height = {1: 6.4, 2: 9.2, 3: 11.5}[columns], 1.0 + (2.95 if columns < 3 else 2.6) * rows
-    figure = new_figure(width, height)
+    figure = make_figure(width, height)
     specs = figure.add_gridspec(
         rows,
         columns,
@@ -87,7 +87,7 @@ def make_panels(
     width: float, height: float, rows: int, columns: int, **how: Any
 ) -> tuple[Figure, Any]:
     """A figure [inch] whose panels, an array (rows, columns), find their places themselves."""
-    figure = new_figure(width, height)
+    figure = make_figure(width, height)
     figure.set_layout_engine("constrained")
     return figure, figure.subplots(rows, columns, squeeze=False, **how)
 

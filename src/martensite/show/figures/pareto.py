@@ -10,8 +10,8 @@ import numpy as np
 
 from martensite.design.sweep.pareto import ParetoFront
 from martensite.design.sweep.table import SweepTable, shorten_names
-from martensite.show.figures.style import FAINT, HEATING, INK, QUIET, new_figure, styled
-from martensite.show.figures.sweep_names import headline, label, layout
+from martensite.show.figures.style import FAINT, HEATING, INK, QUIET, make_figure, use_style
+from martensite.show.figures.sweep_labels import arrange_panels, label_column, write_sweep_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,27 +34,29 @@ def plot_pareto(found: SweepTable, front: ParetoFront, title: str = "") -> Figur
         title: headline; by default that of the sweep.
     """
     pairs = list(combinations(range(len(front.goals)), 2))[:MOST_PAIRS] or [(0, 0)]
-    rows, columns = layout(len(pairs))
+    rows, columns = arrange_panels(len(pairs))
     width = max(PANEL * columns, CELL * (len(found.varied) + len(front.goals) + 1), 5.5)
-    with styled():
-        figure = new_figure(width, 2.9 * rows + TABLE)
+    with use_style():
+        figure = make_figure(width, 2.9 * rows + TABLE)
         figure.set_layout_engine("constrained")
         parts: Any = figure.subfigures(2, 1, height_ratios=(2.9 * rows, TABLE))
         upper, lower = parts
         panels = upper.subplots(rows, columns, squeeze=False).ravel()
-        named = _named(front)
+        named = _choose_named(front)
         for panel, pair in zip(panels, pairs, strict=False):
-            _pair(panel, found, front, pair, named)
+            _draw_pair(panel, found, front, pair, named)
         for panel in panels[len(pairs) :]:
             panel.set_axis_off()
         panels[0].legend(loc="best")
-        head = upper.suptitle(title or headline(found), x=0.01, ha="left", fontweight="bold")
+        head = upper.suptitle(
+            title or write_sweep_title(found), x=0.01, ha="left", fontweight="bold"
+        )
         head.set_parse_math(False)
-        _designs(lower, found, front, named)
+        _tabulate_designs(lower, found, front, named)
     return figure
 
 
-def _named(front: ParetoFront) -> list[int]:
+def _choose_named(front: ParetoFront) -> list[int]:
     """Runs of the front whose designs are told: far from one another, both ends among them."""
     goals = np.stack([one.values[front.runs] for one in front.goals], axis=1)
     goals = (goals - goals.min(axis=0)) / np.maximum(np.ptp(goals, axis=0), 1e-300)
@@ -66,7 +68,7 @@ def _named(front: ParetoFront) -> list[int]:
     return [int(front.runs[k]) for k in sorted(chosen)]
 
 
-def _pair(
+def _draw_pair(
     axes: Axes, found: SweepTable, front: ParetoFront, pair: tuple[int, int], named: list[int]
 ) -> None:
     """All runs and the front over two goals."""
@@ -113,16 +115,16 @@ def _pair(
             path_effects=[halo],
         )
     aims = ["max" if front.most[k] else "min" for k in pair]
-    axes.set(xlabel=f"{label(a)}, {aims[0]}", ylabel=f"{label(b)}, {aims[1]}")
+    axes.set(xlabel=f"{label_column(a)}, {aims[0]}", ylabel=f"{label_column(b)}, {aims[1]}")
 
 
-def _designs(figure: Any, found: SweepTable, front: ParetoFront, named: list[int]) -> None:
+def _tabulate_designs(figure: Any, found: SweepTable, front: ParetoFront, named: list[int]) -> None:
     """A table of the designs that have a letter."""
     shown = front.columns(found)
     short = shorten_names(list(found.varied))
     axes = figure.subplots()
     axes.set_axis_off()
-    heads = ["run", *(label(one, short.get(name, name)) for name, one in shown.items())]
+    heads = ["run", *(label_column(one, short.get(name, name)) for name, one in shown.items())]
     cells = [
         [f"{letter}   {run}", *(f"{float(c.readable(c.values[run])):.4g}" for c in shown.values())]
         for letter, run in zip(ascii_uppercase, named, strict=False)

@@ -21,14 +21,14 @@ from typing import Any
 import numpy as np
 
 from martensite.physics.laws.base import AbstractLaw
-from martensite.show.figures.labels import Axis, around, mathematical
+from martensite.show.figures.labels import QuantityAxis, enclose_values, typeset_symbol
 from martensite.show.figures.style import COOLING, HEATING, INK, QUIET
 from martensite.simulate.path_layout import TWINNED
 from martensite.simulate.point import PointResult
 from martensite.simulate.transformation_points import Marks, find_isobar, find_loaded
 
-TEMPERATURE = Axis("temperature", "temperature", "T", "K", "degC")
-STRESS = Axis("stress", "stress", "σ", "Pa", "MPa")
+TEMPERATURE = QuantityAxis("temperature", "temperature", "T", "K", "degC")
+STRESS = QuantityAxis("stress", "stress", "σ", "Pa", "MPa")
 BEGUN = 1e-5
 """Share of a transformation at which a line that is found by driving counts as passed."""
 ISOBARS = 7
@@ -73,20 +73,20 @@ class Band:
         return HEATING if self.process == "reverse" else COOLING
 
 
-def bands(law: AbstractLaw, highest: float, coldest: float) -> list[Band]:
+def find_bands(law: AbstractLaw, highest: float, coldest: float) -> list[Band]:
     """The bands of a law up to a stress [Pa], horizontal ones from a temperature [K] on."""
     values = {leaf.path: leaf.value for leaf in law.leaves()}
-    if all(name in values for name in SHIFTED) and confirmed(law, values):
+    if all(name in values for name in SHIFTED) and confirm_lines(law, values):
         if all(name in values for name in CRITICAL):
-            return _detwinning(values, highest, coldest)
-        return [_shifted(values, highest, *names) for names in _STRIPS]
-    return driven(law, np.linspace(0.0, highest, ISOBARS).tolist(), coldest)
+            return _find_detwinning(values, highest, coldest)
+        return [_shift_band(values, highest, *names) for names in _STRIPS]
+    return find_driven_bands(law, np.linspace(0.0, highest, ISOBARS).tolist(), coldest)
 
 
 _STRIPS = (("forward", "M_s", "M_f", "C_M"), ("reverse", "A_s", "A_f", "C_A"))
 
 
-def confirmed(law: AbstractLaw, values: dict[str, float]) -> bool:
+def confirm_lines(law: AbstractLaw, values: dict[str, float]) -> bool:
     """True if isobars of the law lie where its parameters put them.
 
     At 1 % and 99 % a cosine is still 6 % of its strip away from the lines.
@@ -106,7 +106,7 @@ def confirmed(law: AbstractLaw, values: dict[str, float]) -> bool:
     return forward and near(pulled, stress, "A_s", "A_f", "C_A")
 
 
-def _shifted(
+def _shift_band(
     values: dict[str, float], highest: float, process: str, start: str, finish: str, slope: str
 ) -> Band:
     def line(name: str) -> Line:
@@ -116,7 +116,7 @@ def _shifted(
     return Band(process, line(start), line(finish))
 
 
-def _detwinning(values: dict[str, float], highest: float, coldest: float) -> list[Band]:
+def _find_detwinning(values: dict[str, float], highest: float, coldest: float) -> list[Band]:
     """Detwinning and loading in one band with a kink at M_s, cooling, reverse."""
     M_s, M_f, C_M = values["M_s"], values["M_f"], values["C_M"]
     sigma_s, sigma_f = values["sigma_s"], values["sigma_f"]
@@ -131,11 +131,11 @@ def _detwinning(values: dict[str, float], highest: float, coldest: float) -> lis
     return [
         Band("loading", start, finish),
         Band("cooling", *cooling),
-        _shifted(values, highest, *_STRIPS[1]),
+        _shift_band(values, highest, *_STRIPS[1]),
     ]
 
 
-def driven(law: AbstractLaw, stresses: Sequence[float], coldest: float) -> list[Band]:
+def find_driven_bands(law: AbstractLaw, stresses: Sequence[float], coldest: float) -> list[Band]:
     """Bands found by driving a law along isobars [Pa] and by loading it cold."""
     found = {stress: find_isobar(law, stress, BEGUN) for stress in stresses}
 
@@ -147,11 +147,11 @@ def driven(law: AbstractLaw, stresses: Sequence[float], coldest: float) -> list[
     drawn = [band for band in drawn if len(band.start.stress) > 1 < len(band.finish.stress)]
     warmest = found[stresses[0]].M_f
     if law.twins and math.isfinite(warmest):
-        drawn += _orientation(law, min(coldest, warmest - 1.0), warmest)
+        drawn += _find_orientation(law, min(coldest, warmest - 1.0), warmest)
     return drawn
 
 
-def _orientation(law: AbstractLaw, coldest: float, warmest: float) -> list[Band]:
+def _find_orientation(law: AbstractLaw, coldest: float, warmest: float) -> list[Band]:
     """The band in which twinned martensite turns under stress; none if it does not."""
     temperatures = coldest, warmest
     ends = [
@@ -183,7 +183,7 @@ def draw_phase_diagram(
     highest = max(LEAST_STRESS, 1.12 * max(max(r.stress) for r in results))
     coldest = min(min(r.temperature) for r in results) - 8.0
     hottest = max(max(r.temperature) for r in results) + 8.0
-    found = bands(law, highest, min(coldest, find_isobar(law).M_f - 15.0))
+    found = find_bands(law, highest, min(coldest, find_isobar(law).M_f - 15.0))
     for band in found:
         draw_band(axes, band)
     for result, colour in zip(results, colours, strict=True):
@@ -191,7 +191,7 @@ def draw_phase_diagram(
     unloaded = [line.temperature[0] for band in found for line in (band.start, band.finish)]
     cold, hot = min([coldest, *unloaded]), max([hottest, *unloaded])
     ends = TEMPERATURE.values([cold, hot])
-    axes.set_xlim(*around(ends))
+    axes.set_xlim(*enclose_values(ends))
     lowest = min(min(r.stress) for r in results)
     low, high = STRESS.values([min(lowest, 0.0), highest])
     axes.set_ylim(low - 0.03 * (high - low), high)
@@ -221,10 +221,10 @@ def draw_way(axes: Any, result: PointResult, colours: Sequence[str]) -> None:
         a, b = x[first : last + 1], y[first : last + 1]
         axes.plot(a, b, color=colours[leg], linewidth=1.5, zorder=2.4)
         if leg < ARROWS:
-            arrow(axes, a, b, colours[leg])
+            draw_arrow(axes, a, b, colours[leg])
 
 
-def arrow(axes: Any, x: Any, y: Any, colour: str, at: float = 0.66) -> None:
+def draw_arrow(axes: Any, x: Any, y: Any, colour: str, at: float = 0.66) -> None:
     """An arrowhead part of the way along a curve; beyond its middle, so that ways back show."""
     spans = np.ptp(x) or 1.0, np.ptp(y) or 1.0
     way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x) / spans[0], np.diff(y) / spans[1]))])
@@ -260,7 +260,7 @@ def _name_lines(axes: Any, found: Sequence[Band]) -> None:
             if inside:
                 axes.text(
                     *place,
-                    mathematical(symbol),
+                    typeset_symbol(symbol),
                     color=band.colour,
                     fontsize=8.5,
                     zorder=2.0,

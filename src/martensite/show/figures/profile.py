@@ -9,8 +9,8 @@ import numpy as np
 from martensite.actuators.assembly import PROFILES
 from martensite.base import units
 from martensite.base.errors import InputError
-from martensite.show.figures.labels import mathematical
-from martensite.show.figures.style import INK, new_figure, styled
+from martensite.show.figures.labels import typeset_symbol
+from martensite.show.figures.style import INK, make_figure, use_style
 from martensite.simulate.result import Result
 
 if TYPE_CHECKING:
@@ -32,13 +32,13 @@ def plot_profile(result: Result, title: str | None = None) -> Figure:
             f"There is no profile to draw of the elements of this run ({names}). "
             "A single `axial-wire` or `ribbon` has one."
         )
-    with styled():
-        figure = new_figure(10.0, 3.6)
+    with use_style():
+        figure = make_figure(10.0, 3.6)
         figure.set_layout_engine("constrained")
         panels = figure.subplots(1, len(PROFILES), sharex=True, sharey=True)
         for panel, name in zip(panels, PROFILES, strict=True):
-            _map(figure, panel, result, name)
-        panels[0].set_ylabel(f"{mathematical('y')} [mm]")
+            _draw_map(figure, panel, result, name)
+        panels[0].set_ylabel(f"{typeset_symbol('y')} [mm]")
         element = elements[0].registered_name
         figure.suptitle(
             title or f"Profile of a simulated {element}", x=0.01, ha="left", fontweight="bold"
@@ -46,7 +46,7 @@ def plot_profile(result: Result, title: str | None = None) -> Figure:
         return figure
 
 
-def _map(figure: Any, panel: Any, result: Result, name: str) -> None:
+def _draw_map(figure: Any, panel: Any, result: Result, name: str) -> None:
     unit, long_name, symbol = PROFILES[name]
     shown = units.choose_readable_unit(unit)
     factor, offset = units.find_conversion(shown, unit)
@@ -66,7 +66,7 @@ def _map(figure: Any, panel: Any, result: Result, name: str) -> None:
     )
     label = {"degC": "°C", "1": "–"}.get(shown, shown)
     bar = figure.colorbar(drawn, ax=panel, pad=0.02)
-    bar.set_label(f"{mathematical(symbol)} [{label}]", color=INK)
+    bar.set_label(f"{typeset_symbol(symbol)} [{label}]", color=INK)
     bar.outline.set_visible(False)
-    panel.set(title=long_name, xlabel=f"{mathematical('t')} [s]")
+    panel.set(title=long_name, xlabel=f"{typeset_symbol('t')} [s]")
     panel.grid(False)

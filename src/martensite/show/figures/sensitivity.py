@@ -10,8 +10,8 @@ import numpy as np
 from martensite.design.sweep.indices import SensitivityIndices
 from martensite.design.sweep.table import shorten_names
 from martensite.show.figures.panels import make_panels
-from martensite.show.figures.style import COOLING, HEATING, INK, MEASURED, QUIET, styled
-from martensite.show.figures.sweep_names import layout
+from martensite.show.figures.style import COOLING, HEATING, INK, MEASURED, QUIET, use_style
+from martensite.show.figures.sweep_labels import arrange_panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,16 +31,16 @@ def plot_sensitivity(found: Sequence[SensitivityIndices], title: str = "") -> Fi
         found: of `sensitivity`.
         title: above the figure.
     """
-    rows, columns = layout(len(found))
+    rows, columns = arrange_panels(len(found))
     kinds = [kind for kind in COLOURS if any(kind in one.indices for one in found)]
     names = min(max(len(one.names) for one in found), MOST)
     height = names * (BAR * len(kinds) + 0.12) + HEAD
-    with styled():
+    with use_style():
         width = WIDTH * max(columns, 1.2)
         figure, panels = make_panels(width, rows * height + 0.4, rows, columns)
         panels = panels.ravel()
         for panel, one in zip(panels, found, strict=False):
-            _bars(panel, one, kinds)
+            _draw_bars(panel, one, kinds)
         for panel in panels[len(found) :]:
             panel.set_axis_off()
         figure.suptitle(title, x=0.01, ha="left", fontweight="bold").set_parse_math(False)
@@ -50,7 +50,7 @@ def plot_sensitivity(found: Sequence[SensitivityIndices], title: str = "") -> Fi
     return figure
 
 
-def _bars(axes: Axes, one: SensitivityIndices, kinds: list[str]) -> None:
+def _draw_bars(axes: Axes, one: SensitivityIndices, kinds: list[str]) -> None:
     """Indices of one measure."""
     order = one.order[:MOST]
     names = shorten_names(list(one.names))
@@ -69,13 +69,13 @@ def _bars(axes: Axes, one: SensitivityIndices, kinds: list[str]) -> None:
     axes.axvline(0.0, color=QUIET, linewidth=0.7)
     axes.set_yticks(places, [names[one.names[k]] for k in order])
     axes.invert_yaxis()
-    axes.set_xlim(*_ends(one))
+    axes.set_xlim(*_find_ends(one))
     axes.grid(visible=False, axis="y")
     title = one.measure if one.deviation else f"{one.measure} (always the same)"
     axes.set_title(title, fontweight="bold").set_parse_math(False)
 
 
-def _ends(one: SensitivityIndices) -> tuple[float, float]:
+def _find_ends(one: SensitivityIndices) -> tuple[float, float]:
     """Limits of the panel: 0 to 1, more where an interval of something drawn goes further."""
     drawn = [index for kind, index in one.indices.items() if kind in COLOURS]
     halves = [np.nan_to_num(index.wide) for index in drawn]

@@ -9,9 +9,9 @@ import numpy as np
 from martensite.base import units
 from martensite.design.analysis.speed import Speeds
 from martensite.show.figures.labels import label_difference
-from martensite.show.figures.machine import colours
+from martensite.show.figures.machine import choose_colours
 from martensite.show.figures.panels import write_headline
-from martensite.show.figures.style import COOLING, HEATING, QUIET, new_figure, styled
+from martensite.show.figures.style import COOLING, HEATING, QUIET, make_figure, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -28,19 +28,19 @@ def plot_speeds(found: Speeds, title: str = "") -> Figure:
         found: of `speeds`.
         title: headline; by default what was asked.
     """
-    with styled():
-        figure = new_figure(WIDTH, HEIGHT)
+    with use_style():
+        figure = make_figure(WIDTH, HEIGHT)
         grid = figure.add_gridspec(1, 3, left=0.06, right=0.985, top=0.79, bottom=0.15, wspace=0.26)
         course, times, rates = (figure.add_subplot(grid[0, k]) for k in range(3))
         write_headline(figure, title or f"Steps of {found.drive}: heating against cooling")
-        _courses(course, found)
+        _draw_courses(course, found)
         unit, size = label_difference(found.units[1])
-        _both(times, found, found.rise, found.fall)
+        _draw_both(times, found, found.rise, found.fall)
         times.set_title("time to 90 % of the way [s]")
-        _both(rates, found, found.fastest_up / size, found.fastest_down / size)
+        _draw_both(rates, found, found.fastest_up / size, found.fastest_down / size)
         rates.set_title(f"largest rate [{unit}/s]")
         for axes in (times, rates):
-            axes.set_xlabel(_axis(found.drive, found.units[0]))
+            axes.set_xlabel(_label_axis(found.drive, found.units[0]))
             axes.set_ylim(0.0, 1.06 * axes.get_ylim()[1])
         figure.legend(
             *times.get_legend_handles_labels(),
@@ -52,12 +52,14 @@ def plot_speeds(found: Speeds, title: str = "") -> Figure:
         return figure
 
 
-def _courses(axes: Any, found: Speeds) -> None:
+def _draw_courses(axes: Any, found: Speeds) -> None:
     """The output over time; colours are signals, dashes loads."""
     unit, size = label_difference(found.units[1])
     drive = units.choose_readable_unit(found.units[0])
-    for rows, dash, load in _loads(found, found.courses):
-        for row, signal, tint in zip(rows, found.signals, colours(len(found.signals)), strict=True):
+    for rows, dash, load in _list_loads(found, found.courses):
+        for row, signal, tint in zip(
+            rows, found.signals, choose_colours(len(found.signals)), strict=True
+        ):
             word = f"{units.from_si(float(signal), drive, found.units[0]):.3g}"
             first = load == 0
             label = word if first else "_nolegend_"
@@ -66,34 +68,36 @@ def _courses(axes: Any, found: Speeds) -> None:
     axes.set_title(f"{found.output.replace('_', ' ')} [{unit}]")
     axes.set_xlabel("$t$ [s]")
     axes.set_xlim(0.0, found.times[-1])
-    axes.legend(title=_axis(found.drive, found.units[0]), title_fontsize=8.0, loc="upper right")
+    axes.legend(
+        title=_label_axis(found.drive, found.units[0]), title_fontsize=8.0, loc="upper right"
+    )
 
 
-def _both(axes: Any, found: Speeds, up: Any, down: Any) -> None:
+def _draw_both(axes: Any, found: Speeds, up: Any, down: Any) -> None:
     """Heating and cooling over the signal; dashes are loads."""
     shown = units.choose_readable_unit(found.units[0])
     signals = [units.from_si(float(one), shown, found.units[0]) for one in found.signals]
-    pairs = zip(_loads(found, up), _loads(found, down), strict=True)
+    pairs = zip(_list_loads(found, up), _list_loads(found, down), strict=True)
     for (heat, dash, load), (cool, _, _) in pairs:
         for row, tint, word in ((heat, HEATING, "heating"), (cool, COOLING, "cooling")):
             finite = np.where(np.isfinite(row), row, np.nan)
-            label = f"{word}{_load(found, load)}"
+            label = f"{word}{_name_load(found, load)}"
             axes.plot(signals, finite, ".", color=tint, linestyle=dash, label=label)
 
 
-def _loads(found: Speeds, table: Any) -> list[tuple[Any, Any, int]]:
+def _list_loads(found: Speeds, table: Any) -> list[tuple[Any, Any, int]]:
     """Rows of a table by load, with the dashes of each."""
     return [(table[k], DASHES[k % len(DASHES)], k) for k in range(len(found.loads))]
 
 
-def _load(found: Speeds, k: int) -> str:
+def _name_load(found: Speeds, k: int) -> str:
     """What a load is called."""
     if not found.load:
         return ""
     return f", {found.load.rpartition('.')[2]} {found.loads[k]:.3g}"
 
 
-def _axis(name: str, unit: str) -> str:
+def _label_axis(name: str, unit: str) -> str:
     """A drive with its unit."""
     shown = units.choose_readable_unit(unit)
     return name if shown == "1" else f"{name} [{ {'degC': '°C'}.get(shown, shown) }]"

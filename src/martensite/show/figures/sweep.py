@@ -10,9 +10,15 @@ import numpy as np
 from martensite.base.status import Status
 from martensite.design.sweep.table import SweepColumn, SweepTable
 from martensite.search.given_data_indices import is_spread
-from martensite.show.figures.style import FAINT, HEATING, QUIET, SIMULATED, new_figure, styled
-from martensite.show.figures.sweep_names import headline, label, layout, put_on, varied_labels
-from martensite.show.figures.sweep_scatter import draw_matrix, matrix_size
+from martensite.show.figures.style import FAINT, HEATING, QUIET, SIMULATED, make_figure, use_style
+from martensite.show.figures.sweep_labels import (
+    arrange_panels,
+    label_column,
+    label_varied,
+    set_scales,
+    write_sweep_title,
+)
+from martensite.show.figures.sweep_scatter import draw_matrix, measure_matrix
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,34 +48,36 @@ def plot_sweep(found: SweepTable, measures: Sequence[str] | None = None, title: 
     """
     chosen = found.chosen(None if measures is None else list(measures))[:MOST]
     many = len(found.varied) > 2
-    with styled():
-        size = matrix_size(found) if many else _size(len(chosen))
-        figure = new_figure(*size)
+    with use_style():
+        size = measure_matrix(found) if many else _choose_size(len(chosen))
+        figure = make_figure(*size)
         figure.set_layout_engine("constrained")
         if many:
             draw_matrix(figure, found, chosen[0])
         else:
-            _panels(figure, found, chosen)
-        head = figure.suptitle(title or headline(found), x=0.01, ha="left", fontweight="bold")
+            _draw_panels(figure, found, chosen)
+        head = figure.suptitle(
+            title or write_sweep_title(found), x=0.01, ha="left", fontweight="bold"
+        )
         head.set_parse_math(False)
     return figure
 
 
-def _size(count: int) -> tuple[float, float]:
-    rows, columns = layout(count)
+def _choose_size(count: int) -> tuple[float, float]:
+    rows, columns = arrange_panels(count)
     return PANEL[0] * max(columns, 1.3), PANEL[1] * rows + 0.3
 
 
-def _panels(figure: Figure, found: SweepTable, chosen: list[SweepColumn]) -> None:
-    panels = figure.subplots(*layout(len(chosen)), squeeze=False).ravel()
-    draw = _over_one if len(found.varied) == 1 else _over_two
+def _draw_panels(figure: Figure, found: SweepTable, chosen: list[SweepColumn]) -> None:
+    panels = figure.subplots(*arrange_panels(len(chosen)), squeeze=False).ravel()
+    draw = _draw_over_one if len(found.varied) == 1 else _draw_over_two
     for panel, one in zip(panels, chosen, strict=False):
         draw(panel, found, one)
     for panel in panels[len(chosen) :]:
         panel.set_axis_off()
 
 
-def _over_one(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
+def _draw_over_one(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
     """A measure over the varied number; crosses on the axis where runs failed."""
     (varied,) = found.varied.values()
     x, y = varied.readable(), one.readable()
@@ -77,14 +85,14 @@ def _over_one(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
     order = np.argsort(x[usable], kind="stable")
     line = "-" if found.shape is not None else ""
     axes.plot(x[usable][order], y[usable][order], line, color=SIMULATED, marker="o", ms=3.0)
-    _marks(axes, x, None, found, one)
-    axes.set(xlabel=varied_labels(found)[0], ylabel=label(one))
-    put_on(axes, varied)
+    _mark_failures(axes, x, None, found, one)
+    axes.set(xlabel=label_varied(found)[0], ylabel=label_column(one))
+    set_scales(axes, varied)
     if not np.any(usable):
         axes.set_yticks([])
 
 
-def _over_two(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
+def _draw_over_two(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
     """A map of a measure over both varied numbers; points for samples."""
     first, second = found.varied.values()
     usable = found.good & np.isfinite(one.values)
@@ -94,19 +102,19 @@ def _over_two(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
         drawn = axes.scatter(x[usable], y[usable], c=values[usable], s=9.0, cmap=MAP, lw=0.0)
     else:
         levels = [c.readable(n) for c, n in zip((first, second), found.levels or (), strict=True)]
-        drawn = _map(axes, levels, values.reshape(found.shape))
+        drawn = _draw_map(axes, levels, values.reshape(found.shape))
         x, y = (grid.ravel() for grid in np.meshgrid(*levels, indexing="ij"))
-    _marks(axes, x, y, found, one)
-    names = varied_labels(found)
+    _mark_failures(axes, x, y, found, one)
+    names = label_varied(found)
     axes.set(xlabel=names[0], ylabel=names[1])
-    put_on(axes, first, second)
+    set_scales(axes, first, second)
     axes.grid(False)
     bar: Any = axes.figure.colorbar(drawn, ax=axes, pad=0.02)
-    bar.set_label(label(one))
+    bar.set_label(label_column(one))
     bar.outline.set_visible(False)
 
 
-def _map(axes: Axes, levels: list[Any], values: Any) -> Any:
+def _draw_map(axes: Axes, levels: list[Any], values: Any) -> Any:
     """Cells around the levels, and lines of equal values where there are enough of them."""
     axes.set_facecolor(FAINT)
     drawn = axes.pcolormesh(
@@ -118,7 +126,7 @@ def _map(axes: Axes, levels: list[Any], values: Any) -> Any:
     return drawn
 
 
-def _marks(axes: Axes, x: Any, y: Any, found: SweepTable, one: SweepColumn) -> None:
+def _mark_failures(axes: Axes, x: Any, y: Any, found: SweepTable, one: SweepColumn) -> None:
     """Runs that failed, and those in which what is measured never happened."""
     never = found.good & np.isinf(one.values)
     looks: tuple[tuple[Any, str, Any], ...] = (

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from martensite.base.status import Status
 from martensite.design.sweep.table import SweepColumn, SweepTable
 from martensite.show.figures.style import HEATING
-from martensite.show.figures.sweep_names import label, put_on, varied_labels
+from martensite.show.figures.sweep_labels import label_column, label_varied, set_scales
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,7 +23,7 @@ CELL = 1.7
 MAP = "viridis"
 
 
-def matrix_size(found: SweepTable) -> tuple[float, float]:
+def measure_matrix(found: SweepTable) -> tuple[float, float]:
     """Width and height of the figure [inch]."""
     count = min(len(found.varied), MOST_AXES)
     return CELL * count + 1.4, CELL * count + 0.6
@@ -34,10 +34,10 @@ def draw_matrix(figure: Figure, found: SweepTable, one: SweepColumn) -> None:
 
     Of more than six varied numbers, those are drawn whose ranks go most with the measure.
     """
-    columns, names = list(found.varied.values()), varied_labels(found)
+    columns, names = list(found.varied.values()), label_varied(found)
     usable = found.good & np.isfinite(one.values)
-    shown = _leading(columns, one, usable)
-    rows, failed = _some(usable), _some(found.status >= Status.UNSOLVED)
+    shown = _find_leading(columns, one, usable)
+    rows, failed = _pick_runs(usable), _pick_runs(found.status >= Status.UNSOLVED)
     colours = one.readable()
     count = len(shown)
     panels: Any = figure.subplots(count, count, squeeze=False)
@@ -60,14 +60,20 @@ def draw_matrix(figure: Figure, found: SweepTable, one: SweepColumn) -> None:
         )
         if not below:
             panel.plot(x.readable()[failed], y.readable()[failed], "x", color=HEATING, ms=3.5)
-        put_on(panel, x, y)
-        _name(panel, names[shown[j]], label(one) if below else names[shown[i + 1]], below, j == 0)
+        set_scales(panel, x, y)
+        _name_panel(
+            panel,
+            names[shown[j]],
+            label_column(one) if below else names[shown[i + 1]],
+            below,
+            j == 0,
+        )
     bar = figure.colorbar(drawn, ax=panels.ravel().tolist(), pad=0.02, aspect=35)
-    bar.set_label(label(one))
+    bar.set_label(label_column(one))
     bar.outline.set_visible(False)
 
 
-def _name(panel: Any, x: str, y: str, below: bool, left: bool) -> None:
+def _name_panel(panel: Any, x: str, y: str, below: bool, left: bool) -> None:
     """Names at the left and below the matrix only."""
     if below:
         panel.set_xlabel(x)
@@ -79,7 +85,9 @@ def _name(panel: Any, x: str, y: str, below: bool, left: bool) -> None:
         panel.tick_params(labelleft=False)
 
 
-def _leading(columns: list[SweepColumn], one: SweepColumn, usable: NDArray[np.bool_]) -> list[int]:
+def _find_leading(
+    columns: list[SweepColumn], one: SweepColumn, usable: NDArray[np.bool_]
+) -> list[int]:
     """Places of the varied numbers that are drawn, in their order."""
     if len(columns) <= MOST_AXES:
         return list(range(len(columns)))
@@ -90,7 +98,7 @@ def _leading(columns: list[SweepColumn], one: SweepColumn, usable: NDArray[np.bo
     return sorted(np.argsort(strengths)[::-1][:MOST_AXES].tolist())
 
 
-def _some(rows: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _pick_runs(rows: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Places of runs, at most as many as can be seen."""
     places = np.flatnonzero(rows)
     if len(places) <= MOST_POINTS:

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.show.figures.labels import Axis, around, mathematical
+from martensite.show.figures.labels import QuantityAxis, enclose_values, typeset_symbol
 from martensite.show.figures.style import (
     COOLING,
     HEATING,
     INK,
     QUIET,
     SIMULATED,
-    new_figure,
-    styled,
+    make_figure,
+    use_style,
 )
 
 if TYPE_CHECKING:
@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from martensite.characterise.tangent_lines import BranchTangents
     from martensite.characterise.tangent_points import TangentPoints
 
-TEMPERATURE = Axis("temperature", "temperature", "T", "K", "degC")
-STRESS = Axis("stress", "stress", "σ", "Pa", "MPa")
-STRAIN = Axis("strain", "strain", "ε", "1", "%")
-TRANSFORMATION = Axis("H", "transformation strain", "H", "1", "%")
+TEMPERATURE = QuantityAxis("temperature", "temperature", "T", "K", "degC")
+STRESS = QuantityAxis("stress", "stress", "σ", "Pa", "MPa")
+STRAIN = QuantityAxis("strain", "strain", "ε", "1", "%")
+TRANSFORMATION = QuantityAxis("H", "transformation strain", "H", "1", "%")
 MOST_PANELS = 6
 """Cycles drawn at most; of more, those spread evenly over the stresses."""
 DOTS = 120
@@ -52,23 +52,23 @@ def plot_tangents(found: TangentFit | TangentPoints, title: str = "") -> Figure:
     """
     from martensite.characterise.tangent_points import TangentPoints
 
-    with styled():
+    with use_style():
         if isinstance(found, TangentPoints):
-            figure = new_figure(6.0, 4.4)
+            figure = make_figure(6.0, 4.4)
             grid = figure.add_gridspec(1, 1, left=0.11, right=0.97, top=0.85, bottom=0.12)
-            _cycle(figure.add_subplot(grid[0, 0]), found)
+            _draw_cycle(figure.add_subplot(grid[0, 0]), found)
         else:
-            figure = _several(found)
+            figure = _draw_several(found)
         figure.text(0.02, 0.965, title or "Tangents", fontsize=11.5, fontweight="bold", va="center")
         return figure
 
 
-def _several(found: TangentFit) -> Figure:
+def _draw_several(found: TangentFit) -> Figure:
     """Panels of the cycles, and beside them what they say together."""
-    shown = _spread(found.levels)
+    shown = _pick_levels(found.levels)
     columns = 1 if len(shown) < 3 else 2
     rows = -(-len(shown) // columns)
-    figure = new_figure(11.5, max(2.3 * rows, 5.6))
+    figure = make_figure(11.5, max(2.3 * rows, 5.6))
     whole = figure.add_gridspec(
         1,
         2,
@@ -84,18 +84,18 @@ def _several(found: TangentFit) -> Figure:
     for k, points in enumerate(shown):
         axes = figure.add_subplot(left[k // columns, k % columns], sharex=first)
         first = first or axes
-        _cycle(axes, points)
+        _draw_cycle(axes, points)
         bottom, edge = k + columns >= len(shown), k % columns == 0
         axes.tick_params(labelbottom=bottom)
         axes.set_xlabel(TEMPERATURE.label if bottom else "")
         axes.set_ylabel(STRAIN.label if edge else "")
     right = whole[0, 1].subgridspec(2, 1, hspace=0.32, height_ratios=(1.5, 1.0))
-    _diagram(figure.add_subplot(right[0, 0]), found)
-    _strain(figure.add_subplot(right[1, 0]), found)
+    _draw_diagram(figure.add_subplot(right[0, 0]), found)
+    _draw_strain(figure.add_subplot(right[1, 0]), found)
     return figure
 
 
-def _spread(levels: Sequence[TangentPoints]) -> list[TangentPoints]:
+def _pick_levels(levels: Sequence[TangentPoints]) -> list[TangentPoints]:
     if len(levels) <= MOST_PANELS:
         return list(levels)
     places = np.linspace(0, len(levels) - 1, MOST_PANELS).round().astype(int)
@@ -105,17 +105,17 @@ def _spread(levels: Sequence[TangentPoints]) -> list[TangentPoints]:
 # ---------------------------------------------------------------- one cycle
 
 
-def _cycle(axes: Any, points: TangentPoints) -> None:
+def _draw_cycle(axes: Any, points: TangentPoints) -> None:
     """Strain over temperature with lines and points."""
-    _branch(axes, points.cycle.heating, points.heating, ("A_s", "A_f"), HEATING)
-    _branch(axes, points.cycle.cooling, points.cooling, ("M_f", "M_s"), COOLING)
+    _draw_branch(axes, points.cycle.heating, points.heating, ("A_s", "A_f"), HEATING)
+    _draw_branch(axes, points.cycle.cooling, points.cooling, ("M_f", "M_s"), COOLING)
     H = TRANSFORMATION.values([points.H])[0]
     axes.set_title(f"{points.stress / 1e6:.3g} MPa:  $H$ = {H:.2f} %")
     axes.set_xlabel(TEMPERATURE.label)
     axes.set_ylabel(STRAIN.label)
 
 
-def _branch(
+def _draw_branch(
     axes: Any, rows: CycleBranch, found: BranchTangents, names: tuple[str, str], colour: str
 ) -> None:
     """One branch: its rows, the outer lines up to the transformation, and the steep one."""
@@ -139,10 +139,10 @@ def _branch(
             zorder=2.2,
         )
     for name, at, line in zip(names, (low, high), (found.cold, found.hot), strict=True):
-        _point(axes, name, at, float(line.value(at)), colour)
+        _mark_point(axes, name, at, float(line.value(at)), colour)
 
 
-def _point(axes: Any, name: str, kelvin: float, strain: float, colour: str) -> None:
+def _mark_point(axes: Any, name: str, kelvin: float, strain: float, colour: str) -> None:
     """A mark where two lines meet, named on the side away from the rows."""
     x, y = TEMPERATURE.values([kelvin])[0], STRAIN.values([strain])[0]
     axes.plot(
@@ -157,7 +157,7 @@ def _point(axes: Any, name: str, kelvin: float, strain: float, colour: str) -> N
     )
     right, above = name.startswith("A"), name in ("A_s", "M_f")
     axes.annotate(
-        mathematical(name),
+        typeset_symbol(name),
         (x, y),
         (5 if right else -5, 4 if above else -4),
         textcoords="offset points",
@@ -172,11 +172,11 @@ def _point(axes: Any, name: str, kelvin: float, strain: float, colour: str) -> N
 # ---------------------------------------------------------------- over stress
 
 
-def _diagram(axes: Any, found: TangentFit) -> None:
+def _draw_diagram(axes: Any, found: TangentFit) -> None:
     """Stress over temperature: points, lines of common slope and their bands."""
     top = 1.12 * max(points.stress for points in found.levels)
     for one, colour in ((found.reverse, HEATING), (found.forward, COOLING)):
-        _lines(axes, found, one, top, colour)
+        _draw_lines(axes, found, one, top, colour)
         for name in one.names:
             x = TEMPERATURE.values([getattr(points, name) for points in found.levels])
             y = STRESS.values([points.stress for points in found.levels])
@@ -197,19 +197,19 @@ def _diagram(axes: Any, found: TangentFit) -> None:
     axes.set_xlabel(TEMPERATURE.label)
     axes.set_ylabel(STRESS.label)
     slopes = (
-        f"${symbol}$ = {one.slope / 1e6:.3g}{_half(one)} MPa/K"
+        f"${symbol}$ = {one.slope / 1e6:.3g}{_describe_half(one)} MPa/K"
         for symbol, one in (("C_A", found.reverse), ("C_M", found.forward))
     )
     axes.set_title(",  ".join(slopes))
 
 
-def _half(one: Direction) -> str:
+def _describe_half(one: Direction) -> str:
     """Half the interval of a slope, if there is one."""
     low, high = one.slope_interval()
     return f" ± {0.5e-6 * (high - low):.2g}" if np.isfinite(high - low) else ""
 
 
-def _lines(axes: Any, found: TangentFit, one: Direction, top: float, colour: str) -> None:
+def _draw_lines(axes: Any, found: TangentFit, one: Direction, top: float, colour: str) -> None:
     """The two lines of one direction, filled between, each with its name."""
     stress = [0.0, top]
     sides = [
@@ -223,7 +223,7 @@ def _lines(axes: Any, found: TangentFit, one: Direction, top: float, colour: str
         axes.plot(x, y, style, color=colour, linewidth=1.0, zorder=1.5)
         left = name in ("A_s", "M_f")
         axes.annotate(
-            mathematical(name),
+            typeset_symbol(name),
             (x[0], y[0]),
             (-4 if left else 8, 4),
             textcoords="offset points",
@@ -233,7 +233,7 @@ def _lines(axes: Any, found: TangentFit, one: Direction, top: float, colour: str
         )
 
 
-def _strain(axes: Any, found: TangentFit) -> None:
+def _draw_strain(axes: Any, found: TangentFit) -> None:
     """Transformation strain over stress, of both branches, and its fit."""
     stress = [points.stress for points in found.levels]
     x = STRESS.values(stress)
@@ -246,7 +246,7 @@ def _strain(axes: Any, found: TangentFit) -> None:
     strokes = TRANSFORMATION.values([points.stroke for points in found.levels])
     axes.plot(x, strokes, "x", color=QUIET, markersize=4.0, label="stroke")
     axes.set_xlim(0.0, STRESS.values([at[-1]])[0])
-    axes.set_ylim(0.0, around([0.0], strokes, fitted)[1])
+    axes.set_ylim(0.0, enclose_values([0.0], strokes, fitted)[1])
     axes.set_xlabel(STRESS.label)
     axes.set_ylabel(TRANSFORMATION.label)
     axes.legend(loc="lower right", ncols=2)

@@ -5,8 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from martensite.show.figures.labels import axis, column, limits
-from martensite.show.figures.measured import Record, draw_overlays, overlays, recorded
+from martensite.show.figures.labels import choose_limits, describe_axis, read_column
+from martensite.show.figures.measured import (
+    MeasuredRecord,
+    draw_overlays,
+    find_overlays,
+    list_recorded,
+)
 from martensite.show.figures.style import SIMULATED
 from martensite.simulate.result import Result
 
@@ -22,7 +27,7 @@ PANELS = (
 """Quantities shown of every result, from top to bottom; all that the mechanism has for itself."""
 
 
-def panel_names(result: Result, records: Sequence[Record] = ()) -> list[str]:
+def list_panels(result: Result, records: Sequence[MeasuredRecord] = ()) -> list[str]:
     """The quantities to show: the usual ones, and others that were measured.
 
     A drive that prescribes the temperature is the temperature, and is not shown twice.
@@ -36,29 +41,34 @@ def panel_names(result: Result, records: Sequence[Record] = ()) -> list[str]:
         if not (twice and name == "drive")
         for shown in (own if name == "mechanism" else [name])
     ]
-    return usual + [name for name in recorded(result, records) if name not in usual]
+    return usual + [name for name in list_recorded(result, records) if name not in usual]
 
 
 def draw_timeseries(
-    panels: Sequence[Any], result: Result, names: Sequence[str], records: Sequence[Record] = ()
+    panels: Sequence[Any],
+    result: Result,
+    names: Sequence[str],
+    records: Sequence[MeasuredRecord] = (),
 ) -> None:
     """Draw one quantity per axes, measured records over it; only the last names the time."""
     for axes, name in zip(panels, names, strict=True):
         draw_panel(axes, result, name, records)
         axes.tick_params(labelbottom=axes is panels[-1])
-    panels[-1].set_xlabel(axis(result, "time").label)
+    panels[-1].set_xlabel(describe_axis(result, "time").label)
 
 
-def draw_panel(axes: Any, result: Result, name: str, records: Sequence[Record] = ()) -> None:
+def draw_panel(
+    axes: Any, result: Result, name: str, records: Sequence[MeasuredRecord] = ()
+) -> None:
     """Draw one quantity over time [s]."""
-    shown, values = axis(result, name), column(result, name)
-    found = overlays(result, records, name)
+    shown, values = describe_axis(result, name), read_column(result, name)
+    found = find_overlays(result, records, name)
     axes.plot(result.times, values, color=SIMULATED, label="_simulated", zorder=2.2)
     draw_overlays(axes, shown, found)
     axes.set_title(shown.long_name)
     axes.set_ylabel(shown.label)
     axes.set_xlim(result.times[0], result.times[-1])
-    axes.set_ylim(*limits(name, values, *(overlay.values for overlay in found)))
+    axes.set_ylim(*choose_limits(name, values, *(overlay.values for overlay in found)))
     axes.locator_params(axis="y", nbins=4)
     if found:
         axes.legend(

@@ -8,7 +8,7 @@ from martensite.base import units
 from martensite.design.tuning.bench_tuning import TunedBench
 from martensite.design.tuning.loop_runs import find_judged_output
 from martensite.show.figures.panels import make_panels
-from martensite.show.figures.style import HEATING, INK, QUIET, styled
+from martensite.show.figures.style import HEATING, INK, QUIET, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +38,7 @@ def plot_tuning(found: TunedBench, drive: str, title: str = "") -> Figure:
     factor, _ = units.find_conversion(shown, output.unit)
     label = {"1": "", "degC": " [K]"}.get(shown, f" [{shown}]")
     runs = ((found.seen_before, BEFORE), (found.seen, AFTER))
-    with styled():
+    with use_style():
         ratios = (2.0, 1.0, 1.2)
         figure, panels = make_panels(WIDTH, HEIGHT, 3, 1, sharex=True, height_ratios=ratios)
         panels = panels[:, 0]

@@ -16,7 +16,7 @@ from martensite.actuators.mechanics.platform_kinematics import compute_lengths
 from martensite.actuators.mechanics.platform_workspace import QUARTER, Workspace
 from martensite.base.errors import InputError
 from martensite.kernels.arrays import ArrayNamespace
-from martensite.show.figures.style import HEATING, INK, QUIET, new_figure, styled
+from martensite.show.figures.style import HEATING, INK, QUIET, make_figure, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,8 +48,8 @@ def plot_workspace(workspace: Workspace, title: str = "") -> Figure:
             f"{math.degrees(workspace.step):.3g}°: there is no set to draw. Widen the limits of "
             "the legs, or make the step smaller."
         )
-    with styled():
-        figure = new_figure(6.4, 6.9)
+    with use_style():
+        figure = make_figure(6.4, 6.9)
         axes = figure.add_axes((0.115, 0.075, 0.865, 0.79))
         figure.text(
             0.02,
@@ -59,9 +59,9 @@ def plot_workspace(workspace: Workspace, title: str = "") -> Figure:
             fontweight="bold",
             va="center",
         )
-        _frame(axes, workspace)
-        _contours(axes, workspace, _region(axes, workspace))
-        _rays(axes, workspace)
+        _set_frame(axes, workspace)
+        _draw_contours(axes, workspace, _draw_region(axes, workspace))
+        _draw_rays(axes, workspace)
         figure.legend(
             *axes.get_legend_handles_labels(),
             loc="upper left",
@@ -73,7 +73,7 @@ def plot_workspace(workspace: Workspace, title: str = "") -> Figure:
         return figure
 
 
-def _frame(axes: Any, workspace: Workspace) -> None:
+def _set_frame(axes: Any, workspace: Workspace) -> None:
     """Room around the set for the names of legs."""
     for place, (low, high) in zip("xy", workspace.bounds, strict=True):
         margin = 0.06 * (high - low) + workspace.step
@@ -87,30 +87,30 @@ def _frame(axes: Any, workspace: Workspace) -> None:
 # ---------------------------------------------------------------- the set
 
 
-def _region(axes: Any, workspace: Workspace) -> Any:
+def _draw_region(axes: Any, workspace: Workspace) -> Any:
     """Fill the set and draw its edge; its outline as a path."""
     from matplotlib.path import Path
 
-    alphas, betas = _finer(workspace.alphas), _finer(workspace.betas)
-    room = _rooms(workspace, alphas[:, None], betas[None, :]).min(axis=0)
-    room = np.where(_around(workspace), room, np.nan)
+    alphas, betas = _refine_grid(workspace.alphas), _refine_grid(workspace.betas)
+    room = _compute_rooms(workspace, alphas[:, None], betas[None, :]).min(axis=0)
+    room = np.where(_outline_region(workspace), room, np.nan)
     x, y = np.degrees(alphas), np.degrees(betas)
     axes.contourf(x, y, room.T, [0.0, np.inf], colors=[REGION], zorder=0.5)
     found = axes.contour(x, y, room.T, [0.0], linewidths=0.0)
     outline = [Path(points) for points in found.allsegs[0]]
     found.remove()
-    kinds = {kind for path in outline for kind in _edge(axes, workspace, path.vertices)}
-    for kind, name in enumerate(_limits(workspace)):
+    kinds = {kind for path in outline for kind in _draw_edge(axes, workspace, path.vertices)}
+    for kind, name in enumerate(_list_limits(workspace)):
         if kind in kinds:
             axes.plot([], [], color=INK, linestyle=EDGES[kind], linewidth=1.2, label=name)
     return Path.make_compound_path(*outline)
 
 
-def _finer(grid: list[float]) -> Any:
+def _refine_grid(grid: list[float]) -> Any:
     return np.linspace(grid[0], grid[-1], FINER * (len(grid) - 1) + 1)
 
 
-def _around(workspace: Workspace) -> Any:
+def _outline_region(workspace: Workspace) -> Any:
     """Points of the finer grid that are within one and a half coarse steps of the set."""
     wide = np.pad(np.asarray(workspace.reached), 1)
     rows = wide[:-2] | wide[1:-1] | wide[2:]
@@ -121,7 +121,7 @@ def _around(workspace: Workspace) -> Any:
     return near
 
 
-def _rooms(workspace: Workspace, alphas: Any, betas: Any) -> Any:
+def _compute_rooms(workspace: Workspace, alphas: Any, betas: Any) -> Any:
     """How far legs are from being too short, too long, and the plate from 90° [m]: (3, …)."""
     legs = workspace.legs
     alphas, betas = np.broadcast_arrays(alphas, betas)
@@ -131,10 +131,10 @@ def _rooms(workspace: Workspace, alphas: Any, betas: Any) -> Any:
     return np.array([short, long, legs.plates.height * angle])
 
 
-def _edge(axes: Any, workspace: Workspace, points: Any) -> list[int]:
+def _draw_edge(axes: Any, workspace: Workspace, points: Any) -> list[int]:
     """Draw a closed line in runs of one kind of limit; the kinds there are."""
     middles = np.radians(0.5 * (points[1:] + points[:-1]))
-    kinds = _rooms(workspace, *middles.T).argmin(axis=0)
+    kinds = _compute_rooms(workspace, *middles.T).argmin(axis=0)
     ends = [0, *(np.flatnonzero(np.diff(kinds)) + 1), len(kinds)]
     for first, end in pairwise(ends):
         x, y = points[first : end + 1].T
@@ -142,7 +142,7 @@ def _edge(axes: Any, workspace: Workspace, points: Any) -> list[int]:
     return [int(kind) for kind in kinds]
 
 
-def _limits(workspace: Workspace) -> list[str]:
+def _list_limits(workspace: Workspace) -> list[str]:
     short, long = (f"{1e3 * x:.4g} mm" for x in (workspace.legs.shortest, workspace.legs.longest))
     return [f"a leg at its shortest, {short}", f"a leg at its longest, {long}", "90°"]
 
@@ -150,7 +150,7 @@ def _limits(workspace: Workspace) -> list[str]:
 # ---------------------------------------------------------------- inside the set
 
 
-def _contours(axes: Any, workspace: Workspace, outline: Any) -> None:
+def _draw_contours(axes: Any, workspace: Workspace, outline: Any) -> None:
     """Lines of equal length of leg 0, in millimetres, cut at the edge of the set."""
     from matplotlib.ticker import MaxNLocator
 
@@ -172,7 +172,7 @@ def _contours(axes: Any, workspace: Workspace, outline: Any) -> None:
     row = int(ROW * len(y))
     along = np.where(inside[row], length[row], np.nan)
     for level in levels:
-        for place in _crossings(x, along - level):
+        for place in _find_crossings(x, along - level):
             axes.text(
                 place,
                 y[row],
@@ -187,7 +187,7 @@ def _contours(axes: Any, workspace: Workspace, outline: Any) -> None:
     axes.plot([], [], color=QUIET, linewidth=0.7, label="length of leg 0 [mm]")
 
 
-def _crossings(x: Any, values: Any) -> list[float]:
+def _find_crossings(x: Any, values: Any) -> list[float]:
     """Where values along a line pass zero."""
     low, high = values[:-1], values[1:]
     return [
@@ -196,7 +196,7 @@ def _crossings(x: Any, values: Any) -> list[float]:
     ]
 
 
-def _rays(axes: Any, workspace: Workspace) -> None:
+def _draw_rays(axes: Any, workspace: Workspace) -> None:
     """Curves of single legs, each with its name beyond its end."""
     from matplotlib.patheffects import withStroke
 

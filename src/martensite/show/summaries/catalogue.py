@@ -53,15 +53,15 @@ def collect_check(rows: Sequence[CheckRow], stress: float, ambient: float) -> di
         "stress": stress,
         "ambient": ambient,
         "rows": [asdict(row) | {name: getattr(row, name) for name in extra} for row in rows],
-        "spread": {alloy: _spreads(rows, alloy) for alloy in _alloys(rows)},
+        "spread": {alloy: _collect_spreads(rows, alloy) for alloy in _list_alloys(rows)},
     }
 
 
-def _alloys(rows: Sequence[CheckRow]) -> list[str]:
+def _list_alloys(rows: Sequence[CheckRow]) -> list[str]:
     return list(dict.fromkeys(row.alloy for row in rows))
 
 
-def _spreads(rows: Sequence[CheckRow], alloy: str) -> dict[str, RatioSpread | None]:
+def _collect_spreads(rows: Sequence[CheckRow], alloy: str) -> dict[str, RatioSpread | None]:
     own = [row for row in rows if row.alloy == alloy]
     return {
         "current": summarise_ratios([row.current_ratio for row in own]),
@@ -74,8 +74,8 @@ def list_spreads(rows: Sequence[CheckRow]) -> list[str]:
     return [
         f"{alloy} °C, {name}: model/catalogue {found.least:.2f} to {found.most:.2f}, "
         f"geometric mean {found.mean:.2f}"
-        for alloy in _alloys(rows)
-        for name, found in _spreads(rows, alloy).items()
+        for alloy in _list_alloys(rows)
+        for name, found in _collect_spreads(rows, alloy).items()
         if found is not None
     ]
 
@@ -87,15 +87,15 @@ def list_cells(row: CheckRow) -> tuple[str, ...]:
         strip_unit(row.size),
         row.alloy,
         f"{1e3 * row.current:.0f}",
-        _marked(row.current_cell, 1e3),
+        _mark_cell(row.current_cell, 1e3),
         f"{row.current_ratio:.2f}",
         write_seconds(row.cooling),
-        _marked(row.cooling_cell, 1.0),
+        _mark_cell(row.cooling_cell, 1.0),
         "" if ratio is None else f"{ratio:.2f}",
         write_percent(row.loss_share),
         f"{row.stored_share:.2f}",
     )
 
 
-def _marked(cell: MaterialNumber, scale: float) -> str:
+def _mark_cell(cell: MaterialNumber, scale: float) -> str:
     return ("! " if cell.kind in DOUBTFUL else "") + f"{scale * cell.value:.4g}"

@@ -22,14 +22,16 @@ def summarise_film(report: FilmReport, forms: Sequence[str], origin: str) -> Sum
         origin: where the points come from.
     """
     title = f"h(T) from {len(report.points)} points, {origin}"
-    return Summary(title, list(_describe(report, forms)), {"origin": origin} | report.to_dict())
+    return Summary(
+        title, list(_describe_film(report, forms)), {"origin": origin} | report.to_dict()
+    )
 
 
-def _describe(report: FilmReport, forms: Sequence[str]) -> Iterator[Block]:
+def _describe_film(report: FilmReport, forms: Sequence[str]) -> Iterator[Block]:
     yield DataTable(
         ("form", *(f"h{k} [{unit}]" for k, unit in enumerate(UNITS)), "R²", "adjusted", "AICc"),
         [_form_row(form, report.fits[form], report.level) for form in forms],
-        right=(4, 5, 6),
+        right=range(1, 7),
     )
     yield Sentence(f"T in degC; ± half the {100.0 * report.level:g} % interval.")
     yield _tabulate_ambients(report)
@@ -53,7 +55,7 @@ def _tabulate_ambients(report: FilmReport) -> Block:
         for shift in report.ambient.shifts
     ]
     head = ("ambient [degC]", "shift [K]", f"h [{FILM}]", f"slope [{UNITS[1]}]", "R²")
-    return DataTable(head, rows, right=(0, 1, 4))
+    return DataTable(head, rows, right=range(5))
 
 
 def _form_row(form: str, fit: FilmFit, level: float) -> tuple[str, ...]:

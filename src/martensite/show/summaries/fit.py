@@ -86,7 +86,7 @@ def _make_title(fit: Fit) -> str:
     """A headline from the law and the records."""
     names = [one.name for one in fit.problem.experiments]
     which = join_phrases(names) if len(names) <= MANY else f"{len(names)} records"
-    return f"Fit of {_law(fit)[KIND]} to {which}"
+    return f"Fit of {_find_law(fit)[KIND]} to {which}"
 
 
 def _make_lead(fit: Fit) -> str:
@@ -158,7 +158,9 @@ def _describe_verdict(fit: Fit) -> Block:
     """What must be known before a number is used."""
     found = collect_warnings(fit)
     title = "Read this first" if found else "Nothing speaks against these numbers"
-    return Notice(title, _typeset([*describe_predictions(fit), *found]), warning=bool(found))
+    return Notice(
+        title, _typeset_sentences([*describe_predictions(fit), *found]), warning=bool(found)
+    )
 
 
 def collect_warnings(fit: Fit) -> list[str]:
@@ -193,11 +195,11 @@ def _describe_agreement(fit: Fit) -> Iterator[Block]:
 
 def _describe_problem(fit: Fit, scenario: Scenario | None) -> Iterator[Block]:
     yield Heading("What was fitted", detail=True)
-    yield BulletList(list(_facts(fit, scenario)))
+    yield BulletList(list(_list_facts(fit, scenario)))
     yield fit_tables.tabulate_records(fit)
 
 
-def _facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
+def _list_facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
     """Scenario, material, law, and what residuals are measured by."""
     if scenario is not None:
         file = f" (`{scenario.path.name}`)" if scenario.path else ""
@@ -205,7 +207,7 @@ def _facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
         if scenario.material is not None:
             yield f"Numbers that are not fitted: material `{scenario.material.name}`, or scenario."
     yield f"System: {fit.system().description()}."
-    law = _law(fit)
+    law = _find_law(fit)
     options = join_phrases([f"`{name} = {word}`" for name, word in law.items() if name != KIND])
     yield f"Law: `{law[KIND]}`{f' with {options}' if options else ''}."
     for output in dict.fromkeys(one.output for one in list_compared(fit)):
@@ -222,11 +224,11 @@ def _describe_knowledge(
 ) -> Iterator[Block]:
     yield Heading("What the data cannot tell")
     found = [*fit.identifiability.sentences, *fit.uncertainty.sentences]
-    yield BulletList(_typeset(list(dict.fromkeys(found))))
+    yield BulletList(_typeset_sentences(list(dict.fromkeys(found))))
     yield from _show_picture(fit, "directions")
     yield from _show_picture(fit, "correlations")
     if profiles:
-        yield BulletList(_typeset([one.sentence for one in profiles]))
+        yield BulletList(_typeset_sentences([one.sentence for one in profiles]))
         yield from _show_picture(fit, "likelihoods", profiles)
     if posterior is not None:
         rows = [(free.name, _write_draws(free, posterior)) for free in fit.problem.free]
@@ -262,12 +264,12 @@ def _describe_search(fit: Fit) -> Iterator[Block]:
     yield from _show_picture(fit, "search")
 
 
-def _typeset(sentences: Sequence[str]) -> list[str]:
+def _typeset_sentences(sentences: Sequence[str]) -> list[str]:
     """Sentences with degrees as they are printed."""
     return [re.sub(r"(?<= )degC\b", "°C", one) for one in sentences]
 
 
-def _law(fit: Fit) -> dict[str, Any]:
+def _find_law(fit: Fit) -> dict[str, Any]:
     actuators = fit.system().actuators()
     return law_words(next(iter(actuators.values())).element.law)
 
@@ -288,7 +290,7 @@ def _collect_numbers(fit: Fit) -> dict[str, Any]:
         "seconds": fit.seconds,
         "scores": [score.to_dict() for score in fit.scores],
         "held_out": {
-            one.name: [[_end(end) for end in pair] for pair in one.held]
+            one.name: [[_write_end(end) for end in pair] for pair in one.held]
             for one in (*fit.problem.experiments, *kept)
             if one.held
         },
@@ -300,7 +302,7 @@ def _collect_numbers(fit: Fit) -> dict[str, Any]:
     }
 
 
-def _end(end: float) -> float | None:
+def _write_end(end: float) -> float | None:
     return end if math.isfinite(end) else None
 
 
@@ -309,8 +311,8 @@ def _collect_parameter(fit: Fit, free: FreeNumber) -> dict[str, Any]:
     return {
         "value": fit[free.name],
         "unit": free.unit,
-        "low": _end(low),
-        "high": _end(high),
+        "low": _write_end(low),
+        "high": _write_end(high),
         "start": free.start,
         "bounds": [free.low, free.high],
         "meaning": free.doc,

@@ -28,7 +28,7 @@ def tabulate_records(fit: Fit) -> DataTable:
     rows = list_compared(fit)
     return DataTable(
         ("record", "data", "compared", "rows", "fitted", "kept back", "missing"),
-        [_record_row(one) for one in rows],
+        [_write_record(one) for one in rows],
         right=(3, 4, 5, 6),
         note="The hash is the SHA-256 of the file, or of the columns where there is no file. Rows "
         "are those that were compared: long records are thinned evenly.",
@@ -36,7 +36,7 @@ def tabulate_records(fit: Fit) -> DataTable:
     )
 
 
-def _record_row(one: ComparedOutput) -> tuple[str, ...]:
+def _write_record(one: ComparedOutput) -> tuple[str, ...]:
     record = one.experiment.record
     found = compute_digest(record)
     name = f"`{found['file']}` " if "file" in found else "columns "
@@ -62,7 +62,7 @@ def tabulate_parameters(fit: Fit) -> DataTable:
             "remark",
             "meaning",
         ),
-        [_parameter_row(fit, free) for free in fit.problem.free],
+        [_write_parameter(fit, free) for free in fit.problem.free],
         right=(1,),
         detail=(4, 8),
         note="The first interval is widened for the autocorrelation of the residuals, the second "
@@ -71,23 +71,23 @@ def tabulate_parameters(fit: Fit) -> DataTable:
     )
 
 
-def _parameter_row(fit: Fit, free: FreeNumber) -> tuple[str, ...]:
+def _write_parameter(fit: Fit, free: FreeNumber) -> tuple[str, ...]:
     found, value = fit.uncertainty, fit[free.name]
     spelling = choose_parameter_unit(free, value)
     plain, wide = found.interval(free.name), found.widened(free.name)
-    decimals = _decimals(plain, free.unit, spelling)
+    decimals = _choose_decimals(plain, free.unit, spelling)
     start, *bounds = (
-        _in(end, free.unit, spelling, None) for end in (free.start, free.low, free.high)
+        _write_number(end, free.unit, spelling, None) for end in (free.start, free.low, free.high)
     )
     return (
         f"`{free.name}`",
-        _in(value, free.unit, spelling, decimals),
+        _write_number(value, free.unit, spelling, decimals),
         typeset_unit(spelling),
-        _interval(wide, free.unit, spelling, decimals),
-        _interval(plain, free.unit, spelling, decimals),
+        _write_interval(wide, free.unit, spelling, decimals),
+        _write_interval(plain, free.unit, spelling, decimals),
         start,
         " to ".join(bounds),
-        _mark(fit, free.name),
+        _mark_parameter(fit, free.name),
         free.doc,
     )
 
@@ -99,7 +99,7 @@ def choose_parameter_unit(free: FreeNumber, value: float) -> str:
     return units.choose_familiar_unit(value, free.unit)
 
 
-def _mark(fit: Fit, name: str) -> str:
+def _mark_parameter(fit: Fit, name: str) -> str:
     if not all(map(math.isfinite, fit.uncertainty.widened(name))):
         return "not determined"
     if name in fit.at_bound():
@@ -107,7 +107,7 @@ def _mark(fit: Fit, name: str) -> str:
     return "weak" if any(name in one.names for one in fit.identifiability.weak) else ""
 
 
-def _decimals(interval: Interval, unit: str, spelling: str) -> int | None:
+def _choose_decimals(interval: Interval, unit: str, spelling: str) -> int | None:
     """Decimals that show two digits of half an interval; None if it has no ends."""
     half = 0.5 * (interval[1] - interval[0]) / units.find_conversion(spelling, unit)[0]
     if not 0.0 < half < math.inf:
@@ -115,7 +115,7 @@ def _decimals(interval: Interval, unit: str, spelling: str) -> int | None:
     return max(0, 1 - math.floor(math.log10(half)))
 
 
-def _in(value: float, unit: str, spelling: str, decimals: int | None) -> str:
+def _write_number(value: float, unit: str, spelling: str, decimals: int | None) -> str:
     """A number in a chosen unit."""
     read = units.from_si(value, spelling, unit)
     if decimals is None or decimals > 9:
@@ -123,10 +123,10 @@ def _in(value: float, unit: str, spelling: str, decimals: int | None) -> str:
     return f"{read:.{decimals}f}"
 
 
-def _interval(ends: Interval, unit: str, spelling: str, decimals: int | None) -> str:
+def _write_interval(ends: Interval, unit: str, spelling: str, decimals: int | None) -> str:
     if not math.isfinite(ends[1] - ends[0]):
         return "not determined"
-    return " to ".join(_in(end, unit, spelling, decimals) for end in ends)
+    return " to ".join(_write_number(end, unit, spelling, decimals) for end in ends)
 
 
 def tabulate_own_numbers(fit: Fit) -> DataTable | None:
@@ -148,7 +148,7 @@ def tabulate_errors(fit: Fit) -> DataTable:
     """How well every record is met, those that the fit did not see marked."""
     return DataTable(
         ("record", "output", "rms error", "fit", "largest error", "at", "bias", "rows"),
-        [_error_row(score) for score in fit.scores],
+        [_write_error(score) for score in fit.scores],
         right=(2, 3, 4, 5, 6, 7),
         note="A fit of 100 % is perfect; one of 0 % is no better than the mean of the record. "
         "Bias is modelled less measured.",
@@ -156,15 +156,15 @@ def tabulate_errors(fit: Fit) -> DataTable:
     )
 
 
-def _error_row(score: Score) -> tuple[str, ...]:
+def _write_error(score: Score) -> tuple[str, ...]:
     fit = "–" if math.isnan(score.fit_percent) else f"{score.fit_percent:.1f} %"
     rms, largest = (format_error(score.output, v, score.unit) for v in (score.rms, score.maximum))
-    bias = format_error(score.output, _small(score.bias, score.rms), score.unit)
+    bias = format_error(score.output, _round_small(score.bias, score.rms), score.unit)
     at = f"{format_number(score.maximum_at)} s"
     return score.record, f"`{score.output}`", rms, fit, largest, at, bias, str(score.samples)
 
 
-def _small(value: float, beside: float) -> float:
+def _round_small(value: float, beside: float) -> float:
     """Zero for what is nothing beside another number."""
     return 0.0 if abs(value) < 1e-6 * beside else value
 

@@ -33,7 +33,9 @@ def summarise_identified(found: Identified, records: Sequence[Sampled]) -> Summa
     """
     blocks = [block for k in range(len(found.stages)) for block in _describe_stage(found, k)]
     warned = [Sentence(one, "caution") for one in collect_warnings(found, records)]
-    return Summary("", [*blocks, *_describe_scores(found), *warned], _collect(found, records))
+    return Summary(
+        "", [*blocks, *_describe_scores(found), *warned], _collect_numbers(found, records)
+    )
 
 
 def _describe_stage(found: Identified, k: int) -> Iterator[Block]:
@@ -76,14 +78,14 @@ def _describe_scores(found: Identified) -> Iterator[Block]:
             s.record,
             s.output,
             f"{s.fit:.2f}",
-            *(f"{v:.4g} {_difference_unit(s.unit)}".rstrip() for v in (s.rms, s.worst)),
+            *(f"{v:.4g} {_choose_difference_unit(s.unit)}".rstrip() for v in (s.rms, s.worst)),
         )
         for s in found.scores
     ]
     yield DataTable(SCORES, rows, right=(4, 5, 6))
 
 
-def _difference_unit(unit: str) -> str:
+def _choose_difference_unit(unit: str) -> str:
     return {"degC": "K", "1": ""}.get(unit, unit)
 
 
@@ -141,7 +143,7 @@ def collect_warnings(found: Identified, records: Sequence[Sampled]) -> list[str]
     return said
 
 
-def _collect(found: Identified, records: Sequence[Sampled]) -> dict[str, Any]:
+def _collect_numbers(found: Identified, records: Sequence[Sampled]) -> dict[str, Any]:
     stages = zip(found.stages, found.estimates, found.searches, strict=True)
     return {
         "model": found.model.text(),

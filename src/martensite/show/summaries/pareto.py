@@ -36,7 +36,7 @@ def summarise_front(store: Path, table: SweepTable, front: ParetoFront) -> Summa
         Sentence(f"Caution: {number:,} runs are left out: {why}.", "caution")
         for number, why in _count_left_out(table, front)
     ]
-    return Summary("", blocks, _collect(store, table, front))
+    return Summary("", blocks, _collect_numbers(store, table, front))
 
 
 def _count_left_out(table: SweepTable, front: ParetoFront) -> Iterator[tuple[int, str]]:
@@ -50,7 +50,7 @@ def _count_left_out(table: SweepTable, front: ParetoFront) -> Iterator[tuple[int
             yield count, why
 
 
-def _collect(store: Path, table: SweepTable, front: ParetoFront) -> dict[str, Any]:
+def _collect_numbers(store: Path, table: SweepTable, front: ParetoFront) -> dict[str, Any]:
     columns = front.columns(table)
     aims = zip(front.goals, front.most, strict=True)
     return {

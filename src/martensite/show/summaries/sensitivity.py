@@ -27,12 +27,12 @@ def summarise_sensitivity(
         "runs": len(table.status),
         "failed": table.failed,
         "missing": table.missing,
-        "measures": {one.measure: _collect(one) for one in found},
+        "measures": {one.measure: _collect_measure(one) for one in found},
     }
-    return Summary("", [block for one in found for block in _describe(table, one)], data)
+    return Summary("", [block for one in found for block in _describe_measure(table, one)], data)
 
 
-def _describe(table: SweepTable, one: SensitivityIndices) -> Iterator[Block]:
+def _describe_measure(table: SweepTable, one: SensitivityIndices) -> Iterator[Block]:
     column = table.measures[one.measure]
     yield Sentence(
         f"{one.measure}: {column.words(one.mean)} on average, standard deviation "
@@ -45,7 +45,7 @@ def _describe(table: SweepTable, one: SensitivityIndices) -> Iterator[Block]:
     yield from (Sentence(f"Caution: {remark}", "caution") for remark in one.remarks)
 
 
-def _collect(one: SensitivityIndices) -> dict[str, Any]:
+def _collect_measure(one: SensitivityIndices) -> dict[str, Any]:
     return {
         "method": one.method,
         "used": one.used,

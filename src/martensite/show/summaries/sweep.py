@@ -43,7 +43,7 @@ def summarise_sweep(plan: SweepPlan, store: Store, progress: Progress) -> Summar
         *(Sentence(f"Warning: {one}", "caution") for one in warned),
         Sentence(f"wrote {store.path}"),
     ]
-    return Summary("", blocks, _collect(plan, store, progress))
+    return Summary("", blocks, _collect_numbers(plan, store, progress))
 
 
 def _tell_effort(progress: Progress) -> Iterator[str]:
@@ -78,7 +78,7 @@ def _tell_failures(plan: SweepPlan, store: Store) -> Iterator[str]:
         yield f"{counts[status]:,} runs: {Status(status).sentence} (run {named})"
 
 
-def _collect(plan: SweepPlan, store: Store, progress: Progress) -> dict[str, Any]:
+def _collect_numbers(plan: SweepPlan, store: Store, progress: Progress) -> dict[str, Any]:
     counts, _ = count_statuses(store, 0)
     course = plan.course
     return {

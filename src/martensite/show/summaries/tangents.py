@@ -36,7 +36,7 @@ def summarise_tangents(found: TangentFit | TangentPoints) -> Summary:
         DataTable(POINTS, [_point_row(one) for one in levels], right=range(len(POINTS) - 1))
     ]
     if isinstance(found, TangentFit):
-        blocks.append(DataTable(FOUND, list(_estimate_rows(found))))
+        blocks.append(DataTable(FOUND, list(_estimate_rows(found)), right=(1, 2)))
         data = found.to_dict()
     else:
         told = "C_A, C_M and temperatures at zero stress need cycles at two or more stresses."

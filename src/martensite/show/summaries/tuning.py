@@ -28,7 +28,7 @@ SHARES = ("overshoot",)
 
 
 @dataclass(frozen=True, eq=False)
-class Tuning:
+class TuningOutcome:
     """A finished tuning."""
 
     scenario: Scenario
@@ -45,7 +45,7 @@ class Tuning:
     """ITAE after over before on them."""
 
 
-def summarise_tuning(found: Tuning) -> Summary:
+def summarise_tuning(found: TuningOutcome) -> Summary:
     """Everything about a tuning."""
     tuned = found.found
     lead = f"{found.origin}; {tuned.evaluations:,} runs, {tuned.gradients:,} with derivatives"
@@ -55,10 +55,10 @@ def summarise_tuning(found: Tuning) -> Summary:
         *_describe_others(found),
         *(Sentence(f"Caution: {note}", "caution") for note in tuned.notes),
     ]
-    return Summary(found.scenario.title, blocks, _collect(found), lead)
+    return Summary(found.scenario.title, blocks, _collect_numbers(found), lead)
 
 
-def _describe_others(found: Tuning) -> Iterator[Block]:
+def _describe_others(found: TuningOutcome) -> Iterator[Block]:
     if found.ratio is not None:
         yield Sentence(
             f"on {found.others} other plants: ITAE after/before {found.ratio.median:.3g} in the "
@@ -66,7 +66,7 @@ def _describe_others(found: Tuning) -> Iterator[Block]:
         )
 
 
-def _describe_tests(found: Tuning) -> Iterator[Block]:
+def _describe_tests(found: TuningOutcome) -> Iterator[Block]:
     if found.tests is None or found.method == "gradient":
         return
     for name in ("heating", "cooling"):
@@ -82,7 +82,7 @@ def _describe_tests(found: Tuning) -> Iterator[Block]:
         )
 
 
-def _table_rows(found: Tuning) -> list[tuple[str, str, str]]:
+def _table_rows(found: TuningOutcome) -> list[tuple[str, str, str]]:
     tuned, places = found.found, found.scenario.places
     rows = [
         (f"{places.path(path)} [{unit}]", f"{tuned.before[path]:.5g}", f"{value:.5g}")
@@ -96,7 +96,7 @@ def _table_rows(found: Tuning) -> list[tuple[str, str, str]]:
     ]
 
 
-def _write_measure(name: str, value: float, found: Tuning) -> str:
+def _write_measure(name: str, value: float, found: TuningOutcome) -> str:
     """A measure in a unit that people read."""
     bench = found.found.bench
     unit = bench.outputs()[find_judged_output(bench, found.drive)].unit
@@ -111,7 +111,7 @@ def _write_measure(name: str, value: float, found: Tuning) -> str:
     return f"{value / factor:.4g} {UNITS[name].format(shown)}"
 
 
-def _collect(found: Tuning) -> dict[str, Any]:
+def _collect_numbers(found: TuningOutcome) -> dict[str, Any]:
     """A tuning, ready for JSON; numbers in SI."""
     tuned, places = found.found, found.scenario.places
     step = found.tests.step if found.tests else None
@@ -153,7 +153,7 @@ def _collect(found: Tuning) -> dict[str, Any]:
     }
 
 
-def _list_gains(found: Tuning) -> list[tuple[str, float, str]]:
+def _list_gains(found: TuningOutcome) -> list[tuple[str, float, str]]:
     """Path, number and unit of what was tuned."""
     bench, places = found.found.bench, found.scenario.places
     leaves = {leaf.path: leaf for leaf in bench.leaves()}
@@ -170,7 +170,7 @@ def _list_gains(found: Tuning) -> list[tuple[str, float, str]]:
     return rows
 
 
-def write_tuned(found: Tuning) -> str:
+def write_tuned(found: TuningOutcome) -> str:
     """The scenario with the new numbers, as TOML."""
     document = tomllib.loads(found.scenario.text)
     numbers = {found.scenario.places.path(p): float(v) for p, v in found.found.after.items()}

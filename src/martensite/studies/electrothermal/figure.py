@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from martensite.show.figures.style import INK, MEASURED, QUIET, SIMULATED, new_figure, styled
+from martensite.show.figures.style import INK, MEASURED, QUIET, SIMULATED, make_figure, use_style
 from martensite.studies.electrothermal import model, record
 from martensite.studies.electrothermal.model_numbers import KEPT, calibrate_numbers
 from martensite.studies.electrothermal.record import RecordStaircase
@@ -32,8 +32,8 @@ LOOKS = {
 def draw_figure(stated: Printed) -> Figure:
     """Draw the figure."""
     run = RecordStaircase(stated) if record.has_files(record.UNTRAINED, record.WARMTH) else None
-    with styled():
-        figure = new_figure(11.0, 4.6 if run is None else 8.6)
+    with use_style():
+        figure = make_figure(11.0, 4.6 if run is None else 8.6)
         grid = figure.add_gridspec(
             1 if run is None else 2,
             2,

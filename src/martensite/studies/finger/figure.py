@@ -11,15 +11,15 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from martensite.show.figures.labels import mathematical
+from martensite.show.figures.labels import typeset_symbol
 from martensite.show.figures.style import (
     HEATING,
     INK,
     MEASURED,
     QUIET,
     SIMULATED,
-    new_figure,
-    styled,
+    make_figure,
+    use_style,
 )
 from martensite.studies.figures import label_axes, write_heading
 from martensite.studies.finger import bench, bending_numbers, crystal_numbers, loop_numbers
@@ -37,8 +37,8 @@ DASHED = (0, (4, 1.6))
 
 def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
-    with styled():
-        figure = new_figure(12.0, 7.2)
+    with use_style():
+        figure = make_figure(12.0, 7.2)
         left, right = figure.add_gridspec(
             1,
             2,
@@ -81,7 +81,7 @@ def _draw_bending(axes: Any, watts: float, printed: Printed) -> None:
         axes.plot(many.times, angle_degrees(many), color=colour, linestyle=DASHED, linewidth=0.9)
     axes.plot([], [], color=INK, linestyle=DASHED, linewidth=0.9, label="polycrystal")
     axes.set_title(f"angle at {watts:.1f} W")
-    axes.set_ylabel(f"{mathematical('θ')} [°]")
+    axes.set_ylabel(f"{typeset_symbol('θ')} [°]")
     axes.set_ylim(-4.0, 100.0)
     axes.tick_params(labelbottom=False)
 
@@ -99,11 +99,11 @@ def _draw_power(axes: Any, printed: Printed) -> None:
     label_axes(
         axes,
         f"power, and temperature of the wire at r = {1e3 * r:.1f} mm",
-        f"{mathematical('t')} [s]",
-        f"{mathematical('P')} [W]",
+        f"{typeset_symbol('t')} [s]",
+        f"{typeset_symbol('P')} [W]",
         "upper right",
     )
-    warm.set_ylabel(f"{mathematical('T')} [°C]", color=HEATING)
+    warm.set_ylabel(f"{typeset_symbol('T')} [°C]", color=HEATING)
     warm.set_ylim(16.0, 104.0)
     warm.grid(False)
     warm.spines["right"].set_visible(True)
@@ -135,8 +135,8 @@ def _draw_loop(axes: Any, printed: Printed) -> None:
     label_axes(
         axes,
         f"calibration loop, {frequency:g} Hz, r = 1.5 mm: not quasi-stationary",
-        f"{mathematical('P')} [W]",
-        f"{mathematical('θ')} [°]",
+        f"{typeset_symbol('P')} [W]",
+        f"{typeset_symbol('θ')} [°]",
     )
     axes.set_xlim(-0.1, 2.05)
     axes.legend(loc="center left", title="width", alignment="left")
@@ -163,8 +163,8 @@ def _draw_crystals(axes: Any, printed: Printed) -> None:
     label_axes(
         axes,
         "single and polycrystal, 13 s, r = 3.5 mm",
-        f"{mathematical('P')} [W]",
-        f"{mathematical('θ')} [°]",
+        f"{typeset_symbol('P')} [W]",
+        f"{typeset_symbol('θ')} [°]",
     )
     axes.set_ylim(-4.0, 82.0)
     axes.legend(loc="lower right", fontsize=7.0)
@@ -178,5 +178,5 @@ def _draw_places(axes: Any, printed: Printed) -> None:
     here = 1e3 * bench.build_finger().value_of("mechanism.arm")
     axes.axvline(here, color=QUIET, linewidth=0.8, linestyle=DASHED)
     axes.set_title(f"at {low:.1f} W, over the spring's place")
-    axes.set_xlabel(f"{mathematical('a')} [mm]")
+    axes.set_xlabel(f"{typeset_symbol('a')} [mm]")
     axes.legend(loc="upper right", title="r")

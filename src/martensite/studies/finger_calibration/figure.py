@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.kernels.c99 import find_compiler
-from martensite.show.figures.labels import mathematical
+from martensite.show.figures.labels import typeset_symbol
 from martensite.show.figures.style import (
     HEATING,
     INK,
     MEASURED,
     QUIET,
     SIMULATED,
-    new_figure,
-    styled,
+    make_figure,
+    use_style,
 )
 from martensite.studies.figures import label_axes, write_heading
 from martensite.studies.finger_calibration import bench
@@ -55,8 +55,8 @@ PATH = {"marker": "o", "markersize": 2.2, "linewidth": 0.9}
 
 def draw_figure(printed: Printed, *, full: bool = False) -> Figure:
     """Draw the figure; without a C compiler one that says so."""
-    with styled():
-        figure = new_figure(12.0, 7.2)
+    with use_style():
+        figure = make_figure(12.0, 7.2)
         title = "Calibration of the finger: two searches, and what the test can tell"
         if find_compiler() is None:
             write_heading(figure, title, "needs a C compiler: a search takes thousands of runs")
@@ -104,7 +104,7 @@ def _draw_ridge(axes: Any, data: Data, printed: Printed, starts: tuple[int, ...]
     width, slope = ranges["Delta_sigma"], ranges["dsigma_dT"]
     edge = np.array([slope.low, slope.high])
     kelvin = width.value / slope.value
-    label = f"{mathematical('Δσ')} = {kelvin:.0f} K · {mathematical('dσ/dT')}"
+    label = f"{typeset_symbol('Δσ')} = {kelvin:.0f} K · {typeset_symbol('dσ/dT')}"
     dashes = {"color": QUIET, "linestyle": DASHED, "linewidth": 0.9}
     axes.plot(kelvin * edge / 1e6, edge / 1e6, **dashes, label=label)
     for one, colour, name in _draw_walks(data, printed, starts):
@@ -117,8 +117,8 @@ def _draw_ridge(axes: Any, data: Data, printed: Printed, starts: tuple[int, ...]
     label_axes(
         axes,
         f"ways of the searches, {data.name}",
-        f"{mathematical('Δσ')} [MPa]",
-        f"{mathematical('dσ/dT')} [MPa/K]",
+        f"{typeset_symbol('Δσ')} [MPa]",
+        f"{typeset_symbol('dσ/dT')} [MPa/K]",
     )
     axes.set_xlim(36.0, 154.0)
     axes.set_ylim(3.9, 7.1)
@@ -184,7 +184,7 @@ def _draw_loops(axes: Any, printed: Printed) -> None:
     axes.text(1.98, 71.0, FAR.name, color=MEASURED[1], ha="right", fontsize=8.0)
     axes.plot([], [], color=SOLVE, label="least squares")
     axes.plot([], [], color=WALK, linestyle=DASHED, label=f"coordinate, start {STILL + 1}")
-    label_axes(axes, "records and fits", f"{mathematical('P')} [W]", f"{mathematical('θ')} [°]")
+    label_axes(axes, "records and fits", f"{typeset_symbol('P')} [W]", f"{typeset_symbol('θ')} [°]")
     axes.legend(loc="upper left", fontsize=7.0)
 
 
@@ -208,4 +208,4 @@ def _draw_intervals(axes: Any, name: str, printed: Printed) -> None:
     axes.set_yticks(range(len(names)), names)
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.set_xlim(*((3.4, 5.6) if name == "dsigma_dT" else (one.low / unit, one.high / unit)))
-    axes.set_title(f"95 % interval of {mathematical(symbol)} [{shown}]; dashed: Table 1")
+    axes.set_title(f"95 % interval of {typeset_symbol(symbol)} [{shown}]; dashed: Table 1")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.kernels.c99 import find_compiler
-from martensite.show.figures.style import HEATING, INK, QUIET, SIMULATED, new_figure, styled
+from martensite.show.figures.style import HEATING, INK, QUIET, SIMULATED, make_figure, use_style
 from martensite.studies.figures import write_heading
 from martensite.studies.hammerstein_wiener import comparisons, loops, models
 from martensite.studies.hammerstein_wiener.bench import INTERVAL
@@ -32,8 +32,8 @@ COLOURS = {PAPER: HEATING, BETTER: SIMULATED, WHOLE: SIMULATED, "stage 1": HEATI
 
 def draw_figure(printed: Printed) -> Figure:
     """Draw the figure; without a C compiler one that says so."""
-    with styled():
-        figure = new_figure(13.0, 7.4)
+    with use_style():
+        figure = make_figure(13.0, 7.4)
         title = "A wire identified in two stages, and what that is worth"
         if find_compiler() is None:
             write_heading(figure, title, "needs a C compiler: a search takes hundreds of runs")

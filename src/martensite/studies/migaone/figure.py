@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.show.figures.hysteresis import runs, senses, strips
-from martensite.show.figures.labels import mathematical
+from martensite.show.figures.hysteresis import find_senses, find_strips, split_runs
+from martensite.show.figures.labels import typeset_symbol
 from martensite.show.figures.style import (
     COOLING,
     HEATING,
@@ -20,8 +20,8 @@ from martensite.show.figures.style import (
     MEASURED,
     QUIET,
     SIMULATED,
-    new_figure,
-    styled,
+    make_figure,
+    use_style,
 )
 from martensite.studies.figures import label_axes, write_heading
 from martensite.studies.migaone import bench, film_numbers
@@ -42,8 +42,8 @@ OTHERS = (
 
 def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
-    with styled():
-        figure = new_figure(11.5, 6.6)
+    with use_style():
+        figure = make_figure(11.5, 6.6)
         grid = figure.add_gridspec(
             2,
             2,
@@ -81,7 +81,7 @@ def _second_period(key: str, printed: Printed) -> tuple[Any, dict[str, Any]]:
 def _draw_stroke(axes: Any, printed: Printed) -> None:
     times, columns = _second_period("polynomial", printed)
     position, named = 1e3 * columns["position"], set[int]()
-    for sense, first, last in runs(senses(columns["temperature"])):
+    for sense, first, last in split_runs(find_senses(columns["temperature"])):
         axes.plot(
             times[first : last + 1],
             position[first : last + 1],
@@ -111,13 +111,13 @@ def _draw_stroke(axes: Any, printed: Printed) -> None:
 def _draw_heat(axes: Any, printed: Printed) -> None:
     times, columns = _second_period("polynomial", printed)
     axes.plot(times, columns["temperature"] - bench.ZERO, color=SIMULATED)
-    for mark in strips(bench.sine_run("polynomial", printed)):
+    for mark in find_strips(bench.sine_run("polynomial", printed)):
         names = mark.low_name, mark.high_name
         axes.axhspan(mark.low, mark.high, color=mark.colour, alpha=0.12, linewidth=0.0)
         axes.text(
             2.0,
             0.5 * (mark.low + mark.high),
-            " … ".join(map(mathematical, names)),
+            " … ".join(map(typeset_symbol, names)),
             color=mark.colour,
             fontsize=8.0,
             va="center",

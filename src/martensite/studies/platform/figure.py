@@ -23,8 +23,8 @@ from martensite.show.figures.style import (
     MEASURED,
     QUIET,
     SIMULATED,
-    new_figure,
-    styled,
+    make_figure,
+    use_style,
 )
 from martensite.simulate.result import Result
 from martensite.studies.figures import write_heading
@@ -52,8 +52,8 @@ DELAYS = (0.0, 0.15, DELAY, 0.45)
 
 def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
-    with styled():
-        figure = new_figure(11.5, 7.4)
+    with use_style():
+        figure = make_figure(11.5, 7.4)
         grid = figure.add_gridspec(
             2,
             3,

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from martensite.show.figures.style import new_figure, styled
+from martensite.show.figures.style import make_figure, use_style
 from martensite.studies.figures import write_heading
 from martensite.studies.sommerfeld import beam_panels, ramp_panels, wire_panels
 from martensite.studies.tables import Printed
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
-    with styled():
-        figure = new_figure(15.0, 9.2)
+    with use_style():
+        figure = make_figure(15.0, 9.2)
         grid = figure.add_gridspec(
             3, 4, left=0.038, right=0.962, top=0.885, bottom=0.055, wspace=0.34, hspace=0.38
         )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.show.figures.style import HEATING, INK, MEASURED, SIMULATED, new_figure, styled
+from martensite.show.figures.style import HEATING, INK, MEASURED, SIMULATED, make_figure, use_style
 from martensite.studies.figures import label_axes, write_heading
 from martensite.studies.tables import Printed
 from martensite.studies.wire_heating import bench, closures
@@ -28,8 +28,8 @@ NAMES = {
 
 def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
-    with styled():
-        figure = new_figure(11.0, 5.6)
+    with use_style():
+        figure = make_figure(11.0, 5.6)
         grid = figure.add_gridspec(
             2,
             2,

@@ -13,13 +13,13 @@ MOST = 4000
 """Points of a line beyond which it is drawn by its extremes."""
 
 
-def signal_label(name: str, units: Mapping[str, str]) -> str:
+def write_signal_label(name: str, units: Mapping[str, str]) -> str:
     """Name and unit of a signal, such as position [mm]."""
     unit = units.get(name, "")
     return f"{name.replace('_', ' ')} [{typeset_unit(unit, '–')}]"
 
 
-def thinned(values: Any, most: int = MOST) -> Any:
+def thin_line(values: Any, most: int = MOST) -> Any:
     """Places of the values that a line needs: the extremes of equal stretches, or all."""
     count = len(values)
     if count <= most:

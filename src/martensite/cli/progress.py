@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def spinner(label: str) -> Iterator[None]:
+def show_spinner(label: str) -> Iterator[None]:
     """A moving sign."""
     if not sys.stderr.isatty():
         yield
@@ -42,7 +42,7 @@ def _open_bar(*columns: Any) -> Iterator[Progress | None]:
 
 
 @contextmanager
-def progress_bar(label: str) -> Iterator[Callable[[int, int], None] | None]:
+def show_progress(label: str) -> Iterator[Callable[[int, int], None] | None]:
     """A bar, moved by calling what it gives with the number done and the total."""
     with _open_bar() as bar:
         if bar is None:
@@ -53,7 +53,7 @@ def progress_bar(label: str) -> Iterator[Callable[[int, int], None] | None]:
 
 
 @contextmanager
-def share_bar(label: str) -> Iterator[Callable[[str, float], None] | None]:
+def show_share(label: str) -> Iterator[Callable[[str, float], None] | None]:
     """A bar, moved by calling what it gives with a sentence and the share that is done."""
     with _open_bar() as bar:
         if bar is None:
@@ -64,17 +64,17 @@ def share_bar(label: str) -> Iterator[Callable[[str, float], None] | None]:
 
 
 @contextmanager
-def run_bar(label: str, quiet: bool) -> Iterator[Callable[[str, float], None] | None]:
+def show_run(label: str, quiet: bool) -> Iterator[Callable[[str, float], None] | None]:
     """A bar for a run, moved by calling what it gives with what is done, and its share."""
     if quiet:
         yield None
         return
-    with share_bar(f"simulating {label}") as tell:
+    with show_share(f"simulating {label}") as tell:
         yield None if tell is None else lambda doing, share: tell(f"{doing} {label}", share)
 
 
 @contextmanager
-def search_bar(describe: Callable[[SearchNote], str]) -> Iterator[Tell | None]:
+def show_search(describe: Callable[[SearchNote], str]) -> Iterator[Tell | None]:
     """A bar for a search, with the words that `describe` finds for what it tells.
 
     The time left is shown once a search can say how much of it is done.
@@ -93,7 +93,7 @@ def search_bar(describe: Callable[[SearchNote], str]) -> Iterator[Tell | None]:
 
 
 @contextmanager
-def sweep_bar(label: str) -> Iterator[Callable[[Swept], None] | None]:
+def show_sweep(label: str) -> Iterator[Callable[[Swept], None] | None]:
     """A bar for a sweep, with its rate and what failed."""
     if not sys.stderr.isatty():
         yield None
@@ -107,12 +107,14 @@ def sweep_bar(label: str) -> Iterator[Callable[[Swept], None] | None]:
         task = bar.add_task(label, total=None, rate="")
 
         def tell(now: Swept) -> None:
-            bar.update(task, total=now.runs, completed=now.done, rate=_rate(now, bar.tasks[0]))
+            bar.update(
+                task, total=now.runs, completed=now.done, rate=_write_rate(now, bar.tasks[0])
+            )
 
         yield tell
 
 
-def _rate(now: Swept, task: Any) -> str:
+def _write_rate(now: Swept, task: Any) -> str:
     """Runs per second, and how many failed."""
     failed = sum(count for status, count in now.status.items() if status > 1)
     speed = "" if not task.elapsed or not now.made else f"{now.made / task.elapsed:.0f}/s"

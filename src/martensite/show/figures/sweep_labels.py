@@ -16,18 +16,18 @@ NARROW = 30.0
 """Ratio of the ends of a logarithmic axis below which it has numbers between powers of ten."""
 
 
-def label(one: SweepColumn, short: str = "") -> str:
+def label_column(one: SweepColumn, short: str = "") -> str:
     """Name and unit of a column, for an axis."""
     return f"{short or one.name} [{typeset_unit(one.shown, '–')}]"
 
 
-def varied_labels(found: SweepTable) -> list[str]:
+def label_varied(found: SweepTable) -> list[str]:
     """Labels of all varied numbers."""
     names = shorten_names(found.varied)
-    return [label(one, names[path]) for path, one in found.varied.items()]
+    return [label_column(one, names[path]) for path, one in found.varied.items()]
 
 
-def put_on(axes: Axes, x: SweepColumn, y: SweepColumn | None = None) -> None:
+def set_scales(axes: Axes, x: SweepColumn, y: SweepColumn | None = None) -> None:
     """Give the axes of a panel the scales of their columns, with plain numbers."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
@@ -41,14 +41,14 @@ def put_on(axes: Axes, x: SweepColumn, y: SweepColumn | None = None) -> None:
             axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
-def headline(found: SweepTable) -> str:
+def write_sweep_title(found: SweepTable) -> str:
     """Title of a sweep, and how many runs it has."""
     failed = f", {found.failed:,} failed" if found.failed else ""
     missing = f", {found.missing:,} not made yet" if found.missing else ""
     return f"{found.title}: {len(found.status):,} runs{failed}{missing}"
 
 
-def layout(count: int) -> tuple[int, int]:
+def arrange_panels(count: int) -> tuple[int, int]:
     """Rows and columns of panels."""
     columns = 2 if count == 4 else min(count, 3)
     return -(-count // columns), columns
