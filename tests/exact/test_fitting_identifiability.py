@@ -249,7 +249,7 @@ def test_singular_values_and_the_number_of_weak_directions(count: int):
 @pytest.mark.parametrize("seed", range(6))
 def test_many_parameters_are_covered_by_leaving_columns_out(seed: int, monkeypatch):
     """Directions found one by one span the same space as the singular vectors."""
-    monkeypatch.setattr("martensite.search.weak_directions.MANY", 0)
+    monkeypatch.setattr("martensite.search.weak_directions.MANY_SETS", 0)
     random = np.random.default_rng(seed)
     columns = random.normal(size=(40, 9))
     columns[:, [1, 4, 7]] = columns[:, [0, 2, 3]] @ random.normal(size=(3, 3))

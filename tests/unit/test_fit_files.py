@@ -453,7 +453,7 @@ def test_steps_that_are_too_long_are_told_after_the_fit(monkeypatch: pytest.Monk
     log = heated()
     short = fit_logs("heated.toml", log, "h", hold_out="none", step=0.02)
     assert short.cautions == ()
-    monkeypatch.setattr("martensite.fit.step_choice.NOTICEABLE", 1e-5)
+    monkeypatch.setattr("martensite.fit.step_choice.NOTICEABLE_CHANGE", 1e-5)
     (caution,) = fit_logs("heated.toml", log, "h", hold_out="none", step=0.1).cautions
     assert "would move `h` by about" in caution
     assert "too long" in caution
@@ -513,7 +513,7 @@ def test_fit_file_names_its_files_beside_itself(tmp_path: Path) -> None:
     (below / "fit.toml").write_text(text, encoding="utf-8")
     task = read_fit_file("below/fit.toml")
     assert task.logs[0].source == Path("below/log.csv")
-    assert len(task.arranged().problem.experiments) == 1
+    assert len(task.arrange().problem.experiments) == 1
 
 
 def test_record_flagged_to_be_held_out_is_the_only_one() -> None:
@@ -524,7 +524,7 @@ def test_record_flagged_to_be_held_out_is_the_only_one() -> None:
         flag = "hold_out = true\n" if k == 0 else ""
         text += f'[[record]]\nfile = "log{k}.csv"\n{flag}'
     Path("fit.toml").write_text(text, encoding="utf-8")
-    found = read_fit_file("fit.toml").arranged().problem
+    found = read_fit_file("fit.toml").arrange().problem
     assert [one.held_out for one in found.experiments] == [True, False, False]
 
 

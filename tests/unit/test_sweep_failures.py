@@ -21,7 +21,7 @@ from martensite.base.status import Status
 from martensite.design.backends.base import StoppedError
 from martensite.design.backends.serial import Serial
 from martensite.design.sweep.api import SweepExecution, begin_sweep
-from martensite.design.sweep.failed_runs import MOST, keep_runs
+from martensite.design.sweep.failed_runs import MOST_LOST, keep_runs
 from martensite.design.sweep.running import Progress
 from martensite.design.sweep.store import Store
 
@@ -46,7 +46,7 @@ def test_a_run_that_raises_is_the_only_one_lost(tmp_path: Path) -> None:
 
 
 def test_a_chunk_that_is_lost_as_a_whole_stops_the_sweep(tmp_path: Path) -> None:
-    job = Doubling(tmp_path, size=MOST, chunk=MOST, failing=tuple(range(MOST)))
+    job = Doubling(tmp_path, size=MOST_LOST, chunk=MOST_LOST, failing=tuple(range(MOST_LOST)))
     with pytest.raises(StoppedError, match=r"32 runs of chunk 0 .*run 0, 1.*Poison"):
         kept_of(job, 0)
 

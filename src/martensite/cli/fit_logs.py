@@ -104,7 +104,7 @@ class FitOptions:
             task = read_fit_file(logs[0])
         else:
             task = self._make_task(logs)
-        return task.changed(
+        return task.with_changes(
             each=split_list(self.each or []),
             hold_out=self.hold_out,
             columns=self.column or (),
@@ -247,10 +247,10 @@ def run_fit(task: FitTask, extras: FitExtras, json: bool) -> bool:
     """Do what a task says and show what there is of it; False if it was interrupted."""
     names = extras.profile or []
     with show_spinner("reading logs, choosing steps"):
-        arranged = task.arranged()
+        arranged = task.arrange()
         extras.check(arranged)
     with show_search(lambda note: _describe_note(note, task.noise)) as tell:
-        fit = arranged.solved(tell, extras.resume)
+        fit = arranged.solve(tell, extras.resume)
     profiles, posterior = _walk_profiles(fit, names), None
     if extras.posterior is not None and len(profiles) == len(names):
         posterior = _draw_posterior(fit, extras.posterior)

@@ -51,7 +51,7 @@ def read_problem(
         InputError: something is unknown, missing, or does not fit; one sentence says what.
         SolveError: a run at the start values fails.
     """
-    task = build_task(scenario, logs, free).changed(
+    task = build_task(scenario, logs, free).with_changes(
         each=_list_ranges(each),
         hold_out=hold_out,
         columns=columns,
@@ -59,7 +59,7 @@ def read_problem(
         step=step,
         settings=overrides,
     )
-    return task.arranged().problem
+    return task.arrange().problem
 
 
 def fit_logs(
@@ -109,7 +109,7 @@ def fit_logs(
     task = (
         _read_task(scenario) if logs is None or free is None else build_task(scenario, logs, free)
     )
-    task = task.changed(
+    task = task.with_changes(
         each=_list_ranges(each),
         hold_out=hold_out,
         columns=columns,
@@ -118,7 +118,7 @@ def fit_logs(
         settings=overrides,
         search={"method": method, "loss": loss, "starts": starts, "seed": seed},
     )
-    return task.arranged().solved(tell, None if state is None else Path(state))
+    return task.arrange().solve(tell, None if state is None else Path(state))
 
 
 def build_task(

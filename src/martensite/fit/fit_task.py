@@ -12,7 +12,7 @@ from martensite.fit.hold_out import AUTO
 from martensite.fit.logs import Log
 from martensite.fit.problem import Problem
 from martensite.fit.search_monitor import Tell
-from martensite.fit.solve import MOST, solve_problem
+from martensite.fit.solve import MOST_EVALUATIONS, solve_problem
 from martensite.fit.step_choice import describe_step_error
 from martensite.fit.swapped_columns import refuse_swapped
 from martensite.scenario.scenario import Scenario
@@ -31,7 +31,7 @@ class FitSearch:
     loss: str = "linear"
     starts: int = 0
     seed: int = 0
-    most: int = MOST
+    most: int = MOST_EVALUATIONS
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class FitTask:
     """Longest step of all runs [s]; that of the scenario, or one to its tolerance, if None."""
     search: FitSearch = FitSearch()
 
-    def arranged(self) -> ArrangedFit:
+    def arrange(self) -> ArrangedFit:
         """The problem, ready to be solved.
 
         Raises:
@@ -72,7 +72,7 @@ class FitTask:
 
         return arrange_task(self)
 
-    def changed(
+    def with_changes(
         self,
         *,
         each: Sequence[str | SearchRange] = (),
@@ -108,7 +108,7 @@ class ArrangedFit:
     search: FitSearch = FitSearch()
     notes: tuple[str, ...] = ()
 
-    def solved(self, tell: Tell | None = None, state: Path | None = None) -> LogFit:
+    def solve(self, tell: Tell | None = None, state: Path | None = None) -> LogFit:
         """The fit; see `solve` for what is told and kept.
 
         Raises:

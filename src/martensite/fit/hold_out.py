@@ -18,7 +18,7 @@ from martensite.fit.free_parameters import split_list
 Stretches = tuple[tuple[float, float], ...]
 AUTO, NONE = "auto", "none"
 ALL: Stretches = ((-math.inf, math.inf),)
-MANY = 3
+MANY_RECORDS = 3
 """Records from which on a whole one is kept back."""
 STRETCHES, KEPT = 20, (4, 9, 14, 19)
 
@@ -37,7 +37,7 @@ def choose_held_out(
         InputError: a share that is none, an unknown record, or nothing left to fit.
     """
     if hold_out == AUTO:
-        if len(names) >= MANY:
+        if len(names) >= MANY_RECORDS:
             return [ALL if k == len(names) // 2 else () for k in range(len(names))]
         return [_choose_stretches(rows) for rows in times]
     if hold_out == NONE:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from martensite.fit.fit import Fit
     from martensite.scenario.scenario import Scenario
 
-MANY = 5
+MANY_RECORDS = 5
 """Records up to which they are named one by one."""
 
 
@@ -114,7 +114,7 @@ def format_material(numbers: MaterialNumbers, title: str = "", cite: str = "") -
 
 def _format_records(fit: Fit) -> str:
     names = [one.name for one in fit.problem.experiments]
-    return join_phrases(names) if len(names) <= MANY else f"{len(names)} records"
+    return join_phrases(names) if len(names) <= MANY_RECORDS else f"{len(names)} records"
 
 
 def _format_outputs(fit: Fit) -> str:

@@ -19,9 +19,9 @@ from martensite.fit.experiment import Experiment
 from martensite.fit.free_parameters import DELAY, OFFSET, build_free_numbers
 from martensite.search.free_numbers import FreeNumber, SearchRange
 
-LATE = 0.05
+LONGEST_DELAY = 0.05
 """Longest delay either way, as a share of the record."""
-FARTHEST = 2.0
+LARGEST_OFFSET = 2.0
 """Largest offset either way, in measured ranges."""
 
 
@@ -46,7 +46,7 @@ def build_own_parameters(
 def _list_own(wanted: SearchRange, experiment: Experiment) -> list[FreeNumber]:
     name, record = wanted.name, experiment.name
     if name == DELAY:
-        latest = LATE * float(experiment.times[-1] - experiment.times[0])
+        latest = LONGEST_DELAY * float(experiment.times[-1] - experiment.times[0])
         return [_build_own(wanted, DELAY, "s", latest, record, "delay of the record")]
     head, _, output = name.partition(".")
     if head != OFFSET:
@@ -59,7 +59,7 @@ def _build_offset(wanted: SearchRange, output: str, experiment: Experiment) -> F
     if output not in experiment.outputs:
         raise UnknownNameError("compared output", output, experiment.outputs)
     column = experiment.measured[:, experiment.outputs.index(output)]
-    reach = FARTHEST * float(np.nanmax(column) - np.nanmin(column))
+    reach = LARGEST_OFFSET * float(np.nanmax(column) - np.nanmin(column))
     unit = experiment.system.outputs()[output].unit
     return _build_own(
         wanted, f"{OFFSET}.{output}", unit, reach, experiment.name, f"zero of {output}"

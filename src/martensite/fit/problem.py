@@ -131,11 +131,11 @@ class Problem:
 
     def evaluate(self, u: Sequence[float], *, slopes: bool = False) -> Evaluation | None:
         """Residuals at a point, with their Jacobian if wanted; None where a run fails."""
-        moved = [self._moved(k, u) for k in range(len(self.runners))]
+        moved = [self._change_values(k, u) for k in range(len(self.runners))]
         if any(values is None for values in moved):
             return None
         jobs = [(k, values, u, slopes) for k, values in enumerate(moved)]
-        found = list(self._pool.map(lambda job: self._one(*job), jobs))
+        found = list(self._pool.map(lambda job: self._evaluate_one(*job), jobs))
         if any(one is None for one in found):
             return None
         fitted = tuple(one for one in found if one is not None)
@@ -153,21 +153,21 @@ class Problem:
         """Costs (m,) of many points (m, free), in batches; inf where a run fails."""
         totals, counts = np.zeros(len(points)), 0
         for k, runner in enumerate(self.runners):
-            variants = [self._moved(k, u) for u in points]
+            variants = [self._change_values(k, u) for u in points]
             models = runner.run_many(
                 np.array([runner.base if v is None else v for v in variants], float)
             )
             for i, (u, values) in enumerate(zip(points, variants, strict=True)):
-                fitted = self._compared(k, None if values is None else models[i], u, None)
-                totals[i] += math.inf if fitted is None else self._sum(k, fitted)
+                fitted = self._compare_model(k, None if values is None else models[i], u, None)
+                totals[i] += math.inf if fitted is None else self._sum_squares(k, fitted)
             counts += int(self.used[k].sum())
         return totals / counts
 
-    def _sum(self, k: int, fitted: FittedRecord) -> float:
+    def _sum_squares(self, k: int, fitted: FittedRecord) -> float:
         total = float(np.sum(fitted.residuals[self.used[k]] ** 2))
         return total if math.isfinite(total) else math.inf
 
-    def _moves(self, k: int) -> list[tuple[int, list[int]]]:
+    def _find_moved_rows(self, k: int) -> list[tuple[int, list[int]]]:
         """Which free parameters change which parameters of an experiment."""
         name, paths = self.experiments[k].name, self.runners[k].paths
         return [
@@ -184,7 +184,7 @@ class Problem:
 
     @cached_property
     def _moving(self) -> list[list[tuple[int, list[int]]]]:
-        return [self._moves(k) for k in range(len(self.experiments))]
+        return [self._find_moved_rows(k) for k in range(len(self.experiments))]
 
     def system(self, k: int, u: Sequence[float]) -> Any:
         """The system of an experiment with its parameters at a point.
@@ -200,16 +200,18 @@ class Problem:
         }
         return self.experiments[k].system.with_values(changed)
 
-    def _moved(self, k: int, u: Sequence[float]) -> Any:
+    def _change_values(self, k: int, u: Sequence[float]) -> Any:
         """Parameter values of an experiment at a point; None if they contradict each other."""
         try:
             return np.array(self.runners[k].compiled.values(self.system(k, u)))
         except InputError:
             return None
 
-    def _one(self, k: int, values: Any, u: Sequence[float], slopes: bool) -> FittedRecord | None:
+    def _evaluate_one(
+        self, k: int, values: Any, u: Sequence[float], slopes: bool
+    ) -> FittedRecord | None:
         if not slopes:
-            return self._compared(k, self.runners[k].run_one(values), u, None)
+            return self._compare_model(k, self.runners[k].run_one(values), u, None)
         seeds = np.zeros((len(values), len(self.free)))
         for i, places in self._moving[k]:
             seeds[places, i] = self.free[i].slope(float(u[i]))
@@ -219,9 +221,11 @@ class Problem:
             return None
         spread = np.zeros((*found[0].shape, len(self.free)))
         spread[:, :, moving] = found[1]
-        return self._compared(k, found[0], u, spread)
+        return self._compare_model(k, found[0], u, spread)
 
-    def _compared(self, k: int, model: Any, u: Sequence[float], slopes: Any) -> FittedRecord | None:
+    def _compare_model(
+        self, k: int, model: Any, u: Sequence[float], slopes: Any
+    ) -> FittedRecord | None:
         """Residuals of a run, with the offsets and the delay of its record."""
         if model is None:
             return None

@@ -16,13 +16,15 @@ from martensite.base.errors import DataError, SolveError, UnknownNameError
 from martensite.fit.fit import Fit
 from martensite.fit.losses import estimate_scale, find_loss
 from martensite.search.least_squares import descend_squares
-from martensite.search.profile import MOST, Profile, walk_profile
+from martensite.search.profile import MOST_REFITS, Profile, walk_profile
 
 REFIT = 50
 """Evaluations of one refit."""
 
 
-def profile_likelihood(fit: Fit, name: str, *, level: float = LEVEL, most: int = MOST) -> Profile:
+def profile_likelihood(
+    fit: Fit, name: str, *, level: float = LEVEL, most: int = MOST_REFITS
+) -> Profile:
     """Walk the profile of a free parameter of a fit.
 
     Args:

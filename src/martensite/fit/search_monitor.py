@@ -69,7 +69,7 @@ class SearchMonitor:
             self.jacobians += count
         else:
             self.simulations += count
-        self._seen(u, math.inf if found is None else found.cost)
+        self._record_point(u, math.inf if found is None else found.cost)
         return found
 
     def costs(self, points: Any) -> Any:
@@ -77,10 +77,10 @@ class SearchMonitor:
         found = self.problem.costs(points)
         self.simulations += len(points) * len(self.problem.experiments)
         least = int(found.argmin())
-        self._seen(points[least], float(found[least]))
+        self._record_point(points[least], float(found[least]))
         return found
 
-    def _seen(self, u: Sequence[float], cost: float) -> None:
+    def _record_point(self, u: Sequence[float], cost: float) -> None:
         if cost < self.cost:
             self.best, self.cost = tuple(map(float, u)), cost
             self.history.append((self.simulations + self.jacobians, cost))

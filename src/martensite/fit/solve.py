@@ -34,7 +34,7 @@ METHODS = ("trf", "coordinate", "evolution")
 SPREAD = 32
 """Sobol' points tried for each start."""
 RESUMED = "best so far"
-MOST = 200
+MOST_EVALUATIONS = 200
 """Evaluations of one local search."""
 
 
@@ -45,7 +45,7 @@ def solve_problem(
     loss: str = "linear",
     starts: int = 0,
     seed: int = 0,
-    most: int = MOST,
+    most: int = MOST_EVALUATIONS,
     tell: Tell | None = None,
     state: Path | None = None,
 ) -> Fit:
@@ -170,7 +170,7 @@ def _run_descents(
     return reason
 
 
-def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST) -> str:
+def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST_EVALUATIONS) -> str:
     """One trust-region search; its points and costs are kept by the watch."""
     first = watch.evaluate(begin, slopes=True)
     if first is None:

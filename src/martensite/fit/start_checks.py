@@ -29,9 +29,9 @@ from martensite.search.starts import draw_points
 
 POINTS = 8
 """Points over the bounds that are tried before anything is refused."""
-FAR, NEARER = 100.0, 20.0
+FAR_RATIO, NEAR_RATIO = 100.0, 20.0
 """Ratio of ranges that is doubted; and the one that acquits a column at another point."""
-NOTHING = 1e-9
+NO_EFFECT = 1e-9
 """Derivative, per search range and as a share of range, that is none."""
 
 
@@ -72,7 +72,7 @@ def find_silent_outputs(problem: Problem) -> list[tuple[str, str]]:
         (one.name, output)
         for one, fitted in zip(problem.experiments, found.fitted, strict=True)
         for k, output in enumerate(one.outputs)
-        if not np.any(np.abs(fitted.jacobian[:, k, own]) > NOTHING)
+        if not np.any(np.abs(fitted.jacobian[:, k, own]) > NO_EFFECT)
     ]
 
 
@@ -88,7 +88,7 @@ def _require_rows(problem: Problem) -> None:
 def _find_idle(problem: Problem, found: Evaluation) -> list[int]:
     """Free parameters whose derivatives are zero in all that is compared."""
     largest = np.max(np.abs(found.jacobian), axis=0)
-    return [i for i in range(len(problem.free)) if not largest[i] > NOTHING]
+    return [i for i in range(len(problem.free)) if not largest[i] > NO_EFFECT]
 
 
 def _refuse_idle(
@@ -148,7 +148,7 @@ def _find_moved_outputs(problem: Problem, free: FreeNumber) -> list[str]:
             continue
         moved = np.max(np.abs(marched[1][:, :, 0]), axis=0)
         sizes = np.max(np.abs(marched[0]), axis=0)
-        found += [n for n, m, s in zip(names, moved, sizes, strict=True) if m > NOTHING * s]
+        found += [n for n, m, s in zip(names, moved, sizes, strict=True) if m > NO_EFFECT * s]
     return list(dict.fromkeys(found))
 
 
@@ -169,7 +169,7 @@ def _find_doubtful(problem: Problem, found: Evaluation) -> list[tuple[int, int]]
         (e, k)
         for e, one in enumerate(problem.experiments)
         for k in range(len(one.outputs))
-        if not 1.0 / FAR <= _compare_ranges(problem, found, e, k) <= FAR
+        if not 1.0 / FAR_RATIO <= _compare_ranges(problem, found, e, k) <= FAR_RATIO
     ]
 
 
@@ -200,7 +200,7 @@ def _refuse_units(
             f"{format_change(measured, unit, 3)}, the scenario at its start over "
             f"{format_change(modelled, unit, 3)}"
         )
-        if any(1.0 / NEARER <= r <= NEARER for r in elsewhere):
+        if any(1.0 / NEAR_RATIO <= r <= NEAR_RATIO for r in elsewhere):
             notes.append(f"{seen}: the start is far off.")
             continue
         doubt = _describe_doubt(ratio, 2 if unit == "1" else 3, follows)

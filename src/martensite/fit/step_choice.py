@@ -16,9 +16,9 @@ from martensite.base.errors import SolveError
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 
-NOTICEABLE = 0.5
+NOTICEABLE_CHANGE = 0.5
 """Change of a parameter on halving the steps, in standard errors, from which on it is told."""
-LEAST = 1e-6
+NEGLIGIBLE_CHANGE = 1e-6
 """Change of a parameter, as a share of its search range, that never matters."""
 
 
@@ -99,9 +99,11 @@ def describe_step_error(fit: Fit) -> list[str]:
     sizes = [free.slope(u) for free, u in zip(problem.free, fit.values, strict=True)]
     errors = np.array(fit.uncertainty.errors) * fit.uncertainty.widening / np.abs(sizes)
     with np.errstate(invalid="ignore", divide="ignore"):
-        shares = np.where((errors > 0.0) & (np.abs(moved) > LEAST), np.abs(moved) / errors, 0.0)
+        shares = np.where(
+            (errors > 0.0) & (np.abs(moved) > NEGLIGIBLE_CHANGE), np.abs(moved) / errors, 0.0
+        )
     worst = int(np.argmax(shares))
-    if not shares[worst] > NOTICEABLE:
+    if not shares[worst] > NOTICEABLE_CHANGE:
         return []
     step = max(one.grid().longest for one in fixed)
     return [

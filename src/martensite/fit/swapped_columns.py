@@ -19,9 +19,9 @@ from martensite.fit.solve import solve_problem
 from martensite.scenario.scenario import Scenario
 from martensite.signals.records import Record
 
-BETTER = 50.0
+CONVINCING_FIT = 50.0
 """Fit [%] with exchanged columns from which on they look swapped."""
-MOST = 30
+MOST_EVALUATIONS = 30
 """Evaluations of such a fit."""
 SPELLINGS = {"1": ("1", "%"), "m": ("mm", "m"), "Pa": ("MPa", "Pa"), "K": ("degC", "K")}
 """SI unit -> units in which such a column is usually written; others as they are."""
@@ -45,7 +45,7 @@ def refuse_swapped(fit: Fit, models: dict[str, tuple[Scenario, Model]]) -> None:
             for drive in dict.fromkeys(scenario.follows.values()):
                 for record in _exchange_columns(one.record, drive, column):
                     found = _fit_exchanged(fit.problem, one, record, model, output)
-                    if found > BETTER:
+                    if found > CONVINCING_FIT:
                         raise DataError(_describe_swap(one, output, drive, column, found))
 
 
@@ -66,7 +66,7 @@ def _fit_exchanged(
         twin = replace(one, system=scenario.system, waveform=scenario.waveform, record=record)
         free = tuple(free for free in problem.free if free.record in (None, one.name))
         alone = replace(problem, experiments=(twin,), free=free, later=())
-        scores = solve_problem(alone, most=MOST).scores
+        scores = solve_problem(alone, most=MOST_EVALUATIONS).scores
     except MartensiteError:
         return float("-inf")
     return min(s.fit_percent for s in scores if s.output == output and s.part == "training")

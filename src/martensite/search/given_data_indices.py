@@ -31,7 +31,7 @@ DRAWS = 24
 """Bootstrap samples."""
 GRID = 100
 NORMAL_95 = 1.959963984540054
-SAME = 1e-12
+SAME_SPREAD = 1e-12
 """Relative spread below which numbers count as one."""
 LINEAR = 0.7
 """Share of the variance below which a regression is remarked upon."""
@@ -59,7 +59,7 @@ class SensitivityIndex:
 
 def is_spread(values: Numbers) -> bool:
     """Whether numbers differ by more than rounding."""
-    return bool(np.ptp(values) > SAME * np.max(np.abs(values), initial=0.0))
+    return bool(np.ptp(values) > SAME_SPREAD * np.max(np.abs(values), initial=0.0))
 
 
 def estimate_indices(

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 Numbers: TypeAlias = NDArray[np.float64]
-FLOOR = 1e-3
+SCALE_FLOOR = 1e-3
 """Least scale of a number, over the median of all."""
-TRIES = 18
+MOST_DAMPINGS = 18
 """Dampings that are tried before a step is given up."""
 
 
@@ -100,9 +100,9 @@ def _try_step(
     positive = scale[scale > 0.0]
     if not len(positive) or not np.all(np.isfinite(hessian)):
         return None
-    scale = np.maximum(scale, FLOOR * float(np.median(positive)))
+    scale = np.maximum(scale, SCALE_FLOOR * float(np.median(positive)))
     scaled = hessian / np.outer(scale, scale)
-    for _ in range(TRIES):
+    for _ in range(MOST_DAMPINGS):
         try:
             change = np.linalg.solve(scaled + damping * np.eye(len(scale)), gradient / scale)
         except np.linalg.LinAlgError:

@@ -27,7 +27,7 @@ from martensite.search.quantity_text import format_quantity
 
 Solve = Callable[[dict[int, float], Sequence[float]], tuple[Sequence[float], float]]
 """Refit with some parameters held: (held by place, start) -> (all parameters, cost C)."""
-MOST = 40
+MOST_REFITS = 40
 """Refits on each side, at most, before the limit is passed."""
 _CROSSING = 20
 _PART = 0.25
@@ -133,7 +133,7 @@ def walk_profile(
     noise: float | None = None,
     level: float = LEVEL,
     step: float | None = None,
-    most: int = MOST,
+    most: int = MOST_REFITS,
     to_value: Callable[[float], float] = float,
     name: str = "parameter",
     unit: str = "1",

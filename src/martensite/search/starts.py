@@ -23,7 +23,7 @@ from martensite.base.errors import ParameterError, SolveError
 Numbers: TypeAlias = NDArray[np.float64]
 Costs: TypeAlias = Callable[[Numbers], Numbers]
 """Costs (points,) of points (points, numbers); infinite or NaN where a run fails."""
-APART = 0.2
+START_DISTANCE = 0.2
 """Least distance of two starts, as a share of the diagonal of the box."""
 
 
@@ -53,7 +53,7 @@ def draw_points(size: int, count: int, seed: int = 0) -> Numbers:
 
 
 def choose_apart(
-    points: Numbers, order: Iterable[int], keep: int, apart: float = APART
+    points: Numbers, order: Iterable[int], keep: int, apart: float = START_DISTANCE
 ) -> list[int]:
     """The first points of an order that lie apart from those before them.
 
@@ -73,7 +73,13 @@ def choose_apart(
 
 
 def find_starts(
-    costs: Costs, size: int, *, count: int = 64, keep: int = 4, apart: float = APART, seed: int = 0
+    costs: Costs,
+    size: int,
+    *,
+    count: int = 64,
+    keep: int = 4,
+    apart: float = START_DISTANCE,
+    seed: int = 0,
 ) -> tuple[Start, ...]:
     """Starts for descents, the best first; fewer than asked for if others are too near.
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     Matrix = NDArray[np.float64]
     Vector = NDArray[np.float64]
 
-MANY = 20_000
+MANY_SETS = 20_000
 """Sets of one size that are all tried; larger sizes are approached by leaving columns out."""
 _INDEPENDENT = 1e-3
 
@@ -50,7 +50,7 @@ def find_weak_directions(
     chosen = list(known)
     sets: list[tuple[int, ...]] = []
     for size in range(1, square.shape[1] + 1):
-        if len(chosen) >= wanted or math.comb(square.shape[1], size) > MANY:
+        if len(chosen) >= wanted or math.comb(square.shape[1], size) > MANY_SETS:
             break
         found = _search_sets(square, limit, size, sets)
         sets += [tuple(np.flatnonzero(v).tolist()) for v in found]

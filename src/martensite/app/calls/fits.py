@@ -33,7 +33,7 @@ def run_fit(request: Request, desk: Desk) -> JsonTable:
     and then with "curves". The answer is that of `identify.fit_outcome` with the key `fit` for the
     call `fit_files`. Once it shall stop it ends with the best so far.
     """
-    arranged = read_task(request, desk).arranged()
+    arranged = read_task(request, desk).arrange()
     key, path = _place_state(request, desk)
     training = arranged.problem.training
     desk.tell(
@@ -63,7 +63,7 @@ def search_parameters(arranged: ArrangedFit, watching: FitProgress, path: Path) 
         SolveError: it was stopped before anything was computed.
     """
     try:
-        return arranged.solved(watching, path)
+        return arranged.solve(watching, path)
     except KeyboardInterrupt:
         raise SolveError("The fit was stopped before its first run had ended.") from None
 
@@ -123,7 +123,7 @@ def _write_file(fit: LogFit, what: str, path: Path) -> None:
 
 def _repeat_fit(kept: Request, desk: Desk) -> LogFit:
     """The fit, at the numbers that were found."""
-    arranged = read_task(require_entry(kept, "request", dict), desk).arranged()
+    arranged = read_task(require_entry(kept, "request", dict), desk).arrange()
     ended = Event()
     ended.set()
     watching = FitProgress(arranged.problem.training, desk.tell, ended)

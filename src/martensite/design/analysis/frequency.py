@@ -34,7 +34,7 @@ FEWEST = 8
 """Samples in a period of a system in discrete time, at least."""
 SETTLED = 1e-4
 """Change from cycle n to cycle 2 n, over the amplitude or the least range that counts."""
-MOST = 10_000
+MOST_STEPS = 10_000
 """Steps at one frequency, at most; four cycles are always run."""
 HALF_POWER = math.sqrt(0.5)
 
@@ -177,7 +177,7 @@ def _repeat_cycle(
     least = max(lanes.system.convergence_scales().get(lanes.output, 0.0) / amplitude, 1e-300)
     before = _run_cycle(lanes, levels, amplitude, dt)
     done, settled = 1, np.zeros(len(middles), bool)
-    while done < 4 or 2 * done * samples <= MOST:
+    while done < 4 or 2 * done * samples <= MOST_STEPS:
         for _ in range(done - 1):
             lanes.run(levels, dt)
         now = _run_cycle(lanes, levels, amplitude, dt)

@@ -18,11 +18,11 @@ from martensite.design.optimise.evaluate import AimSlopes
 from martensite.design.optimise.question import DesignQuestion
 
 Numbers: TypeAlias = NDArray[np.float64]
-FAR = 10.0
+LARGEST_SLACK = 10.0
 """Slack beyond which nothing more is counted."""
-WORST = 1e6
+FAILED_GOAL = 1e6
 """Goal of a design whose run fails, or that never reaches it."""
-KEPT = 1e-5
+FEASIBLE_VIOLATION = 1e-5
 """Violation, as a share of a limit, that counts as none."""
 
 
@@ -42,11 +42,11 @@ class JudgedDesigns(NamedTuple):
     @property
     def kept(self) -> NDArray[np.bool_]:
         """Whether all constraints are kept, (designs,)."""
-        return (self.slack >= -KEPT).all(axis=1) & (self.goal < WORST)
+        return (self.slack >= -FEASIBLE_VIOLATION).all(axis=1) & (self.goal < FAILED_GOAL)
 
     def order(self) -> list[int]:
         """Designs from best to worst: those that keep all by goal, then others by violation."""
-        lost = np.where(self.kept, 0.0, KEPT + self.violation)
+        lost = np.where(self.kept, 0.0, FEASIBLE_VIOLATION + self.violation)
         return [int(k) for k in np.lexsort((self.goal, lost))]
 
 
@@ -88,9 +88,13 @@ class DesignScales:
             for k, c in enumerate(self.question.subject)
         ]
         table = np.stack(slack, axis=2).reshape(len(values), -1) if slack else goal[:, None][:, :0]
-        held = np.clip(np.nan_to_num(table, nan=-FAR, posinf=FAR, neginf=-FAR), -FAR, FAR)
-        held[np.isnan(values).any(axis=(1, 2))] = -FAR
-        return JudgedDesigns(np.where(np.isfinite(goal), goal, WORST), held)
+        held = np.clip(
+            np.nan_to_num(table, nan=-LARGEST_SLACK, posinf=LARGEST_SLACK, neginf=-LARGEST_SLACK),
+            -LARGEST_SLACK,
+            LARGEST_SLACK,
+        )
+        held[np.isnan(values).any(axis=(1, 2))] = -LARGEST_SLACK
+        return JudgedDesigns(np.where(np.isfinite(goal), goal, FAILED_GOAL), held)
 
     def gradient(self, found: AimSlopes) -> DesignGradient:
         """Of one design."""
@@ -101,5 +105,5 @@ class DesignScales:
         ]
         count = found.slopes.shape[2]
         table = np.stack(rows, axis=1).reshape(-1, count) if rows else np.zeros((0, count))
-        table = np.where((np.abs(one.slack[0]) < FAR)[:, None], table, 0.0)
+        table = np.where((np.abs(one.slack[0]) < LARGEST_SLACK)[:, None], table, 0.0)
         return DesignGradient(float(one.goal[0]), one.slack[0], slope, table)

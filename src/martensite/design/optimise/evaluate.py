@@ -94,7 +94,9 @@ class DesignEvaluator:
         self.outputs = list_needed(every, self.system)
         self.runner = BatchRunner(self.system, self.grid, self.outputs, native=native)
         self.native = self.runner.native
-        self._rows = [[self._row(c.path, c.level) for c in one.targets] for one in question.free]
+        self._rows = [
+            [self._find_row(c.path, c.level) for c in one.targets] for one in question.free
+        ]
 
     def numbers(self, z: Numbers) -> Numbers:
         """Free numbers [SI] at places, (..., free)."""
@@ -103,11 +105,11 @@ class DesignEvaluator:
 
     def values(self, z: Numbers) -> Numbers:
         """What designs are judged by, (designs, free) -> (designs, cases, aims); or NaN."""
-        return self.told(self.numbers(z), self.aims)
+        return self.evaluate_aims(self.numbers(z), self.aims)
 
-    def told(self, numbers: Numbers, aims: Sequence[DesignAim]) -> Numbers:
+    def evaluate_aims(self, numbers: Numbers, aims: Sequence[DesignAim]) -> Numbers:
         """Some aims of free numbers [SI], (designs, free) -> (designs, cases, aims); or NaN."""
-        cases, table = len(self.question.cases), self._table(numbers)
+        cases, table = len(self.question.cases), self._fill_table(numbers)
         self.counts.simulations += len(table)
         seen, every = self.runner.run_many(table).T, np.repeat(numbers, cases, axis=0)
         found = np.stack([self._value(aim, seen, every) for aim in aims], axis=1)
@@ -123,7 +125,7 @@ class DesignEvaluator:
         values: list[Numbers] = []
         slopes: list[Numbers] = []
         numbers = self.numbers(z[None, :])
-        for row in self._table(numbers):
+        for row in self._fill_table(numbers):
             self.counts.slopes += 1
             run = self.runner.run_slopes(row, seeds)
             if run is None:
@@ -135,7 +137,7 @@ class DesignEvaluator:
             slopes.append(
                 np.stack([self._slope(aim, seen[:, :, None], moved) for aim in self.aims])
             )
-        own = self._own() * inner
+        own = self._own_slopes() * inner
         return AimSlopes(np.stack(values), np.stack(slopes) + own)
 
     @property
@@ -147,16 +149,16 @@ class DesignEvaluator:
         """An output of one design [SI], (free,) -> (samples,), in the first case; NaN if failed."""
         self.counts.simulations += 1
         runner = BatchRunner(self.system, self.grid, [output], native=self.native)
-        return runner.run_many(self._table(numbers[None, :])[:1])[0, :, 0]
+        return runner.run_many(self._fill_table(numbers[None, :])[:1])[0, :, 0]
 
     # ---------------------------------------------------------------- tables of parameters
 
-    def _row(self, path: str, level: Level | None) -> int:
+    def _find_row(self, path: str, level: Level | None) -> int:
         steering = self.steering
         whole = steering.path(path) if level is None else steering.level_path(level)
         return self.runner.paths.index(whole)
 
-    def _table(self, numbers: Numbers) -> Numbers:
+    def _fill_table(self, numbers: Numbers) -> Numbers:
         """Parameters of every design in every case, (designs * cases, parameters)."""
         cases = self.question.cases
         found = np.repeat(self.runner.base[None, :], len(numbers) * len(cases), axis=0)
@@ -165,12 +167,12 @@ class DesignEvaluator:
                 found[:, row] = np.repeat(column, len(cases))
         for k, case in enumerate(cases):
             for path, value in case.items():
-                found[k :: len(cases), self._row(path, None)] = value
+                found[k :: len(cases), self._find_row(path, None)] = value
         return found
 
     # ---------------------------------------------------------------- measures
 
-    def _seen(self, aim: DesignAim, seen: Numbers) -> Numbers:
+    def _select_columns(self, aim: DesignAim, seen: Numbers) -> Numbers:
         """The columns that a measure looks at."""
         measure = aim.measure
         names = () if measure is None else measure.columns(self.system)
@@ -179,16 +181,16 @@ class DesignEvaluator:
     def _value(self, aim: DesignAim, seen: Numbers, numbers: Numbers) -> Numbers:
         if aim.measure is None:
             return numbers[:, aim.place or 0]
-        return aim.measure.value(self.times, np.nan_to_num(self._seen(aim, seen)))
+        return aim.measure.value(self.times, np.nan_to_num(self._select_columns(aim, seen)))
 
     def _slope(self, aim: DesignAim, seen: Numbers, moved: Numbers) -> Numbers:
         """d(measure)/d(number), (free,)."""
         if aim.measure is None:
             return np.zeros(moved.shape[2])
-        weights = aim.measure.weights(self.times, self._seen(aim, seen))[:, :, 0]
-        return np.einsum("cs,csf->f", weights, self._seen(aim, moved))
+        weights = aim.measure.weights(self.times, self._select_columns(aim, seen))[:, :, 0]
+        return np.einsum("cs,csf->f", weights, self._select_columns(aim, moved))
 
-    def _own(self) -> Numbers:
+    def _own_slopes(self) -> Numbers:
         """d(aim)/d(number) of aims that are free numbers, (aims, free)."""
         found = np.zeros((len(self.aims), len(self.question.free)))
         for k, aim in enumerate(self.aims):

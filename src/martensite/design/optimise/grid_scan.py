@@ -21,7 +21,7 @@ from martensite.design.optimise.evaluate import DesignEvaluator, RunCounts
 Numbers: TypeAlias = NDArray[np.float64]
 BATCH = 1024
 """Designs that are judged together."""
-MOST = 1_000_000
+MOST_DESIGNS = 1_000_000
 """Designs of the largest grid."""
 
 
@@ -78,10 +78,10 @@ def scan_designs(
     counts = [points] * len(free) if isinstance(points, int) else list(points)
     axes = [_space_axis(designs, k, count) for k, count in enumerate(counts)]
     shape = tuple(len(axis) for axis in axes)
-    if min(counts) < 2 or int(np.prod(shape)) > MOST:
+    if min(counts) < 2 or int(np.prod(shape)) > MOST_DESIGNS:
         raise ParameterError(
-            f"A grid must have at least 2 points along each number and {MOST:,} in all, but has "
-            f"{' x '.join(map(str, counts))}."
+            f"A grid must have at least 2 points along each number and {MOST_DESIGNS:,} in all, "
+            f"but has {' x '.join(map(str, counts))}."
         )
     z = np.array(list(itertools.product(*axes)))
     values = _evaluate_grid(designs, z, watch)

@@ -19,7 +19,7 @@ from martensite.design.optimise.search import DesignHunt, DesignPoint
 
 Numbers: TypeAlias = NDArray[np.float64]
 Combination = tuple[int, ...]
-MOST = 64
+MOST_COMBINATIONS = 64
 """Combinations that are tried."""
 ROUNDS = 3
 """How often the relaxed design is searched anew."""
@@ -52,7 +52,7 @@ def round_design(
     for _ in range(ROUNDS):
         _walk_neighbours(hunt, relaxed, places, tried)
         best = _choose_best(tried).point
-        if not best.before(relaxed):
+        if not best.is_better_than(relaxed):
             break
         relaxed = _search_from(hunt, best.z, np.zeros(hunt.size, np.bool_))
     return _choose_best(tried).point, sorted(tried.values(), key=lambda one: one.numbers), relaxed
@@ -72,11 +72,11 @@ def _walk_neighbours(
     ]
     waiting = [tuple(int(n) for n in row) for row in itertools.product(*sides)]
     begin = relaxed.z
-    while waiting and len(tried) < MOST:
+    while waiting and len(tried) < MOST_COMBINATIONS:
         for numbers in waiting:
             hunt.tell(f"whole numbers: {', '.join(map(str, numbers))}", 0.85)
             found = TriedCombination(numbers, _search_held(hunt, begin, places, numbers))
-            if numbers not in tried or found.point.before(tried[numbers].point):
+            if numbers not in tried or found.point.is_better_than(tried[numbers].point):
                 tried[numbers] = found
         best = _choose_best(tried)
         begin = best.point.z
@@ -86,7 +86,7 @@ def _walk_neighbours(
 def _choose_best(tried: dict[Combination, TriedCombination]) -> TriedCombination:
     found = next(iter(tried.values()))
     for one in tried.values():
-        found = one if one.point.before(found.point) else found
+        found = one if one.point.is_better_than(found.point) else found
     return found
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
 from martensite.design.optimise.active_constraints import find_multipliers
-from martensite.design.optimise.design_scales import KEPT, DesignScales
+from martensite.design.optimise.design_scales import FEASIBLE_VIOLATION, DesignScales
 from martensite.design.optimise.evaluate import DesignEvaluator, Numbers, apply_numbers
 from martensite.design.optimise.integer_variables import TriedCombination, round_design
 from martensite.design.optimise.life import build_life_constraints, describe_life
@@ -208,7 +208,9 @@ def _build_answer(
     )
     values = designs.values(point.z[None])
     slack = hunt.scales.convergence_scales(values).slack[0].reshape(-1, len(question.subject) or 1)
-    missed = [c.words for k, c in enumerate(question.subject) if (slack[:, k] < -KEPT).any()]
+    missed = [
+        c.words for k, c in enumerate(question.subject) if (slack[:, k] < -FEASIBLE_VIOLATION).any()
+    ]
     notes: list[str] = []
     if not point.kept:
         notes.append(
@@ -241,7 +243,7 @@ def _report_measures(hunt: DesignHunt, numbers: Sequence[float]) -> tuple[Report
     designs = hunt.designs
     start = [one.start for one in designs.question.free]
     aims = {aim.words: aim for aim in (*designs.question.aims, *designs.also)}
-    before, after = designs.told(np.array([start, numbers]), list(aims.values()))
+    before, after = designs.evaluate_aims(np.array([start, numbers]), list(aims.values()))
     return tuple(
         ReportedMeasure(
             aim.words, aim.unit, tuple(before[:, k].tolist()), tuple(after[:, k].tolist())

@@ -25,8 +25,8 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import SolveError
 from martensite.design.optimise.design_scales import (
-    FAR,
-    WORST,
+    FAILED_GOAL,
+    LARGEST_SLACK,
     DesignGradient,
     DesignScales,
     JudgedDesigns,
@@ -36,15 +36,15 @@ from martensite.search.starts import choose_apart, start_sobol
 
 Numbers: TypeAlias = NDArray[np.float64]
 Tell = Callable[[str, float], None]
-CLOUD, WIDE = 16, 0.05
+CLOUD_POINTS, CLOUD_SPREAD = 16, 0.05
 """Points of a cloud around an end, and how far they are scattered, as a share of ranges."""
-NEARLY = 1e-3
+NEARLY_FEASIBLE = 1e-3
 """Slack below 0 with which a point is near enough to all constraints to descend from it."""
-LOST = 10
+STUCK_RUNS = 10
 """For how many runs one counts from which no way leads towards the constraints it misses."""
-SNAPS, HAIR = 3, 1e-6
+PROJECTIONS, PROJECTION_MARGIN = 3, 1e-6
 """How often a point that misses constraints by little is put onto them, and how far beyond."""
-STOP = 1e-6
+GOAL_TOLERANCE = 1e-6
 """Change of the goal, as a share of its size, at which a descent ends."""
 
 
@@ -74,7 +74,7 @@ class DesignPoint(NamedTuple):
     violation: float
     kept: bool
 
-    def before(self, other: DesignPoint) -> bool:
+    def is_better_than(self, other: DesignPoint) -> bool:
         """Whether it is better than another."""
         if self.kept and other.kept:
             return self.goal < other.goal
@@ -124,7 +124,7 @@ class DesignHunt:
 
     def note(self, point: DesignPoint) -> None:
         """Remember the best."""
-        if self.best is None or point.before(self.best):
+        if self.best is None or point.is_better_than(self.best):
             self.best = point
             counts, scales = self.designs.counts, self.scales
             runs = counts.simulations + counts.slopes
@@ -180,7 +180,7 @@ class DesignHunt:
                 break
             self.tell("sampling more", 0.03 * (k + 1))
             points += self.judge(sobol.random(len(points) - 1))
-        if all(point.goal >= WORST for point in points):
+        if all(point.goal >= FAILED_GOAL for point in points):
             raise SolveError(
                 f"None of {len(points)} designs in the box can be run and judged; narrow the "
                 "bounds, or try the scenario by itself."
@@ -201,27 +201,27 @@ class DesignHunt:
     def descend(self, begin: Numbers, fixed: NDArray[np.bool_]) -> None:
         """Descend from a point, without moving what is fixed; the best is remembered."""
         end = self._slsqp(begin, fixed)
-        if not self._keeps(end) and not fixed.all():
-            end = self._towards(begin, fixed)
-            end = self._slsqp(end, fixed) if self._keeps(end) else end
-        if self._keeps(end):
-            self._snapped(end, fixed)
+        if not self._is_nearly_feasible(end) and not fixed.all():
+            end = self._reduce_violation(begin, fixed)
+            end = self._slsqp(end, fixed) if self._is_nearly_feasible(end) else end
+        if self._is_nearly_feasible(end):
+            self._project(end, fixed)
 
     def clouds(self, fixed: NDArray[np.bool_]) -> None:
         """Try the neighbourhood of the best point, and go on from there if it is better."""
         for k in range(self.search.clouds):
             before = self.found
             self.tell("looking around", 0.7 + 0.05 * k)
-            spread = WIDE * self._rng.standard_normal((CLOUD, self.size))
+            spread = CLOUD_SPREAD * self._rng.standard_normal((CLOUD_POINTS, self.size))
             spread[:, fixed] = 0.0
             self.judge(np.clip(before.z + spread, 0.0, 1.0))
             if self.found is before:
                 break
             self.descend(self.found.z, fixed)
 
-    def _keeps(self, z: Numbers) -> bool:
+    def _is_nearly_feasible(self, z: Numbers) -> bool:
         found = self.gradient(z)
-        return found is not None and bool((found.slack >= -NEARLY).all())
+        return found is not None and bool((found.slack >= -NEARLY_FEASIBLE).all())
 
     def _slsqp(self, begin: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
         """Where SLSQP ends."""
@@ -242,24 +242,24 @@ class DesignHunt:
                 method="SLSQP",
                 bounds=[(0.0, 1.0)] * place.count,
                 constraints=[constraint] if self.designs.question.subject else [],
-                options={"maxiter": self.search.iterations, "ftol": STOP},
+                options={"maxiter": self.search.iterations, "ftol": GOAL_TOLERANCE},
             )
         return place.last
 
-    def _snapped(self, z: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
+    def _project(self, z: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
         """A point that nearly keeps all constraints, put onto those that it misses by a hair."""
-        for _ in range(SNAPS):
+        for _ in range(PROJECTIONS):
             one = self.gradient(z)
             lost = np.zeros(0, np.bool_) if one is None else one.slack < 0.0
             if one is None or not lost.any():
                 break
             rows = one.slack_slope[lost][:, ~fixed]
             z = z.copy()
-            z[~fixed] += np.linalg.lstsq(rows, HAIR - one.slack[lost], rcond=1e-6)[0]
+            z[~fixed] += np.linalg.lstsq(rows, PROJECTION_MARGIN - one.slack[lost], rcond=1e-6)[0]
             z = np.clip(z, 0.0, 1.0)
         return z
 
-    def _towards(self, begin: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
+    def _reduce_violation(self, begin: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
         """From a point downhill to where constraints are missed least."""
         place = _Partial(begin, fixed, self)
 
@@ -314,11 +314,13 @@ class _Partial:
         if self._left < 0:
             raise _Enough
         found = self._hunt.gradient(z)
-        if found is not None and found.goal < WORST:
-            lost = found.slack < -NEARLY
+        if found is not None and found.goal < FAILED_GOAL:
+            lost = found.slack < -NEARLY_FEASIBLE
             if lost.any() and not found.slack_slope[lost].any():
-                self._left -= LOST  # nothing moves here
+                self._left -= STUCK_RUNS  # nothing moves here
             return found
         size, question = self._hunt.size, self._hunt.designs.question
         count = len(question.cases) * len(question.subject)
-        return DesignGradient(WORST, np.full(count, -FAR), np.zeros(size), np.zeros((count, size)))
+        return DesignGradient(
+            FAILED_GOAL, np.full(count, -LARGEST_SLACK), np.zeros(size), np.zeros((count, size))
+        )

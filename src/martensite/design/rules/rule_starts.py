@@ -32,7 +32,7 @@ from martensite.design.tuning.measures import compute_itae
 BEYOND, SWING, BAND = 0.3, 0.75, 0.02
 """Margins of step and relay in widths of the hysteresis; band of the relay in shares of the range
 of the reading in the step test."""
-LEAST = 0.05
+LEAST_STEP = 0.05
 """Least width of step and swing, as a share of the limits."""
 
 
@@ -97,7 +97,7 @@ def run_loop_tests(
     found = find_holding_signals(
         bench, level, low, high, drive=name, hold=hold, waveforms=waveforms
     )
-    width = max(found.width, LEAST * (high - low))
+    width = max(found.width, LEAST_STEP * (high - low))
     first = max(min(found) - BEYOND * width, low)
     last = min(max(found) + BEYOND * width, high)
     stepped = run_step_test(

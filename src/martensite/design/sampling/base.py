@@ -17,7 +17,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.registry import Registry
 from martensite.design.sweep.axes import Numbers, SweepAxis
 
-MOST = 1_000_000_000
+MOST_RUNS = 1_000_000_000
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class AbstractSample(AbstractDesign):
     def __post_init__(self) -> None:
         """Raise `ParameterError` unless it is known how many."""
         super().__post_init__()
-        if self.count is None or not 1 <= self.count <= MOST:
+        if self.count is None or not 1 <= self.count <= MOST_RUNS:
             raise ParameterError(
                 f"`{self.registered_name}` needs how many runs, such as "
                 f"`{self.registered_name}:1024`."

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from martensite.base.errors import ParameterError
-from martensite.design.sampling.base import DESIGNS, MOST, AbstractDesign
+from martensite.design.sampling.base import DESIGNS, MOST_RUNS, AbstractDesign
 from martensite.design.sweep.axes import Numbers, SweepAxis
 
 
@@ -32,8 +32,10 @@ class Grid(AbstractDesign):
     def size(self, axes: Sequence[SweepAxis]) -> int:
         """The product of all levels."""
         found = math.prod(self.shape(axes))
-        if found > MOST:
-            raise ParameterError(f"This grid has {found:,} runs; at most {MOST:,} are allowed.")
+        if found > MOST_RUNS:
+            raise ParameterError(
+                f"This grid has {found:,} runs; at most {MOST_RUNS:,} are allowed."
+            )
         return found
 
     def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:

@@ -16,7 +16,7 @@ from martensite.design.sampling.base import DESIGNS, AbstractSample
 from martensite.design.sampling.monte_carlo import TINY
 from martensite.design.sweep.axes import Numbers
 
-MOST = 20_000_000
+MOST_NUMBERS = 20_000_000
 
 
 @DESIGNS.register("latin-hypercube")
@@ -26,9 +26,10 @@ class LatinHypercube(AbstractSample):
     def __post_init__(self) -> None:
         """Raise `ParameterError` unless it is known how many, and they fit into memory."""
         super().__post_init__()
-        if (self.count or 0) > MOST:
+        if (self.count or 0) > MOST_NUMBERS:
             raise ParameterError(
-                f"A Latin hypercube has at most {MOST:,} runs, not {self.count:,}; take `sobol`."
+                f"A Latin hypercube has at most {MOST_NUMBERS:,} runs, not {self.count:,}; take "
+                "`sobol`."
             )
 
     def cube(self, width: int, first: int, count: int) -> Numbers:

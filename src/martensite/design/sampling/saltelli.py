@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from martensite.base.errors import ParameterError
-from martensite.design.sampling.base import DESIGNS, MOST, AbstractSample
+from martensite.design.sampling.base import DESIGNS, MOST_RUNS, AbstractSample
 from martensite.design.sampling.sobol import Sobol
 from martensite.design.sweep.axes import Numbers, SweepAxis
 
@@ -29,10 +29,10 @@ class Saltelli(AbstractSample):
             ParameterError: they are too many.
         """
         found = (self.count or 0) * count_block_runs(len(axes))
-        if found > MOST:
+        if found > MOST_RUNS:
             raise ParameterError(
                 f"`saltelli:{self.count}` of {len(axes)} axes has {found:,} runs; at most "
-                f"{MOST:,} are allowed."
+                f"{MOST_RUNS:,} are allowed."
             )
         return found
 

@@ -22,7 +22,7 @@ RETURNED = 0.02
 """Share of the stroke that may be left when the return counts as done."""
 STEPS = 100
 """Steps of the march within the heating time."""
-MOST = 4000
+MOST_STEPS = 4000
 """Steps of a cycle."""
 RUNNING = 4
 """Cycles after which the peak temperature has settled, nearly."""
@@ -116,7 +116,7 @@ def find_hottest(system: System, found: PulseCycle, rate: float) -> float:
     The later pulses meet a wire that is not quite cold, and heat it beyond the stroke.
     """
     pulses = PulseWidthModulation(high=found.current, frequency=rate, duty=found.heating * rate)
-    step = max(found.heating / STEPS, 1.0 / rate / MOST * RUNNING)
+    step = max(found.heating / STEPS, 1.0 / rate / MOST_STEPS * RUNNING)
     run = simulate(system, pulses, RUNNING / rate, step=step, samples=401)
     return max(run.columns["temperature"])
 
@@ -136,7 +136,7 @@ def simulate_cooling(
 
 
 def _run_pulse(system: System, pulse: Step, duration: float) -> Result:
-    step = max(pulse.until / STEPS, duration / MOST)
+    step = max(pulse.until / STEPS, duration / MOST_STEPS)
     return simulate(system, pulse, duration, step=step, samples=2001)
 
 

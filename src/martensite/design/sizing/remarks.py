@@ -10,7 +10,7 @@ from martensite.design.sizing.request import WireRequest
 from martensite.design.sizing.statics import Statics
 from martensite.design.sizing.wiring import Wiring
 
-CLOSE = 10.0
+COLD_MARGIN = 10.0
 """Margin of M_f above the ambient [K] below which the return is called slow and uncertain."""
 LIFE_STRESS = 172.4e6
 """25 ksi [Pa], with the usual rounding to 172 MPa."""
@@ -129,7 +129,7 @@ def _warn_of_cold(request: WireRequest, static: Statics) -> Iterator[str]:
             f"the ambient of {_format_celsius(request.ambient)} is above {under}: the wire never "
             "cools far enough to return wholly"
         )
-    elif request.ambient > finish - CLOSE:
+    elif request.ambient > finish - COLD_MARGIN:
         yield (
             f"the ambient of {_format_celsius(request.ambient)} is only "
             f"{finish - request.ambient:.1f} K below {under}: the return is slow, and a warmer day "

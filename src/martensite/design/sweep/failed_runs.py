@@ -12,7 +12,7 @@ from martensite.base.errors import MartensiteError
 from martensite.design.backends.base import Job, StoppedError
 from martensite.design.sweep.plan import SweepPiece
 
-MOST = 32
+MOST_LOST = 32
 """Lost runs from which on it is given up."""
 NAMED = 5
 
@@ -63,9 +63,9 @@ def _name_run(lost: dict[int, str]) -> str:
 
 
 def _give_up(chunk: int, lost: dict[int, str]) -> None:
-    if len(lost) >= MOST:
+    if len(lost) >= MOST_LOST:
         raise StoppedError(
-            f"{MOST} runs of chunk {chunk} are lost (run {_name_run(lost)}), the first by "
+            f"{MOST_LOST} runs of chunk {chunk} are lost (run {_name_run(lost)}), the first by "
             f"{next(iter(lost.values())).rstrip('.')}. That is no matter of some numbers: try one "
             "alone by `martensite run`. Chunks that were made are kept."
         )

@@ -30,7 +30,7 @@ LEAST_BLOCKS = 8
 LEAST_RUNS = 32
 BOOTSTRAP = 20_000_000
 """Numbers drawn for the intervals at most."""
-WIDE = 0.1
+WIDE_INTERVAL = 0.1
 """Half an interval that is remarked upon."""
 
 
@@ -157,7 +157,7 @@ def _analyse_blocks(
     y = one.values.reshape(-1, size)[whole].ravel()
     indices = estimate_block_indices(y, len(found.varied))
     widest = max(float(np.nanmax(i.wide, initial=0.0)) for i in indices.values())
-    if widest > WIDE:
+    if widest > WIDE_INTERVAL:
         remarks.append(f"Intervals reach ± {widest:.2g}: more base samples would narrow them.")
     return _build_result(found, one, "saltelli", indices, y, remarks)
 

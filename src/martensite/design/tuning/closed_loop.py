@@ -28,7 +28,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 
 KEPT = 4
 """States of the loop itself: three of the controller, and its last signal."""
-LEAST = 1e-30
+SMALLEST_GAIN = 1e-30
 """Gains below are this, so that they have a logarithm."""
 
 
@@ -201,7 +201,7 @@ class ControlledModel:
 
 def compute_logarithms(gains: Gains) -> Numbers:
     """Logarithms of the sizes of gains."""
-    return np.log(np.maximum(np.abs(np.array(gains, dtype=float)), LEAST))
+    return np.log(np.maximum(np.abs(np.array(gains, dtype=float)), SMALLEST_GAIN))
 
 
 def _build_column(reference: Numbers) -> Numbers:

@@ -29,11 +29,11 @@ from martensite.design.tuning.plant_spread import Plants
 from martensite.search.free_numbers import FreeNumber
 
 Tell = Callable[[str, float], None]
-FAILED = 1e3
+FAILED_COST = 1e3
 """Cost of a plant whose run fails: far above that of any loop that works."""
-STEEP = 100.0
+STEEPEST_SLOPE = 100.0
 """Steepest slope of a plant that is believed, in costs per unit of a logarithm."""
-CLOUD, NARROW, SCATTER = 16, 0.15, 1.0
+CLOUD_POINTS, CLOUD_SPREAD, START_SPREAD = 16, 0.15, 1.0
 """Points of a cloud around an end, their spread and that of starts, in logarithms."""
 
 
@@ -82,12 +82,12 @@ class GainHunt:
     ) -> tuple[float, Numbers, tuple[float, ...]]:
         """Least cost, where it is (the first start if none is less), and where searches ended."""
         rng = np.random.default_rng(self.search.seed)
-        begun = self._begun(starts, rng)
+        begun = self._choose_starts(starts, rng)
         total = len(begun) + self.search.clouds
         ends = [self._descend(z, k, total) for k, (_, z) in enumerate(begun)]
         for k in range(self.search.clouds):
             least, z = min(ends, key=lambda end: end[0])
-            cloud = self._around(z, CLOUD, NARROW, rng)
+            cloud = self._scatter_points(z, CLOUD_POINTS, CLOUD_SPREAD, rng)
             costs = self.values(cloud)
             if costs.min() >= least:
                 break
@@ -97,7 +97,7 @@ class GainHunt:
         least, z = min([kept, *ends], key=lambda end: end[0])
         return least, z, tuple(sorted(end[0] for end in ends))
 
-    def _begun(
+    def _choose_starts(
         self, starts: Sequence[Mapping[str, float]], rng: np.random.Generator
     ) -> list[tuple[float, Numbers]]:
         """Starts that are gone on from, best first.
@@ -107,15 +107,19 @@ class GainHunt:
         """
         places = np.array([self.place(start) for start in starts])
         costs = self.values(places)
-        if not (costs < FAILED).any():
+        if not (costs < FAILED_COST).any():
             raise SolveError(f"None of {len(starts)} starts of the tuning can be run.")
-        more = self._around(places[int(costs.argmin())], self.search.scattered, SCATTER, rng)
+        more = self._scatter_points(
+            places[int(costs.argmin())], self.search.scattered, START_SPREAD, rng
+        )
         places = np.concatenate([places, more])
         costs = np.concatenate([costs, self.values(more)])
         order = np.argsort(costs, kind="stable")[: max(self.search.searches, 1)]
         return [(float(costs[k]), places[k]) for k in order]
 
-    def _around(self, z: Numbers, count: int, wide: float, rng: np.random.Generator) -> Numbers:
+    def _scatter_points(
+        self, z: Numbers, count: int, wide: float, rng: np.random.Generator
+    ) -> Numbers:
         """Points around one; linear numbers are moved by shares of their range."""
         scale = np.where([one.logarithmic for one in self.free], 1.0, 0.2 * self.width)
         moved = z + wide * scale * rng.standard_normal((count, len(self.free)))
@@ -147,7 +151,7 @@ class GainHunt:
         drawn = {path: np.tile(column, points) for path, column in self.drawn.items()}
         seen = self.runs.run(self.runs.table({**drawn, **spread}, points * self.count))
         self.evaluations += points * self.count
-        costs = np.minimum(self.cost(seen), FAILED).reshape(points, self.count)
+        costs = np.minimum(self.cost(seen), FAILED_COST).reshape(points, self.count)
         return np.array([self.cost.goal.over_plants(row)[0] for row in costs])
 
     def gradient(self, z: Numbers) -> tuple[float, Numbers]:
@@ -161,13 +165,13 @@ class GainHunt:
         for k, row in enumerate(table):
             found = self.runs.slopes(row, self.moving)
             if found is None:
-                costs[k] = FAILED
+                costs[k] = FAILED_COST
                 continue
             seen, changes = found
-            costs[k] = min(float(self.cost(Seen(*(c[None, :] for c in seen)))[0]), FAILED)
+            costs[k] = min(float(self.cost(Seen(*(c[None, :] for c in seen)))[0]), FAILED_COST)
             slopes[k] = self.cost.slope(seen, changes) * inner
             size = float(np.linalg.norm(slopes[k]))
-            slopes[k] *= min(1.0, STEEP * costs[k] / size) if size > 0.0 else 1.0
+            slopes[k] *= min(1.0, STEEPEST_SLOPE * costs[k] / size) if size > 0.0 else 1.0
         self.gradients += len(table)
         least, weights = self.cost.goal.over_plants(costs)
         return least, weights @ slopes

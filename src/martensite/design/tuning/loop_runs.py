@@ -76,7 +76,7 @@ class LoopRuns:
         self.grid = grid_of(bench, played, duration, samples, bench.period)
         self.times = np.array(self.grid.times)
         self.output = find_judged_output(bench, self.drive)
-        self._groups = self._wanted()
+        self._groups = self._name_columns()
         self._names = list(dict.fromkeys(name for group in self._groups for name in group))
         self.runner = BatchRunner(bench, self.grid, self._names, native=native)
         self.paths, self.base, self.native = (
@@ -98,7 +98,7 @@ class LoopRuns:
 
     def run(self, table: Numbers) -> Seen:
         """Runs of a table of numbers, shape (runs, samples); NaN where a run fails."""
-        return self._sorted(self.runner.run_many(table))
+        return self._sort_columns(self.runner.run_many(table))
 
     def slopes(self, values: Numbers, moving: Sequence[str]) -> tuple[Seen, Seen] | None:
         """One run, and its derivatives with respect to parameters; None if it fails.
@@ -109,9 +109,9 @@ class LoopRuns:
         for k, path in enumerate(moving):
             seeds[self.place(path), k] = 1.0
         found = self.runner.run_slopes(values, seeds)
-        return found and (self._sorted(found[0]), self._sorted(found[1], axis=1))
+        return found and (self._sort_columns(found[0]), self._sort_columns(found[1], axis=1))
 
-    def _wanted(self) -> Seen:
+    def _name_columns(self) -> Seen:
         """Names of what is judged; several where they are put together."""
         plant = self.bench.plant
         row = list(self.bench.controllers.members()).index(self.drive)
@@ -126,7 +126,7 @@ class LoopRuns:
         ]
         return Seen(*names)
 
-    def _sorted(self, rows: Numbers, axis: int = -1) -> Seen:
+    def _sort_columns(self, rows: Numbers, axis: int = -1) -> Seen:
         """Columns by what they are, power added up and the hottest element chosen."""
         where: Any = self._groups
         taken = [rows.take([self._names.index(n) for n in group], axis) for group in where]
