@@ -26,7 +26,7 @@ from martensite.base.files import replace_file
 from martensite.scenario.layout import CLOCK, IGNORED, read_headings
 from martensite.scenario.tables import PREFIX, read_table
 from martensite.signals.records import Record, out_of_order
-from martensite.signals.sampling.gridded import from_record
+from martensite.signals.sampling.regular_grid import from_record
 from martensite.signals.sampling.sampled import Sampled
 
 TEXT = (".csv", ".txt", ".tsv", ".dat")
@@ -41,7 +41,7 @@ def read_sampled(
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
 ) -> Sampled:
-    """Read a log as a record at equal intervals; `signals.sampling.gridded` says how.
+    """Read a log as a record at equal intervals; `signals.sampling.regular_grid` says how.
 
     Args:
         path: the file, or `data:<data set>/<file>`.

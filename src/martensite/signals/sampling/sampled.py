@@ -3,7 +3,7 @@
 The data object of identification. Missing outputs are NaN; missing inputs are not allowed,
 because a model cannot be run over them. Numbers are in the units that `units` names. What can be
 done with records: `resampling`, `trends` and `periods` of this package; from tables and back:
-`gridded`.
+`regular_grid`.
 """
 
 from __future__ import annotations
