@@ -51,7 +51,10 @@ class TuneOptions:
     ] = None
     free: Annotated[
         Text,
-        Option(help="What is searched by gradient, comma-separated [default: Kp,Ki,Kd of a pid]."),
+        Option(
+            help="What is searched by gradient, comma-separated, with bounds if you like: "
+            "Kp=1..100,Ki [default: Kp,Ki,Kd of a pid]."
+        ),
     ] = None
     goal: Annotated[Text, Option(help="itae, iae, or ise, for gradient [default: itae].")] = None
     spread: Annotated[
