@@ -21,7 +21,7 @@ from martensite.identify.chains.estimate import INTERRUPTED, Options
 from martensite.identify.chains.stages import identify_stages
 from martensite.scenario.model_files import read_model
 from martensite.scenario.sampled_files import read_sampled, write_sampled
-from martensite.show.summaries.identified import collect_warnings
+from martensite.show.summaries.identification import collect_warnings
 
 IDENTIFY = Command("identify")
 SIGNALS = ("--input", "duty", "--unit", "duty=%", "--starts", "3")

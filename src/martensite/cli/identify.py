@@ -228,7 +228,7 @@ def identify(
         search = options.choose_search(fitted[0].interval)
     from martensite.identify.chains.estimate import INTERRUPTED
     from martensite.identify.chains.stages import identify_stages
-    from martensite.show.summaries.identified import summarise_identified
+    from martensite.show.summaries.identification import summarise_identified
     from martensite.show.terminal import print_summary
 
     ended: list[str] = []
@@ -257,7 +257,7 @@ def _write_files(found: Identified, outputs: Outputs, records: Sequence[Sampled]
             _save_model(found, files.data)
         if files.figure is not None:
             from martensite.show.figures.files import write_figure
-            from martensite.show.figures.identified import plot_identified
+            from martensite.show.figures.identification import plot_identified
 
             write_figure(plot_identified(found, records), files.figure)
     if outputs.data is not None and len(found.estimates) > 1:

@@ -29,7 +29,7 @@ from martensite.show.figures.bench_loops import (
 )
 from martensite.show.figures.labels import choose_limits, describe_axis, enclose_values, read_column
 from martensite.show.figures.machine import choose_colours
-from martensite.show.figures.measured import (
+from martensite.show.figures.record_overlays import (
     MeasuredRecord,
     check_records,
     draw_overlays,

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from martensite.show.figures.labels import choose_limits, describe_axis, read_column, typeset_symbol
-from martensite.show.figures.measured import MeasuredRecord, pair_columns
+from martensite.show.figures.record_overlays import MeasuredRecord, pair_columns
 from martensite.show.figures.style import COOLING, HEATING, INK, QUIET
 from martensite.simulate.result import Result
 

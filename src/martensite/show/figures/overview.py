@@ -21,7 +21,7 @@ from martensite.show.figures.files import check_format, write_figure
 from martensite.show.figures.hysteresis import LOOPS, draw_loops
 from martensite.show.figures.labels import describe_axis
 from martensite.show.figures.machine import draw_machine
-from martensite.show.figures.measured import MeasuredRecord, check_records, draw_key
+from martensite.show.figures.record_overlays import MeasuredRecord, check_records, draw_key
 from martensite.show.figures.style import HEATING, QUIET, make_figure, use_style
 from martensite.show.figures.timeseries import draw_timeseries, list_panels
 from martensite.simulate.result import Result

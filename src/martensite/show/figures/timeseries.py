@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from martensite.show.figures.labels import choose_limits, describe_axis, read_column
-from martensite.show.figures.measured import (
+from martensite.show.figures.record_overlays import (
     MeasuredRecord,
     draw_overlays,
     find_overlays,
