@@ -69,7 +69,7 @@ class PageJob:
             "outcome": self.outcome,
         }
 
-    def told(self, note: JsonTable) -> None:
+    def add_note(self, note: JsonTable) -> None:
         """Keep a note and pass it on."""
         self.last = note
         self.trail.append(note)
@@ -161,7 +161,7 @@ class PageJobs:
 
     async def _work(self, job: PageJob) -> None:
         try:
-            found = await job.worker.ask(job.call, job.request, job.told)
+            found = await job.worker.ask(job.call, job.request, job.add_note)
             job.end("done", json.loads(found) if isinstance(found, Written) else found)
         except Refusal as refusal:
             state = "cancelled" if refusal.kind == "stopped" else "failed"

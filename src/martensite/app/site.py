@@ -93,7 +93,7 @@ class Site:
         job = self.jobs.begin(_read_tab(request.headers.get("x-tab")), call, asked)
         return json_response(job.summary(), 201)
 
-    async def listed(self, request: Request) -> Response:
+    async def list_jobs(self, request: Request) -> Response:
         """The jobs of a tab."""
         found = self.jobs.of(_read_tab(request.headers.get("x-tab")))
         return json_response([job.summary() for job in found])
@@ -254,7 +254,7 @@ def build_site(folder: Path, token: str, port: int) -> ASGIApp:
             Route("/api/status", _answer_status),
             Route("/api/call/{name}", shared.call, methods=["POST"]),
             Route("/api/jobs", shared.begin, methods=["POST"]),
-            Route("/api/jobs", shared.listed),
+            Route("/api/jobs", shared.list_jobs),
             Route("/api/jobs/{id}", shared.cancel, methods=["DELETE"]),
             WebSocketRoute("/api/jobs/{id}/watch", shared.watch),
             Route("/api/files", shared.upload, methods=["POST"]),

@@ -88,7 +88,7 @@ class Assembly:
         self._read_signals(mechanism)
         return made
 
-    def driven(self, system: AbstractSystem) -> Waveforms:
+    def list_waveforms(self, system: AbstractSystem) -> Waveforms:
         """The waveform of a system with one drive, or those of one with several by name."""
         known = self.waveforms
         return next(iter(known.values())) if len(system.drives()) == len(known) == 1 else known

@@ -287,7 +287,7 @@ def _build_scenario(
     bench, outside, seed = _build_bench(assembly, system, places)
     return Scenario(
         system=system,
-        waveform=assembly.driven(system),
+        waveform=assembly.list_waveforms(system),
         duration=_find_duration(run, assembly.end),
         tolerance=run.tolerance,
         samples=int(run.samples),

@@ -52,7 +52,7 @@ def run_fit(request: Request, desk: Desk) -> JsonTable:
         desk.stop.set()
     watching = FitProgress(training, desk.tell, desk.stop)
     fit = search_parameters(arranged, watching, path)
-    watching.ended(fit)
+    watching.finish(fit)
     return {**describe_outcome(fit), "fit": _keep_fit(request, fit, desk, key)}
 
 

@@ -67,7 +67,7 @@ class FitProgress:
             }
         )
 
-    def ended(self, fit: Fit) -> None:
+    def finish(self, fit: Fit) -> None:
         """Tell of the end of the search."""
         pairs = zip(self.problem.experiments, fit.evaluation.fitted, strict=True)
         self.tell(
