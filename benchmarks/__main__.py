@@ -66,9 +66,14 @@ def main() -> None:
     engines = available(chosen.engines.split(",") if chosen.engines else everyone)
     sizes = tuple(int(size) for size in chosen.sizes.split(","))
     options = Options(
-        engines, chosen.drive, chosen.repeats, chosen.base, sizes,
-        most=chosen.most, budget=chosen.budget,
-    )  # fmt: skip
+        engines,
+        chosen.drive,
+        chosen.repeats,
+        chosen.base,
+        sizes,
+        most=chosen.most,
+        budget=chosen.budget,
+    )
     console, found = Console(), machine()
     console = console if console.is_terminal else Console(width=110)
     console.print(", ".join(f"{key} {value}" for key, value in found.items()))

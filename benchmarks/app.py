@@ -26,9 +26,13 @@ MOVES, MANY = 60, 500
 """Moves of a slider that are timed, and those after which the memory is looked at."""
 SCENARIOS = ("constant_power", "finger")
 FLAGS = (
-    "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader",  # as where there is none
-    "--disable-dev-shm-usage", "--enable-precise-memory-info", "--js-flags=--expose-gc",
-)  # fmt: skip
+    "--no-sandbox",
+    "--disable-gpu",
+    "--enable-unsafe-swiftshader",  # as where there is none
+    "--disable-dev-shm-usage",
+    "--enable-precise-memory-info",
+    "--js-flags=--expose-gc",
+)
 SHOWN = "main h1:not(:empty)"
 FOLLOWED = """async ([value]) => {
   const slider = document.querySelector("input[type=range]");

@@ -43,9 +43,13 @@ def equal_error(
     rows: list[dict[str, Any]] = []
     for contender in contenders:
         t = timings.get(contender.name)
-        rows.append({
-            "engine": contender.name, "setting": t.setting if t else "none reaches it",
-            "err": t.err if t else None, "spread": t.spread if t else None,
-            "ratio": t.ratio if t else None,
-        })  # fmt: skip
+        rows.append(
+            {
+                "engine": contender.name,
+                "setting": t.setting if t else "none reaches it",
+                "err": t.err if t else None,
+                "spread": t.spread if t else None,
+                "ratio": t.ratio if t else None,
+            }
+        )
     return rows

@@ -200,9 +200,12 @@ def library(compiled: CompiledLaw, lanes: int) -> Any:
         for name in ("init", "stress_step")
     ]
     loop = _RIDE.format(
-        lanes=lanes, constants=max(1, len(compiled.program.hoisted_nodes)), size=size,
-        inputs=max(size + 3, 4), results=size + 1,
-    )  # fmt: skip
+        lanes=lanes,
+        constants=max(1, len(compiled.program.hoisted_nodes)),
+        size=size,
+        inputs=max(size + 3, 4),
+        results=size + 1,
+    )
     write = c_source if lanes % BLOCK else lanes_source
     found = load_library(write(compiled.program, chosen) + loop)
     found.ride.argtypes = [ctypes.c_long, *[ctypes.c_void_p] * 3, ctypes.c_double, ctypes.c_void_p]

@@ -30,9 +30,17 @@ LANES = 256
 SAMPLES = round(DURATION / OUTPUT_INTERVAL) + 1
 COLUMNS = ("position", "stress", "strain")
 SHARES = {
-    "h": 0.10, "eps_T": 0.10, "latent": 0.10, "c": 0.10, "E_M": 0.10, "sigma_L": 0.05,
-    "dsigma_dT": 0.05, "Delta_sigma": 0.10, "layer_volume": 0.20, "layer_time": 0.30,
-}  # fmt: skip
+    "h": 0.10,
+    "eps_T": 0.10,
+    "latent": 0.10,
+    "c": 0.10,
+    "E_M": 0.10,
+    "sigma_L": 0.05,
+    "dsigma_dT": 0.05,
+    "Delta_sigma": 0.10,
+    "layer_volume": 0.20,
+    "layer_time": 0.30,
+}
 NAMES = {"latent": "latent_heat", "c": "heat_capacity"}
 
 
@@ -152,8 +160,11 @@ def adaptive(problem: Problem, tolerance: float) -> Callable[[], Any]:
 
 
 SINGLE = {
-    "ours, floats": floats, "ours, JAX": jax_single, "ours, C": native, "ours, march": adaptive
-}  # fmt: skip
+    "ours, floats": floats,
+    "ours, JAX": jax_single,
+    "ours, C": native,
+    "ours, march": adaptive,
+}
 
 
 # ---------------------------------------------------------------- batches
@@ -167,9 +178,14 @@ def jax_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], A
 
     def run() -> Any:
         found = simulate_batch(
-            whole, waveform(), DURATION, over,
-            step=step, samples=SAMPLES, chunk=chunk,
-        )  # fmt: skip
+            whole,
+            waveform(),
+            DURATION,
+            over,
+            step=step,
+            samples=SAMPLES,
+            chunk=chunk,
+        )
         failed = np.array([status.failed for status in found.variants.status])
         return np.where(failed[:, None], np.nan, 1e3 * found["position"])
 

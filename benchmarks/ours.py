@@ -43,16 +43,29 @@ PATHS = {
 def system(p: Wire) -> System:
     """Problem A at one parameter set."""
     law = LiangRogers(
-        E_A=p.E_A, E_M=p.E_M, eps_L=p.eps_L, C_A=p.C_A, C_M=p.C_M, Theta=p.Theta,
-        A_s=p.A_s + ZERO, A_f=p.A_f + ZERO, M_s=p.M_s + ZERO, M_f=p.M_f + ZERO,
-        T_ref=p.T_a + ZERO, modulus="mixture",
-    )  # fmt: skip
+        E_A=p.E_A,
+        E_M=p.E_M,
+        eps_L=p.eps_L,
+        C_A=p.C_A,
+        C_M=p.C_M,
+        Theta=p.Theta,
+        A_s=p.A_s + ZERO,
+        A_f=p.A_f + ZERO,
+        M_s=p.M_s + ZERO,
+        M_f=p.M_f + ZERO,
+        T_ref=p.T_a + ZERO,
+        modulus="mixture",
+    )
     warm = (1 + p.kappa) * p.resistance
     wire = Element(
-        diameter=p.diameter, length=p.length, density=p.density, heat_capacity=p.c,
-        latent_heat=p.latent, law=law,
+        diameter=p.diameter,
+        length=p.length,
+        density=p.density,
+        heat_capacity=p.c,
+        latent_heat=p.latent,
+        law=law,
         resistance=PerLengthResistance(r_A=p.resistance, r_M=warm),
-    )  # fmt: skip
+    )
     cooling = PolynomialCooling(h0=p.h0, h1=p.h1, reference=p.T_a + ZERO)
     return System(
         element=wire,
@@ -263,13 +276,20 @@ USUAL = "dt 20 ms"
 ENGINES = (
     Engine("ours", "P", STEPS, USUAL, single=floats, step=latency),
     Engine(
-        "ours-jax", "P", STEPS, USUAL,
-        single=jax_single, batch=jax_batch("float64"), gradient=jax_gradient,
-        environments={"cache": {"MARTENSITE_JAX_CACHE": "CACHE"},
-                      "no cache": {"MARTENSITE_JAX_CACHE": ""}},
+        "ours-jax",
+        "P",
+        STEPS,
+        USUAL,
+        single=jax_single,
+        batch=jax_batch("float64"),
+        gradient=jax_gradient,
+        environments={
+            "cache": {"MARTENSITE_JAX_CACHE": "CACHE"},
+            "no cache": {"MARTENSITE_JAX_CACHE": ""},
+        },
     ),
     Engine("ours-jax32", "P", STEPS, USUAL, batch=jax_batch("float32")),
     Engine("ours-c", "P", STEPS, USUAL, single=native(1)),
     Engine("ours-march", "P", TOLERANCES, "tol 0.0001", single=march(1), batch=march(BLOCK)),
     Engine("ours-simd", "P", STEPS, USUAL, batch=native(LANES)),
-)  # fmt: skip
+)

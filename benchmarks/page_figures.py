@@ -171,5 +171,7 @@ def throughput(tables: Mapping[str, Sequence[Table]]) -> str | None:
 
 
 FIGURES: dict[str, Callable[[Mapping[str, Sequence[Table]]], str | None]] = {
-    "cost": cost, "memory": memory, "throughput": throughput,
-}  # fmt: skip
+    "cost": cost,
+    "memory": memory,
+    "throughput": throughput,
+}

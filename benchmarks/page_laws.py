@@ -31,10 +31,20 @@ def law_of(alloy: Alloy) -> Lagoudas:
     """The law of the library with the numbers of an alloy."""
     a = alloy
     return Lagoudas(
-        E_A=a.E_A, E_M=a.E_M, A_s=a.A_s, A_f=a.A_f, M_s=a.M_s, M_f=a.M_f, C_A=a.C_A, C_M=a.C_M,
-        sigma_cal=a.calibration, H_min=a.H_min, H_sat=a.H_max, H_k=a.k,
+        E_A=a.E_A,
+        E_M=a.E_M,
+        A_s=a.A_s,
+        A_f=a.A_f,
+        M_s=a.M_s,
+        M_f=a.M_f,
+        C_A=a.C_A,
+        C_M=a.C_M,
+        sigma_cal=a.calibration,
+        H_min=a.H_min,
+        H_sat=a.H_max,
+        H_k=a.k,
         **dict.fromkeys(("n_1", "n_2", "n_3", "n_4"), a.exponent),
-    )  # fmt: skip
+    )
 
 
 def law_batches(given: Case, quick: bool) -> list[Candidate]:

@@ -32,20 +32,29 @@ from benchmarks.sections_mas import Effort, library, peers
 Row = dict[str, Any]
 BASE, LEVELS = "martensite, C", (1e-4, 1e-5)
 NAMES = {
-    "ours": "martensite, floats", "ours-march": BASE, "ours-c": "martensite, C, equal steps",
+    "ours": "martensite, floats",
+    "ours-march": BASE,
+    "ours-c": "martensite, C, equal steps",
     "ours-jax": "martensite, JAX",
-    "odeint": "SciPy odeint (LSODA)", "lsoda": "SciPy solve_ivp (LSODA)",
-    "rk45": "SciPy solve_ivp (RK45)", "dop853": "SciPy solve_ivp (DOP853)",
-    "radau": "SciPy solve_ivp (Radau)", "cvode": "SUNDIALS CVODE (BDF)",
-    "diffrax": "diffrax (Tsit5)", "diffrax-forward": "diffrax (Tsit5, forward mode)",
-}  # fmt: skip
+    "odeint": "SciPy odeint (LSODA)",
+    "lsoda": "SciPy solve_ivp (LSODA)",
+    "rk45": "SciPy solve_ivp (RK45)",
+    "dop853": "SciPy solve_ivp (DOP853)",
+    "radau": "SciPy solve_ivp (Radau)",
+    "cvode": "SUNDIALS CVODE (BDF)",
+    "diffrax": "diffrax (Tsit5)",
+    "diffrax-forward": "diffrax (Tsit5, forward mode)",
+}
 RATE_NAMES = {
-    "ours, march": BASE, "ours, C": "martensite, C, equal steps", "ours, JAX": "martensite, JAX",
+    "ours, march": BASE,
+    "ours, C": "martensite, C, equal steps",
+    "ours, JAX": "martensite, JAX",
     "ours, floats": "martensite, floats",
-    "LSODA": "SciPy odeint (LSODA)", "Radau": "SciPy solve_ivp (Radau)",
+    "LSODA": "SciPy odeint (LSODA)",
+    "Radau": "SciPy solve_ivp (Radau)",
     "CVODE": "SUNDIALS CVODE (BDF)",
     "Kvaerno5": "diffrax (Kvaerno5)",
-}  # fmt: skip
+}
 UNITS = re.compile(r"\[(?:n|u|m)?(?:s|mm|MB|us/run|GB)\]|/s\b")
 
 

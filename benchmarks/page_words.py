@@ -101,12 +101,17 @@ by the clock on the wall, of single calls from Python: median, and the calls of 
 hundred and one in a thousand is slower. What else the machine does is in the latter two.
 """,
     ),
-}  # fmt: skip
+}
 
 COLUMNS = {
-    "err": "error", "rate": "runs per second, relative", "ratio": "CPU time, ratio",
-    "memory": "memory, ratio", "median": "median", "p99": "99 %", "p99.9": "99.9 %",
-}  # fmt: skip
+    "err": "error",
+    "rate": "runs per second, relative",
+    "ratio": "CPU time, ratio",
+    "memory": "memory, ratio",
+    "median": "median",
+    "p99": "99 %",
+    "p99.9": "99.9 %",
+}
 
 ALT = {
     "cost": "CPU time of a run against the number of runs, both axes logarithmic",

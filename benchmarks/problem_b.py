@@ -110,10 +110,14 @@ def system(p: Wire, law: str = "mas", **options: Any) -> Any:
         options = {"rates": "edge"} | options
     numbers = {name: getattr(p, name) for name in MATERIAL}
     wire = Element(
-        diameter=p.diameter, length=p.length, density=p.density, heat_capacity=p.c,
-        latent_heat=p.latent, law=LAWS[law](**(numbers | options)),
+        diameter=p.diameter,
+        length=p.length,
+        density=p.density,
+        heat_capacity=p.c,
+        latent_heat=p.latent,
+        law=LAWS[law](**(numbers | options)),
         resistance=PerLengthResistance(r_A=126.0, r_M=126.0),  # any: the power is given
-    )  # fmt: skip
+    )
     return System(
         element=wire,
         environment=Environment(temperature=p.T_a, cooling=ConstantCooling(h=p.h)),

@@ -72,16 +72,40 @@ CASES = {
         WIRE.format(material="flexinol-90", law='kind = "liang-rogers", modulus = "mixture"')
         + HEATED,
         (0.6, 0.8, 1.0, 1.2, 1.4),
-        ("A_s", "A_f", "M_s", "M_f", "C_A", "C_M", "E_A", "E_M", "eps_L", "cooling.h",
-         "heat_capacity", "latent_heat"),
+        (
+            "A_s",
+            "A_f",
+            "M_s",
+            "M_f",
+            "C_A",
+            "C_M",
+            "E_A",
+            "E_M",
+            "eps_L",
+            "cooling.h",
+            "heat_capacity",
+            "latent_heat",
+        ),
     ),
     "wire, lagoudas, isobaric": (
         WIRE.format(material="niti-lagoudas", law='kind = "lagoudas"') + ISOBARIC,
         (50, 80, 110, 140, 170),
-        ("A_s", "A_f", "M_s", "M_f", "C_A", "C_M", "E_A", "E_M", "H_sat", "H_k=1e-3..0.1 1/MPa",
-         "n_1", "n_3"),
+        (
+            "A_s",
+            "A_f",
+            "M_s",
+            "M_f",
+            "C_A",
+            "C_M",
+            "E_A",
+            "E_M",
+            "H_sat",
+            "H_k=1e-3..0.1 1/MPa",
+            "n_1",
+            "n_3",
+        ),
     ),
-}  # fmt: skip
+}
 ROWS, STEP = 501, 0.1
 WHOLE = ("fit_isobaric.toml", "fit_flexinol_trained.toml")
 CYCLE = "flexinol-isobaric/isobaric_172MPa.txt"
@@ -129,9 +153,10 @@ def derivatives(options: Options) -> list[Table]:
             Candidate("residuals", lambda task=task: task.evaluate(task.start)),
             Candidate(
                 "residuals and 12 derivatives",
-                lambda task=task: task.evaluate(task.start, slopes=True), slopes_error(task),
+                lambda task=task: task.evaluate(task.start, slopes=True),
+                slopes_error(task),
             ),
-        ]  # fmt: skip
+        ]
         rows = rows_of(measure(runs, options.repeats, "residuals"), "ms", 1e3)
         note = f"5 records of {ROWS} rows. Ratio to one run of each."
         tables.append(Table(f"Derivatives: {name}", rows, note))

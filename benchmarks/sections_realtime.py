@@ -58,10 +58,13 @@ def bench(observed: bool) -> Bench:
     name = "estimated.position" if observed else "position"
     pid = Pid(measured=name, reference=COURSE, Kp=300.0, Ki=2.0, Kd=100.0)
     return Bench(
-        plant=plant(), period=PERIOD, substeps=1, observers=found,
+        plant=plant(),
+        period=PERIOD,
+        substeps=1,
+        observers=found,
         sensors=Sensors(position=MountedSensor(sensor=PositionSensor())),
         controllers=Controllers(drive=pid),
-    )  # fmt: skip
+    )
 
 
 def reading(i: int) -> float:
@@ -101,9 +104,13 @@ def period(observed: bool) -> Call:
 def predictive() -> Mpc:
     """A predictive controller of the same wire."""
     return Mpc.for_system(
-        plant(), measured="position", reference=COURSE, period=PERIOD, price=Price(error=1e-4),
+        plant(),
+        measured="position",
+        reference=COURSE,
+        period=PERIOD,
+        price=Price(error=1e-4),
         search=PlanSearch(plans=32, rounds=3),
-    )  # fmt: skip
+    )
 
 
 def calls() -> dict[str, Call]:

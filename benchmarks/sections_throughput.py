@@ -107,12 +107,17 @@ def rows_of(timings: Sequence[Timing], candidates: Sequence[Candidate]) -> list[
     """Printed rows."""
     return [
         {
-            "engine": t.name, "setting": t.setting, "runs": c.per, "err": t.err,
-            "cpu [us/run]": 1e6 * t.cpu, "runs/s (wall)": 1.0 / t.wall, "spread": t.spread,
+            "engine": t.name,
+            "setting": t.setting,
+            "runs": c.per,
+            "err": t.err,
+            "cpu [us/run]": 1e6 * t.cpu,
+            "runs/s (wall)": 1.0 / t.wall,
+            "spread": t.spread,
             "ratio": t.ratio,
         }
         for t, c in zip(timings, candidates, strict=True)
-    ]  # fmt: skip
+    ]
 
 
 def wire_table(options: Options, count: int, effort: Effort) -> Table:
@@ -150,11 +155,15 @@ def scaling_table(effort: Effort) -> Table:
     rows: list[dict[str, Any]] = []
     for count in effort.scaling:
         usage = run_process([sys.executable, "-m", "benchmarks.throughput_once", str(count)])
-        rows.append({
-            "runs": count, "cpu [us/run]": 1e6 * usage.answer["cpu"] / count,
-            "peak [MB]": usage.peak, "growth [MB]": usage.answer["growth"],
-            "ratio": usage.answer["cpu"] / count,
-        })  # fmt: skip
+        rows.append(
+            {
+                "runs": count,
+                "cpu [us/run]": 1e6 * usage.answer["cpu"] / count,
+                "peak [MB]": usage.peak,
+                "growth [MB]": usage.answer["growth"],
+                "ratio": usage.answer["cpu"] / count,
+            }
+        )
     for row in rows:
         row["ratio"] /= rows[0]["cpu [us/run]"] * 1e-6
     note = (
@@ -174,14 +183,17 @@ def roofline_table(options: Options, effort: Effort) -> Table:
         (timing,) = measure([lanes], options.repeats)
         made, share = work(case.compiled), case.steps / timing.cpu
         moved = SAMPLE * (len(case.grid.times) + len(case.values)) / timing.cpu
-        rows.append({
-            "system": case.name, "operations/step": made.operations,
-            "divisions/step": made.divisions,
-            "Gop/s": 1e-9 * made.operations * share,
-            "of arithmetic [%]": 100.0 * made.operations * share / limit.operations,
-            "of division [%]": 100.0 * made.divisions * share / limit.divisions,
-            "of memory [%]": 100.0 * moved / limit.bytes,
-        })  # fmt: skip
+        rows.append(
+            {
+                "system": case.name,
+                "operations/step": made.operations,
+                "divisions/step": made.divisions,
+                "Gop/s": 1e-9 * made.operations * share,
+                "of arithmetic [%]": 100.0 * made.operations * share / limit.operations,
+                "of division [%]": 100.0 * made.divisions * share / limit.divisions,
+                "of memory [%]": 100.0 * moved / limit.bytes,
+            }
+        )
     note = (
         f"One core, measured: {1e-9 * limit.operations:.3g} G operations/s (products and sums, "
         f"not fused), {1e-9 * limit.divisions:.2g} G divisions/s, {1e-9 * limit.bytes:.2g} GB/s. "

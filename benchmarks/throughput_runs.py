@@ -32,9 +32,11 @@ STEP = 0.02  # [s]
 KEPT = 4
 LAWS = ("mas-hybrid", "mas", "mas-polycrystal")
 VARIED = {
-    "element.diameter": 0.02, "element.length": 0.005, "environment.cooling.h": 0.1,
+    "element.diameter": 0.02,
+    "element.length": 0.005,
+    "environment.cooling.h": 0.1,
     "mechanism.stiffness": 0.1,
-}  # fmt: skip
+}
 
 
 class Case(NamedTuple):

@@ -23,10 +23,16 @@ from martensite.export import SmaVectorEnv
 HERE = Path(__file__).parent
 STROKE, PERIOD = 4e-3, 0.02
 TASK = Task(
-    output="position", low=0.0, high=STROKE, duration=12.0, preview=(0.5,),
-    signals={"drive": (0.0, 0.9)}, temperature_limit=420.0, energy_weight=0.01,
+    output="position",
+    low=0.0,
+    high=STROKE,
+    duration=12.0,
+    preview=(0.5,),
+    signals={"drive": (0.0, 0.9)},
+    temperature_limit=420.0,
+    energy_weight=0.01,
     spreads={"element.diameter": 0.03, "environment.temperature": 5.0, "source.supply": 0.05},
-)  # fmt: skip
+)
 
 
 class Random:

@@ -50,9 +50,12 @@ def running(folder: Path) -> Iterator[Bench]:
     """A bench that keeps its files in `folder`."""
     command = [sys.executable, "-m", "martensite", "app", "--no-browser", "--json"]
     process = subprocess.Popen(
-        [*command, "--folder", str(folder)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        text=True, env={**os.environ, "PYTHONUNBUFFERED": "1"},
-    )  # fmt: skip
+        [*command, "--folder", str(folder)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )
     errors: list[str] = []
     assert process.stdout and process.stderr
     reader = threading.Thread(target=lambda: errors.extend(process.stderr or ()), daemon=True)

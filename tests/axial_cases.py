@@ -30,9 +30,12 @@ IDEAL = 1e9
 def thin_wire(length: float = L, law: Any = None, **changes: Any) -> Wire:
     """A wire with the diameter of a finger's, of one resistivity."""
     numbers: dict[str, Any] = {
-        "diameter": D, "density": 6450.0, "heat_capacity": 400.0, "latent_heat": 24e3,
+        "diameter": D,
+        "density": 6450.0,
+        "heat_capacity": 400.0,
+        "latent_heat": 24e3,
         "resistance": PerLengthResistance(r_A=125.0, r_M=125.0),
-    }  # fmt: skip
+    }
     return Wire(length=length, law=law or plain_law(), **(numbers | changes))
 
 
@@ -52,8 +55,9 @@ def clamped(element: AbstractElement, mechanism: AbstractMechanism | None = None
     )
 
 
-def fin(watts: float, length: float = L, contact: float = IDEAL, spans: float = 1.0,
-        k: float = K) -> tuple[float, float]:  # fmt: skip
+def fin(
+    watts: float, length: float = L, contact: float = IDEAL, spans: float = 1.0, k: float = K
+) -> tuple[float, float]:
     """Mean and highest overtemperature [K] of a fin with a uniform source between its clamps.
 
     θ'' = m² (θ - θ_∞) with k A θ' = G_c θ at the clamp.

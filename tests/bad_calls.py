@@ -34,7 +34,7 @@ CALLS = {
     "    for k in range(request['notes']):\n        desk.tell({'k': k})\n    return {'k': k}\n",
     "tree": "def answer(request, desk):\n"
     "    return {'none': float('nan'), 'n': [float('inf'), 1]}\n",
-}  # fmt: skip
+}
 MAIN = """import sys
 sys.path.insert(0, {folder!r})
 from martensite.app import routes, worker

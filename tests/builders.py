@@ -47,24 +47,51 @@ ZERO = 273.15
 REGISTRIES: dict[str, Registry[Any]] = {
     registry.kind: registry
     for registry in (
-        LAWS, COOLING, FLUIDS, ENDS, RESISTANCES, SOURCES, ELEMENTS, MECHANISMS, WAVEFORMS, SENSORS,
-        OBSERVERS, FAULTS, CHECKS, SUPERVISORS,
+        LAWS,
+        COOLING,
+        FLUIDS,
+        ENDS,
+        RESISTANCES,
+        SOURCES,
+        ELEMENTS,
+        MECHANISMS,
+        WAVEFORMS,
+        SENSORS,
+        OBSERVERS,
+        FAULTS,
+        CHECKS,
+        SUPERVISORS,
     )
-}  # fmt: skip
+}
 
 # ---------------------------------------------------------------- problem A
 
 LAW_A: dict[str, Any] = {
-    "E_A": 75e9, "E_M": 28e9, "eps_L": 0.04, "Theta": 0.055e6, "T_ref": 293.15,
-    "A_s": 68 + ZERO, "A_f": 78 + ZERO, "M_s": 52 + ZERO, "M_f": 42 + ZERO,
-    "C_A": 10e6, "C_M": 8e6,
-}  # fmt: skip
+    "E_A": 75e9,
+    "E_M": 28e9,
+    "eps_L": 0.04,
+    "Theta": 0.055e6,
+    "T_ref": 293.15,
+    "A_s": 68 + ZERO,
+    "A_f": 78 + ZERO,
+    "M_s": 52 + ZERO,
+    "M_f": 42 + ZERO,
+    "C_A": 10e6,
+    "C_M": 8e6,
+}
 
 
 PLAIN_LAW: dict[str, Any] = {
-    "E_A": 75e9, "E_M": 28e9, "eps_L": 0.04, "C_A": 10e6, "C_M": 8e6,
-    "A_s": 341.15, "A_f": 351.15, "M_s": 325.15, "M_f": 315.15,
-}  # fmt: skip
+    "E_A": 75e9,
+    "E_M": 28e9,
+    "eps_L": 0.04,
+    "C_A": 10e6,
+    "C_M": 8e6,
+    "A_s": 341.15,
+    "A_f": 351.15,
+    "M_s": 325.15,
+    "M_f": 315.15,
+}
 
 
 class FunctionWaveform(AbstractWaveform):
@@ -119,9 +146,12 @@ def law_a(history: str = "resume", modulus: str = "mixture", **changes: Any) -> 
 
 def wire_a(law: AbstractLaw | None = None, **changes: Any) -> Wire:
     numbers: dict[str, Any] = {
-        "diameter": 0.381e-3, "length": 0.25, "density": 6450.0, "heat_capacity": 400.0,
+        "diameter": 0.381e-3,
+        "length": 0.25,
+        "density": 6450.0,
+        "heat_capacity": 400.0,
         "latent_heat": 24e3,
-    }  # fmt: skip
+    }
     resistance = PerLengthResistance(r_A=8.3, r_M=8.3 * 1.15)
     return Wire(law=law or law_a(), resistance=resistance, **(numbers | changes))
 
@@ -142,13 +172,19 @@ def problem_a(history: str = "resume", **changes: Any) -> System:
 def plain_system(law: AbstractLaw | None = None, source: AbstractSource | None = None) -> System:
     """Another, simpler wire under 1 kg, without latent heat or thermal strain."""
     wire = Wire(
-        diameter=0.4e-3, length=0.25, density=6450.0, heat_capacity=400.0,
-        law=law or plain_law(), resistance=PerLengthResistance(r_A=8.0, r_M=9.0),
-    )  # fmt: skip
+        diameter=0.4e-3,
+        length=0.25,
+        density=6450.0,
+        heat_capacity=400.0,
+        law=law or plain_law(),
+        resistance=PerLengthResistance(r_A=8.0, r_M=9.0),
+    )
     return System(
-        element=wire, source=source or VoltageSource(), mechanism=DeadWeight(mass=1.0),
+        element=wire,
+        source=source or VoltageSource(),
+        mechanism=DeadWeight(mass=1.0),
         environment=Environment(temperature=293.15, cooling=PolynomialCooling(h0=100.0)),
-    )  # fmt: skip
+    )
 
 
 def plain_law(cls: type[LiangRogers] = LiangRogers, **changed: Any) -> LiangRogers:

@@ -13,9 +13,15 @@ from martensite.export.c_core import CCore
 from martensite.kernels.c99 import find_compiler
 
 STRICT = (
-    "-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow",
+    "-std=c99",
+    "-pedantic",
+    "-Wall",
+    "-Wextra",
+    "-Wconversion",
+    "-Wdouble-promotion",
+    "-Wshadow",
     "-Werror",
-)  # fmt: skip
+)
 OK, LONG_STEP, UNSOLVED, OUT_OF_RANGE, NOT_FINITE, BAD_INPUT = range(6)
 
 

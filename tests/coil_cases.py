@@ -36,9 +36,14 @@ def platform_spring(**changes: Any) -> CoilSpring:
     numbers = {n: v for n, v in NUMBERS.items() if n in CoilSpring.declarations}
     resistance = MixtureResistance(rho_A=NUMBERS["rho_A"], rho_M=NUMBERS["rho_M"])
     given: dict[str, Any] = {
-        "diameter": WIRE, "coil_diameter": 6e-3, "coil_measure": "outer", "turns": TURNS,
-        "free_length": CLOSED, "resistance": resistance, "law": platform_law(),
-    }  # fmt: skip
+        "diameter": WIRE,
+        "coil_diameter": 6e-3,
+        "coil_measure": "outer",
+        "turns": TURNS,
+        "free_length": CLOSED,
+        "resistance": resistance,
+        "law": platform_law(),
+    }
     return CoilSpring(**(numbers | given | changes))
 
 

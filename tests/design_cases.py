@@ -57,9 +57,12 @@ def steering(**changes: float) -> WaveformLevels:
 
 
 def designs(
-    free: Sequence[str], goal: str, subject: Sequence[str], begin: WaveformLevels | None = None,
+    free: Sequence[str],
+    goal: str,
+    subject: Sequence[str],
+    begin: WaveformLevels | None = None,
     **options: Any,
-) -> DesignEvaluator:  # fmt: skip
+) -> DesignEvaluator:
     """Designs of the bundle; options are those of `Designs`."""
     given = begin or steering()
     question = read_question(given, free, goal, subject)

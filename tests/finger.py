@@ -42,15 +42,20 @@ def finger(law: Any = None, offset: float = 3.5e-3, arm: float = 8e-3, **changes
         key: NUMBERS[key] for key in FurstSeeleckeResistance.declarations if key in NUMBERS
     }
     wire = Wire(
-        diameter=0.1e-3, length=0.44, density=NUMBERS["density"],
-        heat_capacity=NUMBERS["heat_capacity"], latent_heat=NUMBERS["latent_heat"],
-        law=law or finger_law(), resistance=FurstSeeleckeResistance(**resistance),
-    )  # fmt: skip
+        diameter=0.1e-3,
+        length=0.44,
+        density=NUMBERS["density"],
+        heat_capacity=NUMBERS["heat_capacity"],
+        latent_heat=NUMBERS["latent_heat"],
+        law=law or finger_law(),
+        resistance=FurstSeeleckeResistance(**resistance),
+    )
     return System(
-        element=wire, source=PowerSource(),
+        element=wire,
+        source=PowerSource(),
         environment=Environment(temperature=295.0, cooling=ConstantCooling(h=200.0)),
         mechanism=joint(offset, arm, **changes),
-    )  # fmt: skip
+    )
 
 
 def trapezoid(watts: float = 2.0) -> Table:

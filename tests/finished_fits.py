@@ -108,9 +108,11 @@ def sample(folder: Path, free: Wishes = FREE, each: Wishes = ("offset",), **how:
     light, middle = written("light", folder), written("middle", folder, zero=1e-3)
     heavy, kept = made("heavy", slice(10, 14)), written("kept", folder)
     experiments = (
-        experiment("light", light), experiment("middle", middle, (70.0, 90.0)),
-        experiment("heavy", heavy), experiment("kept", kept, whole),
-    )  # fmt: skip
+        experiment("light", light),
+        experiment("middle", middle, (70.0, 90.0)),
+        experiment("heavy", heavy),
+        experiment("kept", kept, whole),
+    )
     fit = solve_problem(build_problem(experiments, free, each=each), **how)
     files = {one.name: one.record.source for one in experiments if one.record.source}
     return Sample(fit, scenario(), folder, files)

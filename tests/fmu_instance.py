@@ -30,9 +30,11 @@ class Instance:
         self.second = described.fmiVersion == "2.0"
         made: Any = FMU2Slave if self.second else FMU3Slave
         self.fmu = made(
-            guid=token or described.guid, unzipDirectory=folder,
-            modelIdentifier=described.coSimulation.modelIdentifier, instanceName="one",
-        )  # fmt: skip
+            guid=token or described.guid,
+            unzipDirectory=folder,
+            modelIdentifier=described.coSimulation.modelIdentifier,
+            instanceName="one",
+        )
         if self.second:
             self.callbacks = fmi2CallbackFunctions()
             self.callbacks.logger = fmi2CallbackLoggerTYPE(self._second_says)

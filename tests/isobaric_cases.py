@@ -16,9 +16,12 @@ UNITS = {"time": "s", "temperature": "K", "strain": "1", "stress": "Pa"}
 
 
 def record(
-    temperature: Any, strain: Any, stress: Any, name: str = "cycle",
+    temperature: Any,
+    strain: Any,
+    stress: Any,
+    name: str = "cycle",
     interval: float | None = None,
-) -> Record:  # fmt: skip
+) -> Record:
     """A record of one row per second."""
     count = len(temperature)
     held = np.broadcast_to(stress, count)
@@ -50,9 +53,11 @@ class Bent:
         """Temperatures at a stress."""
         up, down = stress / self.C_A, stress / self.C_M
         return {
-            "A_s": self.A_s + up, "A_f": self.A_f + up, "M_s": self.M_s + down,
+            "A_s": self.A_s + up,
+            "A_f": self.A_f + up,
+            "M_s": self.M_s + down,
             "M_f": self.M_f + down,
-        }  # fmt: skip
+        }
 
     def cold(self, temperature: float, cooling: bool = False) -> float:
         """Strain of martensite."""
@@ -95,9 +100,15 @@ class Bent:
         return np.where(share <= 0.0, cold, np.where(share >= 1.0, hot, flank))
 
     def cycle(
-        self, stress: float, rows: int = 150, noise: float = 0.0, seed: int = 0,
-        coldest: float = 270.0, hottest: float = 410.0, hot_first: bool = False,
-    ) -> Record:  # fmt: skip
+        self,
+        stress: float,
+        rows: int = 150,
+        noise: float = 0.0,
+        seed: int = 0,
+        coldest: float = 270.0,
+        hottest: float = 410.0,
+        hot_first: bool = False,
+    ) -> Record:
         """One cycle from cold to hot to cold, or the other way round; noise as a share of H."""
         up = np.linspace(coldest, hottest, rows)
         down = up[::-1]
@@ -115,9 +126,14 @@ def edited(base: Record, name: str, values: Any) -> Record:
 
 
 def isobar(
-    law: AbstractLaw, stress: float, coldest: float, hottest: float,
-    rows: int = 600, noise: float = 0.0, seed: int = 0,
-) -> Record:  # fmt: skip
+    law: AbstractLaw,
+    stress: float,
+    coldest: float,
+    hottest: float,
+    rows: int = 600,
+    noise: float = 0.0,
+    seed: int = 0,
+) -> Record:
     """What a law does under a stress, from cold to hot to cold, after a first cooling."""
     ends = (hottest, coldest)
     legs = [PathLeg(temperature=coldest, steps=4 * rows)]

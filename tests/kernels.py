@@ -66,8 +66,9 @@ class Kernel:
 # ---------------------------------------------------------------- kernels by kind
 
 
-def law_path(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, s2: Any, t2: Any,
-             dt: Any) -> Any:  # fmt: skip
+def law_path(
+    law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, s2: Any, t2: Any, dt: Any
+) -> Any:
     """Two legs; fractions and strain at their ends, memory at the end."""
     start = law.init(xp, Fractions(x, x), s0, t0)
     between, first = law.kinetics(xp, start, s1, t1, dt)
@@ -150,10 +151,13 @@ def element_step(element: Any, xp: Any, force: Any, temperature: Any, amperes: A
     now = element.force(after)
     held = element.heat_content(xp, after)
     seen = (
-        element.tangent(xp, after, now), element.condition(xp, after, now, environment),
-        tuple(element.points(xp, after)), 0.0 if held is None else held,
-        element.stored_heat(xp, after), element.elastic_energy(xp, after),
-    )  # fmt: skip
+        element.tangent(xp, after, now),
+        element.condition(xp, after, now, environment),
+        tuple(element.points(xp, after)),
+        0.0 if held is None else held,
+        element.stored_heat(xp, after),
+        element.elastic_energy(xp, after),
+    )
     there = Fractions(0.5, 0.5), temperature, force
     if not isinstance(element, AbstractLumped):
         with pytest.raises(ParameterError, match="not the same all over"):
@@ -169,9 +173,15 @@ def element_step(element: Any, xp: Any, force: Any, temperature: Any, amperes: A
 
 
 def mechanism_answers(
-    mechanism: AbstractMechanism, xp: Any, start: Any, free: Any, compliance: Any, x: Any, y: Any,
+    mechanism: AbstractMechanism,
+    xp: Any,
+    start: Any,
+    free: Any,
+    compliance: Any,
+    x: Any,
+    y: Any,
     z: Any,
-) -> Any:  # fmt: skip
+) -> Any:
     """All that a mechanism says by itself."""
     if isinstance(mechanism, AbstractMultibody):
         return multibody_answers(mechanism, xp, x, y, z)
@@ -198,13 +208,17 @@ def multibody_answers(mechanism: AbstractMultibody, xp: Any, x: Any, y: Any, z: 
     own: Any = mechanism
     course = MotionHistory(*motion, motion.acceleration if mechanism.moves else ())
     found = (
-        mechanism.contraction(xp, motion.position), mechanism.demand(xp, motion, signals),
-        mechanism.transmission(xp, motion), supply, mechanism.start_forces(xp), home,
+        mechanism.contraction(xp, motion.position),
+        mechanism.demand(xp, motion, signals),
+        mechanism.transmission(xp, motion),
+        supply,
+        mechanism.start_forces(xp),
+        home,
         mechanism.assembled_elongations(xp, [1e-3 * (x + k) for k in ports]),
         mechanism.release(xp, motion, supply, signals),
         mechanism.scheme(xp, course, 0.01 + 0.001 * y)(motion.velocity),
         tuple(own.energy(xp, motion) or ()),
-    )  # fmt: skip
+    )
     return tuple(tuple(part) if isinstance(part, list) else part for part in found)
 
 
@@ -281,15 +295,21 @@ def fault_effects(fault: Any, xp: Any, time: Any, u: Any, reading: Any, held: An
     grown = fault.fault_at(xp, time)
     fresh = fault.fresh(xp, name, reading > held, active)
     return (
-        plant.source.current(xp, u, 2.0), loss, fault.signal(xp, "drive", u, active),
-        grown.reading(xp, name, reading, held, active), xp.where(fresh, 1.0, 0.0),
-    )  # fmt: skip
+        plant.source.current(xp, u, 2.0),
+        loss,
+        fault.signal(xp, "drive", u, active),
+        grown.reading(xp, name, reading, held, active),
+        xp.where(fresh, 1.0, 0.0),
+    )
 
 
 KNOWN = {
-    "temperature": (300.0, 380.0), "hottest": (300.0, 380.0), "temperature.age": (0.0, 0.6),
-    "current": (0.0, 0.6), "current.age": (0.0, 0.6),
-}  # fmt: skip
+    "temperature": (300.0, 380.0),
+    "hottest": (300.0, 380.0),
+    "temperature.age": (0.0, 0.6),
+    "current": (0.0, 0.6),
+    "current.age": (0.0, 0.6),
+}
 """Ranges of what checks read."""
 
 
@@ -327,9 +347,7 @@ SAMPLES = {"u": (-1.0, 1.0), "v": (-1.0, 1.0), "x": FRACTION, "y": FRACTION, "dt
 KERNELS: dict[str, dict[str, Kernel]] = {
     "law": {
         "path": Kernel({"x": FRACTION, **POINTS, "dt": (0.0, 1.0)}, law_path),
-        "extras": Kernel(
-            {"e": (-0.08, 0.08), "s": (-400e6, 400e6), "t": TEMPERATURE}, law_extras
-        ),
+        "extras": Kernel({"e": (-0.08, 0.08), "s": (-400e6, 400e6), "t": TEMPERATURE}, law_extras),
         "step": Kernel({**START, "s1": STRESS, "t1": TEMPERATURE, "dt": (0.0, 1.0)}, law_step),
     },
     "cooling": {
@@ -349,8 +367,13 @@ KERNELS: dict[str, dict[str, Kernel]] = {
     },
     "resistance": {
         "resistance": Kernel(
-            {"x": FRACTION, "strain": (-0.01, 0.08), "T": TEMPERATURE, "area": (1e-9, 1e-6),
-             "length": (0.05, 1.0)},
+            {
+                "x": FRACTION,
+                "strain": (-0.01, 0.08),
+                "T": TEMPERATURE,
+                "area": (1e-9, 1e-6),
+                "length": (0.05, 1.0),
+            },
             lambda resistance, xp, x, strain, T, area, length: resistance.resistance(
                 xp, x, strain, T, Conductor(area, length)
             ),
@@ -400,8 +423,14 @@ KERNELS: dict[str, dict[str, Kernel]] = {
     },
     "mechanism": {
         "answers": Kernel(
-            {"start": (0.0, 0.02), "free": (-0.01, 0.03), "compliance": (1e-6, 1e-3),
-             "x": (-1.0, 1.0), "y": (-1.0, 1.0), "z": (-1.0, 1.0)},
+            {
+                "start": (0.0, 0.02),
+                "free": (-0.01, 0.03),
+                "compliance": (1e-6, 1e-3),
+                "x": (-1.0, 1.0),
+                "y": (-1.0, 1.0),
+                "z": (-1.0, 1.0),
+            },
             mechanism_answers,
             lanes=64,
         ),
@@ -409,7 +438,7 @@ KERNELS: dict[str, dict[str, Kernel]] = {
             {"x": (0.0, 1.0), "y": (-1.0, 1.0), "dt": (1e-3, 0.02)}, mechanism_steps, lanes=16
         ),
     },
-}  # fmt: skip
+}
 
 
 # ---------------------------------------------------------------- the runtimes

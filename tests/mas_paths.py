@@ -23,9 +23,16 @@ from martensite.physics.laws.coupling import advance_memory
 from martensite.physics.laws.mas import MullerAchenbachSeelecke
 
 TABLE_1 = {
-    "E_A": 50e9, "E_M": 30e9, "eps_T": 0.04, "sigma_L": 1e6, "T_L": 320.0, "dsigma_dT": 4e6,
-    "Delta_sigma": 52e6, "layer_volume": 5e-23, "layer_time": 1e-2,
-}  # fmt: skip
+    "E_A": 50e9,
+    "E_M": 30e9,
+    "eps_T": 0.04,
+    "sigma_L": 1e6,
+    "T_L": 320.0,
+    "dsigma_dT": 4e6,
+    "Delta_sigma": 52e6,
+    "layer_volume": 5e-23,
+    "layer_time": 1e-2,
+}
 
 
 def table_1(cls: Any = MullerAchenbachSeelecke, **changes: Any) -> Any:
@@ -98,9 +105,12 @@ def library(program: Program, control: str) -> Any:
 def _built(program: Program, control: str) -> Any:
     function = program.functions[control]
     march = _MARCH.format(
-        constants=max(1, len(program.hoisted_nodes)), inputs=len(function.inputs),
-        outputs=len(function.outputs), size=len(function.inputs) - 3, control=control,
-    )  # fmt: skip
+        constants=max(1, len(program.hoisted_nodes)),
+        inputs=len(function.inputs),
+        outputs=len(function.outputs),
+        size=len(function.inputs) - 3,
+        control=control,
+    )
     return load_library(c_source(program, [function]) + march)
 
 
@@ -165,9 +175,12 @@ def rebuilt(example: Any, numbers: Any) -> Any:
 
 
 def follow(
-    law: Any, start: tuple[float, float], corners: list[Any], step: float,
+    law: Any,
+    start: tuple[float, float],
+    corners: list[Any],
+    step: float,
     control: str = "stress",
-) -> Path:  # fmt: skip
+) -> Path:
     """The law from (x₊, x₋) along straight lines through corners (time, value, temperature).
 
     `control` says whether the values are stresses [Pa] or strains [-]; a strain-driven path
@@ -202,6 +215,7 @@ def there_and_back(most: float, rate: float, temperature: float) -> list[Point]:
     """Corners of a path from 0 to `most` and back at a rate per second."""
     seconds = most / rate
     return [
-        Point(0.0, 0.0, temperature), Point(seconds, most, temperature),
+        Point(0.0, 0.0, temperature),
+        Point(seconds, most, temperature),
         Point(2 * seconds, 0.0, temperature),
-    ]  # fmt: skip
+    ]

@@ -63,9 +63,12 @@ def actuator(tendon: str = "wire", *, elastic: bool = False, **changes: Any) -> 
     parts = hanging_wire(**changes)
     warmth = 400.0 if elastic else 293.15
     return TendonActuator(
-        tendon=tendon, element=parts.element, source=parts.source,
-        environment=Environment(temperature=warmth, cooling=ConstantCooling(h=150.0)), **start,
-    )  # fmt: skip
+        tendon=tendon,
+        element=parts.element,
+        source=parts.source,
+        environment=Environment(temperature=warmth, cooling=ConstantCooling(h=150.0)),
+        **start,
+    )
 
 
 def stiffness(one: TendonActuator) -> float:

@@ -55,9 +55,12 @@ def sensing_plant(**changes: Any) -> System:
 
 
 def sensing_bench(
-    plant: AbstractSystem, observer: AbstractObserver | None, reference: Table | None = None,
-    noise: float = 0.01, **changes: Any,
-) -> Bench:  # fmt: skip
+    plant: AbstractSystem,
+    observer: AbstractObserver | None,
+    reference: Table | None = None,
+    noise: float = 0.01,
+    **changes: Any,
+) -> Bench:
     """A bench whose only sensor is a resistance meter; with a reference, a sensorless loop."""
     meter = MountedSensor(sensor=ResistanceSensor(relative_noise=noise))
     parts: dict[str, Any] = {"plant": plant, "period": PERIOD, "sensors": Sensors(resistance=meter)}

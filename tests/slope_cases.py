@@ -197,9 +197,12 @@ def cases() -> Iterator[tuple[Case, bool]]:
     """All laws twice, all other registered parts of a system; and whether to try them always."""
     known: set[str] = set()
     for make, kind in (
-        (under_weight, "law"), (exchanged, "element"), (exchanged, "mechanism"),
-        (exchanged, "drive"), (exchanged, "cooling"),
-    ):  # fmt: skip
+        (under_weight, "law"),
+        (exchanged, "element"),
+        (exchanged, "mechanism"),
+        (exchanged, "drive"),
+        (exchanged, "cooling"),
+    ):
         for thing in examples(kind):
             name = thing.registered_name
             usual = name not in known and name not in HEAVY and name not in SIMPLE

@@ -40,15 +40,19 @@ def linear_bench(gain: float = 2.0) -> Bench:
 def wire_bench(sensed: bool = True) -> Bench:
     """A wire of 0.15 mm against a spring under a PID controller, asked for 3 mm, then 5 mm."""
     system = problem_a(
-        element=wire_a(diameter=0.15e-3), mechanism=BiasSpring(stiffness=150.0, preload=1.8),
+        element=wire_a(diameter=0.15e-3),
+        mechanism=BiasSpring(stiffness=150.0, preload=1.8),
         source=PwmVoltage(supply=1.8),
-    )  # fmt: skip
+    )
     levels = Staircase(first=0.003, increment=0.002, hold=4.0, count=2)
     pid = Pid(
         measured="position", reference=levels, Kp=300.0, Ki=200.0, Kd=80.0, gains_are="in-seconds"
     )
     encoder = Sensors(position=MountedSensor(sensor=PositionSensor(), delay=0.1))
     return Bench(
-        plant=system, period=0.05, substeps=2, sensors=encoder if sensed else Sensors(),
+        plant=system,
+        period=0.05,
+        substeps=2,
+        sensors=encoder if sensed else Sensors(),
         controllers=Controllers(drive=pid),
-    )  # fmt: skip
+    )

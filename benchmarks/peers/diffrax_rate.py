@@ -74,10 +74,18 @@ def make_run(drive: Drive, rtol: float, adjoint: Any = None) -> Callable[[Wire],
     def run(p: Wire) -> Any:
         y0 = jnp.array([p.T_a, 1.0])
         solution = diffrax.diffeqsolve(
-            term, diffrax.Tsit5(), 0.0, drive.duration, None, y0, args=p,
-            saveat=diffrax.SaveAt(ts=times), stepsize_controller=control, max_steps=MAX_STEPS,
+            term,
+            diffrax.Tsit5(),
+            0.0,
+            drive.duration,
+            None,
+            y0,
+            args=p,
+            saveat=diffrax.SaveAt(ts=times),
+            stepsize_controller=control,
+            max_steps=MAX_STEPS,
             adjoint=adjoint or diffrax.RecursiveCheckpointAdjoint(),
-        )  # fmt: skip
+        )
         ys: Any = solution.ys
         return displacement(p, lumped(p), ys[:, 0], ys[:, 1])
 
@@ -144,12 +152,22 @@ ENVIRONMENTS = {
 
 ENGINES = (
     Engine(
-        name="diffrax", rule="R", settings=TOLERANCES, usual="rtol 1e-7", single=single,
-        batch=batch, gradient=gradient_by(forward=False), environments=ENVIRONMENTS,
+        name="diffrax",
+        rule="R",
+        settings=TOLERANCES,
+        usual="rtol 1e-7",
+        single=single,
+        batch=batch,
+        gradient=gradient_by(forward=False),
+        environments=ENVIRONMENTS,
         optional="diffrax",
     ),
     Engine(
-        name="diffrax-forward", rule="R", settings=TOLERANCES, usual="rtol 1e-7",
-        gradient=gradient_by(forward=True), optional="diffrax",
+        name="diffrax-forward",
+        rule="R",
+        settings=TOLERANCES,
+        usual="rtol 1e-7",
+        gradient=gradient_by(forward=True),
+        optional="diffrax",
     ),
-)  # fmt: skip
+)

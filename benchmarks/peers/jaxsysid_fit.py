@@ -132,9 +132,7 @@ def _sandwich(order: Mapping[str, Any]) -> Any:
 
     units = order["units"]
     steep, places = 2.0 * np.ones((units, 1)), np.linspace(-4.0, 4.0, units)
-    layer = [
-        np.ones((1, 1)), 0.1 * rng.normal(size=(1, units)), steep, places, np.zeros(1)
-    ]  # fmt: skip
+    layer = [np.ones((1, 1)), 0.1 * rng.normal(size=(1, units)), steep, places, np.zeros(1)]
     model = Model(order["states"], 1, 1, state_fcn=state, output_fcn=output)
     model.init([*system(), *layer, *system()])
     return model

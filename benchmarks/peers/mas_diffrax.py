@@ -73,9 +73,17 @@ def solver(form: str, many: bool) -> Any:
             diffrax.PIDController(rtol=rtol, atol=rtol * jnp.array(SCALE)), jump_ts=jumps
         )
         return diffrax.diffeqsolve(
-            term, diffrax.Kvaerno5(), 0.0, DURATION, 1e-4, jnp.array(START), args=p,
-            saveat=diffrax.SaveAt(ts=times), stepsize_controller=control, max_steps=MAX_STEPS,
-        ).ys  # fmt: skip
+            term,
+            diffrax.Kvaerno5(),
+            0.0,
+            DURATION,
+            1e-4,
+            jnp.array(START),
+            args=p,
+            saveat=diffrax.SaveAt(ts=times),
+            stepsize_controller=control,
+            max_steps=MAX_STEPS,
+        ).ys
 
     return jax.jit(jax.vmap(run, in_axes=(0, None)) if many else run)
 

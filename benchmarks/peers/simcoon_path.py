@@ -129,9 +129,14 @@ def _run(
     if steps < 2 or steps % 2:
         raise ValueError(f"`steps` is {steps}, but must be an even number of at least 2.")
     order = {
-        "path": name, "half": steps // 2, "alloy": alloy._asdict(),
-        "start": start, "stress": stress, "cold": cold, "repeats": repeats,
-    }  # fmt: skip
+        "path": name,
+        "half": steps // 2,
+        "alloy": alloy._asdict(),
+        "start": start,
+        "stress": stress,
+        "cold": cold,
+        "repeats": repeats,
+    }
     command = [interpreter(), "-m", "benchmarks.peers.simcoon_path", json.dumps(order)]
     return Loop(**run_process(command, ONE_THREAD).answer)
 

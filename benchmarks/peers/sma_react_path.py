@@ -67,9 +67,14 @@ def thermal_path(
     if steps < 2 or steps % 2:
         raise ValueError(f"`steps` is {steps}, but must be an even number of at least 2.")
     order = {
-        "folder": str(checkout()), "half": steps // 2, "alloy": alloy._asdict(),
-        "hot": hot, "cold": cold, "stress": stress, "repeats": repeats,
-    }  # fmt: skip
+        "folder": str(checkout()),
+        "half": steps // 2,
+        "alloy": alloy._asdict(),
+        "hot": hot,
+        "cold": cold,
+        "stress": stress,
+        "repeats": repeats,
+    }
     command = [sys.executable, "-m", "benchmarks.peers.sma_react_path", json.dumps(order)]
     return Loop(**run_process(command, {**ONE_THREAD, "MPLBACKEND": "Agg"}).answer)
 
@@ -81,11 +86,23 @@ def _properties(a: Alloy) -> dict[str, float]:
     """The numbers of its model, by its names, in SI."""
     corners = {f"n_{i}": a.exponent for i in (1, 2, 3, 4)}
     return corners | {
-        "E_A": a.E_A, "E_M": a.E_M, "M_s": a.M_s, "M_f": a.M_f, "A_s": a.A_s, "A_f": a.A_f,
-        "C_A": a.C_A, "C_M": a.C_M, "H_min": a.H_min, "H_sat": a.H_max, "k": a.k,
-        "sig_crit": 0.0, "sig_cal": a.calibration, "alpha": 0.0, "delta": SMOOTHING,
+        "E_A": a.E_A,
+        "E_M": a.E_M,
+        "M_s": a.M_s,
+        "M_f": a.M_f,
+        "A_s": a.A_s,
+        "A_f": a.A_f,
+        "C_A": a.C_A,
+        "C_M": a.C_M,
+        "H_min": a.H_min,
+        "H_sat": a.H_max,
+        "k": a.k,
+        "sig_crit": 0.0,
+        "sig_cal": a.calibration,
+        "alpha": 0.0,
+        "delta": SMOOTHING,
         "MVF_tolerance": TOLERANCE,
-    }  # fmt: skip
+    }
 
 
 def _solve(order: dict[str, Any]) -> Loop:

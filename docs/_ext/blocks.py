@@ -19,10 +19,14 @@ def all_blocks() -> str:
     """A table of all blocks, then a section for each."""
     found = [BLOCKS[name] for name in BLOCKS.names()]
     rows = [
-        (f"[{cls.registered_name}](#block-{cls.registered_name})", parts.code(_written(cls)),
-         _kind(cls), catalogue.summarise_class(cls))
+        (
+            f"[{cls.registered_name}](#block-{cls.registered_name})",
+            parts.code(_written(cls)),
+            _kind(cls),
+            catalogue.summarise_class(cls),
+        )
         for cls in found
-    ]  # fmt: skip
+    ]
     overview = parts.table(("block", "written, for example", "kind", "what it is"), rows)
     return overview + "\n" + "\n".join(section(cls) for cls in found)
 

@@ -39,9 +39,13 @@ class Client(NotebookClientBase):
         taken = time.perf_counter() - start
         self.logger.info(f"Executed in {taken:.1f} s")
         self.exec_metadata = {
-            "mtime": time.time(), "runtime": taken, "method": "forked",
-            "succeeded": True, "error": None, "traceback": None,
-        }  # fmt: skip
+            "mtime": time.time(),
+            "runtime": taken,
+            "method": "forked",
+            "succeeded": True,
+            "error": None,
+            "traceback": None,
+        }
 
     def _execute(self, folder: str) -> None:
         self.notebook.metadata["language_info"] = {"name": "python", "pygments_lexer": "ipython3"}

@@ -26,9 +26,14 @@ from martensite.scenario.guard import FromPlant
 from martensite.scenario.scenario import Run
 
 DRAWN = (
-    "migaone", "wire-heating", "platform", "sommerfeld", "finger", "finger-calibration",
+    "migaone",
+    "wire-heating",
+    "platform",
+    "sommerfeld",
+    "finger",
+    "finger-calibration",
     "hammerstein-wiener",
-)  # fmt: skip
+)
 """Studies whose figure is shown; the others need a record that may be absent."""
 SECTIONS: dict[str, Callable[[], str]] = {
     "parts": parts.all_parts,

@@ -199,9 +199,15 @@ def sweeps() -> str:
     """Measures with their parameters, then what makes a sample and who runs it."""
     measures = [part(describe.describe_entry(MEASURES, name)) for name in MEASURES.names()]
     return "\n".join(
-        ["## Measures\n", *measures, "## Samples\n", _listed(DESIGNS), "## Backends\n",
-         _listed(BACKENDS)]
-    )  # fmt: skip
+        [
+            "## Measures\n",
+            *measures,
+            "## Samples\n",
+            _listed(DESIGNS),
+            "## Backends\n",
+            _listed(BACKENDS),
+        ]
+    )
 
 
 def _listed(registry: Registry[Any]) -> str:
@@ -235,10 +241,15 @@ def everyday_units() -> str:
     for spelling, (unit, _, _) in units.EVERYDAY.items():
         kinds.setdefault(unit, []).append(spelling)
     rows = [
-        ("none" if unit == "1" else code(unit), " ".join(code(s) for s in spellings),
-         "" if units.choose_readable_unit(unit) == unit else code(units.choose_readable_unit(unit)))
+        (
+            "none" if unit == "1" else code(unit),
+            " ".join(code(s) for s in spellings),
+            ""
+            if units.choose_readable_unit(unit) == unit
+            else code(units.choose_readable_unit(unit)),
+        )
         for unit, spellings in kinds.items()
-    ]  # fmt: skip
+    ]
     return table(("SI unit", "accepted spellings", "shown as"), rows)
 
 

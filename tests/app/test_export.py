@@ -100,9 +100,14 @@ def test_other_kinds_are_refused(bench: Bench, what: str) -> None:
 
 
 def test_a_title_is_no_path(bench: Bench) -> None:
-    found = bench.call("export", {
-        "text": TEXT, "changes": {"title": "../../=cmd|' /C calc'!A0"}, "what": "csv",
-    })  # fmt: skip
+    found = bench.call(
+        "export",
+        {
+            "text": TEXT,
+            "changes": {"title": "../../=cmd|' /C calc'!A0"},
+            "what": "csv",
+        },
+    )
     assert "error" not in found, found
     assert "/" not in found["name"]
     assert not found["name"].startswith(("=", "."))

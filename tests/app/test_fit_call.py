@@ -31,9 +31,11 @@ from martensite.scenario.scenario import read_scenario
 from martensite.scenario.tables import read_table
 
 COLUMNS = [
-    {"at": 0, "name": "time", "unit": "s"}, {"at": 1, "name": "temperature", "unit": "degC"},
-    {"at": 2, "name": "stress", "unit": "MPa"}, {"at": 3, "name": "strain", "unit": "%"},
-]  # fmt: skip
+    {"at": 0, "name": "time", "unit": "s"},
+    {"at": 1, "name": "temperature", "unit": "degC"},
+    {"at": 2, "name": "stress", "unit": "MPa"},
+    {"at": 3, "name": "strain", "unit": "%"},
+]
 FREE = [{"name": "A_s"}, {"name": "A_f", "low": 330.0, "high": 380.0, "start": 352.0}]
 SAME = "A_s", "A_f=330..380 K@352 K"
 Notes = list[dict[str, Any]]
@@ -78,8 +80,9 @@ def test_it_finds_what_the_library_finds(desk: Desk, notes: Notes, tmp_path: Pat
     assert found["scores"][0]["rms"] == pytest.approx(same.scores[0].rms, rel=1e-9)
     assert found["open"] == list(same.identifiability.sentences)
     assert [("problem" in note, "curves" in note) for note in notes][:2] == [
-        (True, False), (False, True),
-    ]  # fmt: skip
+        (True, False),
+        (False, True),
+    ]
     assert notes[-1]["values"] == pytest.approx(same.numbers, rel=1e-9)
     material = written({"key": found["fit"], "what": "material"}, desk)
     assert material["name"] == "cycle.toml"
@@ -277,14 +280,19 @@ def test_stop_and_keep_over_the_socket(bench: Bench, tmp_path: Path) -> None:
         log = Path(write_log(repeated(heated(), 8), tmp_path / "pulse.csv"))
         key = client.post("/api/files?name=pulse.csv", content=log.read_bytes()).json()["key"]
         columns = [
-            {"at": 0, "name": "time", "unit": "s"}, {"at": 1, "name": "current", "unit": "A"},
+            {"at": 0, "name": "time", "unit": "s"},
+            {"at": 1, "name": "current", "unit": "A"},
             {"at": 2, "name": "position", "unit": "mm"},
-        ]  # fmt: skip
+        ]
         free = [{"name": name} for name in ("h", "A_s", "A_f", "M_s", "M_f", "C_A", "C_M")]
         request = {
-            "key": key, "columns": columns, "text": HEATED, "free": free, "method": "coordinate",
+            "key": key,
+            "columns": columns,
+            "text": HEATED,
+            "free": free,
+            "method": "coordinate",
             "hold_out": "none",
-        }  # fmt: skip
+        }
         job = client.post("/api/jobs", json={"call": "fit", "request": request}).json()
         address = (
             f"{bench.origin.replace('http', 'ws')}/api/jobs/{job['id']}/watch?tab=tab-of-tests"

@@ -135,8 +135,11 @@ def test_sliders_hold_the_value_and_stay_in_bounds() -> None:
 def test_ranges_follow_the_declaration() -> None:
     length = Declared("parameter", "length", 1.0, "m", 0.0, 20.0, open_low=True)
     assert ranges.build_slider(0.1, "m", length) == {
-        "low": pytest.approx(0.01), "high": pytest.approx(1.0), "log": True, "whole": False,
-    }  # fmt: skip
+        "low": pytest.approx(0.01),
+        "high": pytest.approx(1.0),
+        "log": True,
+        "whole": False,
+    }
     share = Declared("parameter", "share", 1.0, "1", 0.0, 1.0)
     assert ranges.build_slider(0.3, "1", share) == {
         "low": 0.0,
@@ -151,19 +154,37 @@ def test_ranges_follow_the_declaration() -> None:
 
 @pytest.mark.parametrize(
     ("name", "symbol"),
-    [("E_A", "E_A"), ("eps_L", "ε_L"), ("dsigma_dT", "dσ/dT"), ("Delta_sigma", "Δσ"), ("h", "h"),
-     ("a_rho_A", "a_ρ,A"), ("Kp", "K_p"), ("h0", "h_0"), ("rho_inf", "ρ_∞"), ("diameter", ""),
-     ("at", ""), ("mass_2", "")],
-)  # fmt: skip
+    [
+        ("E_A", "E_A"),
+        ("eps_L", "ε_L"),
+        ("dsigma_dT", "dσ/dT"),
+        ("Delta_sigma", "Δσ"),
+        ("h", "h"),
+        ("a_rho_A", "a_ρ,A"),
+        ("Kp", "K_p"),
+        ("h0", "h_0"),
+        ("rho_inf", "ρ_∞"),
+        ("diameter", ""),
+        ("at", ""),
+        ("mass_2", ""),
+    ],
+)
 def test_symbols_are_spelled_by_names(name: str, symbol: str) -> None:
     assert wording.spell_symbol(name) == symbol
 
 
 @pytest.mark.parametrize(
     ("unit", "label"),
-    [("W/m^2/K", "W/(m²·K)"), ("K", "°C"), ("ohm*m", "Ω·m"), ("1", ""), ("delta_degC", "K"),
-     ("m", "mm"), ("K/s^0.5", "K/s^½")],
-)  # fmt: skip
+    [
+        ("W/m^2/K", "W/(m²·K)"),
+        ("K", "°C"),
+        ("ohm*m", "Ω·m"),
+        ("1", ""),
+        ("delta_degC", "K"),
+        ("m", "mm"),
+        ("K/s^0.5", "K/s^½"),
+    ],
+)
 def test_units_are_shown_as_they_are_read(unit: str, label: str) -> None:
     how = wording.describe_display(unit)
     assert how["label"] == label

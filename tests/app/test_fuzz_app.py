@@ -28,20 +28,61 @@ from martensite.app.worker import Desk
 from martensite.base.errors import DataError, MartensiteError, ParameterError
 
 SOURCES = Path(app.__file__).parent
-ENTRIES = sorted({
-    name
-    for path in SOURCES.rglob("*.py")
-    for name in re.findall(r'(?:wanted\(\w+, |\.get\()"(\w+)"', path.read_text("utf-8"))
-})  # fmt: skip
+ENTRIES = sorted(
+    {
+        name
+        for path in SOURCES.rglob("*.py")
+        for name in re.findall(r'(?:wanted\(\w+, |\.get\()"(\w+)"', path.read_text("utf-8"))
+    }
+)
 """Entries of requests that are looked at anywhere."""
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")
 HOSTILE: list[Any] = [
-    None, True, 0, -1, 2**63, 10**300, 1e308, -0.0, "", " ", "0", "x", "=1+1", "\0", "\n", "'", '"',
-    "nan", "inf", "nan mm", "-1 mm", "0 mm", "1e400 mm", "1e-300 mm", "1 furlong", "1 s", "20 degC",
-    "../../etc/passwd", "/etc/passwd", "C:\\x.toml", "x.toml", "data:x/y", "𝒳" * 50, "x" * 2000,
-    [], {}, [[]], [None], {"kind": "x"}, {"kind": []}, {"": ""}, {"file": "/etc/passwd"},
-    {"kind": "table", "file": "../x.csv", "column": "t"}, {"kind": "steady", "level": "nan V"},
-]  # fmt: skip
+    None,
+    True,
+    0,
+    -1,
+    2**63,
+    10**300,
+    1e308,
+    -0.0,
+    "",
+    " ",
+    "0",
+    "x",
+    "=1+1",
+    "\0",
+    "\n",
+    "'",
+    '"',
+    "nan",
+    "inf",
+    "nan mm",
+    "-1 mm",
+    "0 mm",
+    "1e400 mm",
+    "1e-300 mm",
+    "1 furlong",
+    "1 s",
+    "20 degC",
+    "../../etc/passwd",
+    "/etc/passwd",
+    "C:\\x.toml",
+    "x.toml",
+    "data:x/y",
+    "𝒳" * 50,
+    "x" * 2000,
+    [],
+    {},
+    [[]],
+    [None],
+    {"kind": "x"},
+    {"kind": []},
+    {"": ""},
+    {"file": "/etc/passwd"},
+    {"kind": "table", "file": "../x.csv", "column": "t"},
+    {"kind": "steady", "level": "nan V"},
+]
 SIMPLE = (
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=30)
 )
@@ -115,14 +156,20 @@ def right(call: str, folder: Path) -> dict[str, Any]:
     key, path = UploadFolder(folder).place("log.csv")
     path.write_bytes(CSV)
     columns = [
-        {"at": 0, "name": "time", "unit": "s"}, {"at": 1, "name": "strain", "unit": "1"},
+        {"at": 0, "name": "time", "unit": "s"},
+        {"at": 1, "name": "strain", "unit": "1"},
         {"at": 2, "name": "temperature", "unit": "degC"},
-    ]  # fmt: skip
+    ]
     table = {"key": key, "separator": "auto", "columns": columns, "interval": None, "drop": True}
     swept = {
-        "text": TEXT, "over": [{"name": "element.diameter", "values": ["0.2 mm", "0.3 mm"]}],
-        "sample": "grid", "runs": 2, "measures": ["stroke"], "seed": 1, "step": "0.1 s",
-    }  # fmt: skip
+        "text": TEXT,
+        "over": [{"name": "element.diameter", "values": ["0.2 mm", "0.3 mm"]}],
+        "sample": "grid",
+        "runs": 2,
+        "measures": ["stroke"],
+        "seed": 1,
+        "step": "0.1 s",
+    }
     return {
         "differences": {"texts": [TEXT, TEXT]},
         "form": {"text": TEXT, "changes": {}, "removed": []},
@@ -136,10 +183,20 @@ def right(call: str, folder: Path) -> dict[str, Any]:
     }[call]
 
 
-@pytest.mark.parametrize("call", [
-    "differences", "form", "fit_records", "fit_scenario", "size_form", "study_page", "sweep_form",
-    "sweep_plan", "table",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "call",
+    [
+        "differences",
+        "form",
+        "fit_records",
+        "fit_scenario",
+        "size_form",
+        "study_page",
+        "sweep_form",
+        "sweep_plan",
+        "table",
+    ],
+)
 @FUZZED
 @given(data=st.data())
 def test_requests_that_are_nearly_right(call: str, data: st.DataObject, folder: Path) -> None:
@@ -167,9 +224,10 @@ def test_changes_of_all_kinds(call: str, changes: dict[str, Any], folder: Path) 
 
 @FUZZED
 @given(
-    path=st.sampled_from(BUILT), value=VALUES,
+    path=st.sampled_from(BUILT),
+    value=VALUES,
     more=st.dictionaries(st.sampled_from(BUILT), VALUES, max_size=1),
-)  # fmt: skip
+)
 def test_runs_of_all_kinds(path: str, value: Any, more: dict[str, Any], folder: Path) -> None:
     """With a step, so that none takes long."""
     quick = {"run.step": "0.5 s", "run.samples": 11, "run.duration": "2 s"}
@@ -183,10 +241,16 @@ def test_texts_that_are_no_scenario(text: str, folder: Path) -> None:
         outcome(call, {"text": text, "texts": [text]}, folder)
 
 
-@pytest.mark.parametrize("changes", [
-    {"run.duration": "1e12 s"}, {"run.step": "1e-9 s"}, {"run.samples": 10_000_000},
-    {"run.duration": "1e300 s", "run.step": "1e-300 s"}, {"run.samples": 1e300},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"run.duration": "1e12 s"},
+        {"run.step": "1e-9 s"},
+        {"run.samples": 10_000_000},
+        {"run.duration": "1e300 s", "run.step": "1e-300 s"},
+        {"run.samples": 1e300},
+    ],
+)
 def test_what_would_take_without_end_is_refused(changes: dict[str, Any], folder: Path) -> None:
     assert outcome("run", {"text": TEXT, "changes": changes}, folder) != "answer"
 
@@ -194,18 +258,31 @@ def test_what_would_take_without_end_is_refused(changes: dict[str, Any], folder:
 # ---------------------------------------------------------------- files
 
 
-@pytest.mark.parametrize("name", [
-    "/etc/passwd", "../x.csv", "a/../../x.csv", "C:\\x.csv", "..\\x.csv", "\\\\host\\x", "file:///x",
-    "\0", "~/../../x", "http://x/y.csv",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "name",
+    [
+        "/etc/passwd",
+        "../x.csv",
+        "a/../../x.csv",
+        "C:\\x.csv",
+        "..\\x.csv",
+        "\\\\host\\x",
+        "file:///x",
+        "\0",
+        "~/../../x",
+        "http://x/y.csv",
+    ],
+)
 def test_a_scenario_reads_no_files_of_elsewhere(name: str) -> None:
     shown = json.dumps(name)
     for text, changes in (
-        (f"[measured]\nfile = {shown}", {}), (f"[model]\nfile = {shown}", {}),
-        ("", {"measured.file": name}), ("", {"drive": {"waveform": {"file": name}}}),
+        (f"[measured]\nfile = {shown}", {}),
+        (f"[model]\nfile = {shown}", {}),
+        ("", {"measured.file": name}),
+        ("", {"drive": {"waveform": {"file": name}}}),
         (f'[drive]\nwaveform = {{ kind = "table", file = {shown}, column = "x" }}', {}),
         (f"[signals.a]\nb = [{{ file = {shown} }}]", {}),
-    ):  # fmt: skip
+    ):
         with pytest.raises(DataError, match="The bench reads no file"):
             check_files(text, changes)
 
@@ -223,13 +300,32 @@ def test_a_scenario_reads_no_materials_of_elsewhere(tmp_path: Path) -> None:
 # ---------------------------------------------------------------- messages
 
 
-@pytest.mark.parametrize("data", [
-    b"", b"{", b"nonsense", b"\xff\xfe{}", b"[]", b"1", b"null", b'"x"', b'{"a": NaN}', b"{}" * 2,
-    b'{"a": 1e999}', b'{"a": -Infinity}', b'{"a": ' + b"9" * 400 + b"}", b'{"a": "\\ud800"}',
-    b'{"a":' * 1000 + b"1" + b"}" * 1000,
-    b'{"a":' + b"[" * DEEPEST_NESTING + b"]" * DEEPEST_NESTING + b"}",
-    b'{"a":' + b"[" * 100_000, b'{"\\udc00": 1}', b'{"a": 1,}', b"{'a': 1}", b'{"a": 01}',
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"",
+        b"{",
+        b"nonsense",
+        b"\xff\xfe{}",
+        b"[]",
+        b"1",
+        b"null",
+        b'"x"',
+        b'{"a": NaN}',
+        b"{}" * 2,
+        b'{"a": 1e999}',
+        b'{"a": -Infinity}',
+        b'{"a": ' + b"9" * 400 + b"}",
+        b'{"a": "\\ud800"}',
+        b'{"a":' * 1000 + b"1" + b"}" * 1000,
+        b'{"a":' + b"[" * DEEPEST_NESTING + b"]" * DEEPEST_NESTING + b"}",
+        b'{"a":' + b"[" * 100_000,
+        b'{"\\udc00": 1}',
+        b'{"a": 1,}',
+        b"{'a': 1}",
+        b'{"a": 01}',
+    ],
+)
 def test_messages_that_are_none(data: bytes) -> None:
     with pytest.raises(BadMessageError):
         read_message(data)
@@ -270,9 +366,17 @@ ABSENT = ("nothing", "__init__", "_sizing", "..%2frun", "os", "run.py", "%00")
 
 def test_over_the_wire_every_answer_is_a_sentence_or_an_answer(bench: Bench) -> None:
     bodies = [
-        b"", b"{", b"[]", b'{"text": 1}', b'{"text": "' + b"x" * 10_000 + b'"}', b"\xff" * 100,
-        b'{"a": 1e999}', b'{"a":' * 5000, b'{"key": "../../etc"}', b'{"name": "../x", "key": ""}',
-    ]  # fmt: skip
+        b"",
+        b"{",
+        b"[]",
+        b'{"text": 1}',
+        b'{"text": "' + b"x" * 10_000 + b'"}',
+        b"\xff" * 100,
+        b'{"a": 1e999}',
+        b'{"a":' * 5000,
+        b'{"key": "../../etc"}',
+        b'{"name": "../x", "key": ""}',
+    ]
     with bench.client() as client:
         for call in (*(c for c in ROUTES if c not in LONG), *ABSENT):
             for body in bodies:

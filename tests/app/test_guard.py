@@ -75,12 +75,17 @@ def test_other_names_of_this_machine_are_refused(bench: Bench, host: str) -> Non
     assert " 421 " in asked(bench, host=host.format(port=bench.port))
 
 
-@pytest.mark.parametrize("headers", [
-    ("Origin: http://evil.example", "Origin: http://127.0.0.1:{port}"),
-    ("Origin: http://127.0.0.1:{port}", "Origin: http://evil.example"),
-    ("Authorization: Bearer x",), ("Sec-Fetch-Site: none", "Sec-Fetch-Site: cross-site"),
-    ("Cookie: a=1", "Cookie: b=2"), ("Host: evil.example",),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "headers",
+    [
+        ("Origin: http://evil.example", "Origin: http://127.0.0.1:{port}"),
+        ("Origin: http://127.0.0.1:{port}", "Origin: http://evil.example"),
+        ("Authorization: Bearer x",),
+        ("Sec-Fetch-Site: none", "Sec-Fetch-Site: cross-site"),
+        ("Cookie: a=1", "Cookie: b=2"),
+        ("Host: evil.example",),
+    ],
+)
 def test_doubled_headers_are_refused(bench: Bench, headers: tuple[str, ...]) -> None:
     line = asked(bench, *(header.format(port=bench.port) for header in headers))
     assert re.match(r"HTTP/1.1 (400|403) ", line), line
@@ -124,10 +129,15 @@ def test_the_token_is_left_in_no_address(bench: Bench) -> None:
         assert client.get("/api/status").status_code == 200
 
 
-@pytest.mark.parametrize("headers", [
-    {"Origin": "http://evil.example"}, {"Origin": "null"}, {"Sec-Fetch-Site": "cross-site"},
-    {"Host": "evil.example"},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "headers",
+    [
+        {"Origin": "http://evil.example"},
+        {"Origin": "null"},
+        {"Sec-Fetch-Site": "cross-site"},
+        {"Host": "evil.example"},
+    ],
+)
 def test_sockets_of_elsewhere_are_refused(bench: Bench, headers: dict[str, str]) -> None:
     known = {"Authorization": f"Bearer {bench.token}"}
     with pytest.raises(InvalidStatus):
@@ -157,11 +167,26 @@ def test_other_methods_are_refused_by_a_sentence(bench: Bench, method: str) -> N
         assert client.get("/api/status").status_code == 200
 
 
-@pytest.mark.parametrize("path", [
-    "/../pyproject.toml", "/..%2fserver.py", "/%2e%2e/server.py", "/..%5cserver.py", "/%00",
-    "//etc/passwd", "/%2fetc%2fpasswd", "/static/", "/.", "/api", "/api/", "/a" * 500, "/%ff",
-    "/C:%5cwindows", "/bench.js%00.css",
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/../pyproject.toml",
+        "/..%2fserver.py",
+        "/%2e%2e/server.py",
+        "/..%5cserver.py",
+        "/%00",
+        "//etc/passwd",
+        "/%2fetc%2fpasswd",
+        "/static/",
+        "/.",
+        "/api",
+        "/api/",
+        "/a" * 500,
+        "/%ff",
+        "/C:%5cwindows",
+        "/bench.js%00.css",
+    ],
+)
 def test_nothing_beside_the_page_is_served(bench: Bench, path: str) -> None:
     line = asked(bench, path=path)
     assert re.match(r"HTTP/1.1 (400|404|405|431) ", line), line
@@ -170,11 +195,14 @@ def test_nothing_beside_the_page_is_served(bench: Bench, path: str) -> None:
 def test_every_answer_keeps_the_page_to_this_server(bench: Bench) -> None:
     with bench.client() as client:
         answers = [
-            client.get("/"), client.get("/bench.js"), client.get("/nothing"),
-            client.post("/api/call/run", content=b"["), client.get("/api/jobs"),
+            client.get("/"),
+            client.get("/bench.js"),
+            client.get("/nothing"),
+            client.post("/api/call/run", content=b"["),
+            client.get("/api/jobs"),
             client.get("/api/status", headers={"Authorization": "Bearer wrong"}),
             client.get("/api/status", headers={"Origin": "null"}),
-        ]  # fmt: skip
+        ]
     for answer in answers:
         policy = answer.headers["content-security-policy"]
         assert policy.startswith("default-src 'none'; script-src 'self';")
@@ -187,8 +215,12 @@ def test_without_its_packages_the_bench_says_what_to_install() -> None:
     blocked = "import sys; sys.modules['uvicorn'] = None; from martensite.cli import main; main()"
     done = subprocess.run(
         [sys.executable, "-c", blocked, "app", "--no-browser"],
-        capture_output=True, text=True, check=False, timeout=60, stdin=subprocess.DEVNULL,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+        stdin=subprocess.DEVNULL,
+    )
     assert done.returncode == 2, done.stderr
     assert "martensite[app]" in done.stderr
     assert "Traceback" not in done.stderr

@@ -52,9 +52,12 @@ def rough(folder: Path, kept: bool = True) -> Iterator[Rough]:
     main = folder / "server_of_tests.py"
     main.write_text(SERVER.format(command=command(folder), folder=place))
     with subprocess.Popen(
-        [sys.executable, str(main)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        [sys.executable, str(main)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
         env={**os.environ, "TMPDIR": str(folder)},
-    ) as process:  # fmt: skip
+    ) as process:
         try:
             assert process.stdout
             port, token = json.loads(process.stdout.readline())
@@ -177,10 +180,18 @@ def test_too_many_jobs_are_refused(served: Bench) -> None:
     assert to_the_end(served, begun(served, "run"))[-1]["job"]["state"] == "done"
 
 
-@pytest.mark.parametrize("body", [
-    {}, {"call": 1}, {"call": "run", "request": []}, {"call": "run", "request": None}, [], "x",
-    {"call": ["run"]},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "body",
+    [
+        {},
+        {"call": 1},
+        {"call": "run", "request": []},
+        {"call": "run", "request": None},
+        [],
+        "x",
+        {"call": ["run"]},
+    ],
+)
 def test_a_job_that_is_none(served: Bench, body: Any) -> None:
     with served.client() as client:
         answer = client.post("/api/jobs", json=body)

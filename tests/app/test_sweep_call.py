@@ -40,9 +40,13 @@ from martensite.design.sweep.store import Store
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")
 SHORT = TEXT.replace('duration = "10 s"', 'duration = "2 s"\nsamples = 41')
 GRID: dict[str, Any] = {
-    "text": SHORT, "over": ["diameter=0.08..0.15 mm:8", "high=0.3..0.6 W:6"], "sample": "grid",
-    "measures": ["stroke", "max(temperature)", "fall-time"], "step": "50 ms", "runtime": "floats",
-}  # fmt: skip
+    "text": SHORT,
+    "over": ["diameter=0.08..0.15 mm:8", "high=0.3..0.6 W:6"],
+    "sample": "grid",
+    "measures": ["stroke", "max(temperature)", "fall-time"],
+    "step": "50 ms",
+    "runtime": "floats",
+}
 LONG = {**GRID, "over": ["diameter=0.08..0.15 mm:200", "high=0.3..0.6 W:200"], "workers": 2}
 TAB = "tab-of-sweeps"
 
@@ -170,9 +174,11 @@ def same(one: Path, other: Path) -> None:
 
 
 def test_the_command_makes_the_same_sweep(
-    bench: Bench, made: tuple[Desk, str, list[dict[str, Any]]], tmp_path: Path,
+    bench: Bench,
+    made: tuple[Desk, str, list[dict[str, Any]]],
+    tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+) -> None:
     desk, key, _ = made
     said = bench.call("sweep_plan", GRID)
     assert said["runs"] == 48 and not said["faults"]
@@ -191,10 +197,12 @@ def test_words_are_quoted_for_a_shell() -> None:
 
 def test_faults_stand_beside_their_fields(bench: Bench) -> None:
     wrong = {
-        **GRID, "measures": ["strok", "max(stress)"],
+        **GRID,
+        "measures": ["strok", "max(stress)"],
         "over": ["diametr=1..2 mm:3", "length=1..2:3", "emissivity=0.5..1.5:3", "preload=1..2 N"],
-        "runtime": "fortran", "step": "2 m",
-    }  # fmt: skip
+        "runtime": "fortran",
+        "step": "2 m",
+    }
     found = bench.call("sweep_plan", wrong)
     faults = found["faults"]
     assert found["runs"] is None

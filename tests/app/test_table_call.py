@@ -101,8 +101,9 @@ def test_mat_files_are_read(desk: Desk) -> None:
     scipy_io.savemat(path, rows)
     found = table({"key": key}, desk)
     assert sorted(one["name"] for one in found["columns"]) == ["temperature", "time"]
-    at = [{"at": k, **{n: one[n] for n in ("name", "unit")}} for k, one in
-          enumerate(found["columns"])]  # fmt: skip
+    at = [
+        {"at": k, **{n: one[n] for n in ("name", "unit")}} for k, one in enumerate(found["columns"])
+    ]
     for one in at:
         one["unit"] = one["unit"] or "s"
     record = records({"key": key, "columns": at}, desk)

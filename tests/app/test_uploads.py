@@ -18,10 +18,29 @@ from martensite.app.uploads import UploadFolder, clean_name
 from martensite.base.errors import DataError
 
 NAMES = (
-    "../../etc/passwd", "C:\\x\\y.csv", "/abs/path.csv", "a\0b.csv", "x" * 4000 + ".csv",
-    "𝒳" * 200 + ".csv", "‮vsc.exe", "..", ".", "   ", "con.txt", "NUL", "com1.csv", ".bashrc",
-    "a/../../b", "a\nb.csv", "ﬁle／..／x", "~root", "$(reboot).csv", "-rf", "x.csv.", "%2e%2e%2f",
-)  # fmt: skip
+    "../../etc/passwd",
+    "C:\\x\\y.csv",
+    "/abs/path.csv",
+    "a\0b.csv",
+    "x" * 4000 + ".csv",
+    "𝒳" * 200 + ".csv",
+    "‮vsc.exe",
+    "..",
+    ".",
+    "   ",
+    "con.txt",
+    "NUL",
+    "com1.csv",
+    ".bashrc",
+    "a/../../b",
+    "a\nb.csv",
+    "ﬁle／..／x",
+    "~root",
+    "$(reboot).csv",
+    "-rf",
+    "x.csv.",
+    "%2e%2e%2f",
+)
 
 
 def kept(bench: Bench) -> set[str]:

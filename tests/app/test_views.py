@@ -42,8 +42,10 @@ def test_every_column_stands_in_one_panel() -> None:
         assert len(found) == len(set(found))
         missing = set(result.columns) - set(found)
         assert {c.rpartition(".")[-1] for c in missing} <= {
-            "hottest", "oriented_fraction", "heat_loss",
-        }  # fmt: skip
+            "hottest",
+            "oriented_fraction",
+            "heat_loss",
+        }
 
 
 def test_what_belongs_together_stands_together() -> None:
@@ -138,9 +140,10 @@ def spans_of(result: Result) -> dict[str, dict[str, Any]]:
 
 def test_spans_add_up_to_the_duration_of_the_alarm() -> None:
     limits = {
-        "element.limits.temperature_limit": "90 degC", "element.limits.stress_limit": "80 MPa",
+        "element.limits.temperature_limit": "90 degC",
+        "element.limits.stress_limit": "80 MPa",
         "element.limits.strain_limit": "2 %",
-    }  # fmt: skip
+    }
     result = ran("constant_power", *limits.items())
     found = spans_of(result)
     assert set(found) == {"temperature", "stress", "strain"}

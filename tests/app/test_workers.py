@@ -58,10 +58,16 @@ def is_alive(pid: int) -> bool:
         return False
 
 
-@pytest.mark.parametrize("call, request_", [
-    ("die", {"signal": "SIGKILL"}), ("die", {"signal": "SIGTERM"}), ("die", {"signal": "SIGSEGV"}),
-    ("crash", {}), ("leave", {}),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "call, request_",
+    [
+        ("die", {"signal": "SIGKILL"}),
+        ("die", {"signal": "SIGTERM"}),
+        ("die", {"signal": "SIGSEGV"}),
+        ("crash", {}),
+        ("leave", {}),
+    ],
+)
 def test_a_worker_that_dies(tmp_path: Path, call: str, request_: dict[str, Any]) -> None:
     refusal = refusal_then_answer(tmp_path, call, request_)
     assert (refusal.kind, refusal.status) == ("lost", 500)

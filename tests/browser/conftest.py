@@ -15,10 +15,16 @@ from app_server import Bench, running
 from playwright.sync_api import Browser, Page, expect, sync_playwright
 
 FLAGS = (
-    "--no-sandbox", "--disable-gpu", "--enable-unsafe-swiftshader",  # as where there is none
-    "--disable-dev-shm-usage", "--disable-quic", "--no-first-run", "--disable-sync",
-    "--disable-background-networking", "--disable-component-update",
-)  # fmt: skip
+    "--no-sandbox",
+    "--disable-gpu",
+    "--enable-unsafe-swiftshader",  # as where there is none
+    "--disable-dev-shm-usage",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-sync",
+    "--disable-background-networking",
+    "--disable-component-update",
+)
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 DRAWN_BY_PROCESSOR = "GPU stall due to ReadPixels"
 """What Chromium notes where it draws without a graphics processor; nothing that a page can do."""

@@ -10,9 +10,24 @@ PAGES = ("bench", "studies", "identify", "size", "sweep")
 AUDIT = (Path(__file__).parent / "audit.js").read_text("utf-8")
 SCREENS = {"desk": (1280, 800), "tablet": (1024, 768)}
 NAMED = {
-    "button", "link", "textbox", "combobox", "slider", "spinbutton", "checkbox", "radio", "tab",
-    "menuitem", "listbox", "switch", "progressbar", "region", "image", "searchbox", "figure",
-}  # fmt: skip
+    "button",
+    "link",
+    "textbox",
+    "combobox",
+    "slider",
+    "spinbutton",
+    "checkbox",
+    "radio",
+    "tab",
+    "menuitem",
+    "listbox",
+    "switch",
+    "progressbar",
+    "region",
+    "image",
+    "searchbox",
+    "figure",
+}
 """Roles whose parts must be called something."""
 FOCUS = """() => {
   const one = document.activeElement;
@@ -99,8 +114,14 @@ def test_the_audit_notices_faults(page: Page) -> None:
     }""")
     faults = " | ".join(page.evaluate(AUDIT))
     for words in (
-        "the id page", "after a heading", "contrast of 2.3", "by 10 px", "by for to none",
-        "has no alt", "too wide", "order of Tab",
-    ):  # fmt: skip
+        "the id page",
+        "after a heading",
+        "contrast of 2.3",
+        "by 10 px",
+        "by for to none",
+        "has no alt",
+        "too wide",
+        "order of Tab",
+    ):
         assert words in faults, words
     assert any(one.startswith("button without a name") for one in unnamed(page))

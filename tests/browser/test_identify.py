@@ -57,9 +57,11 @@ def test_a_log_becomes_a_material(page: Page, log: Path) -> None:
     opened(page)
     choose(page, log)
     for heading, name, unit in zip(
-        HEADINGS, ("time", "temperature", "stress", "strain"), ("s", "degC", "MPa", "%"),
+        HEADINGS,
+        ("time", "temperature", "stress", "strain"),
+        ("s", "degC", "MPa", "%"),
         strict=False,
-    ):  # fmt: skip
+    ):
         expect(page.get_by_label(f"Meaning of {heading}")).to_have_value(name)
         expect(page.get_by_label(f"Unit of {heading}")).to_have_value(unit)
     step(page, "records")

@@ -19,10 +19,13 @@ SHORT = TEXT.replace('duration = "10 s"', 'duration = "2 s"\nsamples = 41')
 LONG = 20_000
 """Patience with processes that start on a busy machine [ms]."""
 STORED: dict[str, Any] = {
-    "text": SHORT.replace("Constant power", "Ready power"), "sample": "grid", "runtime": "floats",
-    "over": ["A_s=60..90 degC:6", "high=0.3..0.6 W:5"], "measures": ["stroke", "max(temperature)"],
+    "text": SHORT.replace("Constant power", "Ready power"),
+    "sample": "grid",
+    "runtime": "floats",
+    "over": ["A_s=60..90 degC:6", "high=0.3..0.6 W:5"],
+    "measures": ["stroke", "max(temperature)"],
     "step": "50 ms",
-}  # fmt: skip
+}
 
 
 @pytest.fixture(scope="module")

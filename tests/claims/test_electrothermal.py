@@ -32,15 +32,30 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "flexinol_staircase.toml"
 HERE = record.has_files(*FILES)
 needs_record = pytest.mark.skipif(not HERE, reason=f"data set {record.DATA} is not on this machine")
 REPRODUCED = {
-    "offset", "martensite-low", "martensite-high", "austenite", "per-metre-highest",
-    "per-metre-lowest", "per-metre-austenite", "drop-start", "drop-end",
-    "fit-rho-austenite", "fit-rho-martensite", "fit-difference-slopes", "fit-offset",
-    "fit-offset-slope", "heated-offset",
-}  # fmt: skip
+    "offset",
+    "martensite-low",
+    "martensite-high",
+    "austenite",
+    "per-metre-highest",
+    "per-metre-lowest",
+    "per-metre-austenite",
+    "drop-start",
+    "drop-end",
+    "fit-rho-austenite",
+    "fit-rho-martensite",
+    "fit-difference-slopes",
+    "fit-offset",
+    "fit-offset-slope",
+    "heated-offset",
+}
 UNFITTED = {"maker-martensite", "maker-austenite", "maker-start", "maker-end"}
 NOT_REPRODUCED = UNFITTED | {
-    "counter", "martensite-lowest", "rise", "trained-offset", "fit-rise",
-}  # fmt: skip
+    "counter",
+    "martensite-lowest",
+    "rise",
+    "trained-offset",
+    "fit-rise",
+}
 CALIBRATED = {"rho-martensite", "rho-austenite", "film", "calibrated-start", "calibrated-end"}
 
 
@@ -223,8 +238,10 @@ def test_half_of_the_drop_lies_where_it_was_put() -> None:
 def test_example_has_the_calibrated_numbers() -> None:
     fitted = calibrate_numbers(STATED)
     leaves = {leaf.path: leaf.value for leaf in load(EXAMPLE).system.leaves()}
-    found = {name: next(v for path, v in leaves.items() if path.endswith(name))
-             for name in ("rho_A", "rho_M", "cooling.h")}  # fmt: skip
+    found = {
+        name: next(v for path, v in leaves.items() if path.endswith(name))
+        for name in ("rho_A", "rho_M", "cooling.h")
+    }
     assert found["rho_A"] == pytest.approx(fitted.rho_A, rel=1e-3)
     assert found["rho_M"] == pytest.approx(fitted.rho_M, rel=1e-3)
     assert found["cooling.h"] == pytest.approx(fitted.h, rel=2e-3)

@@ -137,11 +137,14 @@ class TestData:
 
 @needs_compiler
 class TestLeastSquares:
-    @pytest.mark.parametrize(("data", "rms"), [
-        pytest.param(NEAR, 0.954, id="8mm", marks=pytest.mark.slow),
-        pytest.param(FAR, 1.016, id="16mm"),
-        pytest.param(JOINT, 0.963, id="joint", marks=pytest.mark.slow),
-    ])  # fmt: skip
+    @pytest.mark.parametrize(
+        ("data", "rms"),
+        [
+            pytest.param(NEAR, 0.954, id="8mm", marks=pytest.mark.slow),
+            pytest.param(FAR, 1.016, id="16mm"),
+            pytest.param(JOINT, 0.963, id="joint", marks=pytest.mark.slow),
+        ],
+    )
     def test_ends_in_one_minimum_from_every_start_that_moves(self, data, rms):
         found = [run_search(data, start, SQUARES, PRINTED) for start in moving_starts()]
         assert [one.rms for one in found] == pytest.approx([rms] * len(found), abs=0.001)
@@ -253,8 +256,12 @@ class TestWhole:
     def test_verdicts(self, listed):
         check_complete(listed)
         assert with_verdict(listed, "not reproduced") == {
-            "minimum-8mm", "minimum-16mm", "count", "no-latent-heat", "chosen",
-        }  # fmt: skip
+            "minimum-8mm",
+            "minimum-16mm",
+            "count",
+            "no-latent-heat",
+            "chosen",
+        }
         sets = ("8mm", "16mm", "joint")
         again = {f"{id}-{data}" for id in ("slope", "ratio", "T", "E_M") for data in sets}
         assert with_verdict(listed, "reproduced") == again
@@ -283,10 +290,14 @@ class TestWhole:
 
     @pytest.mark.parametrize(
         ("data", "start", "runs", "rms"),
-        [(NEAR, 0, 382, 0.956), (NEAR, 3, 798, 1.062), (FAR, 0, 1098, 2.090),
-         (FAR, 3, 1066, 4.208)],
+        [
+            (NEAR, 0, 382, 0.956),
+            (NEAR, 3, 798, 1.062),
+            (FAR, 0, 1098, 2.090),
+            (FAR, 3, 1066, 4.208),
+        ],
         ids=lambda x: getattr(x, "key", None),
-    )  # fmt: skip
+    )
     def test_coordinate_search_goes_as_the_readme_says(self, listed, data, start, runs, rms):
         """Roughly: where rounding differs, its way does."""
         text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")

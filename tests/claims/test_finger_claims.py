@@ -70,10 +70,12 @@ class TestBending:
     @pytest.mark.parametrize(
         ("r", "watts", "angle", "t63", "stress"),
         [
-            (1.5e-3, 1.4, 92.75, 4.29, 40.8), (1.5e-3, 2.0, 92.75, 2.12, 40.8),
-            (3.5e-3, 1.4, 75.44, 3.53, 31.7), (5.5e-3, 2.0, 62.19, 2.04, 24.2),
+            (1.5e-3, 1.4, 92.75, 4.29, 40.8),
+            (1.5e-3, 2.0, 92.75, 2.12, 40.8),
+            (3.5e-3, 1.4, 75.44, 3.53, 31.7),
+            (5.5e-3, 2.0, 62.19, 2.04, 24.2),
         ],
-    )  # fmt: skip
+    )
     def test_angle_time_and_stress(self, r, watts, angle, t63, stress):
         run = bench.run_bending(watts, r, PRINTED)
         assert bench.top_angle(run, PRINTED) == pytest.approx(angle, abs=0.01)
@@ -102,14 +104,17 @@ class TestBending:
     def test_energy_is_accounted_for(self):
         wire = bench.get_wire()
         values = {
-            "mass": wire.mass(), "heat_capacity": wire.heat_capacity,
+            "mass": wire.mass(),
+            "heat_capacity": wire.heat_capacity,
             "latent_heat": wire.latent_heat,
-        }  # fmt: skip
+        }
         run = bench.run_bending(2.0, 1.5e-3, PRINTED)
         assert bench.energy_imbalance(run, values) < 1e-4
-        half = replace(run, times=run.times[:200], columns={
-            name: column[:200] for name, column in run.columns.items()
-        })  # fmt: skip
+        half = replace(
+            run,
+            times=run.times[:200],
+            columns={name: column[:200] for name, column in run.columns.items()},
+        )
         assert bench.energy_imbalance(half, values) < 1e-3
         assert bench.energy_imbalance(half, {**values, "latent_heat": 0.0}) > 0.03
 
@@ -135,12 +140,17 @@ class TestWhole:
     def test_verdicts(self, listed):
         found = {id: c.verdict for id, c in listed.items() if c.verdict != "not checkable"}
         assert found == {
-            "trend": "reproduced", "trend-safe": "reproduced", "trend-far": "not reproduced",
-            "limited-1.4W": "reproduced", "limited-2.0W": "reproduced",
+            "trend": "reproduced",
+            "trend-safe": "reproduced",
+            "trend-far": "not reproduced",
+            "limited-1.4W": "reproduced",
+            "limited-2.0W": "reproduced",
             "residual-strain": "reproduced",
-            "return": "reproduced", "quasi-stationary-8mm": "not reproduced",
-            "quasi-stationary-16mm": "not reproduced", "proportional": "not reproduced",
-        }  # fmt: skip
+            "return": "reproduced",
+            "quasi-stationary-8mm": "not reproduced",
+            "quasi-stationary-16mm": "not reproduced",
+            "proportional": "not reproduced",
+        }
 
     def test_polycrystal(self, listed):
         assert computed(listed, "polycrystal-1.4W") == pytest.approx(68.0, abs=2.0)
@@ -173,8 +183,9 @@ class TestWhole:
         assert [word for word in (*shown, *ends, *angles, lag) if word not in text] == []
 
     def test_every_claim_says_why(self, listed):
-        assert all(claim.why and claim.source.startswith("finger-paper") for claim in
-                   listed.values())  # fmt: skip
+        assert all(
+            claim.why and claim.source.startswith("finger-paper") for claim in listed.values()
+        )
         assert len({claim.id for claim in FingerStudy().claims()}) == len(listed)
         assert set(FingerStudy.cites) <= set(read_bibliography())
 

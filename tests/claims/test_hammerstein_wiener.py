@@ -68,8 +68,11 @@ class TestEverything:
         check_decides(claim for claim in listed if claim.tolerance is not None)
         assert verdict_of(listed, "stage-1-fit") == "reproduced"
         assert with_verdict(listed, "not reproduced") == {
-            "stage-2-fit", "series-heating-error", "series-cooling-error", "sine-apart",
-        }  # fmt: skip
+            "stage-2-fit",
+            "series-heating-error",
+            "series-cooling-error",
+            "sine-apart",
+        }
 
     def test_the_paper_s_stages_repeat_their_cadence_and_no_other(self) -> None:
         assert comparisons.compare_position(PAPER, "validation").fit >= 90.0

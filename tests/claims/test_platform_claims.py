@@ -36,9 +36,18 @@ from martensite.studies.tables import printed_numbers
 PRINTED = printed_numbers("platform")
 REPRODUCED = {"centroid", "contraction", "spring-mass", "set-C-3V"}
 NOT_REPRODUCED = {
-    "lever", "eq8-finish", "eq8-start", "printed-5V", "printed-3V", "slowest-5V", "slowest-3V",
-    "current", "ratio", "limited-angle", "needed-current",
-}  # fmt: skip
+    "lever",
+    "eq8-finish",
+    "eq8-start",
+    "printed-5V",
+    "printed-3V",
+    "slowest-5V",
+    "slowest-3V",
+    "current",
+    "ratio",
+    "limited-angle",
+    "needed-current",
+}
 CALIBRATED = {"set-A-5V", "set-A-3V", "set-A2-5V", "set-A2-3V", "set-C-5V"}
 AT_25, AT_30 = math.radians(25.0), math.radians(30.0)
 
@@ -59,11 +68,16 @@ def reference(case: Case, volts: float) -> Reference:
     limit = case.limits[0 if volts >= PRINTED.high else 1]
     plain = Reference()
     return replace(
-        plain, film=case.film, series=case.series, limit=limit, volts=volts,
+        plain,
+        film=case.film,
+        series=case.series,
+        limit=limit,
+        volts=volts,
         capacity=plain.capacity if case.capacity is None else case.capacity,
         latent=plain.latent if case.latent is None else case.latent,
-        coil=case.coil or plain.coil, slope=case.slope or plain.slope,
-    )  # fmt: skip
+        coil=case.coil or plain.coil,
+        slope=case.slope or plain.slope,
+    )
 
 
 # ---------------------------------------------------------------- verdicts
@@ -128,8 +142,10 @@ def test_stroke_reach_and_vibration(listed: dict[str, Claim]) -> None:
     assert computed(listed, "contraction") == pytest.approx(1e3 * plain.contraction(0.0), abs=1e-6)
     assert computed(listed, "contraction") == pytest.approx(30.38, abs=0.005)
     assert computed(listed, "full-angle") == pytest.approx(33.68, abs=0.005)
-    reach = [computed(listed, f"reach-{way}") for way in
-             ("alpha-low", "alpha-high", "beta-low", "beta-high")]  # fmt: skip
+    reach = [
+        computed(listed, f"reach-{way}")
+        for way in ("alpha-low", "alpha-high", "beta-low", "beta-high")
+    ]
     assert reach == pytest.approx([-30.87, 33.06, -36.14, 36.14], abs=0.006)
     assert computed(listed, "natural-frequency") == pytest.approx(30.7, abs=0.05)
     assert computed(listed, "rate-cold") == pytest.approx(232.3, abs=0.05)
@@ -235,8 +251,9 @@ def test_limit_cycle() -> None:
 def test_overshoot_follows_the_heating_path(listed: dict[str, Claim]) -> None:
     """Without inertia the angle goes on as it would have, for delay and sampling."""
     for key, id, sampling in (
-        ("as-printed", "overshoot-printed-late", loop.QUICK), ("A", "overshoot-A-late", loop.CYCLES)
-    ):  # fmt: skip
+        ("as-printed", "overshoot-printed-late", loop.QUICK),
+        ("A", "overshoot-A-late", loop.CYCLES),
+    ):
         plain = reference(CASES[key], 5.0)
         reached = plain.arrival(math.radians(PRINTED.target + computed(listed, id)))
         late = reached - plain.arrival(AT_30) - loop.DELAY
@@ -266,8 +283,10 @@ def test_springs_are_free_of_force_and_weigh_what_is_printed() -> None:
     for case in (AS_PRINTED, VARIANTS["6 mm mean coil diameter"]):
         spring = bench.build_spring(case, PRINTED)
         assert spring.mass() == pytest.approx(PRINTED.spring_mass)
-        ends = [spring.resistance.value_of(n) * spring.wire_length() / spring.section()
-                for n in ("rho_A", "rho_M")]  # fmt: skip
+        ends = [
+            spring.resistance.value_of(n) * spring.wire_length() / spring.section()
+            for n in ("rho_A", "rho_M")
+        ]
         assert ends == pytest.approx([PRINTED.R_A, PRINTED.R_M])
     rest = bench.build_machine(AS_PRINTED, PRINTED)
     run = bench.run_heated(AS_PRINTED, PRINTED, 0.0, 0.1)
@@ -316,10 +335,13 @@ def test_readme_has_the_computed_numbers(listed: dict[str, Claim]) -> None:
         row = next(line for line in text.splitlines() if line.startswith(f"| {key}:"))
         assert f"| {early} s | {late} s |" in row, short
     for key, row in (
-        ("printed", "as printed | none"), ("printed-late", "as printed | 0.3 s"),
+        ("printed", "as printed | none"),
+        ("printed-late", "as printed | 0.3 s"),
         ("printed-dynamic", "as printed, with inertia, undamped | none"),
-        ("A", "set A | none"), ("A-late", "set A | 0.3 s"), ("C", "set C | none"),
-    ):  # fmt: skip
+        ("A", "set A | none"),
+        ("A-late", "set A | 0.3 s"),
+        ("C", "set C | none"),
+    ):
         assert f"| {row} | {computed(listed, f'overshoot-{key}'):.2f}° |" in text
     first, period, on = control_numbers.limit_cycle(PRINTED)
     assert f"first off after {first:.2f} s, then every {period:.2f} s" in text

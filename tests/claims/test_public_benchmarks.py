@@ -55,8 +55,11 @@ def errors(chain: Chain, records: dict[str, Sampled]) -> list[float]:
 def test_splits_are_the_published_ones(silverbox):
     sizes = {name: len(record) for name, record in silverbox.items()}
     assert sizes == {
-        "estimation": 65062, "multisine": 21688, "arrow": 40475, "no extrapolation": 32000
-    }  # fmt: skip
+        "estimation": 65062,
+        "multisine": 21688,
+        "arrow": 40475,
+        "no extrapolation": 32000,
+    }
     assert silverbox["estimation"].interval == pytest.approx(1.0 / 610.35, rel=1e-5)
 
 

@@ -89,13 +89,21 @@ def test_verdicts_on_the_motor() -> None:
     found = verdicts(of_motor())
     assert found["reproduced"] == {"stiffness", "captured-printed", "captured-rk4"}
     assert found["not reproduced"] == {
-        "frequency-0.25kg", "frequency-0.19kg", "captured-lagrange", "ramp-table-3", "earlier",
-        "amplitude-in-text", "current-drop-table-3",
-    }  # fmt: skip
+        "frequency-0.25kg",
+        "frequency-0.19kg",
+        "captured-lagrange",
+        "ramp-table-3",
+        "earlier",
+        "amplitude-in-text",
+        "current-drop-table-3",
+    }
     assert found["calibrated"] == {
-        "calibrated-mass", "calibrated-damping", "calibrated-resistance", "ramp-jump",
+        "calibrated-mass",
+        "calibrated-damping",
+        "calibrated-resistance",
+        "ramp-jump",
         "ramp-amplitude",
-    }  # fmt: skip
+    }
     complete(of_motor())
 
 
@@ -106,8 +114,12 @@ def test_verdicts_on_the_wire() -> None:
     assert found["reproduced"] == set()
     assert found["not reproduced"] == {"actuator-complete"}
     assert found["calibrated"] == {
-        "wire-slack", "wire-jump", "wire-reduction", "wire-current-drop", "actuator-current"
-    }  # fmt: skip
+        "wire-slack",
+        "wire-jump",
+        "wire-reduction",
+        "wire-current-drop",
+        "actuator-current",
+    }
     complete(of_wire())
 
 
@@ -142,12 +154,18 @@ def speed_from_rest(volts: float, sign: float, duration: float = 25.0) -> float:
         f2 = KT * i - B * w
         # M x'' + sign q φ'' = f1,  q x'' + I φ'' = f2
         d = M * inertia - sign * q * q
-        return [v, (inertia * f1 - sign * q * f2) / d, w, (M * f2 - q * f1) / d,
-                (volts - KT * w - R * i) / L]  # fmt: skip
+        return [
+            v,
+            (inertia * f1 - sign * q * f2) / d,
+            w,
+            (M * f2 - q * f1) / d,
+            (volts - KT * w - R * i) / L,
+        ]
 
     times = np.linspace(duration - 1.0, duration, 201)
-    found = integrate.solve_ivp(rates, (0.0, duration), np.zeros(5), method="LSODA",
-                                t_eval=times, rtol=1e-8, atol=1e-10)  # fmt: skip
+    found = integrate.solve_ivp(
+        rates, (0.0, duration), np.zeros(5), method="LSODA", t_eval=times, rtol=1e-8, atol=1e-10
+    )
     return float(found.y[3].mean())
 
 
@@ -272,8 +290,14 @@ def test_calibrated_ramp_does_not_depend_on_the_step() -> None:
     motor = machines.calibrated_motor()
     coarse = runs.run_upward(motor, 0.2, 7.0)
     wave = Ramp(high=7.0, end=35.0)
-    run = simulate(Machine(mechanism=motor), {"motor": wave}, 35.0, step=2e-4, samples=17501,
-                   runtime=choose_runtime())  # fmt: skip
+    run = simulate(
+        Machine(mechanism=motor),
+        {"motor": wave},
+        35.0,
+        step=2e-4,
+        samples=17501,
+        runtime=choose_runtime(),
+    )
     fine = runs.split_windows(run, motor)
     assert fine.jump == pytest.approx(coarse.jump, abs=0.051)  # one window
     assert fine.peak == pytest.approx(coarse.peak, abs=1e-4)
@@ -420,8 +444,10 @@ def test_readme_has_the_computed_numbers() -> None:
     text = machines.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
     text = " ".join(text.split())
     one, two = of_motor(), of_wire()
-    assert f"voltage of a grid of 0.1 V at which the motor stays near the resonance is " \
-        f"{computed(one, 'captured-printed'):g} V" in text  # fmt: skip
+    assert (
+        f"voltage of a grid of 0.1 V at which the motor stays near the resonance is "
+        f"{computed(one, 'captured-printed'):g} V" in text
+    )
     assert f"put the last captured voltage at {computed(one, 'captured-lagrange'):g} V" in text
     assert f"changes by {100 * computed(one, 'energy-printed'):.1f} % in 5 s" in text
     light, heavy = (computed(one, f"frequency-{m}kg") for m in ("0.19", "0.25"))
@@ -437,8 +463,10 @@ def test_readme_has_the_computed_numbers() -> None:
     stiff, damped = computed(one, "required-stiffness"), computed(one, "required-damping")
     assert f"{stiff:.2f} times the stiffness and {damped:.2f} times the damping" in text
     alone = [computed(one, f"with-{name}") for name in ("stiffness", "damping", "both")]
-    assert "up to {:.2f} V, more damping alone down to {:.2f} V, both to {:.2f} V".format(*alone) \
-        in text  # fmt: skip
+    assert (
+        "up to {:.2f} V, more damping alone down to {:.2f} V, both to {:.2f} V".format(*alone)
+        in text
+    )
     for trial in wire.run_trials(PRINTED):
         row = f"| {100 * trial.slack:.1f} % | {trial.jump:.2f} V | {100 * trial.reduction:.1f} % |"
         assert row in text

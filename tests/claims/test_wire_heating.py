@@ -29,14 +29,20 @@ VOLTS = np.arange(5, 14) / 10
 AT = np.array([33, 39, 46, 58, 73, 75, 80, 93, 101.0])
 AIR = np.array(
     [
-        [20, 0.02514, 2.074, 1.516, 0.7309], [25, 0.02551, 2.141, 1.562, 0.7296],
-        [30, 0.02588, 2.208, 1.608, 0.7282], [35, 0.02625, 2.277, 1.655, 0.7268],
-        [40, 0.02662, 2.346, 1.702, 0.7255], [45, 0.02699, 2.416, 1.750, 0.7241],
-        [50, 0.02735, 2.487, 1.798, 0.7228], [60, 0.02808, 2.632, 1.896, 0.7202],
-        [70, 0.02881, 2.780, 1.995, 0.7177], [80, 0.02953, 2.931, 2.097, 0.7154],
-        [90, 0.03024, 3.086, 2.201, 0.7132], [100, 0.03095, 3.243, 2.306, 0.7111],
+        [20, 0.02514, 2.074, 1.516, 0.7309],
+        [25, 0.02551, 2.141, 1.562, 0.7296],
+        [30, 0.02588, 2.208, 1.608, 0.7282],
+        [35, 0.02625, 2.277, 1.655, 0.7268],
+        [40, 0.02662, 2.346, 1.702, 0.7255],
+        [45, 0.02699, 2.416, 1.750, 0.7241],
+        [50, 0.02735, 2.487, 1.798, 0.7228],
+        [60, 0.02808, 2.632, 1.896, 0.7202],
+        [70, 0.02881, 2.780, 1.995, 0.7177],
+        [80, 0.02953, 2.931, 2.097, 0.7154],
+        [90, 0.03024, 3.086, 2.201, 0.7132],
+        [100, 0.03095, 3.243, 2.306, 0.7111],
     ]
-)  # fmt: skip
+)
 """Film temperature [°C], k, α [1e-5], ν [1e-5], Pr: a textbook's air with its own diffusivity."""
 
 
@@ -118,8 +124,9 @@ def test_other_printed_numbers_would_be_reproduced() -> None:
 
 def test_film_coefficients(listed: dict[str, Claim]) -> None:
     for row in PRINTED.rows:
-        expected = h_of(row.temperature, 22.0, row.conductivity, row.diffusivity, row.viscosity,
-                        row.prandtl)  # fmt: skip
+        expected = h_of(
+            row.temperature, 22.0, row.conductivity, row.diffusivity, row.viscosity, row.prandtl
+        )
         found = computed(listed, f"film-{row.voltage:.1f}V")
         assert found == pytest.approx(expected, rel=1e-3)
         assert round(found) in range(40, 47)
@@ -186,8 +193,11 @@ def test_closure_a(listed: dict[str, Claim]) -> None:
 def test_closure_b(listed: dict[str, Claim]) -> None:
     ohms = np.where(VOLTS > 0.95, 1.3, 1.5)
     rises = VOLTS**2 / (ohms * SURFACE)
-    held = optimize.minimize_scalar(lambda h: float(np.sum((22.0 + rises / h - AT) ** 2)),
-                                    bounds=(50.0, 300.0), method="bounded")  # fmt: skip
+    held = optimize.minimize_scalar(
+        lambda h: float(np.sum((22.0 + rises / h - AT) ** 2)),
+        bounds=(50.0, 300.0),
+        method="bounded",
+    )
     assert computed(listed, "closure-b-film") == pytest.approx(held.x, rel=1e-5)  # type: ignore[attr-defined]
     assert computed(listed, "closure-b-film") == pytest.approx(128.0, abs=1.0)
     for id, ohm in (("b-free", ohms), ("b-single", 0.9 / 0.69)):

@@ -46,21 +46,28 @@ ANGLES = {
 }
 DIFFERENT: dict[tuple[str, str], tuple[str, dict[str, Any], str]] = {
     ("waveform", "carrier"): (
-        "new", {"drive.kind": "pwm-voltage"}, "a duty drives a switch, not a current",
+        "new",
+        {"drive.kind": "pwm-voltage"},
+        "a duty drives a switch, not a current",
     ),
     ("controller", "cascade"): (
-        "closed_loop", {"sensors": {"position": {"kind": "position"}, "temperature":
-        {"kind": "thermocouple"}}, "sensor": None}, "it reads a temperature as well",
+        "closed_loop",
+        {
+            "sensors": {"position": {"kind": "position"}, "temperature": {"kind": "thermocouple"}},
+            "sensor": None,
+        },
+        "it reads a temperature as well",
     ),
     ("controller", "constant-power"): ("closed_loop_power", {}, "it reads voltage and current"),
     ("sensor", "encoder"): ("closed_loop_platform", ANGLES, "it reads an angle"),
     ("sensor", "gyroscope"): ("closed_loop_platform", ANGLES, "it reads an angle"),
     ("sensor", "tilt"): ("closed_loop_platform", ANGLES, "it reads an angle"),
     ("check", "mismatch"): (
-        "closed_loop_guarded", {"supervisor.checks.hot": {"kind": "sensor-lost", "reading":
-        "position"}}, "it compares readings of one unit",
+        "closed_loop_guarded",
+        {"supervisor.checks.hot": {"kind": "sensor-lost", "reading": "position"}},
+        "it compares readings of one unit",
     ),
-}  # fmt: skip
+}
 """Kinds that make no sense where the others are tried: where they do, and why."""
 
 

@@ -20,9 +20,17 @@ from martensite.testing import build_example
 from martensite.testing.blocks import DT, draw_numbers, find_slope_error, lead_block, make_record
 
 KINKED = {
-    "bouc-wen", "dead-zone", "duhem", "generalised-prandtl-ishlinskii", "heated-duhem",
-    "piecewise-linear", "play", "prandtl-ishlinskii", "preisach", "saturation",
-}  # fmt: skip
+    "bouc-wen",
+    "dead-zone",
+    "duhem",
+    "generalised-prandtl-ishlinskii",
+    "heated-duhem",
+    "piecewise-linear",
+    "play",
+    "prandtl-ishlinskii",
+    "preisach",
+    "saturation",
+}
 """Blocks whose output bends, where differences are less exact."""
 
 

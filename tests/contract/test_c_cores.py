@@ -36,15 +36,20 @@ LONG = ("lagoudas", "mas-polycrystal")
 
 def things() -> list[Any]:
     """All laws, and what was chosen."""
-    others = [cls for kind, names in CHOSEN.items() for cls in registered(kind)
-              if cls.registered_name in names]  # fmt: skip
+    others = [
+        cls
+        for kind, names in CHOSEN.items()
+        for cls in registered(kind)
+        if cls.registered_name in names
+    ]
     return [
         pytest.param(
-            example(cls), id=cls.registered_name,
+            example(cls),
+            id=cls.registered_name,
             marks=pytest.mark.slow if cls.registered_name in LONG else (),
         )
         for cls in (*registered("law"), *others)
-    ]  # fmt: skip
+    ]
 
 
 @pytest.mark.parametrize("thing", things())

@@ -48,8 +48,9 @@ def test_every_part_keeps_its_promises(kind: str, cls: Any) -> None:
 @pytest.mark.parametrize("name", SLOW)
 def test_second_forms_of_long_laws_keep_their_promises(name: str) -> None:
     laws = REGISTRIES["law"]
-    (cls, part), *_ = [(laws[n], p) for n in laws.names() for p in variants(laws[n])
-                       if label(p) == name]  # fmt: skip
+    (cls, part), *_ = [
+        (laws[n], p) for n in laws.names() for p in variants(laws[n]) if label(p) == name
+    ]
     assert check_conformance(cls, "law", [part]).faults == []
 
 

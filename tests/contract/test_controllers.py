@@ -100,31 +100,57 @@ CASES: dict[str, Case] = {
         position(Feedforward, model=plant(), lookahead=0.5, slope_weight=0.0, iterations=2),
         samples=40,
     ),
-    "inverse-play": Case(position(
-        InversePlay, thresholds=(0.05, 0.1), weights=(0.6, 0.3, 0.1), knots=(0.0, 1.0),
-        outputs=(0.0, 5.0 * MM), feedback=Correction(Kp=100.0, Ki=50.0, law=PidLaw()),
-    )),
+    "inverse-play": Case(
+        position(
+            InversePlay,
+            thresholds=(0.05, 0.1),
+            weights=(0.6, 0.3, 0.1),
+            knots=(0.0, 1.0),
+            outputs=(0.0, 5.0 * MM),
+            feedback=Correction(Kp=100.0, Ki=50.0, law=PidLaw()),
+        )
+    ),
     "latched": Case(
         position(LatchedOnOff, oscillation="temperature", share=0.5, window=0.2, high=0.8),
         Constant(level=-1.0),
     ),
-    "mpc": Case(position(
-        Mpc, model=plant(), period=PERIOD, horizon=0.2, blocks=2, price=Price(error=MM),
-        search=PlanSearch(plans=24, rounds=1),
-    )),
+    "mpc": Case(
+        position(
+            Mpc,
+            model=plant(),
+            period=PERIOD,
+            horizon=0.2,
+            blocks=2,
+            price=Price(error=MM),
+            search=PlanSearch(plans=24, rounds=1),
+        )
+    ),
     "on-off": Case(position(OnOff, band=0.2 * MM, high=0.9, low=0.1), limits=(0.1, 0.9)),
     "pid": Case(position(Pid, Kp=400.0, Ki=4.0, Kd=90.0, law=PidLaw(filter=2.0, weight=0.8))),
     "scheduled-pid": Case(position(ScheduledPid, over="temperature", rising=UP, falling=DOWN)),
-    "sliding-mode": Case(position(
-        SlidingMode, gain=1.0, slope=2.0, layer=20.0 * MM, integral="with", equivalent="filtered",
-        boundary="tanh",
-    )),
-    "state-feedback": Case(position(
-        StateFeedback, states=("temperature", "position"), gains=(0.005, 100.0), at=(293.15, 0.0),
-        prefilter=250.0, Ki=100.0,
-    )),
+    "sliding-mode": Case(
+        position(
+            SlidingMode,
+            gain=1.0,
+            slope=2.0,
+            layer=20.0 * MM,
+            integral="with",
+            equivalent="filtered",
+            boundary="tanh",
+        )
+    ),
+    "state-feedback": Case(
+        position(
+            StateFeedback,
+            states=("temperature", "position"),
+            gains=(0.005, 100.0),
+            at=(293.15, 0.0),
+            prefilter=250.0,
+            Ki=100.0,
+        )
+    ),
     "two-level": Case(position(TwoLevel, far=1.0 * MM, high=0.9, near=0.4), limits=(0.0, 0.9)),
-}  # fmt: skip
+}
 NAMES = sorted(CASES)
 KERNELS = [name for name in NAMES if CONTROLLERS[name].kernel]
 

@@ -132,16 +132,20 @@ def something_moves(pictures: Pictures) -> None:
     first, *others = pictures.rows
     changes = [
         math.dist(p, q)
-        for shapes in others for a, b in zip(first, shapes, strict=True)
+        for shapes in others
+        for a, b in zip(first, shapes, strict=True)
         for p, q in zip(a.points, b.points, strict=True)
-    ]  # fmt: skip
+    ]
     assert moved != 0.0
     assert max(changes) > 1e-7
 
 
 CHECKS: list[Callable[[Pictures], None]] = [
-    shapes_are_sound, elements_are_drawn, wires_are_as_long_as_elements, something_moves,
-]  # fmt: skip
+    shapes_are_sound,
+    elements_are_drawn,
+    wires_are_as_long_as_elements,
+    something_moves,
+]
 
 
 def one_each() -> list[AbstractMechanism]:
@@ -149,9 +153,10 @@ def one_each() -> list[AbstractMechanism]:
     found: dict[Any, AbstractMechanism] = {}
     for one in examples("mechanism"):
         options = [
-            (name, getattr(one, name)) for name in one.declarations
+            (name, getattr(one, name))
+            for name in one.declarations
             if isinstance(getattr(one, name), str) and name not in ("motion", "coupling")
-        ]  # fmt: skip
+        ]
         found.setdefault((type(one), *options), one)
     return list(found.values())
 

@@ -31,9 +31,13 @@ SURELY = 3.0
 
 
 def run_lanes(
-    whole: AbstractSystem, waves: Mapping[str, AbstractWaveform], duration: float,
-    values: Mapping[str, Any], signals: Mapping[str, Any] | None = None, runtime: str = "c",
-) -> Ran:  # fmt: skip
+    whole: AbstractSystem,
+    waves: Mapping[str, AbstractWaveform],
+    duration: float,
+    values: Mapping[str, Any],
+    signals: Mapping[str, Any] | None = None,
+    runtime: str = "c",
+) -> Ran:
     judged = tuple(whole.convergence_scales())
     course = VariantSetup(whole, waves, duration, SAMPLES, None, judged, runtime)
     found = course.run({p: np.asarray(v) for p, v in values.items()}, signals)
@@ -42,9 +46,12 @@ def run_lanes(
 
 
 def check_run(
-    found: Ran, row: int, whole: AbstractSystem, waves: Mapping[str, AbstractWaveform],
+    found: Ran,
+    row: int,
+    whole: AbstractSystem,
+    waves: Mapping[str, AbstractWaveform],
     duration: float,
-) -> None:  # fmt: skip
+) -> None:
     """A row is about as far from an exact run as it says, at most."""
     exact = ms.run(whole, waves, duration, samples=SAMPLES, tolerance=FINE, runtime="c")
     for name, least in whole.convergence_scales().items():

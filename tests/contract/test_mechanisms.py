@@ -43,8 +43,13 @@ def seen(result: Result, mechanism: AbstractMultibody) -> np.ndarray:
     return np.array([[q / c.size for q in result[c.name]] for c in known]).T
 
 
-def run(mechanism: AbstractMultibody, drives: dict[str, Any], duration: float, step: float,
-        **options: Any) -> Result:  # fmt: skip
+def run(
+    mechanism: AbstractMultibody,
+    drives: dict[str, Any],
+    duration: float,
+    step: float,
+    **options: Any,
+) -> Result:
     """A machine of elastic elements."""
     system = machine(mechanism, compliance=COMPLIANCE)
     return simulate(system, drives, duration, step=step, samples=11, **options)
@@ -89,8 +94,10 @@ def smooth(mechanism: AbstractMultibody) -> dict[str, Any]:
 
 def order(mechanism: AbstractMultibody) -> float:
     """Observed order of the coordinates at the end of a run."""
-    ends = [seen(run(mechanism, smooth(mechanism), 0.06, dt), mechanism)[-1]
-            for dt in (2e-4, 1e-4, 5e-5)]  # fmt: skip
+    ends = [
+        seen(run(mechanism, smooth(mechanism), 0.06, dt), mechanism)[-1]
+        for dt in (2e-4, 1e-4, 5e-5)
+    ]
     first, second = (np.abs(b - a).max() for a, b in itertools.pairwise(ends))
     assert np.abs(ends[-1]).max() > 1e-3
     return float(np.log2(first / second))

@@ -87,8 +87,10 @@ def test_numpy_arrays_agree_over_five_seconds(history):
 
 
 REPEATED = (
-    "mas-polycrystal-constant-15-internal-stress", "mas-constant-well", "lagoudas-waisted",
-)  # fmt: skip
+    "mas-polycrystal-constant-15-internal-stress",
+    "mas-constant-well",
+    "lagoudas-waisted",
+)
 """Second forms of the laws that take longest: with the slow tests."""
 LEVELS = {"V": 2.5, "A": 0.55, "W": 2.0, "K": 330.0, "1": 0.8}
 PARTS = [

@@ -32,9 +32,14 @@ def test_the_program_runs(tmp_path: Path) -> None:
     (tmp_path / "lift.toml").write_text(scenario, encoding="utf-8")
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     done = subprocess.run(
-        [sys.executable, "-c", PROGRAM], cwd=tmp_path, env=os.environ | {"PATH": path},
-        capture_output=True, text=True, timeout=120, check=False,
-    )  # fmt: skip
+        [sys.executable, "-c", PROGRAM],
+        cwd=tmp_path,
+        env=os.environ | {"PATH": path},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
     assert (done.returncode, done.stderr) == (0, "")
     light, heavy = (line.split() for line in done.stdout.splitlines())
     assert (light[:2], heavy[:2]) == (["500", "g:"], ["800", "g:"])

@@ -73,10 +73,13 @@ FINS: dict[str, dict[str, float]] = {
 @pytest.fixture(
     scope="module",
     params=[
-        "long, ideal", "short, finite", "three spans",
-        pytest.param("short, ideal", marks=HEAVY), pytest.param("long, finite", marks=HEAVY),
+        "long, ideal",
+        "short, finite",
+        "three spans",
+        pytest.param("short, ideal", marks=HEAVY),
+        pytest.param("long, finite", marks=HEAVY),
     ],
-)  # fmt: skip
+)
 def ladder(request: pytest.FixtureRequest) -> tuple[tuple[float, float], list[Result]]:
     """Exact mean and highest overtemperature, and runs with more and more cells."""
     numbers = FINS[request.param]
@@ -137,8 +140,10 @@ def test_a_whole_first_cell_up_to_the_clamp_is_noticed() -> None:
 def test_another_conductivity_is_noticed() -> None:
     watts = MILD * L
     exact = fin(watts)[0]
-    errors = [settled(watts, cells=n, thermal_conductivity=1.01 * K)["temperature"][-1]
-              - AMBIENT - exact for n in CELLS]  # fmt: skip
+    errors = [
+        settled(watts, cells=n, thermal_conductivity=1.01 * K)["temperature"][-1] - AMBIENT - exact
+        for n in CELLS
+    ]
     assert not (orders(errors)[1:] > 1.8).all()
 
 
@@ -148,8 +153,9 @@ def test_another_conductivity_is_noticed() -> None:
 def bench(element: Any, load: str, step: float = 0.02) -> Result:
     """The wire of problem A (two resistivities) through a whole cycle, against a load."""
     heavy: dict[str, AbstractMechanism] = {
-        "weight": DeadWeight(mass=1.0), "spring": BiasSpring(stiffness=1000.0, preload=5.0),
-    }  # fmt: skip
+        "weight": DeadWeight(mass=1.0),
+        "spring": BiasSpring(stiffness=1000.0, preload=5.0),
+    }
     pulse = Step(low=0.0, high=5.4, at=1.0, until=12.0)
     return simulate(clamped(element, heavy[load]), pulse, 24.0, step=step, samples=121)
 
@@ -208,10 +214,12 @@ def cycle(load: str, step: float, contact: float = IDEAL) -> tuple[Result, np.nd
 @pytest.mark.parametrize(
     ("load", "contact"),
     [
-        ("weight", IDEAL), ("spring", 1e-4),
-        pytest.param("weight", 1e-4, marks=HEAVY), pytest.param("spring", IDEAL, marks=HEAVY),
+        ("weight", IDEAL),
+        ("spring", 1e-4),
+        pytest.param("weight", 1e-4, marks=HEAVY),
+        pytest.param("spring", IDEAL, marks=HEAVY),
     ],
-)  # fmt: skip
+)
 def test_energy_is_conserved_at_second_order_in_time(load: str, contact: float) -> None:
     errors, closing = [], []
     for step in (0.02, 0.01, 0.005):
@@ -243,10 +251,13 @@ def test_stroke_converges_in_the_cells_through_a_transformation(load: str) -> No
     runs = [
         simulate(
             clamped(axial(wire, cells=cells, grading=1.0), loads[load]),
-            pulse, 2.5, step=0.005, samples=126,
+            pulse,
+            2.5,
+            step=0.005,
+            samples=126,
         )
         for cells in CELLS
-    ]  # fmt: skip
+    ]
     paths = np.array([run["position"] for run in runs])
     errors = np.sqrt(((paths[:-1] - paths[-1]) ** 2).mean(axis=1)) / np.ptp(paths[-1])
     assert (np.diff(errors) < 0.0).all()
@@ -256,8 +267,14 @@ def test_stroke_converges_in_the_cells_through_a_transformation(load: str) -> No
 
 # ---------------------------------------------------------------- a finger's wire
 
-ANGLES = {(2.0, 1.4): 90.3, (2.0, 2.0): 91.9, (6.0, 1.4): 85.5, (6.0, 2.0): 90.1,
-          (14.0, 1.4): 76.5, (14.0, 2.0): 86.5}  # fmt: skip
+ANGLES = {
+    (2.0, 1.4): 90.3,
+    (2.0, 2.0): 91.9,
+    (6.0, 1.4): 85.5,
+    (6.0, 2.0): 90.1,
+    (14.0, 1.4): 76.5,
+    (14.0, 2.0): 86.5,
+}
 """(spans, W) -> angle [deg] at 13 s, by a stiff solver on 0.3 mm and less; 92.75 without ends."""
 GRADINGS = {2.0: 5.0, 6.0: 4.0, 14.0: 3.0}
 
@@ -271,8 +288,12 @@ def bent(spans: float, watts: float, even: bool = True, **options: str) -> float
         parts["resistance"] = PerLengthResistance(r_A=125.0, r_M=125.0)
     cells, runtime = options.get("cells", "20"), options.get("runtime", "floats")
     element = axial(Wire(**parts), cells=cells, spans=spans, grading=GRADINGS[spans])
-    system = System(element=element, environment=whole.environment, source=whole.source,
-                    mechanism=whole.mechanism)  # fmt: skip
+    system = System(
+        element=element,
+        environment=whole.environment,
+        source=whole.source,
+        mechanism=whole.mechanism,
+    )
     run = simulate(system, trapezoid(watts), 13.0, step=0.02, samples=14, runtime=runtime)
     return math.degrees(run["angle"][-1])
 

@@ -54,8 +54,12 @@ def matrices(count: int, ratio: float) -> tuple[np.ndarray, np.ndarray]:
     h = 1.0 / count
     u, weights = np.polynomial.legendre.leggauss(6)
     u, weights = 0.5 * (u + 1.0), 0.5 * h * weights
-    rows = [1 - 3 * u**2 + 2 * u**3, h * (u - 2 * u**2 + u**3), 3 * u**2 - 2 * u**3,
-            h * (u**3 - u**2)]  # fmt: skip
+    rows = [
+        1 - 3 * u**2 + 2 * u**3,
+        h * (u - 2 * u**2 + u**3),
+        3 * u**2 - 2 * u**3,
+        h * (u**3 - u**2),
+    ]
     bends = [-6 + 12 * u, h * (-4 + 6 * u), 6 - 12 * u, h * (6 * u - 2)]
     n, b = np.array(rows), np.array(bends) / h**2
     stiffness, mass = np.zeros((2, 2 * count + 2, 2 * count + 2))

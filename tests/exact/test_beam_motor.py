@@ -39,24 +39,44 @@ from martensite.simulate.point import PathLeg, material_point
 from martensite.simulate.result import Result
 
 PRINTED: dict[str, Any] = {
-    "mass": 0.25, "stiffness": 541.0, "damping": 0.07, "unbalance": 0.012, "eccentricity": 0.02,
-    "rotor_inertia": 0.82e-4, "rotor_friction": 8.17e-7, "torque_constant": 0.0211,
-    "back_emf": 0.0211, "resistance": 41.0, "inductance": 3.1e-3,
-}  # fmt: skip
+    "mass": 0.25,
+    "stiffness": 541.0,
+    "damping": 0.07,
+    "unbalance": 0.012,
+    "eccentricity": 0.02,
+    "rotor_inertia": 0.82e-4,
+    "rotor_friction": 8.17e-7,
+    "torque_constant": 0.0211,
+    "back_emf": 0.0211,
+    "resistance": 41.0,
+    "inductance": 3.1e-3,
+}
 """Table 3 of the thesis."""
 SLOW: dict[str, Any] = PRINTED | {"mass": 0.1961, "damping": 0.2335, "resistance": 6.22}
 """The set calibrated to the measured ramp: steady within a few seconds."""
 HEAVY: dict[str, Any] = PRINTED | {"damping": 0.1, "unbalance": 0.05}
 """An unbalance that brings the tip to large amplitudes within a second."""
 ISOLATED: dict[str, Any] = PRINTED | {
-    "damping": 0.0, "rotor_friction": 0.0, "torque_constant": 0.0, "back_emf": 0.0
-}  # fmt: skip
+    "damping": 0.0,
+    "rotor_friction": 0.0,
+    "torque_constant": 0.0,
+    "back_emf": 0.0,
+}
 BEAM = CantileverBeam(E=69e9, density=2700.0, width=0.038, height=0.003, length=0.32, tip_mass=0.17)
 LENGTH = 0.331
 LAW = Elahinia(
-    E_A=75e9, E_M=28e9, eps_L=0.04, Theta=0.0, T_ref=295.15, M_f=315.15, M_s=325.15, A_s=341.15,
-    A_f=351.15, C_M=10.3e6, C_A=10.3e6,
-)  # fmt: skip
+    E_A=75e9,
+    E_M=28e9,
+    eps_L=0.04,
+    Theta=0.0,
+    T_ref=295.15,
+    M_f=315.15,
+    M_s=325.15,
+    A_s=341.15,
+    A_f=351.15,
+    C_M=10.3e6,
+    C_A=10.3e6,
+)
 HOT = 361.15
 
 
@@ -79,9 +99,12 @@ def dampings(motor: BeamMotor) -> np.ndarray:
 
 def wire(**changes: Any) -> Wire:
     numbers: dict[str, Any] = {
-        "diameter": 0.375e-3, "length": LENGTH, "density": 6450.0, "heat_capacity": 837.0,
+        "diameter": 0.375e-3,
+        "length": LENGTH,
+        "density": 6450.0,
+        "heat_capacity": 837.0,
         "latent_heat": 24.2e3,
-    }  # fmt: skip
+    }
     ohms = PerLengthResistance(r_A=8.3, r_M=8.3)
     return Wire(law=LAW, resistance=ohms, **(numbers | changes))
 
@@ -90,10 +113,11 @@ def coupled(slack: float, hot: bool = False, numbers: dict[str, Any] = SLOW) -> 
     """The beam with a wire; hot: austenite from the start, at a prescribed temperature."""
     motor = BeamMotor(**numbers, wire="inclined", wire_length=LENGTH, slack=slack)
     return System(
-        element=wire(initial_fraction=0.0) if hot else wire(), mechanism=motor,
+        element=wire(initial_fraction=0.0) if hot else wire(),
+        mechanism=motor,
         source=PrescribedTemperature() if hot else CurrentSource(),
         environment=Environment(temperature=295.15, cooling=ConstantCooling(h=128.0)),
-    )  # fmt: skip
+    )
 
 
 def traced(motor: BeamMotor) -> Any:
@@ -278,10 +302,28 @@ def adaptive() -> np.ndarray:
         return rates(*y, 4.0 * min(t, 1.0))
 
     times = np.arange(121) / 100.0
-    pieces = [integrate.solve_ivp(slope, (0.0, 1.0), np.zeros(5), method="DOP853",
-                                  rtol=1e-11, atol=1e-13, t_eval=times[:101])]  # fmt: skip
-    pieces.append(integrate.solve_ivp(slope, (1.0, 1.2), pieces[0].y[:, -1], method="DOP853",
-                                      rtol=1e-11, atol=1e-13, t_eval=times[101:]))  # fmt: skip
+    pieces = [
+        integrate.solve_ivp(
+            slope,
+            (0.0, 1.0),
+            np.zeros(5),
+            method="DOP853",
+            rtol=1e-11,
+            atol=1e-13,
+            t_eval=times[:101],
+        )
+    ]
+    pieces.append(
+        integrate.solve_ivp(
+            slope,
+            (1.0, 1.2),
+            pieces[0].y[:, -1],
+            method="DOP853",
+            rtol=1e-11,
+            atol=1e-13,
+            t_eval=times[101:],
+        )
+    )
     return np.hstack([piece.y[[0, 3, 4]] for piece in pieces])
 
 
@@ -304,8 +346,14 @@ def test_the_end_of_a_fast_run_is_right_too() -> None:
     machine = Machine(mechanism=BeamMotor(**SLOW))
     run = simulate(machine, {"motor": Constant(level=10.0)}, 2.0, tolerance=1e-3, samples=201)
     rates = traced(BeamMotor(**SLOW))
-    found = integrate.solve_ivp(lambda t, y: rates(*y, 10.0), (0.0, 2.0), np.zeros(5),
-                                method="DOP853", rtol=1e-10, atol=1e-12)  # fmt: skip
+    found = integrate.solve_ivp(
+        lambda t, y: rates(*y, 10.0),
+        (0.0, 2.0),
+        np.zeros(5),
+        method="DOP853",
+        rtol=1e-10,
+        atol=1e-12,
+    )
     assert run.accuracy is not None and run.accuracy < 1e-3
     assert run["rotor_speed"][-1] == pytest.approx(found.y[3, -1], rel=2e-3)
 
@@ -346,10 +394,15 @@ def test_one_mode_of_a_beam_is_the_mass_on_a_spring() -> None:
     """With higher modes of next to no mass and much stiffness nothing changes but the names."""
     stiff: dict[str, Any] = {"modes": "2", "mass_2": 1e-4, "stiffness_2": 1e7}
     one, two = (
-        simulate(Machine(mechanism=BeamMotor(**(SLOW | more))), {"motor": Constant(level=3.0)},
-                 1.0, step=2e-4, samples=101)
+        simulate(
+            Machine(mechanism=BeamMotor(**(SLOW | more))),
+            {"motor": Constant(level=3.0)},
+            1.0,
+            step=2e-4,
+            samples=101,
+        )
         for more in ({}, stiff)
-    )  # fmt: skip
+    )
     assert two["displacement"] == pytest.approx(one["displacement"], abs=2e-5)
     assert two["mode_1"] == pytest.approx(one["displacement"], abs=2e-5)
 
@@ -412,8 +465,13 @@ def test_slack_wire_never_pushes() -> None:
 
 def test_slack_wire_leaves_the_beam_alone() -> None:
     """With more slack than the beam moves there is no difference to no wire."""
-    without = simulate(Machine(mechanism=BeamMotor(**SLOW)), {"motor": Constant(level=3.0)}, 1.0,
-                       step=5e-4, samples=101)  # fmt: skip
+    without = simulate(
+        Machine(mechanism=BeamMotor(**SLOW)),
+        {"motor": Constant(level=3.0)},
+        1.0,
+        step=5e-4,
+        samples=101,
+    )
     waves = {"motor": Constant(level=3.0), "drive": Constant(level=HOT)}
     with_wire = simulate(coupled(0.1, hot=True), waves, 1.0, step=5e-4, samples=101)
     assert with_wire["displacement"] == pytest.approx(without["displacement"], abs=1e-12)

@@ -51,11 +51,20 @@ def load(kind: str, force: float = 1.0, stroke: float = 1.0) -> AbstractMechanis
     return BiasSpring(stiffness=1000.0 * force / stroke, preload=5.0 * force)
 
 
-def run(element: AbstractElement, mechanism: AbstractMechanism, high: float,
-        source: AbstractSource | None = None, **options: Any) -> Result:  # fmt: skip
+def run(
+    element: AbstractElement,
+    mechanism: AbstractMechanism,
+    high: float,
+    source: AbstractSource | None = None,
+    **options: Any,
+) -> Result:
     """A whole cycle."""
-    system = System(element=element, environment=ENVIRONMENT, source=source or PowerSource(),
-                    mechanism=mechanism)  # fmt: skip
+    system = System(
+        element=element,
+        environment=ENVIRONMENT,
+        source=source or PowerSource(),
+        mechanism=mechanism,
+    )
     pulse = Step(low=0.0, high=high, at=1.0, until=14.0)
     usual: dict[str, Any] = {"step": 0.1, "samples": 151}
     return simulate(system, pulse, 30.0, **(usual | options))
@@ -82,10 +91,16 @@ def test_a_bundle_is_so_many_times_as_strong(alone: tuple[str, Result], wiring: 
     many = run(Bundle(strand=wire_a(law_a()), count=N, wiring=wiring), load(kind, force=N), N * 5.0)
     series = wiring == "series"
     agree(
-        many, one, force=N, position=1.0, power=N, heat_loss=N,
+        many,
+        one,
+        force=N,
+        position=1.0,
+        power=N,
+        heat_loss=N,
         resistance=N if series else 1.0 / N,
-        current=1.0 if series else N, voltage=N if series else 1.0,
-    )  # fmt: skip
+        current=1.0 if series else N,
+        voltage=N if series else 1.0,
+    )
 
 
 @pytest.mark.parametrize("wiring", ["series", "parallel"])
@@ -95,9 +110,14 @@ def test_a_chain_goes_so_many_times_as_far(alone: tuple[str, Result], wiring: st
         LinkChain(link=wire_a(law_a()), count=N, wiring=wiring), load(kind, stroke=N), N * 5.0
     )
     agree(
-        many, one, force=1.0, position=N, power=N, heat_loss=N,
+        many,
+        one,
+        force=1.0,
+        position=N,
+        power=N,
+        heat_loss=N,
         resistance=N if wiring == "series" else 1.0 / N,
-    )  # fmt: skip
+    )
 
 
 @pytest.mark.parametrize("kind", LOADS)
@@ -138,8 +158,9 @@ def test_springs_side_by_side_and_behind_each_other(deflection: str) -> None:
 def test_time_constant_is_that_of_one() -> None:
     wire = wire_a(law_a())
     for many in (Bundle(strand=wire, count=N), LinkChain(link=wire, count=N, wiring="parallel")):
-        ratios = [e.heat_capacity_total() / e.heat_loss(floats, 296.0, ENVIRONMENT)
-                  for e in (many, wire)]  # fmt: skip
+        ratios = [
+            e.heat_capacity_total() / e.heat_loss(floats, 296.0, ENVIRONMENT) for e in (many, wire)
+        ]
         assert ratios[0] == pytest.approx(ratios[1], rel=1e-12)
         assert many.heat_capacity_total() == pytest.approx(N * wire.heat_capacity_total())
 

@@ -150,10 +150,13 @@ def test_factors_of_the_platform_spring() -> None:
     found = [
         f(index)
         for f in (
-            coil_theory.exact_stiffness, coil_theory.ancker_goodier, coil_theory.exact_stress,
-            coil_theory.compute_bergstraesser_factor, coil_theory.compute_wahl_factor,
+            coil_theory.exact_stiffness,
+            coil_theory.ancker_goodier,
+            coil_theory.exact_stress,
+            coil_theory.compute_bergstraesser_factor,
+            coil_theory.compute_wahl_factor,
         )
-    ]  # fmt: skip
+    ]
     assert found[:2] == pytest.approx([1.003899, 1.003841], abs=5e-7)
     assert found[2:] == pytest.approx([1.19900, 1.2000, 1.2129], abs=5e-5)
     assert 1.0 / (1.0 + 1.0 / (2 * index**2)) < 1.0 < found[0]  # the handbooks' wrong sign

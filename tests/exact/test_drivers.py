@@ -23,13 +23,23 @@ from martensite.simulate.api import simulate
 OHMS = [0.5, 2.5, 20.0]
 DUTIES = [0.0, 0.003, 0.1, 0.5, 0.97, 1.0]
 LOW_SIDE = Mosfet(
-    supply=6.0, supply_resistance=0.2, on_resistance=0.05, series_resistance=0.1,
-    frequency=2e3, dead_time=4e-6, smallest_pulse=10e-6, current_limit=5.0,
-)  # fmt: skip
+    supply=6.0,
+    supply_resistance=0.2,
+    on_resistance=0.05,
+    series_resistance=0.1,
+    frequency=2e3,
+    dead_time=4e-6,
+    smallest_pulse=10e-6,
+    current_limit=5.0,
+)
 BRIDGE = HBridge(
-    supply=6.0, high_resistance=0.08, low_resistance=0.04, series_resistance=0.1,
-    frequency=2e3, dead_time=4e-6,
-)  # fmt: skip
+    supply=6.0,
+    high_resistance=0.08,
+    low_resistance=0.04,
+    series_resistance=0.1,
+    frequency=2e3,
+    dead_time=4e-6,
+)
 
 
 def train(duty: float, frequency: float, lost: float, shortest: float, samples: int = 200_000):
@@ -98,9 +108,13 @@ def test_diodes_share_a_bridge_between_two_wires():
 def test_limits_of_an_amplifier():
     """5 V less 1.2 V of headroom, over 2.5 Ω and 0.3 Ω of its own; up to 3 A; nothing below 0."""
     one = LinearAmplifier(
-        voltage_limit=5.0, headroom=1.2, current_limit=3.0, output_resistance=0.3, gain=2.0,
+        voltage_limit=5.0,
+        headroom=1.2,
+        current_limit=3.0,
+        output_resistance=0.3,
+        gain=2.0,
         offset=0.1,
-    )  # fmt: skip
+    )
     for signal, volts in ((-1.0, 0.0), (0.0, 0.1), (1.0, 2.1), (1.85, 3.8), (9.0, 3.8)):
         assert one.current(floats, signal, 2.5) == pytest.approx(volts / 2.8, rel=1e-14)
     assert one.current(floats, 9.0, 0.5) == 3.0
@@ -122,10 +136,15 @@ def test_an_amplifier_needs_room():
         (BRIDGE, 1.0),
         (LinearAmplifier(voltage_limit=3.0, headroom=1.0), 2.0),
     ],
-)  # fmt: skip
+)
 def test_a_run_says_what_was_not_delivered(source, most):
-    run = simulate(hanging_wire(mass=1.0, source=source), Ramp(high=2.5 * most, end=0.1), 0.1,
-                   step=1e-3, samples=8)  # fmt: skip
+    run = simulate(
+        hanging_wire(mass=1.0, source=source),
+        Ramp(high=2.5 * most, end=0.1),
+        0.1,
+        step=1e-3,
+        samples=8,
+    )
     (alarm,) = [one for one in run.alarms if one.kind == "supply"]
     assert (alarm.first, alarm.limit) == (pytest.approx(0.04, rel=1e-8), most)
 

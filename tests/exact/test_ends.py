@@ -103,18 +103,20 @@ def test_slope_is_that_of_finite_differences() -> None:
 @pytest.mark.parametrize(
     ("length", "contact"),
     [
-        (4e-3, IDEAL), (20e-3, 1e-4),
+        (4e-3, IDEAL),
+        (20e-3, 1e-4),
         pytest.param(20e-3, IDEAL, marks=pytest.mark.slow),
         pytest.param(60e-3, 1e-5, marks=pytest.mark.slow),
     ],
-)  # fmt: skip
+)
 def test_lumped_ends_give_the_mean_of_the_axial_wire(length: float, contact: float) -> None:
     """To the error of its cells: 2e-4 at 80, with the lumped wire right on the fin."""
     watts = length
     ends = ClampedEnds(thermal_conductivity=K, contact=contact)
     elements: list[Any] = [
-        thin_wire(length, ends=ends), axial(thin_wire(length), contact=contact, cells="80"),
-    ]  # fmt: skip
+        thin_wire(length, ends=ends),
+        axial(thin_wire(length), contact=contact, cells="80"),
+    ]
     lumped, cut = (
         simulate(clamped(e), Constant(level=watts), 60.0, step=0.5, samples=2) for e in elements
     )
@@ -156,11 +158,10 @@ waveform = { kind = "constant", level = "0.02 W" }
 [run]
 duration = "5 s"
 """
-AXIAL = (
-    SCENARIO.replace("ends = ENDS\n", "")
-    .replace('kind = "wire"\nmaterial = "flexinol-90"\n', 'kind = "axial-wire"\n'
-             'material = "flexinol-90"\n[element.wire]\nkind = "wire"\n')
-)  # fmt: skip
+AXIAL = SCENARIO.replace("ends = ENDS\n", "").replace(
+    'kind = "wire"\nmaterial = "flexinol-90"\n',
+    'kind = "axial-wire"\nmaterial = "flexinol-90"\n[element.wire]\nkind = "wire"\n',
+)
 
 
 def test_ends_draw_the_conductivity_of_the_material() -> None:

@@ -120,10 +120,12 @@ def test_wrong_intervals_would_be_noticed() -> None:
     right = fit.interval(1)
     normal = [fit.coefficients[1] + sign * 1.96 * fit.error(1) for sign in (-1, 1)]
     biased = LinearFit(
-        fit.terms, fit.linear.values,
+        fit.terms,
+        fit.linear.values,
         tuple(tuple(c * 2 / 4 for c in row) for row in fit.linear.covariance),
-        fit.linear.squares, 4,
-    )  # fmt: skip
+        fit.linear.squares,
+        4,
+    )
     assert right != pytest.approx(normal, rel=1e-2)
     assert right != pytest.approx(biased.interval(1), rel=1e-2)
 

@@ -292,9 +292,14 @@ def test_a_wire_cannot_push() -> None:
     """Assembled hot and cooled, a wire of one martensite gets longer than the finger can follow."""
     limit = math.radians(-5.0)
     element = Wire(
-        diameter=0.1e-3, length=0.44, density=6500.0, heat_capacity=500.0,
-        initial_fraction=0.0, law=plain_law(), resistance=PerLengthResistance(r_A=125.0, r_M=125.0),
-    )  # fmt: skip
+        diameter=0.1e-3,
+        length=0.44,
+        density=6500.0,
+        heat_capacity=500.0,
+        initial_fraction=0.0,
+        law=plain_law(),
+        resistance=PerLengthResistance(r_A=125.0, r_M=125.0),
+    )
     system = finger(lowest=limit).with_parts(element=element, source=PrescribedTemperature())
     wave = FunctionWaveform(function=lambda t: 400.0 - 10.0 * t)
     run = simulate(system, wave, 12.0, step=0.05, samples=121)
@@ -314,9 +319,13 @@ J = 1.8e-5
 def frozen(**changes: Any) -> System:
     """A finger whose wire stays cold and elastic."""
     element = Wire(
-        diameter=0.1e-3, length=0.44, density=6500.0, heat_capacity=500.0, law=plain_law(E_A=28e9),
+        diameter=0.1e-3,
+        length=0.44,
+        density=6500.0,
+        heat_capacity=500.0,
+        law=plain_law(E_A=28e9),
         resistance=PerLengthResistance(r_A=125.0, r_M=125.0),
-    )  # fmt: skip
+    )
     environment = Environment(temperature=295.0, cooling=ConstantCooling(h=200.0))
     return finger(motion="dynamic", inertia=J, **changes).with_parts(
         element=element, environment=environment

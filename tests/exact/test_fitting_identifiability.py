@@ -34,9 +34,11 @@ def machine(p: np.ndarray) -> np.ndarray:
     x = (AT - 280.0) / 40.0
     start = (s * (AT - t_l) + sigma_l) / k
     return (
-        1e-6 * start + 1e-7 * width / k * np.sin(3 * x)
-        + 1e-10 * e / k * np.cos(5 * x) + 1e-22 / (v * k) * np.exp(-x)
-    )  # fmt: skip
+        1e-6 * start
+        + 1e-7 * width / k * np.sin(3 * x)
+        + 1e-10 * e / k * np.cos(5 * x)
+        + 1e-22 / (v * k) * np.exp(-x)
+    )
 
 
 def slopes(model, values, ranges) -> np.ndarray:
@@ -179,9 +181,13 @@ def test_a_parameter_is_weak_when_it_is_uncertain_by_more_than_its_range(noise: 
     """One column of norm 1: the standard error is `noise` ranges, by hand."""
     columns = np.stack([np.full(100, 30.0), np.tile([0.1, -0.1], 50)], axis=1)
     found = assess_identifiability(
-        columns, ["a", "E_M"], values=[1.0, 30e9], scales=[1.0, 20e9], units=["1", "Pa"],
+        columns,
+        ["a", "E_M"],
+        values=[1.0, 30e9],
+        scales=[1.0, 20e9],
+        units=["1", "Pa"],
         noise=noise,
-    )  # fmt: skip
+    )
     assert found.uncertainties == pytest.approx((noise / 300.0, noise))
     assert found.determined is not weak
     if weak:
@@ -207,7 +213,7 @@ def test_a_weak_pair_that_is_not_redundant_is_not_called_so():
     assert "nothing" not in one.sentence
     assert assess_identifiability(
         columns, ["p", "q"], values=[1, 3], scales=[1, 1], noise=1e-4
-    ).determined  # fmt: skip
+    ).determined
 
 
 def test_a_small_mover_is_named_only_if_it_is_needed():
@@ -224,7 +230,7 @@ def test_a_small_mover_is_named_only_if_it_is_needed():
     nearly[:, 2] *= 60.0 * small
     named = assess_identifiability(
         nearly, ["a", "b", "c"], values=[1, 2, 3], scales=[1, 1, 1], noise=0.1
-    )  # fmt: skip
+    )
     assert [set(one.names) for one in named.weak] == [{"a", "b"}]
     assert np.count_nonzero(find_weak_directions(nearly, 0.1)[0]) == 3
 
@@ -239,8 +245,9 @@ def test_singular_values_and_the_number_of_weak_directions(count: int):
     found = assess_identifiability(columns, [f"p{k}" for k in range(count)], noise=1e-6, **given)
     assert found.singular_values == pytest.approx(np.linalg.svd(columns)[1].tolist(), abs=1e-12)
     assert {frozenset(one.names) for one in found.weak} == {
-        frozenset({"p0", "p1", "p2"}), frozenset({"p1", "p3", "p4"}),
-    }  # fmt: skip
+        frozenset({"p0", "p1", "p2"}),
+        frozenset({"p1", "p3", "p4"}),
+    }
     assert found.sensitivities == pytest.approx(
         (np.linalg.norm(columns, axis=0) / np.sqrt(80) / 1e-6).tolist()
     )

@@ -76,9 +76,15 @@ def test_the_first_step_does_not_matter(step: float):
 def test_a_curved_profile_is_crossed_where_it_is():
     """cost = (log x)⁴ + 1: unequal sides, log x = ± limit^(1/4)."""
     found = walk_profile(
-        bounded(lambda x: math.log(x) ** 4 + 1.0), [1.0], 1.0, 0, low=1e-3, high=1e3, noise=0.2,
+        bounded(lambda x: math.log(x) ** 4 + 1.0),
+        [1.0],
+        1.0,
+        0,
+        low=1e-3,
+        high=1e3,
+        noise=0.2,
         step=0.01,
-    )  # fmt: skip
+    )
     far = (0.2 * stats.norm.ppf(0.975)) ** 0.5
     assert found.interval == pytest.approx((math.exp(-far), math.exp(far)), rel=1e-4)
     assert [p.at for p in found.points] == sorted(p.at for p in found.points)
@@ -88,8 +94,15 @@ def test_a_side_without_limit_is_open():
     """The cost levels off above: no upper limit within the bounds."""
     found = walk_profile(
         bounded(lambda x: (1.0 / x - 1.0) ** 2 if x < 1.0 else 0.1 * (1.0 - 1.0 / x) ** 2),
-        [1.0], 0.0, 0, low=0.1, high=100.0, noise=1.0, name="E_M", unit="1",
-    )  # fmt: skip
+        [1.0],
+        0.0,
+        0,
+        low=0.1,
+        high=100.0,
+        noise=1.0,
+        name="E_M",
+        unit="1",
+    )
     assert found.interval == (pytest.approx(1.0 / 2.95996, rel=1e-3), math.inf)
     assert found.above.reason == "bound"
     assert found.points[-1].at == 100.0
@@ -101,9 +114,16 @@ def test_a_side_without_limit_is_open():
 
 def test_both_sides_open_and_units_in_words():
     flat = walk_profile(
-        bounded(lambda x: 0.0), [320.0], 0.0, 0, low=295.0, high=394.15, noise=1.0, name="T_L",
+        bounded(lambda x: 0.0),
+        [320.0],
+        0.0,
+        0,
+        low=295.0,
+        high=394.15,
+        noise=1.0,
+        name="T_L",
         unit="K",
-    )  # fmt: skip
+    )
     assert flat.interval == (-math.inf, math.inf)
     assert flat.sentence == (
         "`T_L` = 46.85 degC, open: the data give no lower limit within the bounds (to 21.85 "
@@ -158,9 +178,14 @@ def test_the_number_of_refits_is_kept():
 
 def test_a_better_fit_on_the_way_is_reported():
     found = walk_profile(
-        bounded(lambda x: (x - 1.0) ** 2 * ((x - 3.0) ** 2 - 0.5)), [1.0], 0.0, 0, low=0.0,
-        high=5.0, noise=3.0,
-    )  # fmt: skip
+        bounded(lambda x: (x - 1.0) ** 2 * ((x - 3.0) ** 2 - 0.5)),
+        [1.0],
+        0.0,
+        0,
+        low=0.0,
+        high=5.0,
+        noise=3.0,
+    )
     assert found.better is not None
     assert found.better.at == pytest.approx(3.0, abs=0.5)
     assert "repeat it" in found.sentence

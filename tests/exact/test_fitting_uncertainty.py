@@ -105,9 +105,12 @@ def test_no_undetermined_parameter_gets_a_small_error(share: float):
     assert found.errors[0] == math.inf
     assert not found.errors[1] < 1e-3
     nearly = columns + 1e-5 * np.stack([np.sin(X), 0 * X, 0 * X], axis=1)
-    assert estimate_uncertainty(
-        0.1 * np.cos(9.0 * X), nearly, NAMES, values=[1, 1, 1], scales=[1, 1, 1]
-    ).errors[0] > 1e2  # fmt: skip
+    assert (
+        estimate_uncertainty(
+            0.1 * np.cos(9.0 * X), nearly, NAMES, values=[1, 1, 1], scales=[1, 1, 1]
+        ).errors[0]
+        > 1e2
+    )
 
 
 def test_no_sample_to_spare_and_no_effect_at_all():

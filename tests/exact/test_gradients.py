@@ -83,10 +83,14 @@ def test_steady_temperature():
     system = hanging_wire(mass=0.5, h=80.0)
     rise = 1.5 / (80.0 * math.pi * 0.381e-3 * 0.25)
     run = compute_sensitivity(
-        system, Constant(level=1.5), 200.0,
+        system,
+        Constant(level=1.5),
+        200.0,
         ["h", "diameter", "latent_heat", "environment.temperature"],
-        step=0.05, samples=11, output="temperature",
-    )  # fmt: skip
+        step=0.05,
+        samples=11,
+        output="temperature",
+    )
     assert run.column[-1] == pytest.approx(20 + ZERO + rise, abs=1e-8)
     last = {path.split(".")[-1]: slope[-1] for path, slope in run.slopes.items()}
     assert last["h"] == pytest.approx(-rise / 80.0, rel=1e-8)

@@ -39,8 +39,12 @@ from martensite.simulate.compiled import compile_system
 from martensite.simulate.result import Result
 
 GEOMETRY: dict[str, Any] = {
-    "offset": 5e-3, "bracket": 4e-3, "knuckle": 7e-3, "preload": 0.5, "highest": 1.2,
-}  # fmt: skip
+    "offset": 5e-3,
+    "bracket": 4e-3,
+    "knuckle": 7e-3,
+    "preload": 0.5,
+    "highest": 1.2,
+}
 ANGLES = [f"{finger}_{joint}" for finger in FINGERS for joint in JOINTS]
 COLD = Environment(temperature=275.0, cooling=ConstantCooling(h=150.0))
 """Colder than the finish of martensite."""
@@ -89,9 +93,11 @@ def test_it_has_twelve_ports_and_six_angles() -> None:
     ports = hand().ports()
     assert len(ports) == 12
     assert ports[:4] == (
-        "thumb_proximal_flexor", "thumb_proximal_extensor", "thumb_distal_flexor",
+        "thumb_proximal_flexor",
+        "thumb_proximal_extensor",
+        "thumb_distal_flexor",
         "thumb_distal_extensor",
-    )  # fmt: skip
+    )
     assert [c.name for c in hand().coordinates()] == ANGLES
 
 
@@ -245,11 +251,14 @@ def torques(mechanism: Hand, angles: np.ndarray, millimetres: dict[str, float]) 
 
 @pytest.mark.parametrize("size", [1.0, 1.3])
 @pytest.mark.parametrize("tendons", ["separate", "passing"])
-@pytest.mark.parametrize("millimetres", [
-    {"index_distal_flexor": 3.0},
-    {"index_proximal_flexor": 4.0, "index_distal_extensor": -8.0},
-    {"index_proximal_flexor": 2.0, "index_distal_flexor": 5.0, "index_distal_extensor": -1.0},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "millimetres",
+    [
+        {"index_distal_flexor": 3.0},
+        {"index_proximal_flexor": 4.0, "index_distal_extensor": -8.0},
+        {"index_proximal_flexor": 2.0, "index_distal_flexor": 5.0, "index_distal_extensor": -1.0},
+    ],
+)
 def test_it_rests_where_nothing_is_left_over(
     millimetres: dict[str, float], tendons: str, size: float
 ) -> None:

@@ -317,13 +317,15 @@ QUICK = [("linear", "smooth"), ("round", "smooth"), ("roundest", "waisted")]
     ("exponents", "changes"),
     [
         pytest.param(
-            exponents, changes, id=f"{name}-{hardening}",
+            exponents,
+            changes,
+            id=f"{name}-{hardening}",
             marks=[] if (name, hardening) in QUICK else [pytest.mark.slow],
         )
         for name, exponents in EXPONENTS.items()
         for hardening, changes in (("smooth", {}), ("waisted", WAISTED))
     ],
-)  # fmt: skip
+)
 def test_closed_isothermal_cycles_dissipate(exponents, changes):
     """From austenite through any turning points and back, where strain grows with stress."""
     law, rng = law_of(exponents, **changes), np.random.default_rng(4)

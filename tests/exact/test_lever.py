@@ -30,8 +30,12 @@ G = 9.80665
 SOFT, SHORTER = 2e-4, 1e-3
 """Compliance of an elastic element [m/N] and its shortening per kelvin [m/K]."""
 USUAL: dict[str, Any] = {
-    "arm": 0.02, "distance": 0.08, "mass": 0.5, "weight_arm": 0.05, "weight_angle": 0.1,
-}  # fmt: skip
+    "arm": 0.02,
+    "distance": 0.08,
+    "mass": 0.5,
+    "weight_arm": 0.05,
+    "weight_angle": 0.1,
+}
 
 
 def lever(**changes: Any) -> Lever:
@@ -41,9 +45,11 @@ def lever(**changes: Any) -> Lever:
 def elastic(mechanism: Lever) -> System:
     """An elastic element on a lever."""
     return System(
-        element=Elastic(compliance=SOFT, contraction=SHORTER), environment=SURROUNDINGS,
-        source=PrescribedTemperature(), mechanism=mechanism,
-    )  # fmt: skip
+        element=Elastic(compliance=SOFT, contraction=SHORTER),
+        environment=SURROUNDINGS,
+        source=PrescribedTemperature(),
+        mechanism=mechanism,
+    )
 
 
 def drawn(
@@ -93,19 +99,26 @@ def test_the_arm_of_the_wire_is_that_of_the_figure(wire_angle: float) -> None:
         assert arm == pytest.approx((np.conj(tip) * wire).imag / abs(wire), rel=1e-12)
 
 
-@pytest.mark.parametrize("changes", [
-    {}, {"wire_angle": 1.0}, {"wire_angle": 2.2, "stiffness": 0.2, "torque": 0.05},
-    {"weight_angle": -0.6, "distance": 0.03},
-])  # fmt: skip
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {},
+        {"wire_angle": 1.0},
+        {"wire_angle": 2.2, "stiffness": 0.2, "torque": 0.05},
+        {"weight_angle": -0.6, "distance": 0.03},
+    ],
+)
 @pytest.mark.parametrize("millimetres", [3.0, 9.0])
 def test_it_rests_at_the_least_energy(changes: dict[str, Any], millimetres: float) -> None:
     mechanism = lever(**changes)
     home = SOFT * mechanism.start_forces(floats)[0]
     result = drawn(mechanism, millimetres)
     found: Any = optimize.minimize_scalar(
-        lambda q: energy(mechanism, q, home, 1e-3 * millimetres), bounds=(-0.5, 0.95),
-        method="bounded", options={"xatol": 1e-12},
-    )  # fmt: skip
+        lambda q: energy(mechanism, q, home, 1e-3 * millimetres),
+        bounds=(-0.5, 0.95),
+        method="bounded",
+        options={"xatol": 1e-12},
+    )
     assert result["angle"][-1] == pytest.approx(found.x, abs=2e-7)
     assert 0.05 < found.x < 0.9
     rise = math.sin(mechanism.weight_angle + found.x) - math.sin(mechanism.weight_angle)
@@ -120,9 +133,11 @@ def test_for_small_angles_it_is_a_dead_weight_with_the_ratio_of_the_arms() -> No
     ratio = 2.5
     mechanism = Lever(arm=2.0, distance=100.0, mass=0.4, weight_arm=5.0)
     by_lever = problem_a(
-        element=hanging_wire().element, environment=hanging_wire().environment,
-        source=PowerSource(), mechanism=mechanism,
-    )  # fmt: skip
+        element=hanging_wire().element,
+        environment=hanging_wire().environment,
+        source=PowerSource(),
+        mechanism=mechanism,
+    )
     straight = hanging_wire(mass=0.4 * ratio)
     pulse = Step(low=0.0, high=5.0, at=1.0, until=8.0)
     one, other = (

@@ -87,11 +87,12 @@ def test_plateaus_move_with_the_logarithm_of_the_rate():
 @pytest.mark.parametrize(
     ("form", "volume", "up", "down"),
     [
-        ("barrier", 5e-23, 139.6, 90.4), ("well", 5e-24, 114.7, 108.6),
+        ("barrier", 5e-23, 139.6, 90.4),
+        ("well", 5e-24, 114.7, 108.6),
         pytest.param("well", 5e-23, 132.7, 95.2, marks=pytest.mark.slow),
         pytest.param("barrier", 5e-24, 136.6, 93.3, marks=pytest.mark.slow),
     ],
-)  # fmt: skip
+)
 def test_volume_means_something_only_with_its_form(form, volume, up, down):
     path = stretched(355.0, law=table_1(rates=form, layer_volume=volume))
     assert plateaus(path) == pytest.approx((up, down), abs=0.06)
@@ -144,11 +145,17 @@ def test_thermal_thresholds_and_amplitude(mpa):
 @pytest.mark.parametrize(
     ("form", "mpa", "minus"),
     [
-        ("barrier", 0.0, 0.5), ("barrier", 0.25, 0.027), ("barrier", 0.5, 0.0),
-        ("barrier", 1.0, 0.0), ("well", 0.0, 0.5), ("well", 0.25, 0.35), ("well", 0.5, 0.22),
-        ("well", 1.0, 0.067), ("well", 2.0, 0.003),
+        ("barrier", 0.0, 0.5),
+        ("barrier", 0.25, 0.027),
+        ("barrier", 0.5, 0.0),
+        ("barrier", 1.0, 0.0),
+        ("well", 0.0, 0.5),
+        ("well", 0.25, 0.35),
+        ("well", 0.5, 0.22),
+        ("well", 1.0, 0.067),
+        ("well", 2.0, 0.003),
     ],
-)  # fmt: skip
+)
 def test_a_low_bias_leaves_the_other_variant(form, mpa, minus):
     corners = [(0.0, mpa * 1e6, 345.0), (55.0, mpa * 1e6, 290.0)]
     path = follow(table_1(rates=form), AUSTENITE, corners, 0.01)
@@ -179,12 +186,14 @@ def test_fractions_stay_fractions_under_any_stress(form):
 @pytest.mark.parametrize(
     ("T", "form"),
     [
-        (300.0, "barrier"), (300.0, "edge"), (360.0, "well"),
+        (300.0, "barrier"),
+        (300.0, "edge"),
+        (360.0, "well"),
         pytest.param(300.0, "well", marks=pytest.mark.slow),
         pytest.param(360.0, "barrier", marks=pytest.mark.slow),
         pytest.param(360.0, "edge", marks=pytest.mark.slow),
     ],
-)  # fmt: skip
+)
 def test_fractions_stay_fractions_under_any_strain(form, T):
     """Tension and compression to 5 % at 1e-3 per second, both variants in turn."""
     corners = [(0.0, 0.004, T), (46.0, 0.05, T), (146.0, -0.05, T)]
@@ -242,9 +251,12 @@ def missing_energy(model, counted_as):
     count = 2**12
     width = 20.0 / count
     run = simulate(
-        system(Wire(), rates="barrier", heat_model=model), waveform(), 20.0, step=width,
+        system(Wire(), rates="barrier", heat_model=model),
+        waveform(),
+        20.0,
+        step=width,
         samples=count + 1,
-    )  # fmt: skip
+    )
     wire: Any = run.system.element
     law = system(Wire(), heat_model=counted_as).element.law
     put_in, lost = (float(romb(np.array(run[n]), width)) for n in ("power", "heat_loss"))

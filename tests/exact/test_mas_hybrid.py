@@ -98,11 +98,12 @@ def test_the_rate_law_tends_to_it_with_ever_larger_layers(seconds):
     options = {"ramp": 1e4, "transit_time": seconds}
     gaps = [
         apart(
-            wire("mas-hybrid", 0.01, size, **options), wire("mas", 0.01, size, rates="barrier"),
+            wire("mas-hybrid", 0.01, size, **options),
+            wire("mas", 0.01, size, rates="barrier"),
             "stress",
         )
         for size in (1.0, 4.0, 16.0, 64.0)
-    ]  # fmt: skip
+    ]
     assert all(larger > 1.6 * smaller for larger, smaller in pairwise(gaps))
     assert gaps[-1] < (0.02e6 if seconds == 1.0 else 0.2e6)
 

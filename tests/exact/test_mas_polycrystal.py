@@ -160,13 +160,20 @@ def on_a_weak_spring(distribution):
     law = polycrystal(groups="15", distribution=distribution)
     element = problem.element
     wire = type(element)(
-        diameter=element.diameter, length=element.length, density=6500.0, heat_capacity=500.0,
-        latent_heat=25e3, law=law, resistance=element.resistance,
-    )  # fmt: skip
+        diameter=element.diameter,
+        length=element.length,
+        density=6500.0,
+        heat_capacity=500.0,
+        latent_heat=25e3,
+        law=law,
+        resistance=element.resistance,
+    )
     actuator = System(
-        element=wire, source=problem.source, mechanism=BiasSpring(stiffness=10.0, preload=0.157),
+        element=wire,
+        source=problem.source,
+        mechanism=BiasSpring(stiffness=10.0, preload=0.157),
         environment=Environment(temperature=295.0, cooling=ConstantCooling(h=200.0)),
-    )  # fmt: skip
+    )
     watts = FunctionWaveform(function=lambda t: 2.6 * max(0.0, 1 - abs(t - 5) / 4), kinks=(1, 5, 9))
     run = simulate(actuator, watts, 14.0, step=50e-3, samples=141)
     assert min(run["martensite_fraction"]) < 0.01

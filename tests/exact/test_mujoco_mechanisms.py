@@ -54,9 +54,15 @@ PULSE: dict[str, Any] = {"first": Step(low=0.0, high=34.0, until=1.9)}
 def finger(offset: float = 3.5e-3, kind: type[Finger] = Finger, **changes: Any) -> System:
     """The prototype with inertia, some damping and the law without rates."""
     usual = {
-        "offset": offset, "bracket": 10.6e-3, "stiffness": 50.0, "arm": 8e-3, "extension": 1e-3,
-        "inertia": 1.8e-5, "damping": 1e-4, "motion": "dynamic",
-    }  # fmt: skip
+        "offset": offset,
+        "bracket": 10.6e-3,
+        "stiffness": 50.0,
+        "arm": 8e-3,
+        "extension": 1e-3,
+        "inertia": 1.8e-5,
+        "damping": 1e-4,
+        "motion": "dynamic",
+    }
     mechanism = kind(**(usual | changes))
     return finger_prototype(finger_law("mas-hybrid")).with_parts(mechanism=mechanism)
 
@@ -65,9 +71,10 @@ def platform(**changes: Any) -> Machine:
     """Three springs under power, with inertia and some damping."""
     usual = {"side": 0.1, "height": 0.06, "mass": 0.075, "damping": 1e-3, "motion": "dynamic"}
     one = Actuator(
-        element=platform_spring(), source=PowerSource(),
+        element=platform_spring(),
+        source=PowerSource(),
         environment=Environment(temperature=298.15, cooling=ConstantCooling(h=150.0)),
-    )  # fmt: skip
+    )
     mechanism = ParallelPlatform(**(usual | changes))
     return Machine(mechanism=mechanism, group=Group(first=one, second=one, third=one))
 
@@ -167,11 +174,14 @@ def test_other_inertia_and_arms_are_noticed() -> None:
 
 
 @pytest.mark.parametrize("stop", [0.5, 10.0])
-@pytest.mark.parametrize(("changes", "limit", "side"), [
-    ({"highest": 0.7}, 0.7, 1.0),
-    ({"lowest": -0.2}, -0.2, -1.0),
-    ({"bracket": 2e-3}, 2.0 * math.atan2(2.0, 3.5), 1.0),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("changes", "limit", "side"),
+    [
+        ({"highest": 0.7}, 0.7, 1.0),
+        ({"lowest": -0.2}, -0.2, -1.0),
+        ({"bracket": 2e-3}, 2.0 * math.atan2(2.0, 3.5), 1.0),
+    ],
+)
 def test_limits_give_way_as_the_stops_do(
     changes: dict[str, Any], limit: float, side: float, stop: float
 ) -> None:
@@ -303,12 +313,24 @@ def test_a_finger_without_stops_has_no_limits() -> None:
     assert read_model(to_mjcf(finger(stop=0.0))).jnt_limited[0] == 0
 
 
-@pytest.mark.parametrize(("system", "words"), [
-    (hanging_wire(), "`dead-weight` cannot be written as MJCF; .*`finger`, `parallel-platform`"),
-    (finger(friction=0.1), "slide without friction, but parameter `friction` of `finger` is 0.1"),
-    (finger(spring="fixed", extension=0.06), "`extension` of `finger` .* at most `height`, 50 mm"),
-    (finger(kind=Longer), "cannot be written"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("system", "words"),
+    [
+        (
+            hanging_wire(),
+            "`dead-weight` cannot be written as MJCF; .*`finger`, `parallel-platform`",
+        ),
+        (
+            finger(friction=0.1),
+            "slide without friction, but parameter `friction` of `finger` is 0.1",
+        ),
+        (
+            finger(spring="fixed", extension=0.06),
+            "`extension` of `finger` .* at most `height`, 50 mm",
+        ),
+        (finger(kind=Longer), "cannot be written"),
+    ],
+)
 def test_what_cannot_be_written(system: AbstractSystem, words: str) -> None:
     with pytest.raises(InputError, match=words):
         to_mjcf(system)

@@ -51,9 +51,10 @@ def spring() -> CoilSpring:
     shape = plain.wire_length() / plain.section()
     law = platform_law(eps_L=WIRE * (COLD - CLOSED) / (math.sqrt(3) * math.pi * TURNS * COIL**2))
     return platform_spring(
-        density=1e-3 / (plain.section() * plain.wire_length()), law=law,
+        density=1e-3 / (plain.section() * plain.wire_length()),
+        law=law,
         resistance=MixtureResistance(rho_A=0.7246 / shape, rho_M=0.8197 / shape),
-    )  # fmt: skip
+    )
 
 
 def platform(
@@ -343,12 +344,16 @@ def test_a_heavy_plate_above_its_joint_leans_further() -> None:
     ends = [
         degrees(
             simulate(
-                platform(eccentricity=0.03, gravity=g, mass=0.3), {"first": HOT}, 6.0,
-                step=0.02, samples=61,
-            ), "alpha",
+                platform(eccentricity=0.03, gravity=g, mass=0.3),
+                {"first": HOT},
+                6.0,
+                step=0.02,
+                samples=61,
+            ),
+            "alpha",
         )[-1]
         for g in (GRAVITY, 0.0, -GRAVITY)
-    ]  # fmt: skip
+    ]
     assert ends[0] > ends[1] + 1.0 > ends[2] + 2.0
 
 

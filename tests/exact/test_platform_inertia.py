@@ -213,10 +213,17 @@ def answers(_: Any, xp: Any, m: Any, i: Any, e: Any, a: Any, b: Any, p: Any, q: 
 
 
 KERNEL = Kernel(
-    {"m": (0.01, 1.0), "i": (1e-6, 1e-3), "e": (-0.05, 0.05), "a": (-0.7, 0.7), "b": (-0.7, 0.7),
-     "p": (-5.0, 5.0), "q": (-5.0, 5.0)},
+    {
+        "m": (0.01, 1.0),
+        "i": (1e-6, 1e-3),
+        "e": (-0.05, 0.05),
+        "a": (-0.7, 0.7),
+        "b": (-0.7, 0.7),
+        "p": (-5.0, 5.0),
+        "q": (-5.0, 5.0),
+    },
     answers,
-)  # fmt: skip
+)
 
 
 @pytest.mark.parametrize("runtime", RUNTIMES)

@@ -279,10 +279,17 @@ def answers(_: Any, xp: Any, s: Any, h: Any, z: Any, a: Any, b: Any, F: Any, L: 
 
 
 KERNEL = Kernel(
-    {"s": (0.05, 0.2), "h": (0.04, 0.2), "z": (0.0, 0.2), "a": (-0.7, 0.7), "b": (-0.7, 0.7),
-     "F": (-5.0, 20.0), "L": (0.03, 0.2)},
+    {
+        "s": (0.05, 0.2),
+        "h": (0.04, 0.2),
+        "z": (0.0, 0.2),
+        "a": (-0.7, 0.7),
+        "b": (-0.7, 0.7),
+        "F": (-5.0, 20.0),
+        "L": (0.03, 0.2),
+    },
     answers,
-)  # fmt: skip
+)
 
 
 @pytest.mark.parametrize("runtime", RUNTIMES)

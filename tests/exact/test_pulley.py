@@ -138,8 +138,10 @@ def test_damping_takes_the_amplitude_by_its_logarithmic_decrement() -> None:
     still = R * 0.5e-3 / SOFT / (0.05 + RATE)
     swing = np.array(result["angle"]) - still
     ups = crossings(result.times, swing)
-    peaks = [swing[(np.array(result.times) >= a) & (np.array(result.times) < b)].max()
-             for a, b in pairwise(ups)]  # fmt: skip
+    peaks = [
+        swing[(np.array(result.times) >= a) & (np.array(result.times) < b)].max()
+        for a, b in pairwise(ups)
+    ]
     decrement = np.diff(np.log(peaks)).mean()
     period = np.diff(ups).mean()
     assert decrement == pytest.approx(-damping / (2.0 * 4e-5) * period, rel=0.01)

@@ -66,9 +66,11 @@ def ripple(rule, cycles=30):
     """ξ after heating to 73 °C, and after each whole cycle of ±1 °C around it."""
 
     def kelvin(t):
-        return 73 + ZERO + (t - 1.0) * 53.0 if t < 1.0 else (
-            73 + ZERO + math.sin(2 * math.pi * (t - 1.0))
-        )  # fmt: skip
+        return (
+            73 + ZERO + (t - 1.0) * 53.0
+            if t < 1.0
+            else (73 + ZERO + math.sin(2 * math.pi * (t - 1.0)))
+        )
 
     wave = FunctionWaveform(function=kelvin, kinks=(1.0,))
     duration = float(cycles + 1)

@@ -146,19 +146,32 @@ def test_a_mixture_in_its_nominal_shape_is_noticed():
 
 def test_a_simulated_wire_carries_it_with_strain_and_temperature():
     law = ms.LiangRogers(
-        E_A=FINGER["E_A"], E_M=FINGER["E_M"], eps_L=FINGER["eps_T"], modulus="mixture",
-        A_s=328.0, A_f=338.0, M_s=325.0, M_f=315.0, C_A=4e6, C_M=4e6,
-    )  # fmt: skip
+        E_A=FINGER["E_A"],
+        E_M=FINGER["E_M"],
+        eps_L=FINGER["eps_T"],
+        modulus="mixture",
+        A_s=328.0,
+        A_f=338.0,
+        M_s=325.0,
+        M_f=315.0,
+        C_A=4e6,
+        C_M=4e6,
+    )
     wire = ms.Wire(
-        diameter=DIAMETER, length=LENGTH, law=law, resistance=model(),
-        density=FINGER["density"], heat_capacity=FINGER["heat_capacity"],
+        diameter=DIAMETER,
+        length=LENGTH,
+        law=law,
+        resistance=model(),
+        density=FINGER["density"],
+        heat_capacity=FINGER["heat_capacity"],
         latent_heat=FINGER["latent_heat"],
-    )  # fmt: skip
+    )
     system = ms.System(
-        element=wire, mechanism=ms.BiasSpring(stiffness=10.0, preload=17e6 * AREA),
+        element=wire,
+        mechanism=ms.BiasSpring(stiffness=10.0, preload=17e6 * AREA),
         source=ms.electrical.PowerSource(),
         environment=ms.Environment(temperature=295.0, cooling=ms.thermal.ConstantCooling(h=200.0)),
-    )  # fmt: skip
+    )
     run = ms.run(system, ms.Step(low=0.0, high=1.7, at=1.0, until=13.0), 25.0)
     columns = ("martensite_fraction", "strain", "temperature", "resistance")
     fraction, strain, temperature, found = (np.array(run[name]) for name in columns)

@@ -23,16 +23,25 @@ from martensite.testing.sensors import (
 
 EXAMPLES: list[Any] = builders.examples("sensor")
 NUMBERS: dict[str, float] = {
-    "gain_error": 0.03, "offset": 0.02, "bias": -0.3, "backlash": 0.0, "emissivity": 0.8,
-    "setting": 0.9, "attachment": 0.7, "nonlinearity": 0.05, "lowest": 255.0, "highest": 410.0,
-}  # fmt: skip
+    "gain_error": 0.03,
+    "offset": 0.02,
+    "bias": -0.3,
+    "backlash": 0.0,
+    "emissivity": 0.8,
+    "setting": 0.9,
+    "attachment": 0.7,
+    "nonlinearity": 0.05,
+    "lowest": 255.0,
+    "highest": 410.0,
+}
 """What makes every term of an equation count."""
 STEADY: dict[str, Callable[[Any, list[float]], float]] = {
     "current": lambda s, y: (1.0 + s.gain_error) * y[0] + s.offset,
     "voltage": lambda s, y: (1.0 + s.gain_error) * y[0] + s.offset,
     "tilt": lambda s, y: (1.0 + s.gain_error) * y[0] + s.offset,
     "force": lambda s, y: (
-        (1.0 + s.gain_error) * y[0] + s.offset
+        (1.0 + s.gain_error) * y[0]
+        + s.offset
         + 4.0 * s.nonlinearity * y[0] * (1.0 - abs(y[0]) / s.range)
     ),
     "gyroscope": lambda s, y: s.bias,
@@ -42,7 +51,7 @@ STEADY: dict[str, Callable[[Any, list[float]], float]] = {
     "resistance": lambda s, y: y[0] / y[1],
     "thermocouple": lambda s, y: y[1] + s.attachment * (y[0] - y[1]) + s.offset,
     "infrared": lambda s, y: infrared(s, y, s.factor * s.emissivity / s.setting),
-}  # fmt: skip
+}
 """Reading of what has been the same for long."""
 
 

@@ -129,10 +129,13 @@ def test_cycle_times_are_those_of_the_run(rate: float) -> None:
     after = found.cycle.heating + found.cycle.cooling
     late = find_crossing(
         [t for t in run.times if found.cycle.heating < t <= request.period],
-        [-x for t, x in zip(run.times, run["position"], strict=True)
-         if found.cycle.heating < t <= request.period],
+        [
+            -x
+            for t, x in zip(run.times, run["position"], strict=True)
+            if found.cycle.heating < t <= request.period
+        ],
         -0.02 * request.stroke,
-    )  # fmt: skip
+    )
     assert late == pytest.approx(after, abs=2e-3 * request.period)
 
 

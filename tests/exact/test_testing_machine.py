@@ -62,9 +62,11 @@ NAMES = ("liang-rogers", "brinson", "lagoudas", "tanaka", "mas", "mas-hybrid")
 def rig(law: AbstractLaw, machine: TensileTestingMachine, **changes: Any) -> System:
     """The wire of problem A in a chamber and in a testing machine."""
     return problem_a(
-        element=wire_a(law, **changes), mechanism=machine, source=PrescribedTemperature(),
+        element=wire_a(law, **changes),
+        mechanism=machine,
+        source=PrescribedTemperature(),
         environment=Environment(temperature=COLD, cooling=ConstantCooling(h=0.0)),
-    )  # fmt: skip
+    )
 
 
 def strained(law: AbstractLaw, **changes: Any) -> System:
@@ -345,10 +347,15 @@ def test_a_command_taken_too_early_is_noticed() -> None:
     assert order(in_air(), 0.5) == pytest.approx(1.0, abs=0.3)
 
 
-@pytest.mark.parametrize(("control", "runtime"), [
-    ("stress", "c"), ("strain", "c"), ("strain", "jax"),
-    pytest.param("stress", "jax", marks=pytest.mark.slow),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("control", "runtime"),
+    [
+        ("stress", "c"),
+        ("strain", "c"),
+        ("strain", "jax"),
+        pytest.param("stress", "jax", marks=pytest.mark.slow),
+    ],
+)
 def test_a_rigid_machine_is_the_same_on_all_runtimes(
     control: str, runtime: str, request: pytest.FixtureRequest
 ) -> None:
@@ -359,11 +366,15 @@ def test_a_rigid_machine_is_the_same_on_all_runtimes(
     wave = through([0.0, 400e6 if control == "stress" else 0.02, 0.0])
     runs: list[Result] = [
         simulate(
-            one[control], {"drive": Constant(level=HOT), "command": wave}, 2.0,
-            step=0.002, samples=21, runtime=name,
+            one[control],
+            {"drive": Constant(level=HOT), "command": wave},
+            2.0,
+            step=0.002,
+            samples=21,
+            runtime=name,
         )
         for name in ("floats", runtime)
-    ]  # fmt: skip
+    ]
     assert runs[0].range("martensite_fraction") > 0.2
     for name in ("stress", "strain", "martensite_fraction", "position", "crosshead"):
         assert share(runs[1][name], runs[0][name]) < 1e-12

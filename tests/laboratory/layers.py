@@ -81,9 +81,15 @@ class Layers:
                 return self.rates(self.signal(min(max(t, a), b)), y)
 
             found = solve_ivp(
-                slopes, (a, b), y, "Radau", rtol=RTOL, atol=ATOL, dense_output=True,
+                slopes,
+                (a, b),
+                y,
+                "Radau",
+                rtol=RTOL,
+                atol=ATOL,
+                dense_output=True,
                 max_step=self.longest,
-            )  # fmt: skip
+            )
             while len(rows) < len(times) and times[len(rows)] <= b * (1.0 + 1e-12):
                 rows.append(list(found.sol(min(times[len(rows)], b))))
             y = found.y[:, -1]
@@ -101,12 +107,16 @@ def make_layers(seed: int, drive: str | None = None) -> Scenario:
     stress, spring = rng.uniform(100e6, 200e6), rng.random() < 0.7
     slope, width, eps_T = rng.uniform(4e6, 8e6), rng.uniform(40e6, 120e6), rng.uniform(0.03, 0.05)
     law: dict[str, Any] = {
-        "E_A": rng.uniform(50e9, 80e9), "E_M": rng.uniform(20e9, 40e9), "eps_T": eps_T,
-        "sigma_L": stress + width + slope * rng.uniform(0.0, 15.0), "T_L": ambient + 20.0,
-        "dsigma_dT": slope, "Delta_sigma": width,
+        "E_A": rng.uniform(50e9, 80e9),
+        "E_M": rng.uniform(20e9, 40e9),
+        "eps_T": eps_T,
+        "sigma_L": stress + width + slope * rng.uniform(0.0, 15.0),
+        "T_L": ambient + 20.0,
+        "dsigma_dT": slope,
+        "Delta_sigma": width,
         "layer_volume": 10.0 ** rng.uniform(-23.0, -22.0),
         "layer_time": 10.0 ** rng.uniform(-4.0, -2.0),
-    }  # fmt: skip
+    }
     density, c, latent = 6450.0, rng.uniform(400.0, 837.0), rng.uniform(10e3, 25e3)
     r_A = 1.0 / (1.2e6 * section)
     r_M = r_A * rng.uniform(1.0, 1.2)
@@ -114,7 +124,11 @@ def make_layers(seed: int, drive: str | None = None) -> Scenario:
     weight = stress * section
     system = System(
         element=Wire(
-            diameter=d, length=length, density=density, heat_capacity=c, latent_heat=latent,
+            diameter=d,
+            length=length,
+            density=density,
+            heat_capacity=c,
+            latent_heat=latent,
             law=MullerAchenbachSeelecke(**law, rates="edge"),
             resistance=PerLengthResistance(r_A=r_A, r_M=r_M),
         ),
@@ -125,21 +139,29 @@ def make_layers(seed: int, drive: str | None = None) -> Scenario:
             if spring
             else DeadWeight(mass=weight / 9.80665)
         ),
-    )  # fmt: skip
+    )
     mass, hS = density * section * length, h * surface
     constant = mass * c / hS
     hot = law["T_L"] + (stress + width - law["sigma_L"] + width) / slope + rng.uniform(10.0, 60.0)
     watts = hS * max(hot - ambient, 40.0)
     level = {
-        "power": watts, "voltage": math.sqrt(watts * r_A * length),
+        "power": watts,
+        "voltage": math.sqrt(watts * r_A * length),
         "current": math.sqrt(watts / (r_A * length)),
-    }[source]  # fmt: skip
+    }[source]
     waveform, duration = make_wave(rng, drive, level, constant, source)
     numbers = {
-        **law, "s0": stress, "K": stiffness * length / section, "e0": eps_T + stress / law["E_M"],
-        "hS": hS, "C": mass * c, "latent": mass * latent, "R_A": r_A * length, "R_M": r_M * length,
+        **law,
+        "s0": stress,
+        "K": stiffness * length / section,
+        "e0": eps_T + stress / law["E_M"],
+        "hS": hS,
+        "C": mass * c,
+        "latent": mass * latent,
+        "R_A": r_A * length,
+        "R_M": r_M * length,
         "T_a": ambient,
         "longest": min([0.1 * constant, *(0.05 / tone.rate for tone in waveform.tones())]),
-    }  # fmt: skip
+    }
     equations = Layers(source, numbers, waveform.value, waveform.edges(duration))
     return Scenario(f"layers, {source}, {drive}", system, waveform, duration, equations)

@@ -194,9 +194,16 @@ class Wire:
         for event in events:
             event.terminal = True
         found = solve_ivp(
-            self.rates, (t, end), [T, self.xi], self.method, events=events, rtol=RTOL, atol=ATOL,
-            dense_output=True, max_step=self.longest,
-        )  # fmt: skip
+            self.rates,
+            (t, end),
+            [T, self.xi],
+            self.method,
+            events=events,
+            rtol=RTOL,
+            atol=ATOL,
+            dense_output=True,
+            max_step=self.longest,
+        )
         stop = found.t[-1]
         while len(self.rows) < len(times) and times[len(self.rows)] <= stop * (1.0 + 1e-12):
             T1, xi = found.sol(min(times[len(self.rows)], stop))

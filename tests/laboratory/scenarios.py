@@ -65,12 +65,18 @@ def make_scenario(seed: int, drive: str | None = None) -> Scenario:
     M_s = A_s - rng.uniform(5.0, 15.0)
     C_A = rng.uniform(6e6, 12e6)  # not above C_M: where strips overlap a rule decides, not physics
     law: dict[str, Any] = {
-        "E_A": rng.uniform(50e9, 80e9), "E_M": rng.uniform(20e9, 40e9),
-        "eps_L": rng.uniform(0.03, 0.05), "Theta": rng.uniform(0.0, 0.5e6), "T_ref": ambient,
-        "A_s": A_s, "A_f": A_s + rng.uniform(5.0, 15.0), "M_s": M_s,
-        "M_f": M_s - rng.uniform(5.0, 15.0), "C_A": C_A,
+        "E_A": rng.uniform(50e9, 80e9),
+        "E_M": rng.uniform(20e9, 40e9),
+        "eps_L": rng.uniform(0.03, 0.05),
+        "Theta": rng.uniform(0.0, 0.5e6),
+        "T_ref": ambient,
+        "A_s": A_s,
+        "A_f": A_s + rng.uniform(5.0, 15.0),
+        "M_s": M_s,
+        "M_f": M_s - rng.uniform(5.0, 15.0),
+        "C_A": C_A,
         "C_M": rng.uniform(C_A, 12e6),
-    }  # fmt: skip
+    }
     if kind == "exponential":
         law["E_M"] = law["E_A"]
     density, c, latent = 6450.0, rng.uniform(400.0, 837.0), rng.uniform(10e3, 24e3)
@@ -88,32 +94,50 @@ def make_scenario(seed: int, drive: str | None = None) -> Scenario:
     resistance = PerLengthResistance(r_A=r_A, r_M=r_M)
     system = System(
         element=Wire(
-            diameter=d, length=length, density=density, heat_capacity=c, latent_heat=latent,
-            law=parts, resistance=resistance,
+            diameter=d,
+            length=length,
+            density=density,
+            heat_capacity=c,
+            latent_heat=latent,
+            law=parts,
+            resistance=resistance,
         ),
         environment=Environment(temperature=ambient, cooling=ConstantCooling(h=h)),
         source=SOURCES[source](),
         mechanism=mechanism,
-    )  # fmt: skip
+    )
     mass, hS = density * section * length, h * surface
     constant = mass * c / hS
     hot = law["A_f"] + stress * (1.0 + stiffness) ** 0 / law["C_A"] + rng.uniform(10.0, 60.0)
     watts = hS * (hot - ambient)
     level = {
-        "power": watts, "voltage": math.sqrt(watts * r_A * length),
+        "power": watts,
+        "voltage": math.sqrt(watts * r_A * length),
         "current": math.sqrt(watts / (r_A * length)),
-    }[source]  # fmt: skip
+    }[source]
     waveform, duration = make_wave(rng, drive, level, constant, source)
     E = law["E_M"]
     numbers = {
-        **law, "s0": stress, "K": stiffness * length / section,
-        "e0": law["eps_L"] + stress / E, "hS": hS, "C": mass * c, "latent": mass * latent,
-        "R_A": r_A * length, "R_M": r_M * length, "T_a": ambient, "lowest": 1.0,
+        **law,
+        "s0": stress,
+        "K": stiffness * length / section,
+        "e0": law["eps_L"] + stress / E,
+        "hS": hS,
+        "C": mass * c,
+        "latent": mass * latent,
+        "R_A": r_A * length,
+        "R_M": r_M * length,
+        "T_a": ambient,
+        "lowest": 1.0,
         "longest": min([0.05 * constant, *(0.0125 / tone.rate for tone in waveform.tones())]),
-    }  # fmt: skip
+    }
     equations = Equations(
-        kind, source, numbers, waveform.value, waveform.edges(duration),
-    )  # fmt: skip
+        kind,
+        source,
+        numbers,
+        waveform.value,
+        waveform.edges(duration),
+    )
     return Scenario(f"{kind}, {source}, {drive}", system, waveform, duration, equations)
 
 

@@ -57,9 +57,13 @@ def try_layers(seed: int, tolerance: float, drive: str | None = None) -> Outcome
 def _compare(case: Scenario, seed: int, tolerance: float) -> Outcome:
     meant = case.equations.run(case.times)
     found = simulate(
-        case.system, case.waveform, case.duration, tolerance=tolerance, samples=SAMPLES,
+        case.system,
+        case.waveform,
+        case.duration,
+        tolerance=tolerance,
+        samples=SAMPLES,
         runtime="c",
-    )  # fmt: skip
+    )
     assert not found.status.failed, (seed, found.warnings)
     assert found.accuracy is not None
     true = true_error([found[name] for name in JUDGED], meant)
@@ -91,10 +95,14 @@ def page(outcomes: list[Outcome]) -> str:
         ratios = [one.ratio for one in some]
         worst = max(one.true / one.tolerance for one in some)
         cells = (
-            drive, str(len(some)), f"{worst:.2f}", f"{median(ratios):.2f}",
-            f"{quantile(ratios, 0.99):.2f}", f"{max(ratios):.2f}",
+            drive,
+            str(len(some)),
+            f"{worst:.2f}",
+            f"{median(ratios):.2f}",
+            f"{quantile(ratios, 0.99):.2f}",
+            f"{max(ratios):.2f}",
             f"{median(one.steps for one in some):.0f}",
-        )  # fmt: skip
+        )
         rows.append("| " + " | ".join(cells) + " |")
     return HEAD + "\n".join(rows) + "\n"
 

@@ -23,9 +23,16 @@ ROOT = Path(__file__).parents[2]
 needs_c = pytest.mark.usefixtures("c_compiler")
 
 HEATED = (
-    "antagonistic_wires", "clamped_wire", "constant_power", "finger", "finger_design",
-    "flexinol_staircase", "hand", "platform_spring", "pwm_bias_spring",
-)  # fmt: skip
+    "antagonistic_wires",
+    "clamped_wire",
+    "constant_power",
+    "finger",
+    "finger_design",
+    "flexinol_staircase",
+    "hand",
+    "platform_spring",
+    "pwm_bias_spring",
+)
 """Examples that are runs, without a log or a bench."""
 PRESCRIBED = ("isobaric", "tensile-test")
 """Likewise, of wires whose temperature is prescribed."""
@@ -72,9 +79,7 @@ def test_the_energy_of_every_element_is_accounted_for(name: str) -> None:
     assert found.work is not None and found.work.elastic is not None
 
 
-VARIABLE = {
-    label(law): law for law in examples("law") if not law.constant_heat
-}  # fmt: skip
+VARIABLE = {label(law): law for law in examples("law") if not law.constant_heat}
 
 
 @needs_c

@@ -120,9 +120,13 @@ def test_sines_of_round_numbers_heat() -> None:
         sine = Sine(low=-2.0, high=2.0, frequency=frequency)
         found = simulate(case.system, sine, duration, samples=samples, tolerance=1e-3, runtime="c")
         meant = simulate(
-            case.system, Constant(level=math.sqrt(2.0)), duration, samples=samples,
-            tolerance=1e-3, runtime="c",
-        )  # fmt: skip
+            case.system,
+            Constant(level=math.sqrt(2.0)),
+            duration,
+            samples=samples,
+            tolerance=1e-3,
+            runtime="c",
+        )
         apart = np.abs(np.subtract(found["temperature"], meant["temperature"])).max()
         assert apart < 0.5 + 4e-3 * meant.range("temperature"), (duration, samples, frequency)
 
@@ -174,8 +178,10 @@ def test_the_command_line_says_so(setting: str, command: str, code: int, tmp_pat
     more = ["--out", str(tmp_path / "x.nc"), "--no-figure"] if command == "run" else []
     done = subprocess.run(
         [sys.executable, "-m", "martensite", command, *arguments, *more],
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     assert done.returncode == code, done.stdout + done.stderr
     assert ("The run stopped at t = " in done.stdout + done.stderr) == (code > 0)
 
@@ -222,9 +228,13 @@ def test_a_budget_is_kept_to() -> None:
     begin = time.process_time()
     with pytest.raises(Exception, match=r"budget of 0.2 s of CPU time was spent at"):
         simulate(
-            problem_a(), Sine(high=3.0, frequency=5.0), 1000.0, tolerance=1e-9, budget=0.2,
+            problem_a(),
+            Sine(high=3.0, frequency=5.0),
+            1000.0,
+            tolerance=1e-9,
+            budget=0.2,
             runtime="floats",
-        )  # fmt: skip
+        )
     assert time.process_time() - begin < 5.0
 
 
@@ -260,8 +270,14 @@ def test_runtimes_agree_on_narrow_strips(law: type[AbstractLaw]) -> None:
                 apart = np.abs(np.subtract(found[name], meant[name])).max()
                 assert apart <= 1e-12 * meant.range(name)
         single = simulate_batch(
-            system, SINE_A, 30.0, {"heat_capacity": [400.0]}, step=0.02, samples=101,
-            precision="float32", runtime="jax",
-        )  # fmt: skip
+            system,
+            SINE_A,
+            30.0,
+            {"heat_capacity": [400.0]},
+            step=0.02,
+            samples=101,
+            precision="float32",
+            runtime="jax",
+        )
         apart = np.abs(single["position"][0] - meant["position"]).max()
         assert apart < 1e-2 * meant.range("position")

@@ -17,9 +17,13 @@ ROOT = Path(__file__).resolve().parents[2]
 def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
     """Run import-linter on the package that lies in a folder."""
     command = [
-        sys.executable, "-c", "from importlinter.cli import lint_imports_command as c; c()",
-        "--config", str(ROOT / "pyproject.toml"), "--no-cache",
-    ]  # fmt: skip
+        sys.executable,
+        "-c",
+        "from importlinter.cli import lint_imports_command as c; c()",
+        "--config",
+        str(ROOT / "pyproject.toml"),
+        "--no-cache",
+    ]
     changes = {"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "200"}
     environment = os.environ | changes
     return subprocess.run(

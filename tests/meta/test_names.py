@@ -21,8 +21,11 @@ no object."""
 TERMS = 60
 PARTICIPLE = re.compile(r"(?!_?(?:embed|feed|need|seed|speed|exceed|proceed|red)$)_?[a-z]+ed$")
 IRREGULAR = {"drawn", "told", "seen", "kept", "held", "shown", "given", "taken", "brought", "known"}
-FIELD = {"mixed", "planned", "failed", "fixed", "compiled", "sampled", "detached"}
-"""Participles that are words of the field, or states that are asked for."""
+FIELD = {
+    *("combined", "compiled", "detached", "extended", "failed", "fixed", "held", "infrared"),
+    *("lumped", "mixed", "nested", "planned", "sampled", "unscented"),
+}
+"""Participles that are words of the field (a lumped element, a held sample), or states."""
 
 Names = Iterator[tuple[str, str]]
 

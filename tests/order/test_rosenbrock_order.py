@@ -79,9 +79,11 @@ def test_the_order_is_four(case: str, voltage: bool) -> None:
     posed = system(SLOW, case.split(",")[0], **CASES[case])
     if voltage:
         posed = System(
-            element=posed.element, environment=posed.environment, source=VoltageSource(),
+            element=posed.element,
+            environment=posed.environment,
+            source=VoltageSource(),
             mechanism=posed.mechanism,
-        )  # fmt: skip
+        )
     course = Course(posed, voltage)
     exact = course.end(640)
     assert 0.05 < exact[1] < 0.95  # amid the transformation

@@ -24,11 +24,28 @@ HEADINGS = ["time [s]", "current [mA]"]
 ROWS = st.lists(st.floats(-1e4, 1e4).map(lambda x: round(x, 3)), min_size=2, max_size=30)
 LINES = st.one_of(
     st.sampled_from(
-        ["Calibrating", "Cal1000.00  6.54 ", "5500.00  ", "1,2,3,4", "nan nan", "3 inf", '5 "7',
-         '"', "\0\0\0", "1_0 5", "１ ２", "time current", "0\tx", "--", "5;", "1 2 3", "1e999 5"]
+        [
+            "Calibrating",
+            "Cal1000.00  6.54 ",
+            "5500.00  ",
+            "1,2,3,4",
+            "nan nan",
+            "3 inf",
+            '5 "7',
+            '"',
+            "\0\0\0",
+            "1_0 5",
+            "１ ２",
+            "time current",
+            "0\tx",
+            "--",
+            "5;",
+            "1 2 3",
+            "1e999 5",
+        ]
     ),
     st.text(st.characters(exclude_characters="\n\r", exclude_categories=["Cs"]), max_size=30),
-)  # fmt: skip
+)
 INSERTED = st.lists(st.tuples(st.integers(0, 30), LINES), max_size=12)
 
 

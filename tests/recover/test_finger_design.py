@@ -22,9 +22,10 @@ from martensite.simulate.waveform_levels import WaveformLevels
 SCENARIO = Path(__file__).parents[2] / "examples" / "finger_design.toml"
 BOX = ("strand.diameter=0.06..0.1 mm", "mechanism.offset=4..8 mm", "drive.waveform.high=2..6 W")
 NEAR = (
-    "strand.diameter=0.068..0.076 mm", "mechanism.offset=5.3..5.9 mm",
+    "strand.diameter=0.068..0.076 mm",
+    "mechanism.offset=5.3..5.9 mm",
     "drive.waveform.high=3.6..4 W",
-)  # fmt: skip
+)
 LIMITS = ("stroke >= 60 deg", "rise-time <= 0.5 s", "fall-time <= 0.5 s")
 pytestmark = pytest.mark.usefixtures("c_compiler")
 
@@ -50,9 +51,14 @@ def test_derivatives_are_those_of_differences() -> None:
 def test_it_agrees_with_brute_force() -> None:
     one = load(SCENARIO)
     best = optimise_design(
-        one.system, one.waveform, one.duration, ("element.count=1..12", *BOX), subject=LIMITS,
-        life=0.0, samples=one.samples,
-    )  # fmt: skip
+        one.system,
+        one.waveform,
+        one.duration,
+        ("element.count=1..12", *BOX),
+        subject=LIMITS,
+        life=0.0,
+        samples=one.samples,
+    )
     assert best.kept
     assert best.numbers[0] == 4.0
     coarse = optimise_box(BOX, "element.count=3..5", best.step)

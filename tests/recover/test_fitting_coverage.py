@@ -42,9 +42,13 @@ def fitted(seed: int, count: int, phi: float) -> Uncertainty:
     y += np.append(noise(seed, first, phi), noise(seed + 10_000, count - first, phi))
     values = np.linalg.lstsq(columns, y, rcond=None)[0]
     return estimate_uncertainty(
-        columns @ values - y, columns * [5.0, 3.0], ["a", "b"], values=values.tolist(),
-        scales=[5.0, 3.0], lengths=[first, count - first],
-    )  # fmt: skip
+        columns @ values - y,
+        columns * [5.0, 3.0],
+        ["a", "b"],
+        values=values.tolist(),
+        scales=[5.0, 3.0],
+        lengths=[first, count - first],
+    )
 
 
 def held(judge: Judge, place: int, count: int, phi: float) -> int:

@@ -15,9 +15,17 @@ DT = 0.1
 SIGMA = (0.3, 0.05)
 """Noise of temperature [K] and position [mm]."""
 TRUTH = HeatedDuhem(
-    ambient=21.0, gain=6.0, time_constant=8.0, latent=35.0, rising=60.0, falling=37.0,
-    sensor_gain=0.6, sensor_lag=0.4, stroke=7.0, stroke_lag=0.1,
-)  # fmt: skip
+    ambient=21.0,
+    gain=6.0,
+    time_constant=8.0,
+    latent=35.0,
+    rising=60.0,
+    falling=37.0,
+    sensor_gain=0.6,
+    sensor_lag=0.4,
+    stroke=7.0,
+    stroke_lag=0.1,
+)
 NAMES = TRUTH.numbers()
 
 
@@ -74,11 +82,15 @@ def test_what_can_be_told_is_found(found: ChainEstimate) -> None:
         seen = shown["sensor_gain"]
         rise = {k: shown[f"{k}_centre1"] - shown["ambient"] for k in ("rising", "falling")}
         return {
-            "ambient": shown["ambient"], "stroke": shown["stroke"], "lag": shown["sensor_lag"],
-            "gain": seen * shown["gain"], "time": shown["time_constant"],
-            "latent": seen * shown["latent"], "rising": seen * rise["rising"],
+            "ambient": shown["ambient"],
+            "stroke": shown["stroke"],
+            "lag": shown["sensor_lag"],
+            "gain": seen * shown["gain"],
+            "time": shown["time_constant"],
+            "latent": seen * shown["latent"],
+            "rising": seen * rise["rising"],
             "falling": seen * rise["falling"],
-        }  # fmt: skip
+        }
 
     wanted, made = told(true_numbers()), told(found.chain.theta)
     assert made == pytest.approx(wanted, rel=0.1)

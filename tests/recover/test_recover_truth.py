@@ -86,7 +86,8 @@ CELLS = (
     Cell(
         "liang-rogers, dead weight, heated by current",
         wire("flexinol-90", 'kind = "liang-rogers", modulus = "mixture"') + WEIGHT + HEATED,
-        "position", "m",
+        "position",
+        "m",
         (
             SearchRange("A_s", 330.0, 352.0),
             SearchRange("eps_L", 0.03, 0.05),
@@ -96,8 +97,10 @@ CELLS = (
     Cell(
         "brinson, bias spring, heated by current",
         wire("flexinol-90", 'kind = "brinson", sigma_s = "50 MPa", sigma_f = "90 MPa"')
-        + SPRING + HEATED,
-        "position", "m",
+        + SPRING
+        + HEATED,
+        "position",
+        "m",
         (
             SearchRange("A_f", 343.0, 357.0),
             SearchRange("M_s", 316.0, 328.0),
@@ -106,9 +109,11 @@ CELLS = (
     ),
     Cell(
         "lagoudas, testing machine, in a chamber",
-        wire("niti-lagoudas", 'kind = "lagoudas"') + MACHINE
+        wire("niti-lagoudas", 'kind = "lagoudas"')
+        + MACHINE
         + CHAMBER.format(low="-20 degC", high="110 degC"),
-        "strain", "1",
+        "strain",
+        "1",
         (
             SearchRange("A_f", 320.0, 342.0),
             SearchRange("M_s", 298.0, 314.0),
@@ -118,9 +123,11 @@ CELLS = (
     ),
     Cell(
         "tanaka, dead weight, in a chamber",
-        wire("flexinol-90", 'kind = "tanaka"') + WEIGHT
+        wire("flexinol-90", 'kind = "tanaka"')
+        + WEIGHT
         + CHAMBER.format(low="20 degC", high="130 degC"),
-        "strain", "1",
+        "strain",
+        "1",
         (
             SearchRange("A_s", 330.0, 348.0),
             SearchRange("M_f", 305.0, 318.0),
@@ -128,7 +135,7 @@ CELLS = (
         ),
         step=1.0,
     ),
-)  # fmt: skip
+)
 NOISES = (0.001, 0.01)
 """Standard deviation of the measurement, as a share of its range."""
 
@@ -198,13 +205,15 @@ class TestRecovery:
         ("cell", "noise"),
         [
             pytest.param(
-                cell, noise, id=f"{cell.name}-{noise}",
+                cell,
+                noise,
+                id=f"{cell.name}-{noise}",
                 marks=[] if (cell, noise) == (CELLS[1], NOISES[1]) else [pytest.mark.slow],
             )
             for cell in CELLS
             for noise in NOISES
         ],
-    )  # fmt: skip
+    )
     def test_intervals_hold_the_truth_at_their_rate(self, cell: Cell, noise: float) -> None:
         held = covered(cell, noise)
         assert all(FEWEST <= count <= MOST for count in held.values()), held

@@ -23,9 +23,12 @@ PLANT = sensing_plant()
 QUIET: dict[str, Any] = {"model": PLANT, "temperature_noise": 0.3, "fraction_noise": 0.01}
 EXTENDED, UNSCENTED = ExtendedKalman(**QUIET), UnscentedKalman(**QUIET)
 DIAMETER = ExtendedKalman(
-    **QUIET, drifting=("element.diameter",), first_drift=0.03, drift_noise=1e-4,
+    **QUIET,
+    drifting=("element.diameter",),
+    first_drift=0.03,
+    drift_noise=1e-4,
     first_fraction=0.002,
-)  # fmt: skip
+)
 SETTLED = 7.5
 """Of the 15 s of a step, those in which it may move [s]."""
 

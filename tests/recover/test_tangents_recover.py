@@ -42,15 +42,18 @@ TEMPERATURES = ("A_s", "A_f", "M_s", "M_f")
 def off(found: TangentPoints, sample: Bent = SAMPLE, stress: float = STRESS) -> float:
     """Largest distance from the truth of all temperatures [K], and of strains by their size."""
     truth = sample.at(stress) | {
-        "A_half": sample.half(stress, False), "M_half": sample.half(stress, True),
-    }  # fmt: skip
+        "A_half": sample.half(stress, False),
+        "M_half": sample.half(stress, True),
+    }
     kelvins = [abs(getattr(found, name) - value) for name, value in truth.items()]
     residual = sample.residual if found.cycle.cold_start else 0.0
     H = 0.5 * (sample.gap(stress, False) + sample.gap(stress, True))
     strains = [
-        (found.H - H) / H, (found.residual_strain - residual) / H,
-        (found.alpha_A - sample.alpha_A) * 100.0 / H, (found.alpha_M - sample.alpha_M) * 100.0 / H,
-    ]  # fmt: skip
+        (found.H - H) / H,
+        (found.residual_strain - residual) / H,
+        (found.alpha_A - sample.alpha_A) * 100.0 / H,
+        (found.alpha_M - sample.alpha_M) * 100.0 / H,
+    ]
     return max(*kelvins, *map(abs, strains))
 
 
@@ -98,13 +101,32 @@ def repeated() -> Record:
 @pytest.mark.parametrize(
     "cycle",
     [
-        SAMPLE.cycle(STRESS), SAMPLE.cycle(STRESS, rows=60), SAMPLE.cycle(STRESS, rows=3001),
-        SAMPLE.cycle(STRESS, hot_first=True), SAMPLE.cycle(STRESS, coldest=310.0, hottest=375.0),
-        uneven(), wandering(), spiked(), turned(True), turned(False), repeated(),
+        SAMPLE.cycle(STRESS),
+        SAMPLE.cycle(STRESS, rows=60),
+        SAMPLE.cycle(STRESS, rows=3001),
+        SAMPLE.cycle(STRESS, hot_first=True),
+        SAMPLE.cycle(STRESS, coldest=310.0, hottest=375.0),
+        uneven(),
+        wandering(),
+        spiked(),
+        turned(True),
+        turned(False),
+        repeated(),
     ],
-    ids=["plain", "few rows", "many rows", "hot first", "narrow", "uneven", "wandering stress",
-         "spikes", "turned", "turned without times", "second cycle"],
-)  # fmt: skip
+    ids=[
+        "plain",
+        "few rows",
+        "many rows",
+        "hot first",
+        "narrow",
+        "uneven",
+        "wandering stress",
+        "spikes",
+        "turned",
+        "turned without times",
+        "second cycle",
+    ],
+)
 def test_corners_are_found(cycle: Record) -> None:
     found = find_tangent_points(cycle)
     assert off(found) < 1e-9
@@ -176,13 +198,31 @@ def test_widths_that_change_with_stress_are_remarked_upon() -> None:
 
 
 LIANG = LiangRogers(
-    E_A=60e9, E_M=60e9, Theta=0.0, eps_L=0.045,
-    A_s=330.0, A_f=350.0, M_s=325.0, M_f=303.0, C_A=8e6, C_M=7e6,
-)  # fmt: skip
+    E_A=60e9,
+    E_M=60e9,
+    Theta=0.0,
+    eps_L=0.045,
+    A_s=330.0,
+    A_f=350.0,
+    M_s=325.0,
+    M_f=303.0,
+    C_A=8e6,
+    C_M=7e6,
+)
 BRINSON = Brinson(
-    E_A=60e9, E_M=60e9, Theta=0.0, eps_L=0.067, A_s=307.7, A_f=322.2, M_s=291.4, M_f=282.2,
-    C_A=13.8e6, C_M=8e6, sigma_s=100e6, sigma_f=170e6,
-)  # fmt: skip
+    E_A=60e9,
+    E_M=60e9,
+    Theta=0.0,
+    eps_L=0.067,
+    A_s=307.7,
+    A_f=322.2,
+    M_s=291.4,
+    M_f=282.2,
+    C_A=13.8e6,
+    C_M=8e6,
+    sigma_s=100e6,
+    sigma_f=170e6,
+)
 
 
 def strips(law: LiangRogers | Brinson, stress: float) -> dict[str, float]:
@@ -273,9 +313,11 @@ def fits() -> list[TangentFit]:
 
 
 def held(
-    fits: list[TangentFit], interval: Callable[[TangentFit], Interval], truth: float,
+    fits: list[TangentFit],
+    interval: Callable[[TangentFit], Interval],
+    truth: float,
     factor: float = 1.0,
-) -> int:  # fmt: skip
+) -> int:
     """How many intervals, made longer by a factor, hold the truth."""
     count = 0
     for fit in fits:
@@ -320,10 +362,12 @@ MANY = (10e6, 50e6, 100e6, 150e6, 200e6, 300e6, 400e6, 500e6)
 @pytest.mark.parametrize(
     ("stresses", "numbers"),
     [
-        (MANY, (0.01, 0.05, 1.2e-8, 60e6)), (MANY, (0.01, 0.05, 1.2e-8, 0.0)),
-        (MANY[:4], (0.0, 0.05, 1.2e-8, 0.0)), (MANY[2:7], (0.02, 0.05, 4e-9, 0.0)),
+        (MANY, (0.01, 0.05, 1.2e-8, 60e6)),
+        (MANY, (0.01, 0.05, 1.2e-8, 0.0)),
+        (MANY[:4], (0.0, 0.05, 1.2e-8, 0.0)),
+        (MANY[2:7], (0.02, 0.05, 4e-9, 0.0)),
     ],
-)  # fmt: skip
+)
 def test_the_saturating_form_is_recovered(
     stresses: tuple[float, ...], numbers: tuple[float, ...]
 ) -> None:

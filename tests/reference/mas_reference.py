@@ -137,9 +137,15 @@ def radau(f, y0, times, kinks, rtol=1e-9):
     for a, b in pairwise(ends):
         here = (times > a + 1e-9) & (times < b - 1e-9)
         done = solve_ivp(
-            f, (a, b), y, "Radau", t_eval=[*times[here], b], rtol=rtol,
-            atol=atol, max_step=(b - a) / 20,
-        )  # fmt: skip
+            f,
+            (a, b),
+            y,
+            "Radau",
+            t_eval=[*times[here], b],
+            rtol=rtol,
+            atol=atol,
+            max_step=(b - a) / 20,
+        )
         assert done.success, done.message
         found[:, here], y = done.y[:, :-1], done.y[:, -1]
         found[:, abs(times - b) <= 1e-9] = y[:, None]
@@ -185,10 +191,16 @@ def kvaerno_solver(form, rtol):
             diffrax.PIDController(rtol, size, dtmax=0.25), jump_ts=kinks[1:-1]
         )
         return diffrax.diffeqsolve(
-            diffrax.ODETerm(lambda t, y, _: f(t, y)), diffrax.Kvaerno5(), times[0], times[-1],
-            1e-4, y0, saveat=diffrax.SaveAt(ts=times), stepsize_controller=control,
+            diffrax.ODETerm(lambda t, y, _: f(t, y)),
+            diffrax.Kvaerno5(),
+            times[0],
+            times[-1],
+            1e-4,
+            y0,
+            saveat=diffrax.SaveAt(ts=times),
+            stepsize_controller=control,
             max_steps=100_000,
-        ).ys  # fmt: skip
+        ).ys
 
     return run
 

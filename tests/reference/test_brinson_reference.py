@@ -27,9 +27,15 @@ def random_parameters(rng, kind):
     slope = {0: rng.uniform(0.4, 1.0), 1: 1.0, 4: rng.uniform(0.2, 0.9)}
     sigma_s = rng.uniform(10e6, 120e6)
     return reference.Parameters(
-        A_s, A_s + rng.uniform(2, 25), M_s, M_f, C_M * slope.get(kind, rng.uniform(1.0, 3.0)), C_M,
-        sigma_s, sigma_s + rng.uniform(10e6, 100e6),
-    )  # fmt: skip
+        A_s,
+        A_s + rng.uniform(2, 25),
+        M_s,
+        M_f,
+        C_M * slope.get(kind, rng.uniform(1.0, 3.0)),
+        C_M,
+        sigma_s,
+        sigma_s + rng.uniform(10e6, 100e6),
+    )
 
 
 def random_point(rng, p):

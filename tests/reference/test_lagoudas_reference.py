@@ -16,10 +16,24 @@ TOLERANCE = 1e-8
 CUTS = 48
 ROUND = {"n_1": 0.17, "n_2": 0.27, "n_3": 0.25, "n_4": 0.35}
 P = reference.Parameters(
-    E_A=66.2e9, E_M=25.6e9, A_s=315.0, A_f=330.0, M_s=310.0, M_f=285.0, C_A=9.02e6, C_M=8.34e6,
-    sigma_cal=150e6, H_min=0.004, H_sat=0.048, H_k=1.29e-8, sigma_crit=20e6,
-    n_1=0.95, n_2=0.9, n_3=0.85, n_4=1.0,
-)  # fmt: skip
+    E_A=66.2e9,
+    E_M=25.6e9,
+    A_s=315.0,
+    A_f=330.0,
+    M_s=310.0,
+    M_f=285.0,
+    C_A=9.02e6,
+    C_M=8.34e6,
+    sigma_cal=150e6,
+    H_min=0.004,
+    H_sat=0.048,
+    H_k=1.29e-8,
+    sigma_crit=20e6,
+    n_1=0.95,
+    n_2=0.9,
+    n_3=0.85,
+    n_4=1.0,
+)
 SETS = {
     "nearly linear": P,
     "round": reference.Parameters(**(asdict(P) | ROUND)),
@@ -31,22 +45,40 @@ ISOBARS = ("isobar", "isobars at three loads", "partial isobar")
 PATHS = {
     "isobar": [(150 * MPA, 260.0), (150 * MPA, 390.0), (150 * MPA, 260.0)],
     "isobars at three loads": [
-        (50 * MPA, 260.0), (50 * MPA, 380.0), (50 * MPA, 260.0), (200 * MPA, 260.0),
-        (200 * MPA, 400.0), (200 * MPA, 260.0), (100 * MPA, 260.0), (100 * MPA, 400.0),
+        (50 * MPA, 260.0),
+        (50 * MPA, 380.0),
+        (50 * MPA, 260.0),
+        (200 * MPA, 260.0),
+        (200 * MPA, 400.0),
+        (200 * MPA, 260.0),
+        (100 * MPA, 260.0),
+        (100 * MPA, 400.0),
     ],
     "superelastic": [(0.0, 345.0), (700 * MPA, 345.0), (0.0, 345.0)],
     "partial superelastic": [
-        (0.0, 345.0), (480 * MPA, 345.0), (185 * MPA, 345.0), (430 * MPA, 345.0),
-        (170 * MPA, 345.0), (450 * MPA, 345.0), (0.0, 345.0),
+        (0.0, 345.0),
+        (480 * MPA, 345.0),
+        (185 * MPA, 345.0),
+        (430 * MPA, 345.0),
+        (170 * MPA, 345.0),
+        (450 * MPA, 345.0),
+        (0.0, 345.0),
     ],
     "partial isobar": [
-        (150 * MPA, 400.0), (150 * MPA, 317.0), (150 * MPA, 339.0), (150 * MPA, 312.0),
-        (150 * MPA, 343.0), (150 * MPA, 400.0),
+        (150 * MPA, 400.0),
+        (150 * MPA, 317.0),
+        (150 * MPA, 339.0),
+        (150 * MPA, 312.0),
+        (150 * MPA, 343.0),
+        (150 * MPA, 400.0),
     ],
     "stretched cold, heated loaded": [
-        (0.0, 330.0), (150 * MPA, 290.0), (60 * MPA, 290.0), (60 * MPA, 380.0),
+        (0.0, 330.0),
+        (150 * MPA, 290.0),
+        (60 * MPA, 290.0),
+        (60 * MPA, 380.0),
     ],
-}  # fmt: skip
+}
 
 
 def law_of(p, **changes):

@@ -115,10 +115,14 @@ def test_random_paths_converge_to_the_equations(form):
 @pytest.mark.parametrize(
     ("mpa", "form"),
     [
-        (2.0, "barrier"), (2.0, "edge"), (2.0, "well"), (150.0, "barrier"), (150.0, "edge"),
+        (2.0, "barrier"),
+        (2.0, "edge"),
+        (2.0, "well"),
+        (150.0, "barrier"),
+        (150.0, "edge"),
         pytest.param(150.0, "well", marks=pytest.mark.slow),
     ],
-)  # fmt: skip
+)
 def test_heating_and_cooling_at_constant_stress(form, mpa):
     """At 1 K/s: complete transformations."""
     corners = [(0.0, mpa * 1e6, 290.0), (110.0, mpa * 1e6, 400.0), (220.0, mpa * 1e6, 290.0)]

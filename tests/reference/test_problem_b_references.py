@@ -88,11 +88,12 @@ def test_half_the_step_leaves_a_quarter_of_the_error():
 @pytest.mark.parametrize(
     ("wire", "form", "tolerance"),
     [
-        ("nominal", "edge", 1e-4), ("stiff", "edge", 1e-4),
+        ("nominal", "edge", 1e-4),
+        ("stiff", "edge", 1e-4),
         pytest.param("nominal", "barrier", 1e-4, marks=pytest.mark.slow),
         pytest.param("nominal", "well", 5e-4, marks=pytest.mark.slow),
     ],
-)  # fmt: skip
+)
 def test_the_tolerance_is_met(wire, form, tolerance):
     run = simulate(
         system(WIRES[wire], rates=form), waveform(), 20.0, tolerance=tolerance, samples=201

@@ -90,7 +90,7 @@ class TestTurnsInTheOverlap:
             # forward has its turn, with nothing to do, up to M_f; then reverse past its line
             (1.0, (320, 300, 341, 361), lambda r: r(10)),
         ],
-    )  # fmt: skip
+    )
 
     @pytest.mark.parametrize("rule", RULES)
     @pytest.mark.parametrize("substeps", [1, 13, 200])

@@ -18,10 +18,14 @@ from martensite.search.free_numbers import Target
 TARGETS = {
     name: Target(name, name, unit, nominal)
     for name, unit, nominal in (
-        ("wire.diameter", "m", 2e-4), ("wire.length", "m", 0.25), ("spring.length", "m", 0.1),
-        ("cooling.h", "W/m^2/K", 60.0), ("law.A_s", "K", 341.15), ("drive.duty", "1", 0.3),
+        ("wire.diameter", "m", 2e-4),
+        ("wire.length", "m", 0.25),
+        ("spring.length", "m", 0.1),
+        ("cooling.h", "W/m^2/K", 60.0),
+        ("law.A_s", "K", 341.15),
+        ("drive.duty", "1", 0.3),
     )
-}  # fmt: skip
+}
 
 
 def read(words: str) -> SweepAxis:
@@ -91,10 +95,16 @@ def test_wrong_words_are_refused(words: str, sentence: str) -> None:
 @pytest.mark.parametrize(
     "words",
     [
-        "diameter=0.1..0.5", "diameter=0.1..0.5 K", "diameter=", "diameter=a..b mm",
-        "diameter=0.1, , 0.2 mm", "diameter=0.1.. mm", "diameter=nan..0.2 mm", "A_s=10 +- 1 s",
+        "diameter=0.1..0.5",
+        "diameter=0.1..0.5 K",
+        "diameter=",
+        "diameter=a..b mm",
+        "diameter=0.1, , 0.2 mm",
+        "diameter=0.1.. mm",
+        "diameter=nan..0.2 mm",
+        "A_s=10 +- 1 s",
     ],
-)  # fmt: skip
+)
 def test_what_is_no_quantity_is_refused_by_the_name_of_the_axis(words: str) -> None:
     with pytest.raises(UnitError, match=r"^Axis `(wire.diameter|law.A_s)`: "):
         read(words)

@@ -51,9 +51,11 @@ def bench(**parts: Any) -> Bench:
     """That wire with an encoder that is late, under that controller."""
     encoder = MountedSensor(sensor=PositionSensor(), delay=0.1)
     known = {
-        "plant": plant(), "period": PERIOD, "sensors": Sensors(position=encoder),
+        "plant": plant(),
+        "period": PERIOD,
+        "sensors": Sensors(position=encoder),
         "controllers": Controllers(drive=pid()),
-    }  # fmt: skip
+    }
     return Bench(**(known | parts))
 
 
@@ -145,9 +147,10 @@ class TestPeriods:
         """Without sensors the signal shown is the answer to the output and reference shown."""
         proportional = pid(Ki=0.0, law=PidLaw(low=-10.0, high=10.0))
         run = simulate_bench(
-            bench(sensors=Sensors(), controllers=Controllers(drive=proportional)), 2.0,
+            bench(sensors=Sensors(), controllers=Controllers(drive=proportional)),
+            2.0,
             runtime="floats",
-        )  # fmt: skip
+        )
         wanted = 300.0 * np.subtract(run["reference"], run["position"])
         assert run.columns["wanted"] == pytest.approx(wanted, abs=1e-12)
         expected = [REFERENCE.value(time) for time in run.times]
@@ -166,11 +169,13 @@ class TestPeriods:
         parts = {"sensors": Sensors(), "controllers": Controllers()}
         runs = [
             simulate_bench(
-                bench(substeps=n, **parts), 1.0, waveforms={"drive": Constant(level=0.1)},
+                bench(substeps=n, **parts),
+                1.0,
+                waveforms={"drive": Constant(level=0.1)},
                 runtime="floats",
             )
             for n in (1, 2, 16)
-        ]  # fmt: skip
+        ]
         coarse, fine = (apart(run, runs[-1], "temperature") for run in runs[:2])
         assert fine < 0.35 * coarse
 
@@ -179,11 +184,13 @@ class TestPeriods:
         parts = {"sensors": Sensors(), "controllers": Controllers(), "period": 0.005}
         run = {
             how: simulate_bench(
-                bench(switching=how, **parts), 1.0, waveforms={"drive": Constant(level=0.3)},
+                bench(switching=how, **parts),
+                1.0,
+                waveforms={"drive": Constant(level=0.3)},
                 runtime="floats",
             )
             for how in ("averaged", "pulses")
-        }  # fmt: skip
+        }
         rise = run["averaged"]["temperature"][-1] - run["averaged"]["temperature"][0]
         assert apart(run["averaged"], run["pulses"], "temperature") <= 0.02 * rise
 
@@ -212,11 +219,12 @@ class TestSeveralDrives:
         coordinate = next(iter(machine.mechanism.outputs()))
         switch = OnOff(measured=coordinate, reference=Constant(level=0.02), high=0.3)
         both = Bench(
-            plant=machine, period=0.05,
+            plant=machine,
+            period=0.05,
             controllers=Controllers(
                 protagonist=switch, antagonist=switch.with_values({"high": 0.0})
             ),
-        )  # fmt: skip
+        )
         names = [drive.name for drive in both.drives()]
         assert names == ["reference.protagonist", "reference.antagonist"]
         one = Bench(plant=machine, period=0.05, controllers=Controllers(protagonist=switch))
@@ -267,9 +275,9 @@ def test_what_drives_it_is_checked() -> None:
 
 
 def test_numbers_are_no_structure() -> None:
-    assert compile_system(bench()) is compile_system(bench(controllers=Controllers(
-        drive=pid(Kp=1.0)
-    )))  # fmt: skip
+    assert compile_system(bench()) is compile_system(
+        bench(controllers=Controllers(drive=pid(Kp=1.0)))
+    )
     later = Sensors(position=MountedSensor(sensor=PositionSensor(), delay=0.3))
     assert compile_system(bench()) is not compile_system(bench(sensors=later))
 

@@ -89,10 +89,12 @@ def test_loop_is_that_of_its_parts() -> None:
     }
     assert bench.controllers.members() == {
         "drive": Pid(
-            measured="position", reference=Sine(low=1e-3, high=4e-3, frequency=0.1), Kp=150.0,
+            measured="position",
+            reference=Sine(low=1e-3, high=4e-3, frequency=0.1),
+            Kp=150.0,
             law=PidLaw(high=0.9),
         )
-    }  # fmt: skip
+    }
 
 
 def test_run_of_a_scenario_is_that_of_its_bench() -> None:
@@ -160,10 +162,14 @@ def test_reference_of_a_power_needs_no_reading() -> None:
 
 def test_every_number_is_reached_by_its_path() -> None:
     settings: dict[str, Any] = {
-        "sensor.noise": "2 um", "sensor.jitter": "1 ms", "controller.Kp": 99,
-        "controller.law.filter": 2, "reference.high": "5 mm", "driver.supply": "6 V",
+        "sensor.noise": "2 um",
+        "sensor.jitter": "1 ms",
+        "controller.Kp": 99,
+        "controller.law.filter": 2,
+        "reference.high": "5 mm",
+        "driver.supply": "6 V",
         "controller.high": 0.5,
-    }  # fmt: skip
+    }
     leaves = placed(read_scenario(LOOP, None, settings))
     shown = {path: leaves[path].value for path in settings}
     assert list(shown.values()) == pytest.approx([2e-6, 1e-3, 99.0, 2.0, 5e-3, 6.0, 0.5])
@@ -331,7 +337,7 @@ REFUSED = [
     ({"faults.one": {"kind": "stock"}}, "Did you mean `stuck`?"),
     ({"supervisor": {"kind": "gard"}}, "Did you mean `guard`?"),
     ({"observer": {"kind": "extended-kalman", "model": "wire"}}, "A model is a table"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("changes", "sentence"), REFUSED, ids=[next(iter(c)) for c, _ in REFUSED])

@@ -27,9 +27,12 @@ from martensite.design.tuning.plant_spread import METHODS, draw_plants
 
 GAINS = tuple(f"controllers.drive.{name}" for name in ("Kp", "Ki", "Kd"))
 SPREADS = {
-    "element.diameter": 0.03, "environment.temperature": 3.0, "source.supply": 0.05,
-    "mechanism.stiffness": 0.1, "heat_capacity": 0.05,
-}  # fmt: skip
+    "element.diameter": 0.03,
+    "environment.temperature": 3.0,
+    "source.supply": 0.05,
+    "mechanism.stiffness": 0.1,
+    "heat_capacity": 0.05,
+}
 
 
 def course_of(reference: Any, output: Any, period: float = 0.5) -> tuple[Course, Seen]:
@@ -227,9 +230,13 @@ def test_tuning_lowers_the_cost_over_plants(sensed: LoopRuns) -> None:
     plants = draw_plants(sensed.bench, SPREADS, 8, seed=1)
     told: list[float] = []
     found = tune_bench(
-        sensed.bench, 8.0, ("Kp", "drive.Ki", "Kd"), plants=plants, search=QUICK,
+        sensed.bench,
+        8.0,
+        ("Kp", "drive.Ki", "Kd"),
+        plants=plants,
+        search=QUICK,
         watch=lambda text, share: told.append(share),
-    )  # fmt: skip
+    )
     assert found.cost < 0.9 * found.cost_before
     assert found.cost == min(found.ends)
     assert tuple(found.after) == GAINS

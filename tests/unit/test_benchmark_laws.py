@@ -16,10 +16,19 @@ from martensite.physics.laws.base import LAWS
 OURS = Options(available(["ours"]), repeats=1, sizes=(8,))
 SOME = ("liang-rogers", "mas-hybrid")
 LITTLE = sections_mas.Effort(
-    floats=(100,), jax=(), c=(100, 50), rtols=(4, 6), kvaerno=(), jax_batch=(),
-    simd_batch=(), kvaerno_batch=(), hybrid=(100,), hybrid_jax=(), march=(1e-3, 1e-4),
+    floats=(100,),
+    jax=(),
+    c=(100, 50),
+    rtols=(4, 6),
+    kvaerno=(),
+    jax_batch=(),
+    simd_batch=(),
+    kvaerno_batch=(),
+    hybrid=(100,),
+    hybrid_jax=(),
+    march=(1e-3, 1e-4),
     march_batch=(1e-3,),
-)  # fmt: skip
+)
 needs_c = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 
 

@@ -45,8 +45,12 @@ NUMBERS = {
     "format": FORMAT,
     "options": {"quick": True, "most": 10},
     "machine": {
-        "processor": "A processor", "cores": 2, "system": "Linux x86_64", "compiler": "gcc 12.2",
-        "flags": "-O3", "packages": {"Python": "3.11.7", "scipy": "1.17.1"},
+        "processor": "A processor",
+        "cores": 2,
+        "system": "Linux x86_64",
+        "compiler": "gcc 12.2",
+        "flags": "-O3",
+        "packages": {"Python": "3.11.7", "scipy": "1.17.1"},
     },
     "missing": ["A GPU: there was none."],
     "parts": {
@@ -55,7 +59,7 @@ NUMBERS = {
         "sweep": part("Sweep", SWEEP, "Left out for want of time: 100 runs and more."),
         "control": part("Control step", STEPS),
     },
-}  # fmt: skip
+}
 
 
 @pytest.fixture
@@ -147,23 +151,37 @@ def test_parts_of_two_machines_do_not_stand_side_by_side():
 
 def test_absolute_columns_leave_with_their_units():
     row = {
-        "engine": "x", "err": 1.0, "cpu [us/run]": 2.0, "runs/s (wall)": 3.0, "wall [s]": 1.0,
-        "peak [MB]": 4.0, "stroke [mm]": 5.0, "cpu [ms]": 6.0, "of memory [%]": 7.0,
-        "operations/step": 8, "Gop/s": 9.0,
-    }  # fmt: skip
+        "engine": "x",
+        "err": 1.0,
+        "cpu [us/run]": 2.0,
+        "runs/s (wall)": 3.0,
+        "wall [s]": 1.0,
+        "peak [MB]": 4.0,
+        "stroke [mm]": 5.0,
+        "cpu [ms]": 6.0,
+        "of memory [%]": 7.0,
+        "operations/step": 8,
+        "Gop/s": 9.0,
+    }
     assert page_parts.without_units(row).keys() == {
-        "engine", "err", "of memory [%]", "operations/step",
-    }  # fmt: skip
+        "engine",
+        "err",
+        "of memory [%]",
+        "operations/step",
+    }
 
 
 def test_rates_and_memory_are_shares():
     wires = [
-        Table(f"Throughput, coupled wire, batch of {size}", [
-            {"engine": "C lanes", "runs": size, "runs/s (wall)": rate},
-            {"engine": "JAX", "runs": size, "runs/s (wall)": 0.5 * rate},
-        ])
+        Table(
+            f"Throughput, coupled wire, batch of {size}",
+            [
+                {"engine": "C lanes", "runs": size, "runs/s (wall)": rate},
+                {"engine": "JAX", "runs": size, "runs/s (wall)": 0.5 * rate},
+            ],
+        )
         for size, rate in ((1, 10.0), (64, 40.0))
-    ]  # fmt: skip
+    ]
     memory = Table("Cost", [{"runs": 1, "peak [MB]": 50.0}, {"runs": 10, "peak [MB]": 51.0}])
     small, large, grown = page_parts.rated([*wires, memory])
     assert [row["rate"] for row in (*small.rows, *large.rows)] == [0.25, 0.125, 1.0, 0.5]

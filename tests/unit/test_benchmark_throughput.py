@@ -27,9 +27,13 @@ def test_all_tables():
     batch, scaling, share = sections_throughput.throughput(OPTIONS, SMALL)
     names = [row["engine"] for row in batch.rows]
     assert names == [
-        "C lanes", "C lanes, two threads", "C one by one", "JAX float64, cpu", "LSODA, odeint",
+        "C lanes",
+        "C lanes, two threads",
+        "C one by one",
+        "JAX float64, cpu",
+        "LSODA, odeint",
         "LSODA, solve_ivp",
-    ]  # fmt: skip
+    ]
     assert all(0.0 <= row["err"] < 1e-3 for row in batch.rows)
     assert batch.rows[0]["ratio"] == 1.0
     assert "no crossover" in batch.note

@@ -48,9 +48,19 @@ def test_never_and_always_on(duty: float, level: float) -> None:
 
 @pytest.mark.parametrize(
     ("duty", "share"),
-    [(0.0, 0.0), (0.04, 0.0), (0.05, 0.1), (0.1, 0.1), (0.3, 0.3), (0.9, 0.9), (0.93, 0.9),
-     (0.96, 1.0), (1.0, 1.0), (1.5, 1.0)],
-)  # fmt: skip
+    [
+        (0.0, 0.0),
+        (0.04, 0.0),
+        (0.05, 0.1),
+        (0.1, 0.1),
+        (0.3, 0.3),
+        (0.9, 0.9),
+        (0.93, 0.9),
+        (0.96, 1.0),
+        (1.0, 1.0),
+        (1.5, 1.0),
+    ],
+)
 def test_short_pulses_and_gaps_are_rounded(duty: float, share: float) -> None:
     assert limit_duty(duty, 0.1) == pytest.approx(share, abs=1e-15)
 

@@ -269,8 +269,11 @@ def test_own_module_adds_a_law(folder: Path) -> None:
     (folder / "own.toml").write_text(text, encoding="utf-8")
     done = subprocess.run(
         [sys.executable, "-m", "martensite", "check", "own.toml", "--import", "mine.py", "--json"],
-        capture_output=True, text=True, cwd=folder, check=False,
-    )  # fmt: skip
+        capture_output=True,
+        text=True,
+        cwd=folder,
+        check=False,
+    )
     assert (done.returncode, done.stderr) == (0, "")
     assert json.loads(done.stdout)["title"] == "Lifting 400 g"
 

@@ -18,9 +18,13 @@ DESIGN = Command("design")
 FREE = "--free", "element.count=2..3", "--free", "strand.diameter=0.08..0.14 mm"
 POWER = "--free", "drive.peak=2..6 W"
 LIMITS = (
-    "--subject", "stroke >= 7.5 mm", "--subject", "rise-time <= 0.5 s",
-    "--subject", "fall-time <= 1 s",
-)  # fmt: skip
+    "--subject",
+    "stroke >= 7.5 mm",
+    "--subject",
+    "rise-time <= 0.5 s",
+    "--subject",
+    "fall-time <= 1 s",
+)
 QUICK = "--sample", "16", "--descents", "1"
 pytestmark = pytest.mark.usefixtures("c_compiler")
 
@@ -75,7 +79,7 @@ def test_it_is_shown_in_words_beside_a_grid(scenario: Path) -> None:
         ((*FREE, "--case", "drive.peak=3 W"), "level of a waveform"),
         ((*FREE, "--save", "found.json"), "must end in .toml"),
     ],
-)  # fmt: skip
+)
 def test_it_refuses(scenario: Path, words: tuple[str, ...], sentence: str) -> None:
     assert sentence in DESIGN.refused(str(scenario), *words)
 

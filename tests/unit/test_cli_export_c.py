@@ -110,9 +110,17 @@ def test_the_example_runs(c_compiler: str) -> None:
 def test_options() -> None:
     Path("made").mkdir()
     done = call(
-        "held.toml", "--out", "made", "--name", "core", "--part", "plant",
-        "--set", 'element.diameter="0.2 mm"', "--json",
-    )  # fmt: skip
+        "held.toml",
+        "--out",
+        "made",
+        "--name",
+        "core",
+        "--part",
+        "plant",
+        "--set",
+        'element.diameter="0.2 mm"',
+        "--json",
+    )
     report = json.loads(done.stdout)
     system = load("held.toml", {"element.diameter": "0.2 mm"}).system
     core = build_c_core(system, name="core")

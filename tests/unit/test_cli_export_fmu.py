@@ -58,9 +58,21 @@ def test_it_writes_an_fmu_and_says_what_is_in_it(c_compiler: str) -> None:
 
 def test_json_names_variables_with_their_references() -> None:
     """Sources alone need no compiler."""
-    result = call("lifted weight.toml", "--fmi", "3.0", "--out", "a.fmu", "--step", "5 ms",
-                  "--name", "weight", "--sources-only", "--set", "mechanism.mass=150 g",
-                  "--json")  # fmt: skip
+    result = call(
+        "lifted weight.toml",
+        "--fmi",
+        "3.0",
+        "--out",
+        "a.fmu",
+        "--step",
+        "5 ms",
+        "--name",
+        "weight",
+        "--sources-only",
+        "--set",
+        "mechanism.mass=150 g",
+        "--json",
+    )
     assert result.exit_code == 0, result.output
     said = json.loads(result.output)
     assert (said["fmi"], said["identifier"], said["step"]) == ("3.0", "weight", 0.005)

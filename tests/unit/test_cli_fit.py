@@ -92,15 +92,25 @@ def test_profile_brackets_the_truth() -> None:
 def test_direction_that_the_data_leave_open_is_told_and_warned_of() -> None:
     """A stress that is prescribed moves with its section: only the quotient counts."""
     found = FIT.report(
-        "log.csv", "--scenario", "isobaric.toml", "--free", "C_A=4..16 MPa/K,A_s,A_f",
-        "--hold-out", "none",
-    )  # fmt: skip
+        "log.csv",
+        "--scenario",
+        "isobaric.toml",
+        "--free",
+        "C_A=4..16 MPa/K,A_s,A_f",
+        "--hold-out",
+        "none",
+    )
     assert not found["identifiability"]["determined"]
     assert any("direction that the data do not determine" in w for w in found["warnings"])
     assert "weak" in FIT.fine(
-        "log.csv", "--scenario", "isobaric.toml", "--free", "C_A=4..16 MPa/K,A_s,A_f",
-        "--hold-out", "none",
-    )  # fmt: skip
+        "log.csv",
+        "--scenario",
+        "isobaric.toml",
+        "--free",
+        "C_A=4..16 MPa/K,A_s,A_f",
+        "--hold-out",
+        "none",
+    )
 
 
 def test_parameter_that_ends_at_a_bound_is_marked() -> None:
@@ -122,9 +132,13 @@ def test_columns_of_other_names_and_logs_without_headings() -> None:
     )
     fit_cases.write_rows("bare.csv", [row[1:] for row in rows[1:]])
     bare = FIT.report(
-        "bare.csv", *SMALL[1:], "--columns", "temperature [degC],stress [MPa],strain [%]",
-        "--interval", "1 s",
-    )  # fmt: skip
+        "bare.csv",
+        *SMALL[1:],
+        "--columns",
+        "temperature [degC],stress [MPa],strain [%]",
+        "--interval",
+        "1 s",
+    )
     assert bare["parameters"]["A_s"]["value"] == pytest.approx(
         right["parameters"]["A_s"]["value"], abs=1e-3
     )
@@ -132,10 +146,22 @@ def test_columns_of_other_names_and_logs_without_headings() -> None:
 
 def test_offsets_noise_loss_and_steps_are_passed_on() -> None:
     found = FIT.report(
-        *SMALL, "--each", "offset", "--noise", "strain=0.05 %", "--loss", "huber",
-        "--step", "0.5 s", "--starts", "1", "--hold-out", "25 %",
-        "--set", "element.law.E_M=28 GPa",
-    )  # fmt: skip
+        *SMALL,
+        "--each",
+        "offset",
+        "--noise",
+        "strain=0.05 %",
+        "--loss",
+        "huber",
+        "--step",
+        "0.5 s",
+        "--starts",
+        "1",
+        "--hold-out",
+        "25 %",
+        "--set",
+        "element.law.E_M=28 GPa",
+    )
     assert "offset.strain@log" in found["parameters"]
     assert found["loss"] == "huber"
     assert len(found["held_out"]["log"]) == 1
@@ -304,11 +330,15 @@ def test_constant_column() -> None:
 
 
 def test_swapped_columns(hot: str) -> None:
-    swapped = edited("log.csv", lambda rows: [["time [s]", "strain [%]", "stress [MPa]",
-                                               "temperature [degC]"], *rows[1:]])  # fmt: skip
+    swapped = edited(
+        "log.csv",
+        lambda rows: [["time [s]", "strain [%]", "stress [MPa]", "temperature [degC]"], *rows[1:]],
+    )
     assert "swapped" in FIT.refused(swapped, *SMALL[1:])
-    swapped = edited(hot, lambda rows: [["time [s]", "position [mm]", "current [A]",
-                                         "resistance [ohm]"], *rows[1:]])  # fmt: skip
+    swapped = edited(
+        hot,
+        lambda rows: [["time [s]", "position [mm]", "current [A]", "resistance [ohm]"], *rows[1:]],
+    )
     sentence = FIT.refused(swapped, *HEAT, "--column", "position")
     assert "`current` and `position` exchanged" in sentence
 
@@ -349,8 +379,10 @@ REFUSED: dict[str, tuple[tuple[str, ...], str]] = {
     "no scenario": (("log.csv", "--free", "A_s"), "needs --scenario"),
     "no free": (("log.csv", "--scenario", "isobaric.toml"), "needs --free"),
     "unknown parameter": ((*SMALL[:-1], "B_s"), "no parameter `B_s`"),
-    "unknown scenario": (("log.csv", "--scenario", "isobar.toml", "--free", "A_s"),
-                         "Did you mean `isobaric.toml`"),
+    "unknown scenario": (
+        ("log.csv", "--scenario", "isobar.toml", "--free", "A_s"),
+        "Did you mean `isobaric.toml`",
+    ),
     "unknown log": (("lag.csv", *SMALL[1:]), "Did you mean `log.csv`"),
     "unknown method": ((*SMALL, "--method", "newton"), "No method named"),
     "unknown loss": ((*SMALL, "--loss", "cauch"), "Did you mean `cauchy`"),
@@ -363,7 +395,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], str]] = {
     "no starts": ((*SMALL, "--starts", "-1"), "must be at least 0"),
     "no step": ((*SMALL, "--step", "1 mm"), "Option `--step`"),
     "two scenarios": ((*SMALL, "--scenario", "isobaric.toml"), "1 logs have 2 scenarios"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("case", REFUSED)

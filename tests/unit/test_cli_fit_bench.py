@@ -29,8 +29,13 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     table("locked.csv", "voltage [V],current [mA]", R * currents, 1e3 * currents)
     speeds = np.array([50.0, 100.0, 200.0, 300.0])
     currents = (B * speeds + F_C) / K
-    table("steady.csv", "voltage [V],current [mA],speed [rpm]", R * currents + K * speeds,
-          1e3 * currents, speeds * 30.0 / math.pi)  # fmt: skip
+    table(
+        "steady.csv",
+        "voltage [V],current [mA],speed [rpm]",
+        R * currents + K * speeds,
+        1e3 * currents,
+        speeds * 30.0 / math.pi,
+    )
     times = np.linspace(0.0, 6.0, 60)
     table("run_up.csv", "time [ms],speed [rad/s]", 1e3 * times, 250 * (1 - np.exp(-times / TAU)))
     table("rise.csv", "time [s],current [A]", times, 1 - np.exp(-times / 0.2))
@@ -62,8 +67,13 @@ def test_vibration() -> None:
 
 def test_what_is_printed_of_a_vibration() -> None:
     text = fine(*VIBRATION, "--stiffness", "540.1 N/m", "--cycles", "10")
-    for part in ("`position` [m], 1000 rows, 10 cycles", "resolution 0.25 Hz", "damped frequency",
-                 "moving mass", "N*s/m"):  # fmt: skip
+    for part in (
+        "`position` [m], 1000 rows, 10 cycles",
+        "resolution 0.25 Hz",
+        "damped frequency",
+        "moving mass",
+        "N*s/m",
+    ):
         assert part in text
     assert "moving mass" not in fine(*VIBRATION)
 
@@ -98,12 +108,19 @@ def test_bad_vibrations() -> None:
 
 
 def test_motor() -> None:
-    found = report(*MOTOR, "--locked", "locked.csv", "--current-rise", "rise.csv",
-                   "--run-up", "run_up.csv")  # fmt: skip
+    found = report(
+        *MOTOR, "--locked", "locked.csv", "--current-rise", "rise.csv", "--run-up", "run_up.csv"
+    )
     coil = 0.2 * R
     inertia = TAU * (B + K**2 / (R - coil / TAU))
-    truth = {"resistance": R, "constant": K, "friction": B, "dry_friction": F_C,
-             "inductance": coil, "inertia": inertia}  # fmt: skip
+    truth = {
+        "resistance": R,
+        "constant": K,
+        "friction": B,
+        "dry_friction": F_C,
+        "inductance": coil,
+        "inertia": inertia,
+    }
     for name, value in truth.items():
         assert found[name]["value"] == pytest.approx(value, rel=1e-7)
     assert found["run_up_time"] == pytest.approx(R * inertia / K**2)
@@ -119,8 +136,15 @@ def test_numbers_that_are_given() -> None:
 
 def test_what_is_printed_of_a_motor() -> None:
     text = fine(*MOTOR, "--resistance", "6 ohm", "--run-up", "run_up.csv")
-    for part in ("DC motor from 4 steady states", "K_T = K_B", "N*m/A", "F_c, dry friction",
-                 "J, inertia", "kg*m^2", "R J/(K_T K_B) = 1.5"):  # fmt: skip
+    for part in (
+        "DC motor from 4 steady states",
+        "K_T = K_B",
+        "N*m/A",
+        "F_c, dry friction",
+        "J, inertia",
+        "kg*m^2",
+        "R J/(K_T K_B) = 1.5",
+    ):
         assert part in text
     assert "inductance" not in text
 

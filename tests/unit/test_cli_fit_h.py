@@ -81,14 +81,19 @@ def test_kossoski() -> None:
     ("heading", "rows", "options"),
     [
         ("temperature [degC],power [mW]", ("50,100", "60,200", "80,500"), ()),
-        ("temperature [K],voltage [V],current [A]",
-         ("323.15,0.2,0.5", "333.15,0.4,0.5", "353.15,0.5,1"), ()),
-        ("temperature [degC],voltage [V],resistance [ohm]",
-         ("50,1,10", "60,2,20", "80,3,18"), ()),
-        ("temperature [degC],voltage [V]", ("50,1", "60,1.41421356", "80,2.23606798"),
-         ("--resistance", "10 ohm")),
+        (
+            "temperature [K],voltage [V],current [A]",
+            ("323.15,0.2,0.5", "333.15,0.4,0.5", "353.15,0.5,1"),
+            (),
+        ),
+        ("temperature [degC],voltage [V],resistance [ohm]", ("50,1,10", "60,2,20", "80,3,18"), ()),
+        (
+            "temperature [degC],voltage [V]",
+            ("50,1", "60,1.41421356", "80,2.23606798"),
+            ("--resistance", "10 ohm"),
+        ),
     ],
-)  # fmt: skip
+)
 def test_every_kind_of_column_gives_the_same_points(
     heading: str, rows: tuple[str, ...], options: tuple[str, ...]
 ) -> None:

@@ -99,8 +99,11 @@ def test_stages_in_series_are_saved_and_drawn(folder: Path) -> None:
     assert "Stage 2: `temperature` -> `position`: poly(1)" in text
     assert "series" in text
     assert sorted(p.name for p in folder.iterdir() if p.suffix != ".csv") == [
-        "model.json", "model.stage1.json", "model.stage2.json", "model.svg",
-    ]  # fmt: skip
+        "model.json",
+        "model.stage1.json",
+        "model.stage2.json",
+        "model.svg",
+    ]
     model = read_model("model.json")
     slow = read_sampled("ramps.csv", ["duty"], ["position"], units={"duty": "%"})
     assert abs(model.simulate(slow) - slow.outputs).max() < 0.06
@@ -151,18 +154,35 @@ def test_an_interrupted_search_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> 
     ("arguments", "words"),
     [
         (("absent.csv", *ONE), "There is no file `absent.csv`"),
-        (("pulses.csv", "--input", "dutty", "--output", "temperature", "--stage", "poly1"),
-         "Did you mean `duty`"),
+        (
+            ("pulses.csv", "--input", "dutty", "--output", "temperature", "--stage", "poly1"),
+            "Did you mean `duty`",
+        ),
         (("pulses.csv", "--output", "temperature", "--stage", "poly1"), "needs --input"),
         (("pulses.csv", "--input", "duty", "--stage", "poly1"), "needs --output"),
         (("pulses.csv", "--input", "duty", "--output", "temperature"), "give one of the two"),
         (("pulses.csv", *ONE, "--search", "poly{1,2}"), "give one of the two"),
-        (("pulses.csv", *SIGNALS, "--output", "temperature", "--stage", "polly1"),
-         "There is no block `polly`"),
-        (("pulses.csv", *SIGNALS, "--output", "position", "--stage", STRUCTURE),
-         "The last stage gives `temperature`"),
-        (("pulses.csv", *SIGNALS, "--output", "position", "--stage", "poly1", "--stage", "poly1"),
-         "names no output"),
+        (
+            ("pulses.csv", *SIGNALS, "--output", "temperature", "--stage", "polly1"),
+            "There is no block `polly`",
+        ),
+        (
+            ("pulses.csv", *SIGNALS, "--output", "position", "--stage", STRUCTURE),
+            "The last stage gives `temperature`",
+        ),
+        (
+            (
+                "pulses.csv",
+                *SIGNALS,
+                "--output",
+                "position",
+                "--stage",
+                "poly1",
+                "--stage",
+                "poly1",
+            ),
+            "names no output",
+        ),
         (("pulses.csv", *ONE, "--initial", "resting"), "Did you mean `rest`"),
         (("pulses.csv", *ONE, "--interval", "20"), "`--interval`"),
         (("pulses.csv", *ONE, "--interval", "0 s"), "above 0 s"),
@@ -171,7 +191,7 @@ def test_an_interrupted_search_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> 
         (("pulses.csv", *ONE, "--skip", "1000 s"), "no known samples that count"),
         (("pulses.csv", *ONE, "--save", "model.txt"), "must end in .json"),
     ],
-)  # fmt: skip
+)
 def test_bad_input(arguments: tuple[str, ...], words: str) -> None:
     assert words in IDENTIFY.refused(*arguments)
 

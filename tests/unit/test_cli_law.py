@@ -84,10 +84,24 @@ def test_every_path_runs_as_text(path: str) -> None:
 
 def test_numbers_of_a_loop_follow_from_the_parameters() -> None:
     (law,) = report(
-        "liang-rogers", "--at", "75 degC", "--stress", "600 MPa", "--set", "C_A=7 MPa/K",
-        "--set", "C_M=7 MPa/K", "--set", "A_s=40 degC", "--set", "A_f=50 degC",
-        "--set", "M_s=30 degC", "--set", "M_f=20 degC",
-    )["laws"]  # fmt: skip
+        "liang-rogers",
+        "--at",
+        "75 degC",
+        "--stress",
+        "600 MPa",
+        "--set",
+        "C_A=7 MPa/K",
+        "--set",
+        "C_M=7 MPa/K",
+        "--set",
+        "A_s=40 degC",
+        "--set",
+        "A_f=50 degC",
+        "--set",
+        "M_s=30 degC",
+        "--set",
+        "M_f=20 degC",
+    )["laws"]
     (one,) = law["paths"]
     up, down = one["legs"]
     assert up["spots"][1]["stress"] == pytest.approx(7e6 * (75 - 25), rel=5e-3)

@@ -113,14 +113,15 @@ REFUSED = [
     ),
     pytest.param(
         (*SMALL[:4], "--rate", "30 Hz", "--supply", "5 V", "--strands", "1", "--out", "x.toml"),
-        "No wire does, so no scenario was written", marks=pytest.mark.slow,
+        "No wire does, so no scenario was written",
+        marks=pytest.mark.slow,
     ),
     (("--catalogue", "--force", "8 N"), "Option `--force` has no effect with --catalogue"),
     (("--catalogue", "--bias", "weight"), "Option `--bias` has no effect with --catalogue"),
     (("--catalogue", "--all"), "Option `--all` has no effect with --catalogue"),
     (("--catalogue", "--alloy", "80"), "Option `alloy`"),
     ((*SMALL, "--strands", "0"), "between 1 and 1000, but is 0."),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize(("arguments", "sentence"), REFUSED)

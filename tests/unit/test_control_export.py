@@ -51,13 +51,15 @@ def test_a_plant_answers_as_in_simulate():
 
 def test_a_bench_answers_as_in_simulate():
     """Its reference is read at the end of a sample: given one sample earlier."""
-    pid = Pid(measured="position", reference=Constant(level=0.0), Kp=300.0, Ki=2.0,
-              law=PidLaw(high=6.0))  # fmt: skip
+    pid = Pid(
+        measured="position", reference=Constant(level=0.0), Kp=300.0, Ki=2.0, law=PidLaw(high=6.0)
+    )
     bench = Bench(
-        plant=PLANT, period=PERIOD,
+        plant=PLANT,
+        period=PERIOD,
         sensors=Sensors(position=MountedSensor(sensor=PositionSensor(), delay=0.04)),
         controllers=Controllers(drive=pid),
-    )  # fmt: skip
+    )
     r = np.repeat([0.0, 3e-3, 2e-3, 0.0], COUNT // 4)
     system = to_nonlinear_system(bench)
     assert list(system.input_labels) == ["reference"]

@@ -42,9 +42,12 @@ def test_two_devices_give_the_same_bits_as_one() -> None:
     flags = "--xla_force_host_platform_device_count=2"
     paths = os.pathsep.join(path for path in sys.path if path)
     done = subprocess.run(
-        [sys.executable, "-c", ON_TWO], capture_output=True, text=True, check=False,
+        [sys.executable, "-c", ON_TWO],
+        capture_output=True,
+        text=True,
+        check=False,
         env={**os.environ, "XLA_FLAGS": flags, "PYTHONPATH": paths},
-    )  # fmt: skip
+    )
     assert done.returncode == 0, done.stderr
     said = json.loads(done.stdout)
     assert said["devices"] == 2
@@ -58,8 +61,9 @@ def test_more_devices_than_there_are_are_refused() -> None:
             devices_of(count)
     wave = ms.Step(high=2.5, at=1.0)
     with pytest.raises(ParameterError, match="devices"):
-        simulate_batch(problem_a(), wave, 2.0, {"h0": [90.0]}, step=0.1, devices=there + 1,
-                          runtime="jax")  # fmt: skip
+        simulate_batch(
+            problem_a(), wave, 2.0, {"h0": [90.0]}, step=0.1, devices=there + 1, runtime="jax"
+        )
 
 
 def test_few_chunks_are_under_way_and_results_keep_their_order() -> None:

@@ -82,11 +82,14 @@ def test_machine_may_follow_the_stress_as_measured(stress: int) -> None:
                 "section": "0.1140092 mm^2",
             },
             "signals.command": {
-                "kind": "table", "file": file, "column": "stress", "interval": "1 s",
+                "kind": "table",
+                "file": file,
+                "column": "stress",
+                "interval": "1 s",
             },
             "measured.file": file,
         },
-    )  # fmt: skip
+    )
     assert machine.measured is not None
     record = machine.measured.read()
     result = machine.run()

@@ -85,8 +85,9 @@ def scenario() -> Scenario:
 def made(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Fmu]:
     """A wire as an FMU of every version, and a loop."""
     folder, here = tmp_path_factory.mktemp("fmu"), [binaries.find_target()]
-    found = {v: to_fmu(scenario, folder / f"wire{v[0]}.fmu", fmi=v, platforms=here)
-             for v in VERSIONS}  # fmt: skip
+    found = {
+        v: to_fmu(scenario, folder / f"wire{v[0]}.fmu", fmi=v, platforms=here) for v in VERSIONS
+    }
     return found | {"loop": to_fmu(read_scenario(LOOP), folder / "loop.fmu", platforms=here)}
 
 
@@ -104,9 +105,13 @@ def played(path: Path, levels: list[float], outputs: list[str], **start: float) 
     rows = [(t, u) for k, u in enumerate(levels) for t, u in ((times[k], u), (times[k + 1], u))]
     signal = np.array(rows, dtype=[("time", float), ("drive", float)])
     return fmpy.simulate_fmu(
-        str(path), stop_time=times[-1], output_interval=STEP, input=signal, output=outputs,
+        str(path),
+        stop_time=times[-1],
+        output_interval=STEP,
+        input=signal,
+        output=outputs,
         start_values=start,
-    )  # fmt: skip
+    )
 
 
 def apart(found: Any, columns: dict[str, list[float]], name: str) -> Any:
@@ -189,8 +194,9 @@ def test_a_loop_gives_the_numbers_of_its_run(made: dict[str, Fmu]) -> None:
 def test_what_decides_the_program_of_a_loop_is_constant(made: dict[str, Fmu]) -> None:
     """Period and delay fix how much is kept; they are shown but cannot be set."""
     assert {one.name for one in made["loop"].named("local")} == {
-        "controller.period", "sensor.delay",
-    }  # fmt: skip
+        "controller.period",
+        "sensor.delay",
+    }
     instance = Instance(made["loop"].path)
     assert instance.set({"sensor.delay": 0.1}) == ERROR
     assert "is a constant" in instance.said[-1]
@@ -437,9 +443,10 @@ def test_a_state_of_another_size_or_fmu_is_refused(wire: Instance) -> None:
     before = advance(wire, 0, 5)
     second = wire.second
     save, give = (
-        ("serializeFMUstate", "deSerializeFMUstate") if second
+        ("serializeFMUstate", "deSerializeFMUstate")
+        if second
         else ("serializeFMUState", "deserializeFMUState")
-    )  # fmt: skip
+    )
     state = (wire.fmu.getFMUstate if second else wire.fmu.getFMUState)()
     data = bytes(getattr(wire.fmu, save)(state))
     assert wire.status(give, data[:-8]) == ERROR

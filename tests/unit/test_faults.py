@@ -28,10 +28,13 @@ from martensite.signals.constant import Constant
 PLANT = problem_a(source=PwmVoltage(supply=6.0))
 DUTY = 0.2
 NUMBERS = {
-    "drop-out": {"sensor": "felt"}, "stuck": {"sensor": "felt"},
-    "drift": {"sensor": "felt", "bias": 1.0}, "supply-sag": {"share": 0.5},
-    "ambient-step": {"by": 20.0}, "draught": {"factor": 2.0},
-}  # fmt: skip
+    "drop-out": {"sensor": "felt"},
+    "stuck": {"sensor": "felt"},
+    "drift": {"sensor": "felt", "bias": 1.0},
+    "supply-sag": {"share": 0.5},
+    "ambient-step": {"by": 20.0},
+    "draught": {"factor": 2.0},
+}
 
 
 def bench(plant=PLANT, **faults):
@@ -62,9 +65,16 @@ def test_a_fault_changes_nothing_before_it_begins(name):
 @pytest.mark.parametrize("name", ["supply-sag", "open-circuit"])
 def test_of_the_current_a_share_is_left(name):
     found, share = run(one=fault(name)), {"supply-sag": 0.5, "open-circuit": 0.0}[name]
-    ratios = [a * R / (b * S) for a, b, R, S in zip(
-        found["current"], HEALTHY["current"], found["resistance"], HEALTHY["resistance"],
-        strict=True)]  # fmt: skip
+    ratios = [
+        a * R / (b * S)
+        for a, b, R, S in zip(
+            found["current"],
+            HEALTHY["current"],
+            found["resistance"],
+            HEALTHY["resistance"],
+            strict=True,
+        )
+    ]
     during = [0.5 - 1e-9 <= t < 0.75 - 1e-9 for t in found.times]
     assert ratios == pytest.approx([share if now else 1.0 for now in during], rel=1e-12)
 
@@ -155,8 +165,10 @@ def test_a_fault_of_one_drive_leaves_the_others_alone():
     waves = {first: Constant(level=0.3), second: Constant(level=0.3)}
     found = simulate_bench(
         Bench(plant=pair, period=0.05, faults=FaultTable(one=fault("open-circuit", drive=second))),
-        0.7, waveforms=waves, runtime="floats",
-    )  # fmt: skip
+        0.7,
+        waveforms=waves,
+        runtime="floats",
+    )
     assert found[f"{second}.current"][11] == 0.0
     assert found[f"{first}.current"][11] > 0.0
 

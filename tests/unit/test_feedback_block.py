@@ -26,9 +26,14 @@ def cubic(c2: float, c3: float, e3: float) -> np.ndarray:
     """Numbers of c₂ r₁² + c₃ r₁³ + e₃ r₂³, r₁ and r₂ the outputs one and two samples back."""
     s = np.sqrt(sections.second_order(floats, FREQUENCY, DAMPING, DT).d2)
     terms = {
-        "c20": c2, "c11": 0.0, "c02": 0.0,
-        "c30": c3 + e3, "c21": -3 * s * e3, "c12": 3 * s**2 * e3, "c03": -(s**3) * e3,
-    }  # fmt: skip
+        "c20": c2,
+        "c11": 0.0,
+        "c02": 0.0,
+        "c30": c3 + e3,
+        "c21": -3 * s * e3,
+        "c12": 3 * s**2 * e3,
+        "c03": -(s**3) * e3,
+    }
     assert BLOCK.numbers()[4:] == tuple(terms)
     return np.array([FREQUENCY, DAMPING, *BETA, *terms.values()])
 

@@ -58,8 +58,9 @@ def followed(controller: AbstractController, plant: AbstractSystem = PLANT, dura
     """Reference and position [m] and signal, sample by sample, in C."""
     bench = Bench(plant=plant, period=PERIOD, controllers=Controllers(drive=controller))
     samples = round(duration / PERIOD) + 1
-    found = simulate(bench, {"reference": controller.reference}, duration, samples=samples,
-                     runtime="c")  # fmt: skip
+    found = simulate(
+        bench, {"reference": controller.reference}, duration, samples=samples, runtime="c"
+    )
     return tuple(np.array(found[name]) for name in ("reference", "position", "drive"))
 
 
@@ -93,9 +94,15 @@ class TestFeedforward:
         assert alone > 30.0 * error(feedforward())
         assert both < 0.1 * alone
         # feedback of the same gains, beside a feed-forward that says nothing
-        only = error(InversePlay(measured="position", reference=SINE, knots=(0.0, 1e-6),
-                                 outputs=(-1.0, 1.0),
-                                 feedback=Correction(**gains, law=LIMITS)))  # fmt: skip
+        only = error(
+            InversePlay(
+                measured="position",
+                reference=SINE,
+                knots=(0.0, 1e-6),
+                outputs=(-1.0, 1.0),
+                feedback=Correction(**gains, law=LIMITS),
+            )
+        )
         assert both < 0.8 * only
 
 
@@ -124,8 +131,10 @@ def test_derivatives_go_through_the_inversion():
 
 def test_floats_and_c_agree(c_compiler):
     bench = Bench(plant=PLANT, period=PERIOD, controllers=Controllers(drive=feedforward()))
-    runs = [simulate(bench, {"reference": Constant(level=1e-3)}, 2.0, samples=101, runtime=runtime)
-            for runtime in ("floats", "c")]  # fmt: skip
+    runs = [
+        simulate(bench, {"reference": Constant(level=1e-3)}, 2.0, samples=101, runtime=runtime)
+        for runtime in ("floats", "c")
+    ]
     one, two = (np.array(run["position"]) for run in runs)
     np.testing.assert_allclose(one, two, rtol=0.0, atol=1e-12)
     assert one[-1] > 1e-5
@@ -139,15 +148,24 @@ def test_out_of_reach_it_answers_with_the_nearest_limit():
         assert signal == limit
 
 
-@pytest.mark.parametrize(("sense", "level", "signal"), [
-    ("falling", 0.5, 6.0), ("rising", 0.5, 0.0), ("falling", 1.0, 0.0), ("falling", 1.5, 0.0),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("sense", "level", "signal"),
+    [
+        ("falling", 0.5, 6.0),
+        ("rising", 0.5, 0.0),
+        ("falling", 1.0, 0.0),
+        ("falling", 1.5, 0.0),
+    ],
+)
 def test_a_model_that_does_not_answer_yet_is_driven_the_right_way(sense, level, signal):
     """A cold wire: its fraction is 1 and stays so for longer than the model looks ahead."""
     controller = Feedforward(
-        model=PLANT, measured="martensite_fraction", reference=Constant(level=level), sense=sense,
+        model=PLANT,
+        measured="martensite_fraction",
+        reference=Constant(level=level),
+        sense=sense,
         feedback=Correction(law=LIMITS),
-    )  # fmt: skip
+    )
     found, _ = controller(0.0, {"martensite_fraction": 1.0}, controller.init())
     assert found == signal
 
@@ -185,16 +203,21 @@ def played() -> Chain:
     steps = np.log(np.array([0.1, 0.2]) / (0.25 / 2.0))
     line = Gain(low=0.0, high=1.0)
     theta = np.concatenate([[0.3, 0.2], steps, line.line(2.0, 0.5)])
-    return Chain((block, line), theta, PERIOD, ("drive",), ("position",),
-                 {"drive": "1", "position": "m"})  # fmt: skip
+    return Chain(
+        (block, line), theta, PERIOD, ("drive",), ("position",), {"drive": "1", "position": "m"}
+    )
 
 
 WAY = Table(times=(0.0, 1.0, 1.6, 2.0, 3.0, 4.0), values=(0.5, 1.9, 1.0, 1.4, 0.9, 2.0))
 
 
 def inverse(**changes) -> InversePlay:
-    parts = {"thresholds": SUM.thresholds, "weights": SUM.weights, "knots": (0.0, 1.0),
-             "outputs": (0.5, 2.5)}  # fmt: skip
+    parts = {
+        "thresholds": SUM.thresholds,
+        "weights": SUM.weights,
+        "knots": (0.0, 1.0),
+        "outputs": (0.5, 2.5),
+    }
     return InversePlay(measured="position", reference=WAY, **(parts | changes))
 
 
@@ -240,8 +263,9 @@ def test_what_has_no_inverse_is_refused(changes, sentence):
 
 def test_an_identified_loop_is_that_which_made_it():
     chain = played()
-    signals = np.concatenate([np.linspace(a, b, 60) for a, b in ((0, 1), (1, 0.2), (0.2, 0.8),
-                                                                 (0.8, 0.0))])  # fmt: skip
+    signals = np.concatenate(
+        [np.linspace(a, b, 60) for a, b in ((0, 1), (1, 0.2), (0.2, 0.8), (0.8, 0.0))]
+    )
     record = Sampled("slow", PERIOD, signals, chain.simulate(signals), ("drive",), ("position",))
     found = identify_hysteresis(record, plays=5, knots=3, options=Options(starts=1, refined=1))
     made = found.simulate(signals)
@@ -279,8 +303,9 @@ def test_the_loop_of_a_wire_becomes_nearly_a_line():
     record = Sampled("slow", 3.0, u, y, ("power",), ("position",))
     found = identify_hysteresis(record, plays=6, knots=6, options=Options(starts=1, refined=1))
     curve = fit_rising_curve(np.array(found.knots), u, y)
-    bare = InversePlay(measured="position", reference=Constant(level=0.0), knots=found.knots,
-                       outputs=tuple(curve))  # fmt: skip
+    bare = InversePlay(
+        measured="position", reference=Constant(level=0.0), knots=found.knots, outputs=tuple(curve)
+    )
 
     def bent(controller: InversePlay, leg: float) -> float:
         times = tuple(leg * k for k in range(6))

@@ -199,9 +199,11 @@ def test_errors_are_those_of_the_rows(plain: Sample) -> None:
     rows = page(plain).table("rms error")
     expected: list[tuple[str, str, float]] = []
     for one, fitted, used in zip(
-        plain.fit.problem.experiments, plain.fit.evaluation.fitted, plain.fit.problem.used,
+        plain.fit.problem.experiments,
+        plain.fit.evaluation.fitted,
+        plain.fit.problem.used,
         strict=True,
-    ):  # fmt: skip
+    ):
         error = (fitted.model - one.measured)[:, 0]
         for kind, part in (("", used[:, 0]), ("held", np.isfinite(error) & ~used[:, 0])):
             if part.any():
@@ -227,9 +229,11 @@ def test_records_have_their_hash_and_their_rows(plain: Sample) -> None:
         for name, (_, cells) in rows.items()
     }
     assert counts == {
-        "light": (81, 81, 0, 0), "middle": (81, 70, 11, 0), "heavy": (81, 77, 0, 4),
+        "light": (81, 81, 0, 0),
+        "middle": (81, 70, 11, 0),
+        "heavy": (81, 77, 0, 4),
         "keptheld out": (81, 0, 81, 0),
-    }  # fmt: skip
+    }
     assert [name for name, (kind, _) in rows.items() if kind == "held"] == ["keptheld out"]
     assert "columns" in rows["heavy"][1]["data"]
 
@@ -342,8 +346,10 @@ def test_markdown_has_its_figures_beside_it(plain: Sample, tmp_path: Path) -> No
     places = re.findall(r"!\[[^]]*\]\(([^)]+)\)", text)
     assert [tmp_path / place.replace("%20", " ") for place in places] == written[1:]
     assert repr(plain.fit["A_s"]) in text and "kept **(held out)**" in text
-    tables = [[line.replace("\\|", "").count("|") for line in block.splitlines()]
-              for block in re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE)]  # fmt: skip
+    tables = [
+        [line.replace("\\|", "").count("|") for line in block.splitlines()]
+        for block in re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE)
+    ]
     assert len(tables) == 5 and all(len(set(widths)) == 1 for widths in tables)
 
 
@@ -396,12 +402,19 @@ def test_loops_run_over_the_measured_temperature(plain: Sample) -> None:
     (line,) = [one for one in axes.lines if one.get_color() == SIMULATED]
     record = plain.fit.problem.experiments[0].record
     np.testing.assert_allclose(line.get_xdata(), np.asarray(record["temperature"]) - 273.15)
-    without = replace(record, columns={k: record[k] for k in ("time", "strain")},
-                      units={"time": "s", "strain": "1"})  # fmt: skip
+    without = replace(
+        record,
+        columns={k: record[k] for k in ("time", "strain")},
+        units={"time": "s", "strain": "1"},
+    )
     first = replace(plain.fit.problem.experiments[0], record=without)
     problem = replace(plain.fit.problem, experiments=(first,))
-    alone = replace(plain.fit, problem=problem, kept=(), evaluation=replace(
-        plain.fit.evaluation, fitted=plain.fit.evaluation.fitted[:1]))  # fmt: skip
+    alone = replace(
+        plain.fit,
+        problem=problem,
+        kept=(),
+        evaluation=replace(plain.fit.evaluation, fitted=plain.fit.evaluation.fitted[:1]),
+    )
     with pytest.raises(InputError, match="no loop to draw"):
         plot_fit_loops(alone)
 
@@ -420,8 +433,10 @@ def test_residuals_and_their_memory_are_those_of_the_fit(plain: Sample) -> None:
 
 def test_correlations_are_printed_once_each(plain: Sample) -> None:
     axes = plot_correlation(plain.fit).axes[0]
-    printed = {(round(t.get_position()[0]), round(t.get_position()[1])): float(t.get_text())
-               for t in axes.texts}  # fmt: skip
+    printed = {
+        (round(t.get_position()[0]), round(t.get_position()[1])): float(t.get_text())
+        for t in axes.texts
+    }
     matrix = plain.fit.uncertainty.correlation
     count = len(matrix)
     assert len(printed) == count * (count - 1) // 2
@@ -479,13 +494,17 @@ DRAWN: dict[str, Callable[[Fit], Figure]] = {
 
 def long_names(fit: Fit) -> Fit:
     """The same fit to records of long names."""
-    names = {one.name: f"measurement_of_the_wire_{one.name}_on_the_third_of_May" for one in
-             [*fit.problem.experiments, *(kept.experiment for kept in fit.kept)]}  # fmt: skip
+    names = {
+        one.name: f"measurement_of_the_wire_{one.name}_on_the_third_of_May"
+        for one in [*fit.problem.experiments, *(kept.experiment for kept in fit.kept)]
+    }
     seen = tuple(replace(one, name=names[one.name]) for one in fit.problem.experiments)
     free = tuple(
         replace(one, record=names[one.record], name=f"{one.path}@{names[one.record]}")
-        if one.record else one for one in fit.problem.free
-    )  # fmt: skip
+        if one.record
+        else one
+        for one in fit.problem.free
+    )
     kept = tuple(
         replace(one, experiment=replace(one.experiment, name=names[one.experiment.name]))
         for one in fit.kept

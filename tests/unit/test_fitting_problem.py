@@ -45,9 +45,14 @@ def column(system: AbstractSystem, wave: Any, output: str, rows: int) -> tuple[f
 
 
 def experiment(
-    name: str = "one", *outputs: str, rows: int = 121, system: AbstractSystem | None = None,
-    wave: Any = HEATING, step: float = 0.02, **changes: Any,
-) -> Experiment:  # fmt: skip
+    name: str = "one",
+    *outputs: str,
+    rows: int = 121,
+    system: AbstractSystem | None = None,
+    wave: Any = HEATING,
+    step: float = 0.02,
+    **changes: Any,
+) -> Experiment:
     """A record of a wire in a chamber, as its system makes it."""
     system = system or chamber(law_a(), mass=1.0)
     outputs = outputs or ("position",)
@@ -226,8 +231,9 @@ def test_one_name_moves_the_wires_of_all_actuators():
     times = np.linspace(0.0, 20.0, 41)
     columns = {"time": times.tolist(), "angle": np.sin(times).tolist()}
     record = Record("one", columns, {"time": "s", "angle": "rad"})
-    one = Experiment("one", scenario.system, scenario.waveform, record, {"angle": "angle"},
-                     step=0.02)  # fmt: skip
+    one = Experiment(
+        "one", scenario.system, scenario.waveform, record, {"angle": "angle"}, step=0.02
+    )
     names = ["E_A", "eps_T", "radius", "protagonist.element.law.E_M"]
     task = build_problem([one], names)
     paths = [path for path in task.runners[0].paths if task.free[0].moves(path)]
@@ -259,9 +265,11 @@ def test_without_a_compiler_derivatives_are_differences(without_compiler: None):
         SearchRange("Theta", -1e6, 1e6, 0.0),
     ]
     volts = experiment(
-        "volts", system=hanging_wire(mass=1.7, source=VoltageSource(), law=law_a()), wave=VOLTS,
+        "volts",
+        system=hanging_wire(mass=1.7, source=VoltageSource(), law=law_a()),
+        wave=VOLTS,
         rows=61,
-    )  # fmt: skip
+    )
     plain = build_problem([one, volts], names, each=["offset"])
     assert not plain.runners[0].native
     with pytest.MonkeyPatch.context() as patch:

@@ -114,9 +114,15 @@ def test_checks_are_those_of_what_is_measured() -> None:
     limits = scenario.single_system.element.limits
     checks = guard(scenario).checks.members()
     assert set(checks) == {
-        "bound_drive", "hot_heat", "lost_heat", "stuck_heat", "lost_position", "stuck_position",
-        "stress_load", "lost_load",
-    }  # fmt: skip
+        "bound_drive",
+        "hot_heat",
+        "lost_heat",
+        "stuck_heat",
+        "lost_position",
+        "stuck_position",
+        "stress_load",
+        "lost_load",
+    }
     known: Any = checks
     assert known["hot_heat"].limit == limits.temperature_limit
     assert known["stress_load"].limit == limits.stress_limit
@@ -165,10 +171,11 @@ def test_guard_of_a_scenario_is_that_of_its_plant() -> None:
 
 def test_numbers_that_are_given_count() -> None:
     own = {
-        "bound_drive": {"limit": "60 degC"}, "lost_position": {"timeout": "1 s"},
+        "bound_drive": {"limit": "60 degC"},
+        "lost_position": {"timeout": "1 s"},
         "stuck_position": {"kind": "over-stress", "reading": "position", "limit": "1 GPa"},
         "mine": {"kind": "sensor-lost", "reading": "position", "timeout": "2 s"},
-    }  # fmt: skip
+    }
     scenario = loop(supervisor__checks=own)
     checks: Any = guard(scenario).checks.members()
     plain: Any = guard(loop()).checks.members()

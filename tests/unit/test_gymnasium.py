@@ -34,8 +34,13 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "reinforcement_learning.py"
 PERIOD = 0.05
 SPREADS = {"element.diameter": 0.03, "environment.temperature": 3.0}
 TASK = LearningTask(
-    output="position", low=0.0, high=5e-3, duration=1.0, preview=(0.1, 0.5), spreads=SPREADS,
-)  # fmt: skip
+    output="position",
+    low=0.0,
+    high=5e-3,
+    duration=1.0,
+    preview=(0.1, 0.5),
+    spreads=SPREADS,
+)
 PLAIN = dataclasses.replace(TASK, spreads={}, preview=())
 
 

@@ -91,8 +91,11 @@ def of_a_slope(xp: Any, a: Any, b: Any) -> Sequence[Any]:
 
 
 ROOTS: dict[str, Kernel] = {
-    "repeat": plain, "bracket": bracketed, "beside": beside, "slope": of_a_slope,
-}  # fmt: skip
+    "repeat": plain,
+    "bracket": bracketed,
+    "beside": beside,
+    "slope": of_a_slope,
+}
 LONGER: dict[str, Kernel] = {"each": in_rows, "in turns": in_turns}
 
 
@@ -193,10 +196,11 @@ def test_roots_in_loops_have_the_derivatives_of_differences(name: str, runtime: 
     h = 1e-3
     ways = [(h, 0.0), (0.0, h)]
     one, two = (
-        np.array([(run(a + s * p, b + s * q) - run(a - s * p, b - s * q)) / (2 * s * h)
-                  for p, q in ways]).T
+        np.array(
+            [(run(a + s * p, b + s * q) - run(a - s * p, b - s * q)) / (2 * s * h) for p, q in ways]
+        ).T
         for s in (1.0, 2.0)
-    )  # fmt: skip
+    )
     values, found = runtime(kernel, a, b)
     assert values == pytest.approx(run(a, b), rel=1e-13)
     assert found == pytest.approx((4.0 * one - two) / 3.0, abs=1e-9)

@@ -158,7 +158,7 @@ def test_a_line_leaves_spikes_out_and_three_lines_find_corners() -> None:
         (changed(strain=[math.nan] + [0.0] * (len(CYCLE) - 1)), "`strain` of record `cycle` must"),
         (changed(stress=[math.inf] * len(CYCLE)), "`stress` of record `cycle` must be finite"),
     ],
-)  # fmt: skip
+)
 def test_what_is_no_isobaric_cycle(base: Record, sentence: str) -> None:
     text = said(base)
     assert sentence in text
@@ -174,15 +174,11 @@ def test_noise_alone_is_no_transformation() -> None:
 
 def test_missing_columns_and_wrong_arguments() -> None:
     names = ("time", "temperature", "strain")
-    bare = Record(
-        "bare", {n: CYCLE.columns[n] for n in names}, {n: CYCLE.units[n] for n in names}
-    )  # fmt: skip
+    bare = Record("bare", {n: CYCLE.columns[n] for n in names}, {n: CYCLE.units[n] for n in names})
     assert "has no column `stress`; give the constant stress" in said(bare)
     assert find_tangent_points(bare, stress=STRESS).stress == STRESS
     names = ("time", "temperature")
-    bare = Record(
-        "bare", {n: CYCLE.columns[n] for n in names}, {n: CYCLE.units[n] for n in names}
-    )  # fmt: skip
+    bare = Record("bare", {n: CYCLE.columns[n] for n in names}, {n: CYCLE.units[n] for n in names})
     assert "no column `strain`" in said(bare)
     assert "from -1 to 0, since record `cycle` has 1 full cycle, but is 1" in said(CYCLE, cycle=1)
     assert "must be finite" in said(CYCLE, stress=math.nan)

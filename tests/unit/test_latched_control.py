@@ -25,9 +25,7 @@ def record(envelope: Any) -> dict[str, list[float]]:
 
 
 def controller(threshold: float = 2.0, **changes: Any) -> LatchedOnOff:
-    numbers: dict[str, Any] = {
-        "measured": "speed", "oscillation": "x", "share": 0.3, "high": 1.1
-    }  # fmt: skip
+    numbers: dict[str, Any] = {"measured": "speed", "oscillation": "x", "share": 0.3, "high": 1.1}
     return LatchedOnOff(reference=Constant(level=threshold), **(numbers | changes))
 
 
@@ -85,14 +83,24 @@ class Brake(LatchedOnOff):
 def test_in_the_loop() -> None:
     """The same switching times as in a replay of the run that it made itself."""
     motor = BeamMotor(
-        mass=0.2, stiffness=541.0, damping=2.0, unbalance=0.012, eccentricity=0.02,
-        rotor_inertia=0.82e-4, torque_constant=0.0211, back_emf=0.0211, resistance=6.22,
+        mass=0.2,
+        stiffness=541.0,
+        damping=2.0,
+        unbalance=0.012,
+        eccentricity=0.02,
+        rotor_inertia=0.82e-4,
+        torque_constant=0.0211,
+        back_emf=0.0211,
+        resistance=6.22,
         inductance=3.1e-3,
-    )  # fmt: skip
+    )
     brake = Brake(
-        measured="rotor_speed", reference=Constant(level=30.0), oscillation="displacement",
-        share=0.5, high=3.75,
-    )  # fmt: skip
+        measured="rotor_speed",
+        reference=Constant(level=30.0),
+        oscillation="displacement",
+        share=0.5,
+        high=3.75,
+    )
     run = simulate_controlled(
         Machine(mechanism=motor), {"motor": brake}, 6.0, 0.01, step=1e-3, every=1
     )

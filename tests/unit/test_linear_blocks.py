@@ -266,5 +266,6 @@ def test_text_of_state_space_goes_there_and_back() -> None:
     assert (block.text(), block.inputs, block.outputs) == (text, 2, 2)
     assert parse_chain("ss3")[0].inputs == 1
     theta = block.start()
-    assert isinstance(Chain((block,), theta, DT, ("a", "b"), ("c", "d")).simulate(np.ones((5, 2))),
-                      np.ndarray)  # fmt: skip
+    assert isinstance(
+        Chain((block,), theta, DT, ("a", "b"), ("c", "d")).simulate(np.ones((5, 2))), np.ndarray
+    )

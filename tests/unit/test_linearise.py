@@ -28,9 +28,12 @@ def plain(blocks, theta=None, rng=None):
     if rng is not None:
         theta = theta + 0.1 * rng.normal(size=len(theta))
     made = Chain(
-        tuple(blocks), theta, DT, tuple(f"u{i}" for i in range(blocks[0].inputs)),
+        tuple(blocks),
+        theta,
+        DT,
+        tuple(f"u{i}" for i in range(blocks[0].inputs)),
         tuple(f"y{i}" for i in range(blocks[-1].outputs)),
-    )  # fmt: skip
+    )
     made.__dict__["engine"] = ChainEngine(made.blocks, DT, compiled=False)
     return made
 
@@ -117,9 +120,15 @@ def test_plays_stand_still_at_rest_and_follow_a_push_after_a_rise():
 
 def test_states_that_take_no_part_do_not_spoil_the_gain():
     held = LinearSystem(
-        np.diag([1.0, 0.5]), np.array([[0.0], [1.0]]), np.array([[1.0, 1.0]]), np.zeros((1, 1)),
-        DT, np.zeros(1), np.zeros(2), np.zeros(1),
-    )  # fmt: skip
+        np.diag([1.0, 0.5]),
+        np.array([[0.0], [1.0]]),
+        np.array([[1.0, 1.0]]),
+        np.zeros((1, 1)),
+        DT,
+        np.zeros(1),
+        np.zeros(2),
+        np.zeros(1),
+    )
     assert held.standing == 1 and held.gain()[0, 0] == pytest.approx(2.0)
     with pytest.raises(ParameterError, match="integrates"):
         replace(held, b=np.ones((2, 1))).gain()

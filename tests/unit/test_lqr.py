@@ -142,8 +142,18 @@ def test_readings_that_are_no_states_are_told():
 def test_states_that_are_left_out_are_noticed():
     """Two tanks in series: the second alone does not say what it will do."""
     a = np.array([[0.9, 0.0], [0.1, 0.8]])
-    tanks = LinearSystem(a, np.array([[0.1], [0.0]]), np.eye(2), np.zeros((2, 1)), 1.0, np.zeros(1),
-                   np.zeros(2), np.zeros(2), ("u",), ("one", "two"))  # fmt: skip
+    tanks = LinearSystem(
+        a,
+        np.array([[0.1], [0.0]]),
+        np.eye(2),
+        np.zeros((2, 1)),
+        1.0,
+        np.zeros(1),
+        np.zeros(2),
+        np.zeros(2),
+        ("u",),
+        ("one", "two"),
+    )
     whole = realise_readings(tanks, ("one", "two"))
     assert whole.residual < 1e-12
     assert whole.linear.a == pytest.approx(a)
@@ -257,9 +267,18 @@ def test_a_bench_of_it_is_the_same_on_floats_and_in_c():
 
 def test_its_answer_is_the_equation():
     controller = StateFeedback(
-        measured="y", reference=Constant(level=1.0), states=("y", "estimated.T"), gains=(2.0, 0.1),
-        at=(1.0, 300.0), signal=3.0, level=1.0, prefilter=4.0, Ki=0.5, low=0.0, high=10.0,
-    )  # fmt: skip
+        measured="y",
+        reference=Constant(level=1.0),
+        states=("y", "estimated.T"),
+        gains=(2.0, 0.1),
+        at=(1.0, 300.0),
+        signal=3.0,
+        level=1.0,
+        prefilter=4.0,
+        Ki=0.5,
+        low=0.0,
+        high=10.0,
+    )
     assert controller.reads() == ("y", "y", "estimated.T")
     seen = {"y": 1.5, "estimated.T": 310.0}
     signal, memory = controller.answer(floats, (0.2,), 2.0, seen, 0.1)

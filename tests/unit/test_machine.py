@@ -69,14 +69,20 @@ class TestStructure:
     @pytest.mark.parametrize(
         ("made", "words"),
         [
-            (lambda: Machine(mechanism=PULLEY, group=Group(protagonist=actuator())),
-             "none given for antagonist"),
-            (lambda: Machine(mechanism=PULLEY, group=Group(protagonist=actuator(),
-             antagonists=actuator())), "no port `antagonists`.*Did you mean `antagonist`"),
+            (
+                lambda: Machine(mechanism=PULLEY, group=Group(protagonist=actuator())),
+                "none given for antagonist",
+            ),
+            (
+                lambda: Machine(
+                    mechanism=PULLEY, group=Group(protagonist=actuator(), antagonists=actuator())
+                ),
+                "no port `antagonists`.*Did you mean `antagonist`",
+            ),
             (lambda: System(mechanism=PULLEY, **actuator().__dict__), "use `Machine`"),
             (lambda: Group(protagonist=PULLEY), "must be an `Actuator`"),  # type: ignore[arg-type]
         ],
-    )  # fmt: skip
+    )
     def test_a_wrong_group_is_a_sentence(self, made, words):
         with pytest.raises(ParameterError, match=words):
             made()
@@ -169,8 +175,9 @@ class TestResult:
         over_time = figure.axes[:5]
         assert [len(axes.lines) for axes in over_time] == [1, 2, 2, 2, 2]
         assert [text.get_text() for text in figure.legends[0].texts] == [
-            "protagonist", "antagonist",
-        ]  # fmt: skip
+            "protagonist",
+            "antagonist",
+        ]
         drawn = np.asarray(over_time[0].lines[0].get_ydata())
         np.testing.assert_allclose(drawn, np.degrees(run()["angle"]))
 

@@ -145,8 +145,10 @@ def test_what_the_scenario_changed_is_assumed(plain: Sample) -> None:
     found = document(plain)
     number = found["values"]["heat_capacity"]
     assert (number["value"], number["kind"], number["source"]) == (
-        "500 J/kg/K", "assumed", "scenario",
-    )  # fmt: skip
+        "500 J/kg/K",
+        "assumed",
+        "scenario",
+    )
     assert "A wire in a chamber" in found["sources"]["scenario"]["text"]
 
 
@@ -253,8 +255,11 @@ def wrong_hashes(one: Sample, found: dict[str, Any]) -> list[str]:
 def test_hashes_are_those_of_the_data(plain: Sample) -> None:
     found = document(plain)
     assert [record["name"] for record in found["fit"]["records"]] == [
-        "light", "middle", "heavy", "kept",
-    ]  # fmt: skip
+        "light",
+        "middle",
+        "heavy",
+        "kept",
+    ]
     assert wrong_hashes(plain, found) == []
 
 
@@ -298,9 +303,7 @@ def test_the_same_fit_gives_the_same_file_wherever_it_lies(plain: Sample, tmp_pa
 def test_published_records_are_cited(plain: Sample) -> None:
     first, *others = plain.fit.problem.experiments
     record = replace(first.record, name="flexinol-isobaric/isobaric_50MPa.txt")
-    problem = replace(
-        plain.fit.problem, experiments=(replace(first, record=record), *others)
-    )  # fmt: skip
+    problem = replace(plain.fit.problem, experiments=(replace(first, record=record), *others))
     found = document(replace(plain, fit=replace(plain.fit, problem=problem)))
     assert found["sources"]["fit"]["cite"] == "leal2016"
     assert document(plain)["sources"]["fit"]["cite"] == "martensite"
@@ -311,9 +314,11 @@ def test_published_records_are_cited(plain: Sample) -> None:
 
 def test_the_law_is_written_with_all_its_options(plain: Sample) -> None:
     assert document(plain)["law"] == {
-        "kind": "liang-rogers", "history": "resume", "modulus": "mixture",
+        "kind": "liang-rogers",
+        "history": "resume",
+        "modulus": "mixture",
         "transformation": "strain",
-    }  # fmt: skip
+    }
 
 
 def test_a_scenario_takes_the_law_of_its_material_and_may_change_it(plain: Sample) -> None:
@@ -356,16 +361,20 @@ def test_the_law_command_takes_the_options_of_the_material(plain: Sample) -> Non
 def test_numbers_of_a_law_without_a_canonical_name_go_with_it(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     first = load_material("finger-mas")
-    lines = [f'{n} = {{ value = "{v.text}", kind = "assumed", source = "a" }}'
-             for n, v in first.values.items()]  # fmt: skip
+    lines = [
+        f'{n} = {{ value = "{v.text}", kind = "assumed", source = "a" }}'
+        for n, v in first.values.items()
+    ]
     path.write_text(
         '[law]\nkind = "mas-polycrystal"\nspread = "33 MPa"\n'
         '[sources.a]\ncite = "martensite"\ntext = "t"\n[values]\n' + "\n".join(lines),
         encoding="utf-8",
     )
     text = TEXT.replace('"flexinol-90"', f'"{path}"').replace(LAW, "")
-    text = text.replace('kind = "wire"', 'kind = "wire"\nresistance = { kind = "per-length", '
-                        'r_A = "8 ohm/m", r_M = "9 ohm/m" }')  # fmt: skip
+    text = text.replace(
+        'kind = "wire"',
+        'kind = "wire"\nresistance = { kind = "per-length", r_A = "8 ohm/m", r_M = "9 ohm/m" }',
+    )
     found = read_scenario(text)
     law = found.single_system.element.law
     assert law.registered_name == "mas-polycrystal" and law.value_of("spread") == 33e6
@@ -375,9 +384,13 @@ def test_numbers_of_a_law_without_a_canonical_name_go_with_it(tmp_path: Path) ->
 
 @pytest.mark.parametrize(
     "law, expected",
-    [("law = 3", "must be a table"), ("[law]\nhistory = 'resume'", "needs `kind`"),
-     ("fit = 'good'", "must be a table"), ("[laws]\nkind = 'x'", "Did you mean `law`")],
-)  # fmt: skip
+    [
+        ("law = 3", "must be a table"),
+        ("[law]\nhistory = 'resume'", "needs `kind`"),
+        ("fit = 'good'", "must be a table"),
+        ("[laws]\nkind = 'x'", "Did you mean `law`"),
+    ],
+)
 def test_a_malformed_law_is_refused(tmp_path: Path, law: str, expected: str) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(law, encoding="utf-8")

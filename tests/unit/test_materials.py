@@ -47,8 +47,11 @@ def test_numbers_are_si_and_carry_their_origin(tmp_path: Path) -> None:
     number = material.values["E_A"]
     assert (number.value, number.unit, number.text) == (75e9, "Pa", "75 GPa")
     assert (number.kind, number.source, number.where, number.note) == (
-        "assumed", "a", "page 3", "why",
-    )  # fmt: skip
+        "assumed",
+        "a",
+        "page 3",
+        "why",
+    )
     assert material.values["A_s"].value == pytest.approx(341.15)
 
 

@@ -69,8 +69,17 @@ def test_scores_are_those_of_the_definition_and_leave_out_what_is_missing(truth)
 
 def test_an_input_rises_until_it_comes_back_by_more_than_its_noise():
     assert find_rising([0, 0, 5, 5, 5, 0, 0, 5, 5, 0.0]).astype(int).tolist() == [
-        0, 0, 1, 1, 1, 0, 0, 1, 1, 0,
-    ]  # fmt: skip
+        0,
+        0,
+        1,
+        1,
+        1,
+        0,
+        0,
+        1,
+        1,
+        0,
+    ]
     t = np.linspace(0.0, 1.0, 201)
     noisy = np.where(t < 0.5, t, 1.0 - t) + 0.005 * np.random.default_rng(0).normal(size=201)
     assert np.mean(find_rising(noisy, 0.1) == (t < 0.5)) > 0.97
@@ -209,8 +218,9 @@ def test_directions_of_many_numbers_are_parted():
     rows[:, 4], rows[:, 9] = rows[:, 20], 2.0 * rows[:, 21]
     found = invert_normal(rows.T @ rows, [f"n{i}" for i in range(30)])
     assert {frozenset(one.names) for one in found.flat} == {
-        frozenset({"n4", "n20"}), frozenset({"n9", "n21"}),
-    }  # fmt: skip
+        frozenset({"n4", "n20"}),
+        frozenset({"n9", "n21"}),
+    }
     assert all(one.more == 0 for one in found.flat) and found.null.shape == (30, 2)
 
 
@@ -245,8 +255,10 @@ def test_figures_show_what_they_say(truth):
     line = static.lines[1]
     assert np.min(np.asarray(line.get_xdata())) >= chain.before(1, record).min() - 1e-12
     assert [axes.get_ylabel() for axes in plot_linear_blocks(chain).axes] == [
-        "step response", "gain [dB]", "phase [°]",
-    ]  # fmt: skip
+        "step response",
+        "gain [dB]",
+        "phase [°]",
+    ]
 
 
 def test_a_report_tells_scores_faults_and_numbers(truth, tmp_path):

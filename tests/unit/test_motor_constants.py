@@ -34,8 +34,14 @@ from martensite.characterise.motor_tests import (
 from martensite.characterise.time_constant import Rise, fit_rise
 
 R, L, K, B, F_C, J = 6.22, 3.1e-3, 0.0211, 2e-6, 4e-4, 8.68e-5
-TRUTH = {"resistance": R, "inductance": L, "constant": K, "friction": B, "dry_friction": F_C,
-         "inertia": J}  # fmt: skip
+TRUTH = {
+    "resistance": R,
+    "inductance": L,
+    "constant": K,
+    "friction": B,
+    "dry_friction": F_C,
+    "inertia": J,
+}
 REPETITIONS = 200
 ALLOWED = stats.binom.interval(0.9999, REPETITIONS, 0.95)
 SPEEDS = np.linspace(40.0, 300.0, 8)
@@ -201,11 +207,15 @@ def test_remarks_on_what_does_not_fit() -> None:
     brushes = estimate_motor_constants(running(), held_rotor(0.01, offset=0.5))
     assert any("V at no current" in remark for remark in brushes.remarks)
     smooth = steady_running((2.0, 4.0, 6.0), (0.02, 0.0199, 0.0201), (90.0, 180.0, 270.0))
-    assert any("b above 0 is not supported" in r for r in estimate_motor_constants(
-        smooth, Winding(MeasuredValue(6.0))).remarks)  # fmt: skip
+    assert any(
+        "b above 0 is not supported" in r
+        for r in estimate_motor_constants(smooth, Winding(MeasuredValue(6.0))).remarks
+    )
     falling = steady_running((2.0, 4.0, 6.0), (0.03, 0.0199, 0.01), (90.0, 180.0, 270.0))
-    assert any("is below 0" in r for r in estimate_motor_constants(
-        falling, Winding(MeasuredValue(6.0))).remarks)  # fmt: skip
+    assert any(
+        "is below 0" in r
+        for r in estimate_motor_constants(falling, Winding(MeasuredValue(6.0))).remarks
+    )
     times = np.linspace(-2.0, 6.0, 800)
     early = fit_rise(times.tolist(), np.where(times > 0, 1 - np.exp(-times / 0.5), 0.0).tolist())
     found = estimate_motor_constants(running(), held_rotor(), run_up=early)

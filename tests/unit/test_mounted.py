@@ -52,9 +52,12 @@ class Silent(AbstractFault):
 
 
 def followed(
-    mounted: MountedSensor, truth: Any, late: Any = None, faults: tuple[AbstractFault, ...] = (),
+    mounted: MountedSensor,
+    truth: Any,
+    late: Any = None,
+    faults: tuple[AbstractFault, ...] = (),
     period: float = PERIOD,
-) -> list[Sensed]:  # fmt: skip
+) -> list[Sensed]:
     """The sensor from rest along a record of what it looks at."""
     rows = np.atleast_2d(np.asarray(truth, float).T).T.tolist()
     late = np.zeros(len(rows)) if late is None else late
@@ -109,9 +112,18 @@ def test_without_a_delay_it_says_the_truth_at_once() -> None:
     assert all(one.age == 0.0 and len(one.past) == 1 for one in found)
 
 
-@pytest.mark.parametrize(("delay", "periods"), [
-    (0.01, 1), (0.03, 3), (0.2, 20), (0.004, 1), (0.0101, 2), (0.025, 3), (0.07, 7),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("delay", "periods"),
+    [
+        (0.01, 1),
+        (0.03, 3),
+        (0.2, 20),
+        (0.004, 1),
+        (0.0101, 2),
+        (0.025, 3),
+        (0.07, 7),
+    ],
+)
 def test_a_delay_shifts_the_record_by_whole_periods(delay: float, periods: int) -> None:
     mounted = ideal(delay=delay)
     assert mounted.count_delayed(PERIOD) == periods + 1
@@ -133,9 +145,11 @@ def test_between_samples_the_last_reading_counts(time: float, every: int) -> Non
 
 @settings(max_examples=60)
 @given(
-    delay=st.floats(0.0, 0.05), time=st.floats(0.0, 0.05), jitter=st.floats(0.0, 0.02),
+    delay=st.floats(0.0, 0.05),
+    time=st.floats(0.0, 0.05),
+    jitter=st.floats(0.0, 0.02),
     seed=st.integers(0, 1000),
-)  # fmt: skip
+)
 def test_readings_arrive_as_messages_do(
     delay: float, time: float, jitter: float, seed: int
 ) -> None:

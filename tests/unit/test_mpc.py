@@ -225,8 +225,10 @@ def test_a_late_reading_is_compared_with_the_model_of_its_time() -> None:
 def test_the_state_may_come_from_an_observer() -> None:
     controller = mpc(search=FEW, state="observer")
     assert controller.reads() == (
-        "position", "estimated.temperature", "estimated.martensite_fraction",
-    )  # fmt: skip
+        "position",
+        "estimated.temperature",
+        "estimated.martensite_fraction",
+    )
     said = {"estimated.temperature": 333.0, "estimated.martensite_fraction": 0.8}
     _, memory = called(controller, [readings(1 * MM, **said)])
     lanes = Lanes(SYSTEM, 1)

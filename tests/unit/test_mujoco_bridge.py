@@ -289,15 +289,22 @@ BIASED = LINE.replace('"none"', '"affine" biasprm="0 -1 0"')
         (hanging(1e-3, MASS).replace(LINE, LINE + LINE), "exactly one actuator .* has 2"),
         (hanging(1e-3, MASS).replace(LINE, BIASED), "exactly one actuator .* has 0"),
         (hanging(1e-3, MASS).replace(LINE, LIMITED), "limits its control"),
-        (hanging(1e-3, MASS).replace('name="wire"', 'name="wirr"').replace(
-            'tendon="wire"', 'tendon="wirr"'), "No tendon .* `wire`. Did you mean `wirr`"),
+        (
+            hanging(1e-3, MASS)
+            .replace('name="wire"', 'name="wirr"')
+            .replace('tendon="wire"', 'tendon="wirr"'),
+            "No tendon .* `wire`. Did you mean `wirr`",
+        ),
         ("no-such-file.xml", "There is no MJCF file `no-such-file.xml`"),
         ("<mujoco><wrong/></mujoco>", "MuJoCo cannot read the model"),
-        (hanging(1e-3, MASS).replace(
-            "/>\n<worldbody>", '><flag actuation="disable"/></option>\n<worldbody>'),
-            "disables actuation"),
+        (
+            hanging(1e-3, MASS).replace(
+                "/>\n<worldbody>", '><flag actuation="disable"/></option>\n<worldbody>'
+            ),
+            "disables actuation",
+        ),
     ],
-)  # fmt: skip
+)
 def test_models_that_cannot_be_driven(model: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         MujocoBridge(model, [actuator(start_force=1.0)])

@@ -123,9 +123,13 @@ def weight() -> str:
 def degrees_apart(driven: dict[str, np.ndarray], scenario: Scenario) -> float:
     """Angle of a driver and of our own run, where they are farthest apart."""
     ours = simulate(
-        scenario.system, scenario.waveform, scenario.duration, step=2e-3,
-        samples=scenario.samples, runtime="c" if find_compiler() else "floats",
-    )  # fmt: skip
+        scenario.system,
+        scenario.waveform,
+        scenario.duration,
+        step=2e-3,
+        samples=scenario.samples,
+        runtime="c" if find_compiler() else "floats",
+    )
     np.testing.assert_allclose(driven["time"], ours.times, atol=1e-9)
     assert math.degrees(max(ours["angle"])) > 30.0
     return math.degrees(np.abs(driven["angle"] - np.array(ours["angle"])).max())
@@ -262,9 +266,14 @@ def test_files_are_found_from_elsewhere(tmp_path: Path, monkeypatch: pytest.Monk
     (tmp_path / "out").mkdir()
     Path("own.py").write_text("LOADED = True\n", encoding="utf-8")
     report = EXPORT.report(
-        "finger.toml", "--driver", "out/move.py", "--import", "own.py", "--set",
+        "finger.toml",
+        "--driver",
+        "out/move.py",
+        "--import",
+        "own.py",
+        "--set",
         "run.duration=0.01 s",
-    )  # fmt: skip
+    )
     assert report["files"] == ["finger.xml", "out/move.py"]
     monkeypatch.delitem(sys.modules, "own")
     monkeypatch.chdir(tmp_path / "out")
@@ -291,9 +300,12 @@ def test_a_snippet_is_what_the_model_holds() -> None:
     _, whole = bridge_of(scenario.system)
     one, start = scenario.single_system, float(whole.strands[0].force)
     wire = TendonActuator(
-        tendon="element", element=one.element, environment=one.environment, source=one.source,
+        tendon="element",
+        element=one.element,
+        environment=one.environment,
+        source=one.source,
         start_force=start,
-    )  # fmt: skip
+    )
     pasted = MujocoBridge(model, [wire], coupling="centred")
     for bridge in (whole, pasted):
         bridge.run(0.2, {"element": 2.0})

@@ -40,9 +40,17 @@ class Ramp(AbstractWaveform):
 def make_result(accuracy: float | None = 0.000125, status_time: float | None = 0.5) -> Result:
     columns = {name: [i + t / 8 for t in TIMES] for i, name in enumerate(OUTPUTS)}
     return Result(
-        plain_system(), Ramp(), TIMES, columns, Status.LONG_STEP, status_time, 40, 0.05, accuracy,
+        plain_system(),
+        Ramp(),
+        TIMES,
+        columns,
+        Status.LONG_STEP,
+        status_time,
+        40,
+        0.05,
+        accuracy,
         ["Warning: one.", "Warning: two."],
-    )  # fmt: skip
+    )
 
 
 def comparable(dataset: xarray.Dataset) -> xarray.Dataset:

@@ -36,8 +36,9 @@ def by_hand(e: np.ndarray, f: np.ndarray) -> np.ndarray:
     d = sections.second_order(floats, LINEAR[0], LINEAR[1], DT)
     v, change, made = 0.0, 0.0, []
     for u in [0.0, *U[:, 0]]:
-        r = np.clip([(v - 1.0) / 4.0, change / (4.0 * np.sqrt(d.d2)), (u - 1.0) / 2.0],
-                    -FARTHEST, FARTHEST)  # fmt: skip
+        r = np.clip(
+            [(v - 1.0) / 4.0, change / (4.0 * np.sqrt(d.d2)), (u - 1.0) / 2.0], -FARTHEST, FARTHEST
+        )
         phi = 2.0 * np.array([r[i] * r[j] for i in range(3) for j in range(i, 3)])
         first, second = u + e[0] @ phi, e[1] @ phi
         change += d.d2 * (first - (v - change)) - d.d1 * change

@@ -301,9 +301,10 @@ def test_a_machine_has_a_pair_at_every_port(cls: Any) -> None:
     pair = machine()
     ports = pair.mechanism.ports()
     observer = cls(
-        model=pair, measured=tuple(f"{port}.resistance" for port in ports),
+        model=pair,
+        measured=tuple(f"{port}.resistance" for port in ports),
         drifting=("environment.temperature",) if len(ports) == 1 else (),
-    )  # fmt: skip
+    )
     signals = dict.fromkeys(ports, 0.1)
     first, memory = observer.rest(floats, {}, signals)
     readings = {f"{p}.resistance{e}": x for p in ports for e, x in (("", 2.3), (".age", 0.0))}

@@ -90,9 +90,12 @@ def benched(delay: float, duration: float = 10.0) -> Result:
     """On a bench whose thermometer is late."""
     late = MountedSensor(sensor=IdealSensor(), of=("temperature",), delay=delay)
     bench = Bench(
-        plant=hanging_wire(source=PowerSource()), period=PERIOD_IN_LOOP, substeps=1,
-        sensors=Sensors(temperature=late), controllers=Controllers(drive=controller()),
-    )  # fmt: skip
+        plant=hanging_wire(source=PowerSource()),
+        period=PERIOD_IN_LOOP,
+        substeps=1,
+        sensors=Sensors(temperature=late),
+        controllers=Controllers(drive=controller()),
+    )
     return simulate_bench(bench, duration, runtime="floats")
 
 

@@ -158,13 +158,16 @@ def test_a_single_path_is_coloured_by_its_legs_several_by_path() -> None:
 
 def test_laws_stand_side_by_side_on_shared_axes() -> None:
     at = {"temperatures": (340.0,)}
-    results = [r for n in ("liang-rogers", "brinson", "tanaka") for r in
-               followed(n, "superelastic", **at)]  # fmt: skip
+    results = [
+        r for n in ("liang-rogers", "brinson", "tanaka") for r in followed(n, "superelastic", **at)
+    ]
     figure = plot_point(results, plane=("strain", "stress"))
     assert len(figure.axes) == 9
     assert [axes.get_title("left") for axes in figure.axes[:3]] == [
-        "liang-rogers", "brinson", "tanaka",
-    ]  # fmt: skip
+        "liang-rogers",
+        "brinson",
+        "tanaka",
+    ]
     for row in range(3):
         limits = {(a.get_xlim(), a.get_ylim()) for a in figure.axes[3 * row : 3 * row + 3]}
         assert len(limits) == 1

@@ -24,8 +24,12 @@ PI = PrandtlIshlinskii(plays=4.0)
 PREISACH = Preisach(levels=3.0, knots=5.0)
 GENERALISED = GeneralisedPrandtlIshlinskii(plays=3.0, knots=5.0)
 RISING: list[AbstractBlock] = [
-    PI, PrandtlIshlinskii(plays=3.0, thresholds="free"), Play(), PREISACH, GENERALISED,
-]  # fmt: skip
+    PI,
+    PrandtlIshlinskii(plays=3.0, thresholds="free"),
+    Play(),
+    PREISACH,
+    GENERALISED,
+]
 """Blocks whose output rises with their input."""
 ANY: list[AbstractBlock] = [
     *RISING,

@@ -134,9 +134,10 @@ def test_estimates_stand_beside_the_truth() -> None:
     observer = InverseModel(model=plant, wanted=("temperature", "position"))
     pid = Pid(measured="estimated.position", reference=REFERENCE, Kp=300.0)
     made = bench(
-        sensors=Sensors(resistance=meter), observers=Observers(model=observer),
+        sensors=Sensors(resistance=meter),
+        observers=Observers(model=observer),
         controllers=Controllers(drive=pid),
-    )  # fmt: skip
+    )
     result = simulate_bench(made, 1.0, runtime="floats")
     found = panels(plot_bench(result))
     known = 1e3 * np.array(result["estimated.position"])

@@ -110,9 +110,11 @@ def test_rays_are_drawn_with_their_legs(case: str) -> None:
 
 def test_only_limits_that_are_met_are_named() -> None:
     assert labels(drawn("platform")) == [
-        "a leg at its shortest, 30 mm", "a leg at its longest, 90 mm", "length of leg 0 [mm]",
+        "a leg at its shortest, 30 mm",
+        "a leg at its longest, 90 mm",
+        "length of leg 0 [mm]",
         "one leg alone, against the other two",
-    ]  # fmt: skip
+    ]
     assert labels(drawn("wide"))[0] == "90°"
     assert not any("shortest" in name or "longest" in name for name in labels(drawn("wide")))
 

@@ -92,9 +92,7 @@ def make_result(
     system = plain_system(law, source)
     others = {name: np.full(N, 0.5) for name in OUTPUTS}
     lists = {n: np.asarray(c).tolist() for n, c in {**others, **SI, **columns}.items()}
-    return Result(
-        system, Still(), TIMES.tolist(), lists, Status.OK, 0.0, 400, 0.1, 2e-5, []
-    )  # fmt: skip
+    return Result(system, Still(), TIMES.tolist(), lists, Status.OK, 0.0, 400, 0.1, 2e-5, [])
 
 
 def make_record(name: str = "bench", every: int = 1, **columns: Any) -> Measured:

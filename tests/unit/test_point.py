@@ -25,9 +25,17 @@ from martensite.simulate.paths import PATHS, named_path
 from martensite.simulate.point import PathLeg, PointResult, material_point
 
 LAW: dict[str, Any] = {
-    "E_A": 60e9, "E_M": 30e9, "eps_L": 0.05, "A_s": 310.0, "A_f": 325.0, "M_s": 300.0,
-    "M_f": 285.0, "C_A": 7e6, "C_M": 7e6, "T_ref": 300.0,
-}  # fmt: skip
+    "E_A": 60e9,
+    "E_M": 30e9,
+    "eps_L": 0.05,
+    "A_s": 310.0,
+    "A_f": 325.0,
+    "M_s": 300.0,
+    "M_f": 285.0,
+    "C_A": 7e6,
+    "C_M": 7e6,
+    "T_ref": 300.0,
+}
 HOT = 345.0
 LOOP = (PathLeg(stress=500e6), PathLeg(stress=0.0))
 
@@ -85,9 +93,12 @@ def test_slack_point_is_longer_than_what_is_prescribed() -> None:
 
 def test_what_is_held_stays_and_what_was_prescribed_is_held() -> None:
     legs = (
-        PathLeg(strain=0.04), PathLeg(strain=0.02), PathLeg(temperature=350.0),
-        PathLeg(temperature=HOT, hold="stress"), PathLeg(duration=5.0),
-    )  # fmt: skip
+        PathLeg(strain=0.04),
+        PathLeg(strain=0.02),
+        PathLeg(temperature=350.0),
+        PathLeg(temperature=HOT, hold="stress"),
+        PathLeg(duration=5.0),
+    )
     result = material_point(law(), legs, start=(0.0, HOT))
     a, b, c = result.ends[2:5]
     assert np.ptp(result.strain[a : b + 1]) < 1e-12

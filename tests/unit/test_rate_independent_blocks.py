@@ -120,9 +120,13 @@ def integrated(rate, start: float) -> np.ndarray:
     states = [start]
     for a, b in pairwise(TURNS):
         found = solve_ivp(
-            lambda x, s, up=b > a: [rate(x, s[0], up)], (a, b), [states[-1]], rtol=1e-9, atol=1e-11,
+            lambda x, s, up=b > a: [rate(x, s[0], up)],
+            (a, b),
+            [states[-1]],
+            rtol=1e-9,
+            atol=1e-11,
             max_step=0.05,
-        )  # fmt: skip
+        )
         states.append(found.y[0, -1])
     return np.array(states)
 

@@ -79,9 +79,13 @@ def pid(measured: str = "position") -> Pid:
 def bench(controller: AbstractController, delay: float = 0.0, **parts: object) -> Bench:
     sensor = MountedSensor(sensor=PositionSensor(noise=0.02 * MM), delay=delay)
     return Bench(
-        plant=SYSTEM, period=PERIOD, substeps=1, sensors=Sensors(position=sensor),
-        controllers=Controllers(drive=controller), **parts,
-    )  # fmt: skip
+        plant=SYSTEM,
+        period=PERIOD,
+        substeps=1,
+        sensors=Sensors(position=sensor),
+        controllers=Controllers(drive=controller),
+        **parts,
+    )
 
 
 @cache

@@ -19,9 +19,12 @@ def test_a_file_a_scenario_and_its_system_give_the_same() -> None:
     by_file, by_scenario = ms.run(EXAMPLE, runtime="floats"), ms.run(scenario, runtime="floats")
     assert by_file.columns == by_scenario.columns == scenario.run(runtime="floats").columns
     again = ms.run(
-        scenario.system, scenario.waveform, scenario.duration, samples=scenario.samples,
+        scenario.system,
+        scenario.waveform,
+        scenario.duration,
+        samples=scenario.samples,
         tolerance=scenario.tolerance,
-    )  # fmt: skip
+    )
     assert again["position"] == pytest.approx(by_file["position"], abs=1e-12)
 
 

@@ -94,9 +94,12 @@ def test_overstress_has_its_amount() -> None:
     free = simulate(system, hot, 20.0, step=0.02, samples=201)
     limit = 0.5 * (min(free["stress"]) + max(free["stress"]))
     run = simulate(
-        system.with_values({"element.limits.stress_limit": limit}), hot, 20.0, step=0.02,
+        system.with_values({"element.limits.stress_limit": limit}),
+        hot,
+        20.0,
+        step=0.02,
         samples=201,
-    )  # fmt: skip
+    )
     alarm = only(run, "stress")
     assert alarm.excess == pytest.approx(max(free["stress"]) - limit)
     k = next(i for i, value in enumerate(free["stress"]) if value > limit)
@@ -183,9 +186,14 @@ def test_both_directions_of_a_voltage_count() -> None:
 
 
 @pytest.mark.parametrize(
-    "source", [VoltageSource(voltage_limit=1.0), CurrentSource(current_limit=1.0),
-               PwmVoltage(supply=3.0), PrescribedTemperature()],
-)  # fmt: skip
+    "source",
+    [
+        VoltageSource(voltage_limit=1.0),
+        CurrentSource(current_limit=1.0),
+        PwmVoltage(supply=3.0),
+        PrescribedTemperature(),
+    ],
+)
 def test_a_demand_that_is_just_met_is_no_alarm(source: AbstractSource) -> None:
     times, drive, ohms = [0.0, 1.0], [1.0, 1.0], [0.7, 0.3]
     assert find_undelivered(source, times, drive, ohms) is None

@@ -27,9 +27,15 @@ DT = 0.1
 
 def record(u: object, y: object, interval: float = DT, name: str = "log", start: float = 0.0):
     return Sampled(
-        name, interval, np.asarray(u, float), np.asarray(y, float), ("u",), ("y",),
-        {"u": "1", "y": "mm"}, start,
-    )  # fmt: skip
+        name,
+        interval,
+        np.asarray(u, float),
+        np.asarray(y, float),
+        ("u",),
+        ("y",),
+        {"u": "1", "y": "mm"},
+        start,
+    )
 
 
 def table(times: list[float], **columns: list[float]) -> Record:
@@ -50,8 +56,9 @@ def test_a_regular_table_is_taken_as_it_is() -> None:
     times = [10.0 + 0.02 * k for k in range(50)]
     found = from_record(
         table(times, duty=[0.1 * k for k in range(50)], temperature=[300.0 + k for k in range(50)]),
-        ["duty"], ["temperature"],
-    )  # fmt: skip
+        ["duty"],
+        ["temperature"],
+    )
     assert (found.interval, found.start, len(found), found.remarks) == (0.02, 10.0, 50, ())
     assert found.units == {"duty": "1", "temperature": "degC"}
     assert found.outputs[:, 0] == pytest.approx(np.arange(50) + 26.85)
@@ -75,8 +82,9 @@ def test_rows_missing_on_the_grid_are_samples_without_outputs() -> None:
     times = [0.5 * k for k in kept]
     found = from_record(
         table(times, duty=[float(k) for k in kept], position=[1e-3 * k for k in kept]),
-        ["duty"], ["position"],
-    )  # fmt: skip
+        ["duty"],
+        ["position"],
+    )
     assert len(found) == 40
     missing = np.flatnonzero(np.isnan(found.outputs[:, 0]))
     assert missing.tolist() == [10, 11, 12, 13, 30]
@@ -102,8 +110,9 @@ def test_missing_cells() -> None:
     times = [0.0, 1.0, 2.0, 3.0, 4.0]
     found = from_record(
         table(times, duty=[nan, 0.1, nan, nan, 0.4], position=[0.0, nan, 2e-3, 3e-3, 4e-3]),
-        ["duty"], ["position"],
-    )  # fmt: skip
+        ["duty"],
+        ["position"],
+    )
     assert found.start == 1.0
     assert found.inputs[:, 0].tolist() == [0.1, 0.1, 0.1, 0.4]
     assert np.isnan(found.outputs[:, 0]).tolist() == [True, False, False, False]
@@ -141,8 +150,9 @@ def test_what_a_table_must_hold() -> None:
     with pytest.raises(DataError, match="A unit is given for `positon`"):
         from_record(good, ["duty"], ["position"], units={"positon": "mm"})
     with pytest.raises(DataError, match="must increase"):
-        from_record(table([0.0, 2.0, 1.0], duty=[0.0] * 3, position=[0.0] * 3), ["duty"],
-                    ["position"])  # fmt: skip
+        from_record(
+            table([0.0, 2.0, 1.0], duty=[0.0] * 3, position=[0.0] * 3), ["duty"], ["position"]
+        )
 
 
 # ---------------------------------------------------------------- other intervals
@@ -189,8 +199,9 @@ def test_missing_outputs_are_not_averaged_in() -> None:
     assert found.outputs[2, 0] == pytest.approx(9.5)
 
 
-@pytest.mark.parametrize("given", [{}, {"interval": 0.2, "ratio": 2.0}, {"ratio": -1.0},
-                                   {"interval": 1e3}])  # fmt: skip
+@pytest.mark.parametrize(
+    "given", [{}, {"interval": 0.2, "ratio": 2.0}, {"ratio": -1.0}, {"interval": 1e3}]
+)
 def test_a_wrong_interval_is_refused(given: dict[str, float]) -> None:
     with pytest.raises(DataError):
         resample_record(ramp(), **given)

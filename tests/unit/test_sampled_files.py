@@ -58,8 +58,10 @@ def test_text_without_times_takes_the_interval_of_its_rows(tmp_path: Path) -> No
 def test_what_is_written_is_read(tmp_path: Path) -> None:
     given = read_sampled(
         text(tmp_path / "a.csv", "time [s],duty [%],position [mm]", TIMES, DUTY, MM),
-        ["duty"], ["position"], units=UNITS,
-    )  # fmt: skip
+        ["duty"],
+        ["position"],
+        units=UNITS,
+    )
     given.outputs[7] = np.nan
     write_sampled(given, tmp_path / "b.csv")
     back = read_sampled(tmp_path / "b.csv", ["duty"], ["position"], units=UNITS)
@@ -100,9 +102,11 @@ def test_netcdf(tmp_path: Path) -> None:
     with h5netcdf.File(tmp_path / "log.nc", "w") as file:
         file.dimensions["time"] = len(TIMES)
         for name, values, unit in (
-            ("time", TIMES, "s"), ("duty", DUTY, "%"), ("position", 1e-3 * MM, "m"),
+            ("time", TIMES, "s"),
+            ("duty", DUTY, "%"),
+            ("position", 1e-3 * MM, "m"),
             ("temperature", MM, "degree_Celsius"),
-        ):  # fmt: skip
+        ):
             written = file.create_variable(name, ("time",), data=values)
             written.attrs["units"] = unit
     check(read_sampled(tmp_path / "log.nc", ["duty"], ["position"], units=UNITS))

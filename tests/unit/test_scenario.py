@@ -210,12 +210,12 @@ REFUSED = [
     ('duration = "400 s"', "", "[run] needs `duration`", '"60 s"'),
     ('[run]\nduration = "400 s"', "", "[run] needs `duration`", '"60 s"'),
     ('[mechanism]\nkind = "dead-weight"\nmass = "400 g"', "", "section [mechanism]", "none given"),
-    ('cooling = {', '# cooling = {', "[environment] needs `cooling`", "`polynomial`"),
+    ("cooling = {", "# cooling = {", "[environment] needs `cooling`", "`polynomial`"),
     # not TOML, not the right shape
     ('"0.381 mm"', "0.381 mm", "not valid TOML", "at line 7"),
     (LAW, "law = 3", "[element.law] must be a table", "but is 3"),
     ('material = "flexinol-90"', "material = 90", "[element] `material` must be", "but is 90"),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize("old, new, where, remedy", REFUSED)
@@ -287,8 +287,13 @@ def test_folder_and_binary_file_are_refused(tmp_path: Path) -> None:
 
 
 def test_settings_reach_into_components() -> None:
-    settings = ['element.diameter="0.25 mm"', "mechanism.mass=1 kg", "element.law.A_s=70 degC",
-                "element.resistance.rho_A=1e-6 ohm*m", "run.samples=51"]  # fmt: skip
+    settings = [
+        'element.diameter="0.25 mm"',
+        "mechanism.mass=1 kg",
+        "element.law.A_s=70 degC",
+        "element.resistance.rho_A=1e-6 ohm*m",
+        "run.samples=51",
+    ]
     scenario = read_scenario(SOUND, None, read_settings(settings))
     wire = scenario.single_system.element
     assert isinstance(wire, Wire)

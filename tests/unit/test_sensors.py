@@ -34,9 +34,18 @@ def rng(seed: int = 0) -> np.random.Generator:
 
 def test_names() -> None:
     assert SENSORS.names() == [
-        "current", "encoder", "force", "gyroscope", "ideal", "infrared", "position", "resistance",
-        "thermocouple", "tilt", "voltage",
-    ]  # fmt: skip
+        "current",
+        "encoder",
+        "force",
+        "gyroscope",
+        "ideal",
+        "infrared",
+        "position",
+        "resistance",
+        "thermocouple",
+        "tilt",
+        "voltage",
+    ]
 
 
 def test_a_step_of_temperature_is_followed_with_the_lag() -> None:

@@ -60,9 +60,14 @@ def test_patterns() -> None:
 
 @pytest.mark.parametrize(
     ("pattern", "words"),
-    [("poly{1..", "not closed"), ("poly{3..1}", "empty"), ("poly{1,}", "empty choice"),
-     ("poly{1..10}{1..10}{1..10}", str(MOST)), ("{a{b}}", "nested")],
-)  # fmt: skip
+    [
+        ("poly{1..", "not closed"),
+        ("poly{3..1}", "empty"),
+        ("poly{1,}", "empty choice"),
+        ("poly{1..10}{1..10}{1..10}", str(MOST)),
+        ("{a{b}}", "nested"),
+    ],
+)
 def test_bad_patterns(pattern: str, words: str) -> None:
     with pytest.raises(InputError, match=words):
         expand_pattern(pattern)
@@ -209,9 +214,11 @@ def test_records_that_say_nothing_are_refused() -> None:
     level = one.with_outputs(np.full((len(one), 1), 3.0))
     short = one.rows(19, 22)
     cases = (
-        (still, "`duty` is 7 throughout"), (empty, "no known samples"),
-        (level, "is 3 throughout"), (short, "4 free numbers, but the records hold 3"),
-    )  # fmt: skip
+        (still, "`duty` is 7 throughout"),
+        (empty, "no known samples"),
+        (level, "is 3 throughout"),
+        (short, "4 free numbers, but the records hold 3"),
+    )
     for record, words in cases:
         with pytest.raises(InputError, match=words):
             estimate_chain("poly2 | oe(1,1,1)", record, Options(starts=1))

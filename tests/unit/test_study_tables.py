@@ -90,10 +90,12 @@ def test_printed_numbers(printed: Printed) -> None:
         ('source = "a"\nforce = 2.0', "`force` .* must stand under a place"),
         ('source = "a"\n["T 1"]\nf = { value = 1.0 }', "must have `unit`"),
         ('source = "a"\n["T 1"]\nf = { value = 1.0, unit = "N", page = 3 }', "no key `page`"),
-        ('source = "a"\n["T 1"]\nf = {value=1.0, unit="N"}\n["T 2"]\nf = {value=1.0, unit="N"}',
-         "must have one place"),
+        (
+            'source = "a"\n["T 1"]\nf = {value=1.0, unit="N"}\n["T 2"]\nf = {value=1.0, unit="N"}',
+            "must have one place",
+        ),
     ],
-)  # fmt: skip
+)
 def test_printed_numbers_that_are_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, sentence: str
 ) -> None:
@@ -115,8 +117,9 @@ def test_claims(tmp_path: Path, printed: Printed) -> None:
     assert (free.verdict, free.computed, free.why) == ("not checkable", 7.0, "for good")
     assert [one.id for one in strokes] == ["stroke-1", "stroke-2"]
     assert [(one.published, one.computed, one.tolerance) for one in strokes] == [
-        (1.0, 2.0, 4), (3.0, 6.0, 4)
-    ]  # fmt: skip
+        (1.0, 2.0, 4),
+        (3.0, 6.0, 4),
+    ]
     with pytest.raises(DataError, match="names no number: `free`"):
         list(settle_claims(table, "one", {"force": 2.4, "words": ""}, printed))
 

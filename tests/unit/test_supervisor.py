@@ -86,9 +86,13 @@ WATCHED = {
     "apart": CHECK["mismatch"](reading="position", other="second", limit=5e-4, longest=0.1),
 }
 SILENT = {
-    "hot.limit": 1e9, "current.limit": 1e9, "lost.timeout": 1e9, "stuck.longest": 1e9,
-    "open.longest": 1e9, "apart.limit": 1e9,
-}  # fmt: skip
+    "hot.limit": 1e9,
+    "current.limit": 1e9,
+    "lost.timeout": 1e9,
+    "stuck.longest": 1e9,
+    "open.longest": 1e9,
+    "apart.limit": 1e9,
+}
 """All checks that need a sensor, off."""
 OFF = {f"supervisor.checks.{name}": value for name, value in SILENT.items()}
 OPEN = OFF | {"supervisor.checks.bound_drive.limit": 1e9}
@@ -106,19 +110,31 @@ def bench(answer: str = "resume") -> Bench:
     """A wire that a PID controller pulls along a ramp of 3 mm, with everything that may happen."""
     sensors = Sensors(
         position=MountedSensor(sensor=Noisy(noise=2e-6), delay=2 * PERIOD),
-        second=mounted("position", 2e-6), temperature=mounted("temperature", 0.2),
-        current=mounted("current", 1e-3), stress=mounted("stress", 0.0),
-    )  # fmt: skip
+        second=mounted("position", 2e-6),
+        temperature=mounted("temperature", 0.2),
+        current=mounted("current", 1e-3),
+        stress=mounted("stress", 0.0),
+    )
     guard = guard_for(
-        WIRE, temperature_limit=LIMIT, hottest=303.15, least_cooling=0.8, answer=answer,
-        band=5.0, hold=0.5, checks=WATCHED,
-    )  # fmt: skip
+        WIRE,
+        temperature_limit=LIMIT,
+        hottest=303.15,
+        least_cooling=0.8,
+        answer=answer,
+        band=5.0,
+        hold=0.5,
+        checks=WATCHED,
+    )
     ramp = Ramp(low=0.0, high=3e-3, start=0.5, end=2.5)
     pid = Pid(measured="position", reference=ramp, Kp=150.0, Ki=3.0)
     return Bench(
-        plant=WIRE, period=PERIOD, sensors=sensors, controllers=Controllers(drive=pid),
-        supervisor=guard, faults=FaultTable(**FAULTY),
-    )  # fmt: skip
+        plant=WIRE,
+        period=PERIOD,
+        sensors=sensors,
+        controllers=Controllers(drive=pid),
+        supervisor=guard,
+        faults=FaultTable(**FAULTY),
+    )
 
 
 def run(seconds: float, values: dict[str, float], **starts: float) -> Any:
@@ -236,8 +252,12 @@ def test_a_latched_guard_does_not_come_back():
 
 def bound(**changes: Any) -> ThermalBound:
     numbers: dict[str, Any] = {
-        "limit": 400.0, "power": 10.0, "capacity": 0.1, "conductance": 0.03, "ambient": 300.0,
-    }  # fmt: skip
+        "limit": 400.0,
+        "power": 10.0,
+        "capacity": 0.1,
+        "conductance": 0.03,
+        "ambient": 300.0,
+    }
     return ThermalBound(**(numbers | changes))
 
 
@@ -410,8 +430,9 @@ def test_the_lowest_alarm_is_shown():
         current=CHECK["over-current"](reading="I", limit=2.0),
     )
     rows: list[tuple[float, dict[str, float]]] = [
-        (1.0, {"T.age": 0.1, "I": -3.0}), (1.0, {"T.age": 0.6, "I": 0.0})
-    ]  # fmt: skip
+        (1.0, {"T.age": 0.1, "I": -3.0}),
+        (1.0, {"T.age": 0.6, "I": 0.0}),
+    ]
     assert [a for _, a in judged(Guard(checks=checks), rows[::-1])] == [4, 2]
     assert [a for _, a in judged(Guard(checks=checks, answer="resume"), rows)] == [2, 4]
 

@@ -73,9 +73,18 @@ def test_a_store_holds_all_that_is_needed(whole: Path) -> None:
     assert store.group["time of position"][:] == pytest.approx(np.linspace(0.0, 2.0, 6))
     assert "refused" in store.group["status"].attrs["flag_meanings"]
     assert set(store.group.array_keys()) == {
-        "element.diameter", "drive.waveform.high", *MEASURES, "position", "temperature",
-        "time of position", "time of temperature", "status", "ended", "accuracy", "made",
-    }  # fmt: skip
+        "element.diameter",
+        "drive.waveform.high",
+        *MEASURES,
+        "position",
+        "temperature",
+        "time of position",
+        "time of temperature",
+        "status",
+        "ended",
+        "accuracy",
+        "made",
+    }
 
 
 def test_any_stretch_of_runs_is_that_of_the_whole() -> None:
@@ -384,9 +393,16 @@ def test_many_runs_are_planned_without_holding_them() -> None:
 def test_the_function_is_the_command(whole: Path, tmp_path: Path) -> None:
     told: list[int] = []
     found = run_sweep(
-        wire(), over=OVER, out=tmp_path / "s.zarr", traces=TRACES, backend="serial", chunk=3,
-        runtime="floats", step="100 ms", tell=lambda now: told.append(now.done),
-    )  # fmt: skip
+        wire(),
+        over=OVER,
+        out=tmp_path / "s.zarr",
+        traces=TRACES,
+        backend="serial",
+        chunk=3,
+        runtime="floats",
+        step="100 ms",
+        tell=lambda now: told.append(now.done),
+    )
     assert told == [0, 3, 6, 9, 12]
     assert dict(arrays(tmp_path / "s.zarr")) == dict(arrays(whole))
     assert found["stroke"].values.ravel().tolist() == Store(whole).group["stroke"][:].tolist()

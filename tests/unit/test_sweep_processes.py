@@ -50,9 +50,12 @@ def test_a_process_that_cannot_start_is_no_lost_run(tmp_path: Path) -> None:
         f"list(Processes(1).run(Doubling(Path({str(tmp_path)!r}), size=4), [0]))\n"
     )
     done = subprocess.run(
-        [sys.executable, str(script)], capture_output=True, text=True, check=False,
+        [sys.executable, str(script)],
+        capture_output=True,
+        text=True,
+        check=False,
         env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)},
-    )  # fmt: skip
+    )
     assert done.returncode != 0
     assert 'under `if __name__ == "__main__":`' in done.stderr.splitlines()[-1]
     assert list(tmp_path.glob("*.npy")) == []
@@ -67,9 +70,13 @@ def command(folder: Path, *words: str) -> subprocess.Popen[str]:
     program = "from martensite.cli import main; main()"
     arguments = "sweep", "wire.toml", "--out", "s.zarr", "--runtime", "floats", *words
     return subprocess.Popen(
-        [sys.executable, "-c", program, *arguments], cwd=folder, start_new_session=True,
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
+        [sys.executable, "-c", program, *arguments],
+        cwd=folder,
+        start_new_session=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
 
 
 def when(true: Callable[[], bool]) -> None:

@@ -42,9 +42,12 @@ period = "20 ms"
 """
 RUN = "\n[run]\nduration = '0.4 s'\n"
 REFERENCES = {
-    "position": "2 mm", "temperature": "60 degC", "strain": "2 %", "stress": "100 MPa",
+    "position": "2 mm",
+    "temperature": "60 degC",
+    "strain": "2 %",
+    "stress": "100 MPa",
     "estimated.temperature": "60 degC",
-}  # fmt: skip
+}
 ON_OFF = "kind = 'on-off'\nhigh = 0.5\n"
 SENSORS = """
 [sensors.place]
@@ -268,8 +271,11 @@ def test_number_without_a_reading_is_noticed() -> None:
 @pytest.mark.parametrize(
     ("measured", "band", "sentence"),
     [
-        ("position", 0.2, "[controller] `band` is 0.2 without a unit; write for example "
-         '`band = "0.2 mm"`.'),
+        (
+            "position",
+            0.2,
+            '[controller] `band` is 0.2 without a unit; write for example `band = "0.2 mm"`.',
+        ),
         ("position", "0.2", "`0.2` has no unit"),
         ("position", "2 K", "Parameter `band` of `on-off`: The unit `K` cannot be converted"),
         ("position", "-1 mm", "`band` of `on-off` must be at least 0 mm, but is -1 mm."),
@@ -277,7 +283,7 @@ def test_number_without_a_reading_is_noticed() -> None:
         ("positon", "1 mm", "There is no reading `positon`. Did you mean `position`?"),
         ("", "1 mm", "No reading is named"),
     ],
-)  # fmt: skip
+)
 def test_what_does_not_fit_is_refused_with_a_sentence(
     measured: str, band: Any, sentence: str
 ) -> None:
@@ -331,9 +337,10 @@ def test_set_and_params_speak_of_the_everyday_unit() -> None:
 
 
 def test_descriptions_say_that_the_unit_is_that_of_the_reading() -> None:
-    rows = {r["name"]: r for r in json.loads(call("list", "controller", "on-off", "--json").stdout)[
-        "parameters"
-    ]}  # fmt: skip
+    rows = {
+        r["name"]: r
+        for r in json.loads(call("list", "controller", "on-off", "--json").stdout)["parameters"]
+    }
     assert rows["band"]["unit"] == units.DIFFERENCE
     assert rows["band"]["allowed"] == "at least 0, in the unit of the reading"
     assert "1e-06 in SI" in call("list", "controller", "feedforward").stdout

@@ -37,9 +37,16 @@ ALLOWED = stats.binom.interval(0.9999, REPETITIONS, 0.95)
 
 
 def released(
-    *, f: float = F, zeta: float = ZETA, offset: float = OFFSET, noise: float = 0.0,
-    rate: float = 500.0, length: float = 4.0, held: float = 0.0, seed: int = 0,
-) -> Rows:  # fmt: skip
+    *,
+    f: float = F,
+    zeta: float = ZETA,
+    offset: float = OFFSET,
+    noise: float = 0.0,
+    rate: float = 500.0,
+    length: float = 4.0,
+    held: float = 0.0,
+    seed: int = 0,
+) -> Rows:
     """A beam that is let go from 1 beside its rest, after it was held for some time."""
     times = np.arange(round(length * rate)) / rate
     free = np.maximum(times - held, 0.0)
@@ -71,8 +78,9 @@ def held(interval_of: Callable[[LogDecrement], Interval], truth: float) -> int:
 @pytest.mark.parametrize("f", [3.3, 8.42, 20.01])
 def test_frequency_of_a_sine_lies_between_the_bins(f: float) -> None:
     times = np.arange(1000) / 250.0
-    peak = natural_frequency(times.tolist(), (5.0 + 2.0 * np.sin(2 * np.pi * f * times)).tolist(),
-                             steady=True)  # fmt: skip
+    peak = natural_frequency(
+        times.tolist(), (5.0 + 2.0 * np.sin(2 * np.pi * f * times)).tolist(), steady=True
+    )
     assert peak.resolution == pytest.approx(0.25)
     assert peak.frequency == pytest.approx(f, abs=1e-3 * peak.resolution)
     assert peak.amplitude == pytest.approx(2.0, rel=2e-3)

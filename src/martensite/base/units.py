@@ -93,9 +93,15 @@ OF_READINGS = (LEVEL, DIFFERENCE, RATE)
 
 # declared SI unit -> unit a person would rather read
 READABLE = {
-    "K": "degC", "Pa": "MPa", "m": "mm", "Pa/K": "MPa/K", "kg": "g", "rad": "deg",
-    "rad/s": "deg/s", DEGREES: "K",
-}  # fmt: skip
+    "K": "degC",
+    "Pa": "MPa",
+    "m": "mm",
+    "Pa/K": "MPa/K",
+    "kg": "g",
+    "rad": "deg",
+    "rad/s": "deg/s",
+    DEGREES: "K",
+}
 
 PERCENT = ("strain",)
 """Columns that are read more easily in percent."""
@@ -178,9 +184,15 @@ def of_reading(unit: str, reading: str) -> str:
 
 
 _BASES = {
-    "kilogram": "kg", "meter": "m", "second": "s", "ampere": "A", "kelvin": "K", "mole": "mol",
-    "candela": "cd", "radian": "rad",
-}  # fmt: skip
+    "kilogram": "kg",
+    "meter": "m",
+    "second": "s",
+    "ampere": "A",
+    "kelvin": "K",
+    "mole": "mol",
+    "candela": "cd",
+    "radian": "rad",
+}
 
 
 @cache

@@ -77,9 +77,12 @@ def compute_share(missed: float, answer: LineStepEnd, give: float, least: float)
 
 
 def settle_lines(
-    trials: Sequence[Trial], reach: Sequence[float], give: Sequence[Sequence[float]],
-    forces: Sequence[float], least: Sequence[float],
-) -> ForceBalance:  # fmt: skip
+    trials: Sequence[Trial],
+    reach: Sequence[float],
+    give: Sequence[Sequence[float]],
+    forces: Sequence[float],
+    least: Sequence[float],
+) -> ForceBalance:
     """All elements on their lines at once.
 
     Args:
@@ -104,9 +107,14 @@ def settle_lines(
 
 
 def _ask_elements(
-    trials: Sequence[Trial], reach: Sequence[float], give: Sequence[Sequence[float]],
-    forces: Sequence[float], least: Sequence[float], *, in_turn: bool,
-) -> tuple[list[ElementTurn], float]:  # fmt: skip
+    trials: Sequence[Trial],
+    reach: Sequence[float],
+    give: Sequence[Sequence[float]],
+    forces: Sequence[float],
+    least: Sequence[float],
+    *,
+    in_turn: bool,
+) -> tuple[list[ElementTurn], float]:
     """What all elements answer, and the largest error of what they met.
 
     With `in_turn` each one meets what those before it have just answered.
@@ -133,9 +141,12 @@ def _sum_others(row: Sequence[float], forces: Sequence[float], own: int) -> floa
 
 
 def _solve_springs(
-    reach: Sequence[float], give: Sequence[Sequence[float]], forces: Sequence[float],
-    seen: Sequence[ElementTurn], before: Sequence[ElementTurn],
-) -> list[float]:  # fmt: skip
+    reach: Sequence[float],
+    give: Sequence[Sequence[float]],
+    forces: Sequence[float],
+    seen: Sequence[ElementTurn],
+    before: Sequence[ElementTurn],
+) -> list[float]:
     """Forces [N] of the elements as springs."""
     matrix, free = np.array(give), np.zeros(len(seen))
     for i, one in enumerate(seen):

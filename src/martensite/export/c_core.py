@@ -107,9 +107,17 @@ def build_c_core(
 
 
 def core_of(
-    whole: AbstractSystem, program: Program, states: int, inputs: Rows, outputs: Rows, *,
-    name: str | None, precision: Precision, reports: bool, pruned: bool = False,
-) -> CCore:  # fmt: skip
+    whole: AbstractSystem,
+    program: Program,
+    states: int,
+    inputs: Rows,
+    outputs: Rows,
+    *,
+    name: str | None,
+    precision: Precision,
+    reports: bool,
+    pruned: bool = False,
+) -> CCore:
     """The core of a program with functions `init`, `step` and `observe`.
 
     `reports` says whether steps end with residual and crossing, `pruned` whether parameters that

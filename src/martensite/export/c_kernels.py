@@ -140,9 +140,12 @@ def used_parameters(program: Program) -> set[int]:
 
 
 def kernels_text(
-    program: Program, kept: Sequence[int], kernels: Sequence[CKernel], prefix: str,
+    program: Program,
+    kept: Sequence[int],
+    kernels: Sequence[CKernel],
+    prefix: str,
     precision: Precision,
-) -> str:  # fmt: skip
+) -> str:
     """C of `PREFIXkernel_prepare(p, c)`, and of `PREFIXkernel_NAME(c, x, u, dt, y)` of each.
 
     `kept` are the places in the program of the parameters that p holds.
@@ -168,9 +171,13 @@ def kernels_text(
 
 
 def _print_function(
-    printer: Printer, name: str, taken: Sequence[str], made: str, outputs: Sequence[Expr],
+    printer: Printer,
+    name: str,
+    taken: Sequence[str],
+    made: str,
+    outputs: Sequence[Expr],
     precision: Precision,
-) -> str:  # fmt: skip
+) -> str:
     number, (lines, values) = precision.number, printer.block(outputs)
     one, zero = precision.literal(1.0), precision.literal(0.0)
     for i, (node, value) in enumerate(zip(outputs, values, strict=True)):

@@ -40,9 +40,16 @@ def build_c_loop(bench: Bench, *, name: str | None = None, precision: str = "flo
     traced = trace_loop(bench)
     program, seen = _loop_program(bench, traced)
     return core_of(
-        bench, program, traced.size, _loop_inputs(bench), seen,
-        name=name, precision=precision_of(precision), reports=False, pruned=True,
-    )  # fmt: skip
+        bench,
+        program,
+        traced.size,
+        _loop_inputs(bench),
+        seen,
+        name=name,
+        precision=precision_of(precision),
+        reports=False,
+        pruned=True,
+    )
 
 
 def _loop_inputs(bench: Bench) -> Rows:

@@ -11,15 +11,70 @@ from martensite.base import units
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Leaf
 
-KEYWORDS = frozenset((
-    "alignas", "alignof", "asm", "auto", "bool", "break", "case", "catch", "char", "class",
-    "const", "continue", "default", "delete", "do", "double", "else", "enum", "explicit",
-    "export", "extern", "false", "float", "for", "friend", "goto", "if", "inline", "int",
-    "long", "mutable", "namespace", "new", "operator", "private", "protected", "public",
-    "register", "restrict", "return", "short", "signed", "sizeof", "static", "struct", "switch",
-    "template", "this", "throw", "true", "try", "typedef", "typename", "union", "unsigned",
-    "using", "virtual", "void", "volatile", "while",
-))  # fmt: skip
+KEYWORDS = frozenset(
+    (
+        "alignas",
+        "alignof",
+        "asm",
+        "auto",
+        "bool",
+        "break",
+        "case",
+        "catch",
+        "char",
+        "class",
+        "const",
+        "continue",
+        "default",
+        "delete",
+        "do",
+        "double",
+        "else",
+        "enum",
+        "explicit",
+        "export",
+        "extern",
+        "false",
+        "float",
+        "for",
+        "friend",
+        "goto",
+        "if",
+        "inline",
+        "int",
+        "long",
+        "mutable",
+        "namespace",
+        "new",
+        "operator",
+        "private",
+        "protected",
+        "public",
+        "register",
+        "restrict",
+        "return",
+        "short",
+        "signed",
+        "sizeof",
+        "static",
+        "struct",
+        "switch",
+        "template",
+        "this",
+        "throw",
+        "true",
+        "try",
+        "typedef",
+        "typename",
+        "union",
+        "unsigned",
+        "using",
+        "virtual",
+        "void",
+        "volatile",
+        "while",
+    )
+)
 """Of C and C++."""
 
 
@@ -92,9 +147,17 @@ def _describe_parameter(index: int, leaf: Leaf, name: str, used: bool) -> CoreVa
     unit = "of the reading" if declared.unit in units.OF_READINGS else declared.unit
     endless = isinstance(default, float) and math.isinf(default)
     return CoreVariable(
-        index, leaf.path, name, unit, declared.doc, float(leaf.value), low, declared.high, endless,
+        index,
+        leaf.path,
+        name,
+        unit,
+        declared.doc,
+        float(leaf.value),
+        low,
+        declared.high,
+        endless,
         used,
-    )  # fmt: skip
+    )
 
 
 def list_variables(

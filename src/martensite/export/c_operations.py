@@ -42,9 +42,23 @@ COSTS: Mapping[str, Mapping[str, int]] = {
 """What an operation counts as: one that is not here costs nothing. A subtraction and a change of
 sign are additions; `erfcx` is an `exp` and an `erfc`, or 24 divisions."""
 ORDER = (
-    "add", "mul", "div", "sqrt", "exp", "log", "power", "sin", "cos", "tanh", "erfcx", "round",
-    "abs", "compare", "select", "logic",
-)  # fmt: skip
+    "add",
+    "mul",
+    "div",
+    "sqrt",
+    "exp",
+    "log",
+    "power",
+    "sin",
+    "cos",
+    "tanh",
+    "erfcx",
+    "round",
+    "abs",
+    "compare",
+    "select",
+    "logic",
+)
 
 
 def count_operations(
@@ -57,9 +71,13 @@ def count_operations(
 
 
 def _count_nodes(
-    graph: Graph, wanted: Iterable[int], known: set[int], inside: int, turns: int,
+    graph: Graph,
+    wanted: Iterable[int],
+    known: set[int],
+    inside: int,
+    turns: int,
     found: Counter[str],
-) -> None:  # fmt: skip
+) -> None:
     """Add up nodes and what they need, `turns` times; in a loop only those with its bit."""
     seen, stack = set(known), list(wanted)
     while stack:

@@ -69,15 +69,17 @@ def _print_bound(core: CoreLayout, variable: CoreVariable, value: float) -> str:
 
 
 def _print_step(core: CoreLayout) -> str:
-    return "".join([
-        _STEP_BEGIN,
-        _SAMPLE if core.sample else "",
-        "    ${NAME}_kernel_step(m->c, m->x, u, dt, y);\n",
-        _CHECKED if core.reports else _FINITE_STATE,
-        _TAKEN,
-        _REPORTED if core.reports else "    return ${NAME}_OK;\n",
-        "}\n\n",
-    ])  # fmt: skip
+    return "".join(
+        [
+            _STEP_BEGIN,
+            _SAMPLE if core.sample else "",
+            "    ${NAME}_kernel_step(m->c, m->x, u, dt, y);\n",
+            _CHECKED if core.reports else _FINITE_STATE,
+            _TAKEN,
+            _REPORTED if core.reports else "    return ${NAME}_OK;\n",
+            "}\n\n",
+        ]
+    )
 
 
 _BEGIN = """\

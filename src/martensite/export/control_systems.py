@@ -45,9 +45,14 @@ def to_control(chain: Chain) -> Any:
     control = _import_control()
     step = _Step(chain)
     return control.NonlinearIOSystem(
-        step.update, step.output, inputs=list(chain.input_names), outputs=list(chain.output_names),
-        states=step.names, dt=chain.interval, name=_remove_dots(chain.name),
-    )  # fmt: skip
+        step.update,
+        step.output,
+        inputs=list(chain.input_names),
+        outputs=list(chain.output_names),
+        states=step.names,
+        dt=chain.interval,
+        name=_remove_dots(chain.name),
+    )
 
 
 def to_state_space(system: Chain | LinearSystem, level: Any = 0.0) -> Any:
@@ -64,14 +69,19 @@ def to_state_space(system: Chain | LinearSystem, level: Any = 0.0) -> Any:
     linear = system if isinstance(system, LinearSystem) else linearise_chain(system, level)
     slim = linear.reduce_states()
     return control.ss(
-        slim.a, slim.b, slim.c, slim.d, slim.interval,
-        inputs=list(slim.input_names) or None, outputs=list(slim.output_names) or None,
-    )  # fmt: skip
+        slim.a,
+        slim.b,
+        slim.c,
+        slim.d,
+        slim.interval,
+        inputs=list(slim.input_names) or None,
+        outputs=list(slim.output_names) or None,
+    )
 
 
 def to_nonlinear_system(
     system: AbstractSystem, period: float | None = None, *, outputs: Sequence[str] | None = None
-) -> Any:  # fmt: skip
+) -> Any:
     """A plant or a bench as a `control.NonlinearIOSystem` in discrete time.
 
     Inputs are its drives; noise and jitter of sensors are 0. Dots in names become underscores.
@@ -88,10 +98,14 @@ def to_nonlinear_system(
     control = _import_control()
     step = _PlantStep(system, period, outputs)
     return control.nlsys(
-        step.update, step.output, inputs=[_remove_dots(n) for n in step.inputs],
-        outputs=[_remove_dots(n) for n in step.outputs], states=step.names, dt=step.interval,
+        step.update,
+        step.output,
+        inputs=[_remove_dots(n) for n in step.inputs],
+        outputs=[_remove_dots(n) for n in step.outputs],
+        states=step.names,
+        dt=step.interval,
         name=_remove_dots(type(system).__name__.lower()),
-    )  # fmt: skip
+    )
 
 
 def rest_state(system: AbstractSystem, signals: Sequence[float] = ()) -> Any:
@@ -108,9 +122,12 @@ def rest_state(system: AbstractSystem, signals: Sequence[float] = ()) -> Any:
 
 
 def plant_state_space(
-    point: SteadyPoint, period: float | None = None, *, outputs: Sequence[str] | None = None,
+    point: SteadyPoint,
+    period: float | None = None,
+    *,
+    outputs: Sequence[str] | None = None,
     inputs: Sequence[str] | None = None,
-) -> Any:  # fmt: skip
+) -> Any:
     """The linear system of a plant around an operating point, on its branch, as a `StateSpace`.
 
     States that take no part are left out; those that do keep their names. Units are SI, those
@@ -131,10 +148,15 @@ def plant_state_space(
     rows = [linear.output_names.index(name) for name in chosen]
     names, kept = state_names(point.system), linear.active
     return control.ss(
-        linear.a[kept][:, kept], linear.b[kept], linear.c[rows][:, kept], linear.d[rows],
-        linear.interval, inputs=[_remove_dots(n) for n in linear.input_names],
-        outputs=[_remove_dots(n) for n in chosen], states=[names[k] for k in kept],
-    )  # fmt: skip
+        linear.a[kept][:, kept],
+        linear.b[kept],
+        linear.c[rows][:, kept],
+        linear.d[rows],
+        linear.interval,
+        inputs=[_remove_dots(n) for n in linear.input_names],
+        outputs=[_remove_dots(n) for n in chosen],
+        states=[names[k] for k in kept],
+    )
 
 
 def state_names(system: AbstractSystem) -> list[str]:

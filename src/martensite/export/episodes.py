@@ -136,9 +136,11 @@ class Episodes:
     # ---------------------------------------------------------------- an episode
 
     def begin(
-        self, which: Any, random: Sequence[np.random.Generator],
+        self,
+        which: Any,
+        random: Sequence[np.random.Generator],
         options: Mapping[str, Any] | None = None,
-    ) -> tuple[Any, dict[str, Numbers]]:  # fmt: skip
+    ) -> tuple[Any, dict[str, Numbers]]:
         """Begin episodes in some environments; the others stay where they are.
 
         Args:
@@ -230,6 +232,10 @@ class Episodes:
     def _list_extras(self, rows: Numbers) -> dict[str, Numbers]:
         """What is told besides, in the order of `SHOWN`."""
         wanted = self._reference[self._at, np.arange(self.count)]
-        columns = (wanted, rows[self._output], rows[self._power].sum(axis=0),
-                   rows[self._hottest].max(axis=0, initial=0.0))  # fmt: skip
+        columns = (
+            wanted,
+            rows[self._output],
+            rows[self._power].sum(axis=0),
+            rows[self._hottest].max(axis=0, initial=0.0),
+        )
         return dict(zip(SHOWN, columns, strict=True))

@@ -105,9 +105,12 @@ class SmaEnv(BASE):
         found = self._episodes.step(np.asarray(action, float)[None])
         shown = {name: float(row[0]) for name, row in found.shown.items()}
         return (
-            found.observations[0], float(found.rewards[0]), bool(found.terminated[0]),
-            bool(found.truncated[0]), shown,
-        )  # fmt: skip
+            found.observations[0],
+            float(found.rewards[0]),
+            bool(found.terminated[0]),
+            bool(found.truncated[0]),
+            shown,
+        )
 
 
 if HERE:

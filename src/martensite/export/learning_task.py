@@ -116,8 +116,9 @@ def _draw_sine(task: LearningTask, rng: np.random.Generator, times: Numbers) -> 
 
 
 KINDS: dict[str, Callable[[LearningTask, np.random.Generator, Numbers], Numbers]] = {
-    "steps": _draw_steps, "sines": _draw_sine,
-}  # fmt: skip
+    "steps": _draw_steps,
+    "sines": _draw_sine,
+}
 
 
 @dataclass(frozen=True)

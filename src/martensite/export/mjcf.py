@@ -97,11 +97,14 @@ def bridge_of(
     forces = start_forces(system)
     actuators = [
         TendonActuator(
-            tendon=port, element=one.element, environment=one.environment, source=one.source,
+            tendon=port,
+            element=one.element,
+            environment=one.environment,
+            source=one.source,
             start_force=forces[port],
         )
         for port, one in system.actuators().items()
-    ]  # fmt: skip
+    ]
     return text, MujocoBridge(text, actuators, coupling=coupling)
 
 

@@ -48,8 +48,14 @@ def write_finger(model: Model, finger: Finger, timestep: float) -> None:
     _check_finger(finger)
     r, g = finger.offset, finger.bracket
     (port,), (start,) = finger.ports(), finger.start_forces(floats)
-    append_element(model.world, "camera", name="view", pos=(0.2 * g, -20.0 * g, -1.3 * g),
-        xyaxes="1 0 0 0 0 1", fovy="20")  # fmt: skip
+    append_element(
+        model.world,
+        "camera",
+        name="view",
+        pos=(0.2 * g, -20.0 * g, -1.3 * g),
+        xyaxes="1 0 0 0 0 1",
+        fovy="20",
+    )
     _add_phalanx(model.world, finger, -1.0, GREY)
     append_element(model.world, "site", name="near", pos=(-g, 0.0, -r), size=0.1 * r)
     body = append_element(model.world, "body", name="phalanx")
@@ -139,5 +145,11 @@ def _add_phalanx(parent: Element, finger: Finger, side: float, colour: str) -> N
         pos=(2.1 * side * g, 0, 0),
         rgba=colour,
     )
-    append_element(parent, "geom", type="box", size=(0.1 * r, 0.6 * r, 0.55 * r),
-        pos=(side * g, 0.0, -0.55 * r), rgba=colour)  # fmt: skip
+    append_element(
+        parent,
+        "geom",
+        type="box",
+        size=(0.1 * r, 0.6 * r, 0.55 * r),
+        pos=(side * g, 0.0, -0.55 * r),
+        rgba=colour,
+    )

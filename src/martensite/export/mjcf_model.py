@@ -47,9 +47,15 @@ def new_model(name: str, timestep: float) -> Model:
     append_element(visual, "map", znear="0.01")
     asset = append_element(root, "asset")
     append_element(
-        asset, "texture", type="skybox", builtin="flat", rgb1="1 1 1", rgb2="1 1 1", width="8",
+        asset,
+        "texture",
+        type="skybox",
+        builtin="flat",
+        rgb1="1 1 1",
+        rgb2="1 1 1",
+        width="8",
         height="8",
-    )  # fmt: skip
+    )
     append_element(append_element(root, "default"), "geom", contype="0", conaffinity="0", mass="0")
     sections = ("worldbody", "tendon", "actuator", "custom")
     return Model(root, option, asset, *(append_element(root, name) for name in sections))

@@ -23,9 +23,14 @@ def write_platform(model: Model, platform: ParallelPlatform, timestep: float) ->
     side, plate = platform.side, platform.top_plate(floats)
     model.option.set("gravity", f"0 0 {-float(platform.gravity)!r}")
     far = max(side, platform.height)
-    append_element(model.world, "camera", name="view",
+    append_element(
+        model.world,
+        "camera",
+        name="view",
         pos=(1.9 * far, -2.6 * far, 0.5 * platform.height + 1.2 * far),
-        xyaxes="0.807 0.590 0 -0.206 0.282 0.937", fovy="25")  # fmt: skip
+        xyaxes="0.807 0.590 0 -0.206 0.282 0.937",
+        fovy="25",
+    )
     _add_mesh(model, side)
     append_element(model.world, "geom", type="mesh", mesh="plate", rgba=GREY)
     append_element(

@@ -85,9 +85,11 @@ def _list_sites_and_paths(system: AbstractSystem) -> Parts:
     places = [("<worldbody>", model.world)]
     places += [(f'<body name="{one.get("name")}">', one) for one in model.world.iter("body")]
     sites = [
-        (place, site) for place, body in places for site in body.findall("site")
+        (place, site)
+        for place, body in places
+        for site in body.findall("site")
         if site.get("name") in used
-    ]  # fmt: skip
+    ]
     return Parts(sites, tendons, FRAMES.get(type(system.mechanism), ""))
 
 

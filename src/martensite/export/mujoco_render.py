@@ -175,10 +175,28 @@ def _write_mp4(program: str, frames: np.ndarray, path: Path, fps: float) -> None
     _, height, width, _ = frames.shape
     with replace_file(path) as part:
         command = [
-            program, "-y", "-loglevel", "error", "-f", "rawvideo", "-pix_fmt", "rgb24",
-            "-s", f"{width}x{height}", "-r", f"{fps}", "-i", "-", "-vf",
-            "crop=trunc(iw/2)*2:trunc(ih/2)*2", "-pix_fmt", "yuv420p", "-f", "mp4", str(part),
-        ]  # fmt: skip
+            program,
+            "-y",
+            "-loglevel",
+            "error",
+            "-f",
+            "rawvideo",
+            "-pix_fmt",
+            "rgb24",
+            "-s",
+            f"{width}x{height}",
+            "-r",
+            f"{fps}",
+            "-i",
+            "-",
+            "-vf",
+            "crop=trunc(iw/2)*2:trunc(ih/2)*2",
+            "-pix_fmt",
+            "yuv420p",
+            "-f",
+            "mp4",
+            str(part),
+        ]
         done = subprocess.run(command, input=frames.tobytes(), capture_output=True, check=False)
         if done.returncode:
             said = done.stderr.decode(errors="replace").strip().splitlines()
@@ -191,6 +209,10 @@ def _write_gif(frames: np.ndarray, path: Path, fps: float) -> None:
     images = [Image.fromarray(frame) for frame in frames]
     with replace_file(path) as part:
         images[0].save(
-            part, format="gif", save_all=True, append_images=images[1:], loop=0,
+            part,
+            format="gif",
+            save_all=True,
+            append_images=images[1:],
+            loop=0,
             duration=max(1000.0 / fps, 20.0),
-        )  # fmt: skip
+        )

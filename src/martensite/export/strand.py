@@ -43,9 +43,11 @@ class TracedStrand:
     ) -> None:
         self.name = name
         self.system = System(
-            element=actuator.element, environment=actuator.environment, source=actuator.source,
+            element=actuator.element,
+            environment=actuator.environment,
+            source=actuator.source,
             mechanism=TendonLine(start=start_force),
-        )  # fmt: skip
+        )
         self.drive = actuator.environment.temperature if actuator.source.sets_temperature else 0.0
         compiled = compile_system(self.system)
         functions = compiled.program.bind_floats(*compiled.values(self.system))

@@ -55,15 +55,18 @@ class TendonLine(AbstractMechanism):
         return [self.start]
 
     def init(
-        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
+        self,
+        xp: Namespace,
+        elements: Sequence[AbstractElement],
+        elongations: Column,
         signals: Column,
-    ) -> ElementEnd:  # fmt: skip
+    ) -> ElementEnd:
         """The start force."""
         return ElementEnd(self.start, 0.0, 0.0)
 
     def advance(
         self, xp: Namespace, memory: ElementEnd, loads: Sequence[Load], signals: Column, dt: Scalar
-    ) -> tuple[ElementEnd, list[Any], StepReport]:  # fmt: skip
+    ) -> tuple[ElementEnd, list[Any], StepReport]:
         """The element solves the step by itself, against the line."""
         ((element, state, heating),) = loads
         after, report = element.advance(xp, state, heating, _build_pull(signals), dt)

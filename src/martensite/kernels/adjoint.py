@@ -53,13 +53,11 @@ _RULES: dict[str, Rule] = {
     "cos": lambda g, bar, y, a: (-(bar * g.apply("sin", a[0])),),
     "tanh": lambda g, bar, y, a: (bar * (1.0 - y * y),),
     "nearest": lambda g, bar, y, a: (bar,),
-    "quarter_sine": lambda g, bar, y, a: (
-        bar * (HALF_PI * g.apply("quarter_sine", 1.0 - a[0])),
-    ),
+    "quarter_sine": lambda g, bar, y, a: (bar * (HALF_PI * g.apply("quarter_sine", 1.0 - a[0])),),
     "erfcx": lambda g, bar, y, a: (bar * (2.0 * a[0] * y - 2.0 / ROOT_PI),),
     "store": lambda g, bar, y, a: (bar,),
     "implicit_root": lambda g, bar, y, a: (None, bar),
-}  # fmt: skip
+}
 
 
 def compute_gradient(value: Expr, variables: Sequence[Expr]) -> dict[int, Expr] | None:

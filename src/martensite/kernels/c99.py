@@ -39,8 +39,18 @@ from martensite.kernels.printer import (
 )
 from martensite.kernels.program import Function, Program
 
-FLAGS = ("-std=c99", "-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math",
-         "-ffp-contract=off", "-fno-tree-pre", "-fopenmp-simd", "-fPIC", "-shared")  # fmt: skip
+FLAGS = (
+    "-std=c99",
+    "-O3",
+    "-march=native",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-ffp-contract=off",
+    "-fno-tree-pre",
+    "-fopenmp-simd",
+    "-fPIC",
+    "-shared",
+)
 WIDE = ("-mprefer-vector-width=512",)
 """For processors with AVX-512: compilers prefer half the width, which costs a batch a third."""
 
@@ -173,9 +183,12 @@ C_DIALECT = Dialect(
 
 
 def scalar_dialect(
-    number: str, templates: Mapping[str, str], constant: Callable[[float | bool], str],
-    flag: str = _TYPES[FLAG], going: LoopCondition = LoopCondition(),
-) -> Dialect:  # fmt: skip
+    number: str,
+    templates: Mapping[str, str],
+    constant: Callable[[float | bool], str],
+    flag: str = _TYPES[FLAG],
+    going: LoopCondition = LoopCondition(),
+) -> Dialect:
     """C of one run at a time, which may leave out what is not chosen.
 
     Args:
@@ -371,8 +384,10 @@ def _compile_source(command: Sequence[str], source: str, path: Path) -> None:
         code.write_text(source)
         done = subprocess.run(
             [*command, str(code), "-o", str(library), "-lm"],
-            capture_output=True, text=True, check=False,
-        )  # fmt: skip
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         if done.returncode != 0:
             raise MartensiteError(
                 f"The C compiler `{command[0]}` failed: {done.stderr.strip()[:500]}"

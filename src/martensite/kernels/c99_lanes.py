@@ -31,24 +31,41 @@ _TEMPLATES = {
     **{
         operation: f"{name}({{}}, {{}})"
         for operation, name in {
-            "add": "plus", "sub": "minus", "mul": "times", "div": "over",
-            "lt": "below", "le": "at_most", "gt": "above", "ge": "at_least",
-            "both": "both", "either": "either", "minimum": "least", "maximum": "most",
+            "add": "plus",
+            "sub": "minus",
+            "mul": "times",
+            "div": "over",
+            "lt": "below",
+            "le": "at_most",
+            "gt": "above",
+            "ge": "at_least",
+            "both": "both",
+            "either": "either",
+            "minimum": "least",
+            "maximum": "most",
             "power": "power_of",
         }.items()
     },
     **{
         operation: f"{name}({{}})"
         for operation, name in {
-            "neg": "minus_of", "negate": "not_of", "abs": "size_of", "sqrt": "root_of",
-            "exp": "exp_of", "log": "log_of", "sin": "sin_of", "cos": "cos_of",
-            "tanh": "tanh_of", "nearest": "rint_of", "quarter_sine": "quarter_sine_of",
+            "neg": "minus_of",
+            "negate": "not_of",
+            "abs": "size_of",
+            "sqrt": "root_of",
+            "exp": "exp_of",
+            "log": "log_of",
+            "sin": "sin_of",
+            "cos": "cos_of",
+            "tanh": "tanh_of",
+            "nearest": "rint_of",
+            "quarter_sine": "quarter_sine_of",
             "erfcx": "erfcx_of",
         }.items()
     },
     "where": "pick({}, {}, {})",
     "eps": "all(2.220446049250313e-16)",
-}  # fmt: skip
+}
 
 _PRELUDE = """
     #if defined(__AVX512F__)

@@ -83,17 +83,24 @@ def _print_traced(printer: Printer, function: Function) -> str:
 
 
 def _print_function(
-    printer: Printer, name: str, taken: tuple[str, ...], made: tuple[str, str],
+    printer: Printer,
+    name: str,
+    taken: tuple[str, ...],
+    made: tuple[str, str],
     outputs: Sequence[Expr],
-) -> str:  # fmt: skip
+) -> str:
     arrays = [(array, place) for array, place, _ in _list_places(printer, outputs)]
     return _print_body(printer, name, taken, made, outputs, arrays)
 
 
 def _print_body(
-    printer: Printer, name: str, taken: Sequence[str], made: tuple[str, str],
-    outputs: Sequence[Expr], arrays: Sequence[tuple[str, int]],
-) -> str:  # fmt: skip
+    printer: Printer,
+    name: str,
+    taken: Sequence[str],
+    made: tuple[str, str],
+    outputs: Sequence[Expr],
+    arrays: Sequence[tuple[str, int]],
+) -> str:
     lines, values = printer.block(outputs)
     lines += [f"{a}[{k}] = {value};" for (a, k), value in zip(arrays, values, strict=True)]
     kinds = ("double", "slopes")

@@ -122,9 +122,11 @@ class Graph:
         return self._node(operation, indices, self._join_dependencies(indices))
 
     def loop(
-        self, body: Callable[..., Sequence[Any]], columns: Sequence[Sequence[Any]],
+        self,
+        body: Callable[..., Sequence[Any]],
+        columns: Sequence[Sequence[Any]],
         slopes: Sequence[Sequence[Any]] = (),
-    ) -> tuple[list[Expr], ...]:  # fmt: skip
+    ) -> tuple[list[Expr], ...]:
         """Trace a body over rows, those of `slopes` last; equal loops are one."""
         bit, results, row = self._body(body, "g", len(columns), len(slopes))
         columns = [*columns, *slopes]
@@ -147,9 +149,13 @@ class Graph:
         return tuple(found)
 
     def repeat(
-        self, count: int, body: Callable[..., Sequence[Any]], state: Sequence[Any],
-        slopes: Sequence[Any] = (), stops: bool = False,
-    ) -> list[Expr]:  # fmt: skip
+        self,
+        count: int,
+        body: Callable[..., Sequence[Any]],
+        state: Sequence[Any],
+        slopes: Sequence[Any] = (),
+        stops: bool = False,
+    ) -> list[Expr]:
         """Trace one turn of a loop over a state, its `slopes` last."""
         begin = tuple(self._expr(value).index for value in (*state, *slopes))
         bit, results, inputs = self._body(body, "r", len(state), len(slopes))

@@ -58,10 +58,11 @@ def evaluate_estrin(
     power = "z"
     while len(terms) > 1:
         joined = [
-            plus.format(terms[k], times.format(terms[k + 1], power)) if k + 1 < len(terms)
+            plus.format(terms[k], times.format(terms[k + 1], power))
+            if k + 1 < len(terms)
             else terms[k]
             for k in range(0, len(terms), 2)
-        ]  # fmt: skip
+        ]
         terms = joined
         if len(terms) > 1:
             name = f"z{2 ** (len(powers) + 1)}"

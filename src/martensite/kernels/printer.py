@@ -352,9 +352,26 @@ ARRAY_DIALECT = Dialect(
         **{
             name: f"xp.{name}({', '.join(['{}'] * arity)})"
             for name, arity in {
-                "where": 3, "both": 2, "either": 2, "negate": 1, "minimum": 2, "maximum": 2,
-                "abs": 1, "sqrt": 1, "exp": 1, "log": 1, "power": 2, "sin": 1, "cos": 1, "tanh": 1,
-                "nearest": 1, "quarter_sine": 1, "erfcx": 1, "detach": 1, "store": 1, "eps": 0,
+                "where": 3,
+                "both": 2,
+                "either": 2,
+                "negate": 1,
+                "minimum": 2,
+                "maximum": 2,
+                "abs": 1,
+                "sqrt": 1,
+                "exp": 1,
+                "log": 1,
+                "power": 2,
+                "sin": 1,
+                "cos": 1,
+                "tanh": 1,
+                "nearest": 1,
+                "quarter_sine": 1,
+                "erfcx": 1,
+                "detach": 1,
+                "store": 1,
+                "eps": 0,
                 "implicit_root": 2,
             }.items()
         },
@@ -365,4 +382,4 @@ ARRAY_DIALECT = Dialect(
     loop=_array_loop,
     repeat=_array_repeat,
     differentiable=True,
-)  # fmt: skip
+)

@@ -24,10 +24,16 @@ from martensite.kernels.printer import (
 )
 
 FLOAT_GLOBALS = {
-    "_sqrt": math.sqrt, "_exp": math.exp, "_log": math.log,
-    "_sin": math.sin, "_cos": math.cos, "_tanh": math.tanh, "_erfcx": floats.erfcx,
-    "_nearest": floats.nearest, "_power": floats.power,
-}  # fmt: skip
+    "_sqrt": math.sqrt,
+    "_exp": math.exp,
+    "_log": math.log,
+    "_sin": math.sin,
+    "_cos": math.cos,
+    "_tanh": math.tanh,
+    "_erfcx": floats.erfcx,
+    "_nearest": floats.nearest,
+    "_power": floats.power,
+}
 
 
 @dataclass

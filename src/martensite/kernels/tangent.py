@@ -22,9 +22,15 @@ TINY = 1e-300
 """Added to a divisor before its reciprocal, which changes none above 1e-284: smaller ones, such
 as rates that underflow, would have an infinite one."""
 _OPERATORS: dict[str, Callable[..., Any]] = {
-    "add": operator.add, "sub": operator.sub, "mul": operator.mul, "neg": operator.neg,
-    "lt": operator.lt, "le": operator.le, "gt": operator.gt, "ge": operator.ge,
-}  # fmt: skip
+    "add": operator.add,
+    "sub": operator.sub,
+    "mul": operator.mul,
+    "neg": operator.neg,
+    "lt": operator.lt,
+    "le": operator.le,
+    "gt": operator.gt,
+    "ge": operator.ge,
+}
 
 
 def slope_input(name: str) -> str:
@@ -188,8 +194,9 @@ class TangentWalk:
         values = [[value for value, _ in column] for column in columns]
         slopes = [
             [self.zero if slope is None else slope for _, slope in column]
-            for column, moves in zip(columns, moving, strict=True) if moves
-        ]  # fmt: skip
+            for column, moves in zip(columns, moving, strict=True)
+            if moves
+        ]
         kept: list[bool] = []
 
         def body(*row: Expr) -> Sequence[Expr]:
@@ -236,9 +243,13 @@ class TangentWalk:
         ]
 
     def _inside(
-        self, bit: int, inputs: Sequence[int], row: Sequence[Expr], moving: Sequence[bool],
+        self,
+        bit: int,
+        inputs: Sequence[int],
+        row: Sequence[Expr],
+        moving: Sequence[bool],
         outputs: Iterable[int],
-    ) -> tuple[list[Expr], list[bool]]:  # fmt: skip
+    ) -> tuple[list[Expr], list[bool]]:
         """Values, then slopes, of the results of a body; and which of them have slopes."""
         slopes = iter(row[len(inputs) :])
         known = {

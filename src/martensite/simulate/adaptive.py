@@ -271,9 +271,18 @@ class AdaptiveMarch(AbstractMarch):
                 owed[place] = part * (a - b)
         points = self.functions["points"]
         return StepTrial(
-            length, halves, one, two, fine, (points(*one), points(*two)), tuple(owed), error,
-            ripple, residual, lapse,
-        )  # fmt: skip
+            length,
+            halves,
+            one,
+            two,
+            fine,
+            (points(*one), points(*two)),
+            tuple(owed),
+            error,
+            ripple,
+            residual,
+            lapse,
+        )
 
     def _solve_halves(self, length: float, halves: Sequence[Row]) -> tuple[Row, Row, Row, float]:
         """Middle and end of a step in two halves, its end as a whole, and the worst residual."""

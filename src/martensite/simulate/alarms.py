@@ -126,20 +126,37 @@ def _of_actuator(actuator: Actuator, times: Sequence[float], columns: Columns) -
 
 
 def _make_alarm(
-    times: Sequence[float], when: Excursion, what: tuple[str, str, str], worst: float,
-    limit: float, sentence: str,
-) -> Alarm:  # fmt: skip
+    times: Sequence[float],
+    when: Excursion,
+    what: tuple[str, str, str],
+    worst: float,
+    limit: float,
+    sentence: str,
+) -> Alarm:
     """An alarm about `what`: kind, quantity and unit."""
     return Alarm(
-        *what, worst, limit, abs(worst - limit), when.first, when.duration, times[when.worst],
+        *what,
+        worst,
+        limit,
+        abs(worst - limit),
+        when.first,
+        when.duration,
+        times[when.worst],
         sentence,
-    )  # fmt: skip
+    )
 
 
 def _watch_above(
-    times: Sequence[float], values: Sequence[float], quantity: str, kind: str, unit: str,
-    limit: float, zero: float, shown: str, scale: float,
-) -> Alarm | None:  # fmt: skip
+    times: Sequence[float],
+    values: Sequence[float],
+    quantity: str,
+    kind: str,
+    unit: str,
+    limit: float,
+    zero: float,
+    shown: str,
+    scale: float,
+) -> Alarm | None:
     when = find_excursion(times, [value - limit for value in values])
     if when is None:
         return None
@@ -190,9 +207,11 @@ def _watch_slack(times: Sequence[float], force: Sequence[float]) -> Alarm | None
 
 
 def find_undelivered(
-    source: AbstractSource, times: Sequence[float], drive: Sequence[float],
+    source: AbstractSource,
+    times: Sequence[float],
+    drive: Sequence[float],
     resistance: Sequence[float],
-) -> Alarm | None:  # fmt: skip
+) -> Alarm | None:
     """The alarm of a source that is asked for what it cannot deliver; None if it never is."""
     reached = [source.reach(ohms) for ohms in resistance]
     when = find_excursion(times, undelivered_margins(source, drive, resistance))

@@ -75,10 +75,16 @@ def simulate(
     compiled = compile_march(system)
     times = [duration * k / (samples - 1) for k in range(samples)]
     plan = MarchPlan(
-        compiled, waves, times, tolerance, first_step(system, duration, samples),
-        envelope_of(system), step=step, recorded=runtime == "jax" and step is None,
+        compiled,
+        waves,
+        times,
+        tolerance,
+        first_step(system, duration, samples),
+        envelope_of(system),
+        step=step,
+        recorded=runtime == "jax" and step is None,
         halves=runtime == "jax",
-    )  # fmt: skip
+    )
     chosen = "auto" if runtime == "jax" else runtime
     engine = RunEngine(compiled, compiled.values(system), chosen, tell, budget)
     if step is None:
@@ -105,9 +111,10 @@ def _on_jax(
     at_end = [width == 1 for width in plan.compiled.widths]
     edges = (e for w in plan.waveforms for e in w.edges(plan.times[-1]))
     steps = (
-        steps_through([*found.ends, *edges], plan.times) if plan.step is None
+        steps_through([*found.ends, *edges], plan.times)
+        if plan.step is None
         else cut_steps(set(edges), plan.times, plan.step)
-    )  # fmt: skip
+    )
     track = march_jax(plan.compiled, engine.values, steps.grid(plan.waveforms, at_end)).require()
     engine.used = "JAX"
     if accuracy is not None:
@@ -126,9 +133,15 @@ def _in_discrete_time(
     grid = grid_of(system, waveform, duration, samples, interval)
     track = _march_grid(system, compiled, grid, runtime).require()
     found = Marched(
-        [tuple(row) for row in track.rows], (), track.status, track.status_time or 0.0,
-        track.place, track.value, steps=len(grid.lengths), longest=grid.longest,
-    )  # fmt: skip
+        [tuple(row) for row in track.rows],
+        (),
+        track.status,
+        track.status_time or 0.0,
+        track.place,
+        track.value,
+        steps=len(grid.lengths),
+        longest=grid.longest,
+    )
     plan = MarchPlan(compiled, (), grid.times, 0.0, interval, envelope_of(system))
     used = {"c": "C", "jax": "JAX"}.get(runtime, "floats")
     return _build_result(system, waveform, plan, found, None, used)
@@ -176,9 +189,13 @@ def longest_step(system: AbstractSystem) -> float:
 
 
 def _build_result(
-    system: AbstractSystem, waveform: Waveforms, plan: MarchPlan, found: Marched,
-    accuracy: float | None, runtime: str,
-) -> Result:  # fmt: skip
+    system: AbstractSystem,
+    waveform: Waveforms,
+    plan: MarchPlan,
+    found: Marched,
+    accuracy: float | None,
+    runtime: str,
+) -> Result:
     """What is returned, with its warnings."""
     leaves = found.status is Status.OUT_OF_ENVELOPE
     when = found.time if found.status is not Status.OK else None
@@ -188,10 +205,20 @@ def _build_result(
     rows = list(rows_inside(system, found.rows)) if leaves else found.rows
     columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
     result = Result(
-        system, waveform, list(plan.times[: len(rows)]), columns, found.status, when, found.steps,
-        found.longest, accuracy, profiles=profiles_of(len(names), rows), runtime=runtime,
-        rejected=found.rejected, ripple=found.ripple,
-    )  # fmt: skip
+        system,
+        waveform,
+        list(plan.times[: len(rows)]),
+        columns,
+        found.status,
+        when,
+        found.steps,
+        found.longest,
+        accuracy,
+        profiles=profiles_of(len(names), rows),
+        runtime=runtime,
+        rejected=found.rejected,
+        ripple=found.ripple,
+    )
     if plan.step is None and not system.sample_time():
         result = _add_balances(result, plan, found)
     if leaves:

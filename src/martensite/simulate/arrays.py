@@ -119,9 +119,10 @@ def build_march(
         state = tuple(zero + v for v in functions["init"](*plan.first))
         start = observe(state, plan.first)
         (_, reports, (_, left)), rows = jax.lax.scan(
-            interval, (state, (zero,) * len(compiled.report), (zero, zero + np_.inf)),
+            interval,
+            (state, (zero,) * len(compiled.report), (zero, zero + np_.inf)),
             (plan.sampled, plan.drives, plan.lengths),
-        )  # fmt: skip
+        )
         joined = tuple(np_.concatenate([a[None], b]) for a, b in zip(start, rows, strict=True))
         return BatchRows(joined, reports, left)
 

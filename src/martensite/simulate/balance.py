@@ -19,9 +19,13 @@ LEAST_WORK = 1e-12
 ROUNDING, NONE = 1e-12, "0 J"
 """Share of an energy that is none, and how that is said."""
 WORDS = {
-    "springs": "into springs", "gravity": "into weight", "kinetic": "into motion",
-    "magnetic": "into a winding", "dissipated": "dissipated", "outside": "given to the outside",
-}  # fmt: skip
+    "springs": "into springs",
+    "gravity": "into weight",
+    "kinetic": "into motion",
+    "magnetic": "into a winding",
+    "dissipated": "dissipated",
+    "outside": "given to the outside",
+}
 """Where work goes, in words."""
 
 

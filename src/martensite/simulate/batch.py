@@ -101,14 +101,26 @@ def simulate_batch(
     chosen = _choose_runtime(runtime, step)
     if chosen == "jax":
         return _on_jax(
-            system, (waveform, duration, samples, step or 0.0), varied, outputs, chunk, precision,
+            system,
+            (waveform, duration, samples, step or 0.0),
+            varied,
+            outputs,
+            chunk,
+            precision,
             devices,
-        )  # fmt: skip
+        )
     _find_indices(compile_march(system), outputs)
     course = VariantSetup(
-        system, by_name(system, waveform), duration, samples, step, tuple(outputs), chosen,
-        tolerance=tolerance, threads=(os.cpu_count() or 1) if devices is None else devices,
-    )  # fmt: skip
+        system,
+        by_name(system, waveform),
+        duration,
+        samples,
+        step,
+        tuple(outputs),
+        chosen,
+        tolerance=tolerance,
+        threads=(os.cpu_count() or 1) if devices is None else devices,
+    )
     ran = course.run(varied)
     return _build_result(system, waveform, course.times, ran, varied, course.controlled, chosen)
 
@@ -153,9 +165,15 @@ def _choose_runtime(asked: str, step: float | None) -> str:
 
 
 def _check_batch(
-    system: AbstractSystem, duration: float, tolerance: float, step: float | None, samples: int,
-    runtime: str, precision: str, devices: int | None,
-) -> None:  # fmt: skip
+    system: AbstractSystem,
+    duration: float,
+    tolerance: float,
+    step: float | None,
+    samples: int,
+    runtime: str,
+    precision: str,
+    devices: int | None,
+) -> None:
     """Raise where an argument of a batch is wrong."""
     check_run(duration, tolerance, step, samples)
     if devices is not None and devices < 1:
@@ -175,9 +193,14 @@ def _check_batch(
 
 
 def _on_jax(
-    system: AbstractSystem, run: tuple[Waveforms, float, int, float], varied: Mapping[str, Any],
-    outputs: Sequence[str], chunk: int | None, precision: str, devices: int | None,
-) -> Result:  # fmt: skip
+    system: AbstractSystem,
+    run: tuple[Waveforms, float, int, float],
+    varied: Mapping[str, Any],
+    outputs: Sequence[str],
+    chunk: int | None,
+    precision: str,
+    devices: int | None,
+) -> Result:
     """A batch on JAX."""
     stops = varied_stops(varied)
     if stops:
@@ -316,9 +339,12 @@ def _convert_varied(system: AbstractSystem, over: Mapping[str, Sequence[float]])
 
 
 def _arrange_values(
-    values: Mapping[str, float], varied: Mapping[str, Any], window: slice, chunk: int,
+    values: Mapping[str, float],
+    varied: Mapping[str, Any],
+    window: slice,
+    chunk: int,
     precision: str,
-) -> list[Any]:  # fmt: skip
+) -> list[Any]:
     """All parameter values of one chunk, padded to its size by the last variant."""
 
     def piece(path: str) -> Any:

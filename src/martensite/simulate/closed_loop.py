@@ -192,9 +192,15 @@ class _Walk:
         plan, count = self.plan, len(self.times)
         times = [plan.start(k) for k in range(len(found.rows))]
         result = Result(
-            plan.system, plan.waveform(self.signals), times, self._columns(found.rows),
-            found.status, found.status_time, count, self.longest,
-        )  # fmt: skip
+            plan.system,
+            plan.waveform(self.signals),
+            times,
+            self._columns(found.rows),
+            found.status,
+            found.status_time,
+            count,
+            self.longest,
+        )
         ends = self._columns(self.ends)
         if found.status is Status.OUT_OF_ENVELOPE:
             when = found.status_time or 0.0

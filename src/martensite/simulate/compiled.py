@@ -156,7 +156,12 @@ def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
     envelope = tuple((port, name) for port in system.actuators() for name in ENVELOPE)
     wanted = [*(name for name, _ in judged), *(system.label(*pair) for pair in envelope)]
     return CompiledMarch(
-        trace.program, trace.paths, trace.size, trace.drives, trace.outputs, StepReport._fields,
+        trace.program,
+        trace.paths,
+        trace.size,
+        trace.drives,
+        trace.outputs,
+        StepReport._fields,
         widths=tuple(len(FED) if feed else 1 for feed in feeds),
         convergence_scales=judged,
         envelope=envelope,
@@ -164,7 +169,7 @@ def _compile_march(keyed: Keyed[AbstractSystem]) -> CompiledMarch:
         points=trace.add_points(judged),
         book=trace.add_entries(),
         rates=trace.rates(),
-    )  # fmt: skip
+    )
 
 
 class _Trace:
@@ -252,10 +257,15 @@ class _Trace:
             found = self.system.entries(xp, state, *arguments[self.size :])
             held = {name: one for name, one in found.held.items() if isinstance(one, Expr)}
             accounts = [ACCOUNTS.index(name) for name, _ in found.efforts]
-            books.append(Book(
-                tuple(map(ACCOUNTS.index, held)), tuple(accounts), found.heat, found.work,
-                found.unknown,
-            ))  # fmt: skip
+            books.append(
+                Book(
+                    tuple(map(ACCOUNTS.index, held)),
+                    tuple(accounts),
+                    found.heat,
+                    found.work,
+                    found.unknown,
+                )
+            )
             numbers = [
                 *held.values(),
                 *flatten_numbers(tuple(effort for _, effort in found.efforts)),

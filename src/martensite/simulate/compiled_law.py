@@ -73,9 +73,10 @@ def _compile_keyed(keyed: Keyed[AbstractLaw], tension_only: bool) -> CompiledLaw
     names = [f"m{i}" for i in range(size)]
     program.add("stress_step", [*names, "sigma", "T", "dt"], _stress_step(law, shape))
     program.add(
-        "strain_step", [*names, "eps", "T", "dt"],
+        "strain_step",
+        [*names, "eps", "T", "dt"],
         _strain_step(law, shape, tension_only),
-    )  # fmt: skip
+    )
     return CompiledLaw(program, paths, size)
 
 

@@ -175,9 +175,9 @@ class _ControlledWalk:
             if isinstance(drive, AbstractWaveform):
                 found.append(drive.value(time))
                 continue
-            signal, self.memories[i] = drive(time, seen, self.memories[i]) if seen else (
-                0.0, self.memories[i]
-            )  # fmt: skip
+            signal, self.memories[i] = (
+                drive(time, seen, self.memories[i]) if seen else (0.0, self.memories[i])
+            )
             if not math.isfinite(signal):
                 raise SolveError(f"A controller answered with {signal} at t = {time:.6g} s.")
             found.append(signal)
@@ -208,9 +208,15 @@ class _ControlledWalk:
             held = Held(values=tuple(s[i] for s in self.signals), frequency=1.0 / plan.period)
             played[declared.name] = drive if isinstance(drive, AbstractWaveform) else held
         result = Result(
-            plan.system, played, times, columns, found.status, found.status_time,
-            self.steps, plan.period / plan.pieces,
-        )  # fmt: skip
+            plan.system,
+            played,
+            times,
+            columns,
+            found.status,
+            found.status_time,
+            self.steps,
+            plan.period / plan.pieces,
+        )
         if found.status is Status.OUT_OF_ENVELOPE:
             when = found.status_time or 0.0
             result.warnings.append(describe_exit(plan.system, when, found.place, found.value))

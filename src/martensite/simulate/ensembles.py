@@ -116,9 +116,12 @@ def _place_runs(found: Ensemble, made: MarchRows, places: Any, accuracy: Numbers
 
 
 def march_one_by_one(
-    plan: MarchPlan, systems: Iterable[tuple[AbstractSystem, Sequence[Any]]], count: int,
-    outputs: Sequence[int], tolerance: float,
-) -> Ensemble:  # fmt: skip
+    plan: MarchPlan,
+    systems: Iterable[tuple[AbstractSystem, Sequence[Any]]],
+    count: int,
+    outputs: Sequence[int],
+    tolerance: float,
+) -> Ensemble:
     """Make runs on plain floats, each to a tolerance.
 
     Args:
@@ -144,9 +147,13 @@ def march_one_by_one(
 
 
 def _keep_one(
-    found: Ensemble, run: int, system: AbstractSystem, one: Marched, accuracy: float,
+    found: Ensemble,
+    run: int,
+    system: AbstractSystem,
+    one: Marched,
+    accuracy: float,
     outputs: Sequence[int],
-) -> None:  # fmt: skip
+) -> None:
     """Put a run to its place."""
     rows = list(rows_inside(system, one.rows))
     found.outputs[run, : len(rows)] = np.asarray(rows)[:, list(outputs)]

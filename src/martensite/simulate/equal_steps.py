@@ -29,9 +29,12 @@ class EqualStep(NamedTuple):
 
 
 def find_step(
-    system: AbstractSystem, waveform: Waveforms, duration: float, tolerance: float,
+    system: AbstractSystem,
+    waveform: Waveforms,
+    duration: float,
+    tolerance: float,
     samples: int = 1001,
-) -> EqualStep:  # fmt: skip
+) -> EqualStep:
     """The longest step [s] of a row of halved ones with which a run is within a tolerance.
 
     Args:

@@ -46,9 +46,12 @@ class TimeGrid:
 
         sampled = np.asarray(self.sampled, float).reshape(len(self.times), -1)
         return (
-            sampled[:1].copy(), sampled[1:].copy(), np.asarray(self.counts, np.int_),
-            np.asarray(self.drives, float), np.asarray(self.lengths, float),
-        )  # fmt: skip
+            sampled[:1].copy(),
+            sampled[1:].copy(),
+            np.asarray(self.counts, np.int_),
+            np.asarray(self.drives, float),
+            np.asarray(self.lengths, float),
+        )
 
     @property
     def longest(self) -> float:
@@ -109,18 +112,24 @@ class Steps(NamedTuple):
 
 
 def build_grid(
-    waveforms: Sequence[AbstractWaveform], duration: float, samples: int, step: float,
+    waveforms: Sequence[AbstractWaveform],
+    duration: float,
+    samples: int,
+    step: float,
     at_end: Sequence[bool],
-) -> TimeGrid:  # fmt: skip
+) -> TimeGrid:
     """The grid of a run of `duration` [s] with equidistant samples, both ends included."""
     times = [duration * i / (samples - 1) for i in range(samples)]
     return grid_at(waveforms, times, step, at_end)
 
 
 def grid_of_samples(
-    waveforms: Sequence[AbstractWaveform], duration: float, samples: int, interval: float,
+    waveforms: Sequence[AbstractWaveform],
+    duration: float,
+    samples: int,
+    interval: float,
     ahead: Sequence[bool],
-) -> TimeGrid:  # fmt: skip
+) -> TimeGrid:
     """The grid of a system in discrete time: every step is one of its samples, from 0 on.
 
     Signals are read at the start of a step, or at its end where they are wanted `ahead`. What is
@@ -145,15 +154,20 @@ def grid_of_samples(
         for pair in pairwise(signals)
     ]
     return TimeGrid(
-        [k * interval for k in ends], [signals[k] for k in ends],
-        [b - a for a, b in pairwise(ends)], [interval] * steps, played,
-    )  # fmt: skip
+        [k * interval for k in ends],
+        [signals[k] for k in ends],
+        [b - a for a, b in pairwise(ends)],
+        [interval] * steps,
+        played,
+    )
 
 
 def grid_at(
-    waveforms: Sequence[AbstractWaveform], times: list[float], step: float,
+    waveforms: Sequence[AbstractWaveform],
+    times: list[float],
+    step: float,
     at_end: Sequence[bool],
-) -> TimeGrid:  # fmt: skip
+) -> TimeGrid:
     """Cut the time from 0 on at the samples `times` (the first is 0) and at edges.
 
     The pieces are cut into steps of at most `step` [s].

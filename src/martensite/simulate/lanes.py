@@ -30,9 +30,12 @@ class Lanes:
     """States of one system side by side; for one thread."""
 
     def __init__(
-        self, system: AbstractSystem, lanes: int, values: Mapping[str, Any] | None = None,
+        self,
+        system: AbstractSystem,
+        lanes: int,
+        values: Mapping[str, Any] | None = None,
         native: bool | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Lanes of a system; `reset` puts them at rest.
 
         Args:

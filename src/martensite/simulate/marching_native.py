@@ -48,24 +48,55 @@ given steps round as they do on floats."""
 
 class _Drive(ctypes.Structure):
     _fields_ = [
-        ("count", ctypes.c_long), ("tones", ctypes.c_long),
-        *((name, ctypes.c_void_p) for name in (
-            "start", "level", "slope", "bend", "amplitude", "rate", "phase",
-        )),
-        ("fastest", ctypes.c_double), ("whole", ctypes.c_long),
-    ]  # fmt: skip
+        ("count", ctypes.c_long),
+        ("tones", ctypes.c_long),
+        *(
+            (name, ctypes.c_void_p)
+            for name in (
+                "start",
+                "level",
+                "slope",
+                "bend",
+                "amplitude",
+                "rate",
+                "phase",
+            )
+        ),
+        ("fastest", ctypes.c_double),
+        ("whole", ctypes.c_long),
+    ]
 
 
 class _March(ctypes.Structure):
     _fields_ = [
-        *((name, ctypes.c_long) for name in (
-            "runs", "samples", "rounds", "recording", "parted", "recorded", "capacity",
-        )),
+        *(
+            (name, ctypes.c_long)
+            for name in (
+                "runs",
+                "samples",
+                "rounds",
+                "recording",
+                "parted",
+                "recorded",
+                "capacity",
+            )
+        ),
         *((name, ctypes.c_double) for name in ("tolerance", "duration", "step")),
-        *((name, ctypes.c_void_p) for name in (
-            "p", "first", "times", "drives", "limits", "ranges", "rows", "numbers", "record",
-        )),
-    ]  # fmt: skip
+        *(
+            (name, ctypes.c_void_p)
+            for name in (
+                "p",
+                "first",
+                "times",
+                "drives",
+                "limits",
+                "ranges",
+                "rows",
+                "numbers",
+                "record",
+            )
+        ),
+    ]
 
 
 class _Window:
@@ -173,10 +204,22 @@ class MarchRows:
         if not found.failed and not np.isfinite(rows[:reached]).all():
             found = Status.NOT_FINITE
         return Marched(
-            [tuple(row) for row in rows[:reached].tolist()], ranges, found, end, int(place),
-            value, int(steps), int(rejected), longest, ripple, residual, put_in, lost, accounts,
+            [tuple(row) for row in rows[:reached].tolist()],
+            ranges,
+            found,
+            end,
+            int(place),
+            value,
+            int(steps),
+            int(rejected),
+            longest,
+            ripple,
+            residual,
+            put_in,
+            lost,
+            accounts,
             self.ends,
-        )  # fmt: skip
+        )
 
 
 def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> MarchRows:
@@ -304,9 +347,11 @@ def _get_address(array: Numbers) -> int:
 
 
 def kernel_of(
-    plan: MarchPlan, outputs: Sequence[int], lanes: int = 1,
+    plan: MarchPlan,
+    outputs: Sequence[int],
+    lanes: int = 1,
     own: Sequence[Sequence[AbstractWaveform]] | None = None,
-) -> MarchKernel:  # fmt: skip
+) -> MarchKernel:
     """What has to be compiled for runs of a plan; every run may have waveforms of its own."""
     rows = [plan.waveforms] if own is None else own
     tones = max((len(waveform.tones()) for row in rows for waveform in row), default=0)
@@ -387,9 +432,10 @@ class MarchKernel:
         wanted = tuple(observe.outputs[i] for i in self.outputs)
         functions.append(replace(observe, outputs=wanted))
         kernels = (
-            c_source(compiled.program, functions, not self.fixed) if self.lanes == 1
+            c_source(compiled.program, functions, not self.fixed)
+            if self.lanes == 1
             else lanes_source(compiled.program, functions)
-        )  # fmt: skip
+        )
         names = ("marching.c", *(("fixed.c",) if self.fixed else ("ledger.c", "adaptive.c")))
         names = ("lanes.c",) if self.lanes > 1 else names
         texts = [

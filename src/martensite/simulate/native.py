@@ -87,9 +87,12 @@ _NOTES = """
 
 
 def march_source(
-    compiled: CompiledMarch, lanes: int, outputs: Sequence[int], own: bool = False,
+    compiled: CompiledMarch,
+    lanes: int,
+    outputs: Sequence[int],
+    own: bool = False,
     bounded: bool = False,
-) -> str:  # fmt: skip
+) -> str:
     """C source of the kernels and the march for a fixed number of lanes.
 
     With signals and steps of their `own` lanes march through a `LaneGrid`. If it is `bounded`, a
@@ -122,11 +125,15 @@ def march_source(
 def _write_watch(compiled: CompiledMarch, lanes: int, length: str) -> dict[str, str]:
     """What looks at the envelope after every step."""
     known = {
-        "lanes": lanes, "size": compiled.size, "drives": compiled.drives, "length": length,
-        "judged": len(compiled.convergence_scales), "envelope": len(compiled.envelope),
+        "lanes": lanes,
+        "size": compiled.size,
+        "drives": compiled.drives,
+        "length": length,
+        "judged": len(compiled.convergence_scales),
+        "envelope": len(compiled.envelope),
         "seen": len(compiled.program.functions["judge"].outputs),
         "places": ", ".join(map(str, [*compiled.signals_in_step(), 0])),
-    }  # fmt: skip
+    }
     return {"look": _LOOK.format_map(known), "notes": _NOTES.format_map(known)}
 
 
@@ -144,9 +151,12 @@ def _load_library(
 
 
 def march_lanes(
-    compiled: CompiledMarch, values: Sequence[Any], grid: TimeGrid | LaneGrid, lanes: int,
+    compiled: CompiledMarch,
+    values: Sequence[Any],
+    grid: TimeGrid | LaneGrid,
+    lanes: int,
     outputs: Sequence[int],
-) -> tuple[Any, Any]:  # fmt: skip
+) -> tuple[Any, Any]:
     """March a batch of exactly `lanes` variants; scalars are repeated over the lanes.
 
     A `LaneGrid` gives every lane signals and steps of its own.
@@ -156,9 +166,13 @@ def march_lanes(
 
 
 def march_inside(
-    compiled: CompiledMarch, values: Sequence[Any], grid: TimeGrid | LaneGrid, lanes: int,
-    outputs: Sequence[int], limits: Any,
-) -> tuple[Any, Any, Any]:  # fmt: skip
+    compiled: CompiledMarch,
+    values: Sequence[Any],
+    grid: TimeGrid | LaneGrid,
+    lanes: int,
+    outputs: Sequence[int],
+    limits: Any,
+) -> tuple[Any, Any, Any]:
     """The same, with the time [s] at which each lane left the envelope, (lanes,).
 
     That is the end of a step, and infinite for lanes that stay inside. What is reported is that

@@ -88,10 +88,15 @@ def march_slopes(
     width = next((w for w in WIDTHS if w >= count), WIDTHS[-1])
     library = _load_library(compiled, moving, tuple(outputs), width)
     pieces = [
-        _march_library(library, values, _pad_seeds(given[list(moving), k : k + width], width), grid,
-               len(outputs))
+        _march_library(
+            library,
+            values,
+            _pad_seeds(given[list(moving), k : k + width], width),
+            grid,
+            len(outputs),
+        )
         for k in range(0, max(count, 1), width)
-    ]  # fmt: skip
+    ]
     slopes = np.concatenate([piece.slopes for piece in pieces], axis=2)[:, :, :count]
     return pieces[0]._replace(slopes=slopes)
 
@@ -126,9 +131,14 @@ def _load_library(
     program = differentiate_program(compiled.program, moving, states, outputs)
     count, slopes = count_constants(program)
     loop = _MARCH.format(
-        constants=max(1, count), dconstants=max(1, slopes), size=size,
-        inputs=compiled.inputs, results=size + len(compiled.report),
-        drives=compiled.drives, outputs=len(outputs), reports=len(compiled.report),
-    )  # fmt: skip
+        constants=max(1, count),
+        dconstants=max(1, slopes),
+        size=size,
+        inputs=compiled.inputs,
+        results=size + len(compiled.report),
+        drives=compiled.drives,
+        outputs=len(outputs),
+        reports=len(compiled.report),
+    )
     functions = list(program.functions.values())
     return load_library(slopes_source(program, functions, moving, width) + loop)

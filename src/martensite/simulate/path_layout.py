@@ -64,14 +64,24 @@ class ThermomechanicalPath:
     legs: tuple[PathLeg, ...]
 
     def follow(
-        self, law: AbstractLaw, *, steps: int = 100, tolerance: float | None = 1e-4,
+        self,
+        law: AbstractLaw,
+        *,
+        steps: int = 100,
+        tolerance: float | None = 1e-4,
         runtime: str = "floats",
-    ) -> PointResult:  # fmt: skip
+    ) -> PointResult:
         """Drive a law along this path; arguments as of `material_point`."""
         return material_point(
-            law, self.legs, start=(self.stress, self.temperature), fractions=self.fractions,
-            steps=steps, tolerance=tolerance, runtime=runtime, label=self.label,
-        )  # fmt: skip
+            law,
+            self.legs,
+            start=(self.stress, self.temperature),
+            fractions=self.fractions,
+            steps=steps,
+            tolerance=tolerance,
+            runtime=runtime,
+            label=self.label,
+        )
 
 
 @dataclass(frozen=True)

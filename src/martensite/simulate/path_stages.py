@@ -64,9 +64,10 @@ def _build_stage(result: PointResult, leg: int, first: int, last: int) -> PathSt
     martensite, oriented = changes["martensite"], changes["oriented"]
     name = "martensite" if abs(martensite) >= 0.5 * abs(oriented) else "oriented"
     varies = tuple(
-        n for n in ("stress", "temperature")
+        n
+        for n in ("stress", "temperature")
         if max(result[n][first : last + 1]) - min(result[n][first : last + 1]) > STILL[n]
-    )  # fmt: skip
+    )
     acts = abs(changes[name]) > LEAST
     process = "orientation"
     if name == "martensite":

@@ -88,9 +88,13 @@ def named_path(
     found = find_path(name)
     chosen = choices or Choices()
     idle = next(
-        (n for n in ("temperatures", "stresses", "strain")
-         if n not in found.uses and getattr(chosen, n) not in ((), None)), None
-    )  # fmt: skip
+        (
+            n
+            for n in ("temperatures", "stresses", "strain")
+            if n not in found.uses and getattr(chosen, n) not in ((), None)
+        ),
+        None,
+    )
     if idle is not None:
         raise ParameterError(
             f"The path `{name}` takes no {idle}; it can be told {', '.join(found.uses)}."
@@ -195,9 +199,11 @@ def constrained_recovery(guide: Guide) -> list[ThermomechanicalPath]:
     hot = guide.marks.A_f + 60.0
     unload = guide.stress(peak / guide.choices.rates.strain * guide.choices.rates.stress, 0.0)
     legs = (
-        guide.strain(peak, peak), unload, guide.heat(temperature, hot, "strain"),
+        guide.strain(peak, peak),
+        unload,
+        guide.heat(temperature, hot, "strain"),
         guide.heat(hot, temperature, "strain"),
-    )  # fmt: skip
+    )
     return [
         ThermomechanicalPath(
             "stretch, unload, clamp, heat, cool", 0.0, temperature, fractions, legs
@@ -217,8 +223,9 @@ def minor_loops(guide: Guide) -> list[ThermomechanicalPath]:
         marks = guide.marks_at(stress)
         hot, cold = marks.A_f + 10.0, marks.M_f - 10.0
         turns: Sequence[float] = [
-            hot, *(marks.A_s + share * (marks.A_f - marks.A_s) for share in (0.75, 0.6, 0.45, 0.3))
-        ]  # fmt: skip
+            hot,
+            *(marks.A_s + share * (marks.A_f - marks.A_s) for share in (0.75, 0.6, 0.45, 0.3)),
+        ]
         legs = [guide.heat(hot, cold)]
         for turn in turns:
             legs += [guide.heat(cold, turn), guide.heat(turn, cold)]

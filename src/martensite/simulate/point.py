@@ -211,9 +211,13 @@ _SENTENCES = {
 
 
 def _check_path(
-    legs: Sequence[PathLeg], start: tuple[float, float], fractions: Fractions, steps: int,
-    tolerance: float | None, runtime: str,
-) -> None:  # fmt: skip
+    legs: Sequence[PathLeg],
+    start: tuple[float, float],
+    fractions: Fractions,
+    steps: int,
+    tolerance: float | None,
+    runtime: str,
+) -> None:
     if not legs:
         raise ParameterError("A path needs at least one leg; none given.")
     if not (math.isfinite(start[0]) and 0.0 < start[1] < math.inf):
@@ -277,9 +281,13 @@ def _compare_tracks(coarse: PointTrack, fine: PointTrack) -> float:
 
 
 def _build_result(
-    law: AbstractLaw, legs: Sequence[PathLeg], drive: PathDriver, track: PointTrack,
-    accuracy: float | None, label: str,
-) -> PointResult:  # fmt: skip
+    law: AbstractLaw,
+    legs: Sequence[PathLeg],
+    drive: PathDriver,
+    track: PointTrack,
+    accuracy: float | None,
+    label: str,
+) -> PointResult:
     columns = {name: [row[i] for row in track.rows] for i, name in enumerate(ROW)}
     times, temperatures = [0.0], [drive.temperature]
     for section in drive.sections:
@@ -288,10 +296,18 @@ def _build_result(
         times += [begin + share * section.duration for share in shares]
         temperatures += [section.first + share * warmer for share in shares]
     return PointResult(
-        law=law, legs=tuple(legs), time=times, temperature=temperatures,
-        stress=columns["stress"], strain=columns["strain"],
-        martensite=columns["martensite"], oriented=columns["oriented"],
+        law=law,
+        legs=tuple(legs),
+        time=times,
+        temperature=temperatures,
+        stress=columns["stress"],
+        strain=columns["strain"],
+        martensite=columns["martensite"],
+        oriented=columns["oriented"],
         ends=list(accumulate((section.samples for section in drive.sections), initial=0)),
-        status=track.status, residual=track.residual, steps=track.steps, accuracy=accuracy,
+        status=track.status,
+        residual=track.residual,
+        steps=track.steps,
+        accuracy=accuracy,
         label=label,
-    )  # fmt: skip
+    )

@@ -181,9 +181,13 @@ class FloatRider:
         return self._functions["init"](*numbers)
 
     def _carefully(
-        self, state: tuple[float, ...], begin: tuple[float, float], end: tuple[float, float],
-        dt: float, splits: int,
-    ) -> tuple[float, ...]:  # fmt: skip
+        self,
+        state: tuple[float, ...],
+        begin: tuple[float, float],
+        end: tuple[float, float],
+        dt: float,
+        splits: int,
+    ) -> tuple[float, ...]:
         """A strain-driven step; in two halves where it stays unsolved."""
         after = self._functions["strain_step"](*state, *end, dt)
         if after[-1] <= SOLVED or splits == 0:

@@ -114,13 +114,21 @@ class Explorer:
         return after[:size], after[size:]
 
     def _closer(
-        self, state: State, begin: PlanePoint, end: PlanePoint, duration: float,
-        shares: tuple[float, float], test: Test, depth: int,
-    ) -> Passed:  # fmt: skip
+        self,
+        state: State,
+        begin: PlanePoint,
+        end: PlanePoint,
+        duration: float,
+        shares: tuple[float, float],
+        test: Test,
+        depth: int,
+    ) -> Passed:
         """The same within a piece of the way, in smaller steps."""
         low, high = shares
-        pieces = [(low + (high - low) * k / SMALLER, low + (high - low) * (k + 1) / SMALLER)
-                  for k in range(SMALLER)]  # fmt: skip
+        pieces = [
+            (low + (high - low) * k / SMALLER, low + (high - low) * (k + 1) / SMALLER)
+            for k in range(SMALLER)
+        ]
         row: State = ()
         for piece in pieces:
             after, row = self._step(state, begin, end, duration, piece)
@@ -168,9 +176,11 @@ def find_isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> 
 
 @lru_cache(maxsize=256)
 def find_loaded(
-    law: AbstractLaw, temperature: float, fractions: Fractions = AUSTENITE,
+    law: AbstractLaw,
+    temperature: float,
+    fractions: Fractions = AUSTENITE,
     share: float = 1.0 - LEVEL,
-) -> LoadingPoint | None:  # fmt: skip
+) -> LoadingPoint | None:
     """Where loading at a temperature [K] has oriented (or formed) a share of martensite.
 
     None if that takes more than 3 GPa. What counts is martensite if there is none at the start,

@@ -203,9 +203,14 @@ class VariantSetup:
     ) -> Ensemble:
         own = [self._order_waveforms(signals, row) for row in rows] if signals else None
         runs = Runs(
-            self._plan, self.table(values), len(rows), self.places, BLOCK, own=own,
+            self._plan,
+            self.table(values),
+            len(rows),
+            self.places,
+            BLOCK,
+            own=own,
             limits=self._limits(values, len(rows)),
-        )  # fmt: skip
+        )
         return march_in_lanes(runs, self.tolerance)
 
     def _ensemble_on_floats(

@@ -261,8 +261,9 @@ class WaveformLevels:
         for name, wave in self.own.items():
             found += [
                 Level(name, leaf.path, float(leaf.value))
-                for leaf in wave.leaves() if leaf.declared.unit == DRIVE
-            ]  # fmt: skip
+                for leaf in wave.leaves()
+                if leaf.declared.unit == DRIVE
+            ]
             peak = self._peak(wave)
             if units[name] != "K" and peak > 0.0:
                 found.append(Level(name, PEAK, peak))
@@ -331,8 +332,10 @@ class WaveformLevels:
                 f"The peak of the waveform of `{drive}` and another level of it cannot both be "
                 "free: the peak scales them all."
             )
-        moved = {level.name: level.value + 0.4 * (1.0 + k) * _choose_reach(level)
-                 for k, level in enumerate(mine)}  # fmt: skip
+        moved = {
+            level.name: level.value + 0.4 * (1.0 + k) * _choose_reach(level)
+            for k, level in enumerate(mine)
+        }
         there, rest = self.at(drive, moved), self._rest(drive)
         shapes = [(moved[level.name], self._shape(level)) for level in mine]
         for time in self._times(self.own[drive]):

@@ -33,9 +33,12 @@ class AxialWire(AbstractCells):
         "W/m/K", "thermal conductivity of austenite", above=0.0, high=1e9, typical="15 W/m/K"
     )
     conductivity_ratio: Scalar = param(
-        "1", "thermal conductivity of martensite over that of austenite",
-        above=0.0, high=100.0, default=1.0,
-    )  # fmt: skip
+        "1",
+        "thermal conductivity of martensite over that of austenite",
+        above=0.0,
+        high=100.0,
+        default=1.0,
+    )
     contact: Scalar = param(
         "W/K",
         "contact conductance between a clamp and the end of a span",
@@ -45,9 +48,12 @@ class AxialWire(AbstractCells):
     )
     spans: Scalar = param("1", "spans between clamps", low=1.0, high=1e4, default=1.0, typical=2.0)
     grading: Scalar = param(
-        "1", "how much narrower cells get towards a clamp (the exponent γ)",
-        above=0.0, high=15.0, default=4.0,
-    )  # fmt: skip
+        "1",
+        "how much narrower cells get towards a clamp (the exponent γ)",
+        above=0.0,
+        high=15.0,
+        default=4.0,
+    )
     cells: str = option("cells per half span", "5", "10", "20", "40", "80", default="20")
     wire: Wire = part("the wire that is cut", ELEMENTS)
 

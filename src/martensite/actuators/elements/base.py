@@ -274,9 +274,12 @@ def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[
 
 
 def equilibrium_force(
-    xp: Namespace, tangent: Callable[[Namespace, Scalar], Spring], pull: Pull, force: Scalar,
+    xp: Namespace,
+    tangent: Callable[[Namespace, Scalar], Spring],
+    pull: Pull,
+    force: Scalar,
     passes: int,
-) -> Scalar:  # fmt: skip
+) -> Scalar:
     """Force [N] at which element and mechanism fit, from a force nearby: Newton's method."""
     for _ in range(passes):
         force = pull(xp, tangent(xp, force))

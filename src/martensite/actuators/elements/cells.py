@@ -63,7 +63,7 @@ class AbstractCells(AbstractCut):
 
     def advance(
         self, xp: Namespace, state: Cells, heating: Heating, pull: Pull, dt: Scalar
-    ) -> tuple[Cells, StepReport]:  # fmt: skip
+    ) -> tuple[Cells, StepReport]:
         """The state after a step of dt [s], and how well the step was solved."""
         step = SweepStep(self, state, heating, pull, dt)
         start = step.start(xp)

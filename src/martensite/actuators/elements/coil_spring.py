@@ -93,8 +93,9 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
     coil_diameter: Scalar = param("m", "coil diameter", above=0.0, high=1.0, typical="4 mm")
     coil_measure: str = option(
         "where the coil diameter is measured: between centres of the wire, or over all",
-        "mean", "outer",
-    )  # fmt: skip
+        "mean",
+        "outer",
+    )
     turns: Scalar = param("1", "number of active turns", above=0.0, high=1e5, typical=10.0)
     free_length: Scalar = param(
         "m",
@@ -104,16 +105,19 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
         typical="10 mm",
     )
     deflection: str = option(
-        "theory of the coil: flat turns, or a rod that is drawn out", "small", "large",
+        "theory of the coil: flat turns, or a rod that is drawn out",
+        "small",
+        "large",
         default="small",
-    )  # fmt: skip
+    )
     poisson: Scalar = param(
         "1", "Poisson's ratio, for bending at large deflection", low=0.0, high=0.5, default=0.33
     )
     stress_factor: str = option(
         "what curvature adds to the stress that drives the law and is compared with its limit",
-        *STRESS_FACTORS, default="none",
-    )  # fmt: skip
+        *STRESS_FACTORS,
+        default="none",
+    )
     stiffness_factor: str = option(
         "what curvature adds to the spring rate", *STIFFNESS_FACTORS, default="none"
     )

@@ -32,7 +32,7 @@ STIFFNESS_TERMS = (
     0.17092513673011378,
     0.10753576375627583,
     0.09930535360839417,
-)  # fmt: skip
+)
 """Of 1/C², 1/C⁴, … in the exact stiffness factor."""
 
 STRESS_TERMS = (

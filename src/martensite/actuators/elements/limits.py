@@ -26,13 +26,19 @@ class ElementLimits(Parametrised):
         "1", "largest strain amplitude for long life", above=0.0, default=float("inf")
     )
     temperature_stop: Scalar = param(
-        "K", "temperature at which a run stops; at most where NiTi melts", above=0.0, high=MELTING,
+        "K",
+        "temperature at which a run stops; at most where NiTi melts",
+        above=0.0,
+        high=MELTING,
         default=MELTING,
-    )  # fmt: skip
+    )
     stress_stop: Scalar = param(
         "Pa", "stress at which a run stops", above=0.0, high=STRONGEST, default=STRONGEST
     )
     strain_stop: Scalar = param(
-        "1", "strain of a straight wire at which a run stops", above=0.0, high=LONGEST,
+        "1",
+        "strain of a straight wire at which a run stops",
+        above=0.0,
+        high=LONGEST,
         default=LONGEST,
-    )  # fmt: skip
+    )

@@ -142,9 +142,13 @@ class AbstractLumped(AbstractElement, init=False):
         return state.force
 
     def in_state(
-        self, xp: Namespace, state: Lumped, fractions: Fractions, temperature: Scalar,
+        self,
+        xp: Namespace,
+        state: Lumped,
+        fractions: Fractions,
+        temperature: Scalar,
         force: Scalar,
-    ) -> Lumped:  # fmt: skip
+    ) -> Lumped:
         """A state put elsewhere, with its history, under a force [N]."""
         stress = self.stress(xp, force)
         moved = self.law.relocate(xp, state.memory, fractions, stress, temperature)

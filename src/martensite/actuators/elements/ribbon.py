@@ -40,9 +40,12 @@ class Ribbon(AbstractCells):
         "m", "distance of neighbouring axes", above=0.0, high=1.0, typical="1 mm"
     )
     gap_conductivity: Scalar = param(
-        "W/m/K", "thermal conductivity of what is between the wires (air 0.027)",
-        low=0.0, high=1e3, default=0.027,
-    )  # fmt: skip
+        "W/m/K",
+        "thermal conductivity of what is between the wires (air 0.027)",
+        low=0.0,
+        high=1e3,
+        default=0.027,
+    )
     wire: Wire = part("one of the wires", ELEMENTS)
 
     def check(self) -> None:

@@ -98,10 +98,16 @@ class CondensedStep:
     ) -> tuple[MotionHistory, list[Scalar], list[Any], StepReport]:
         """Course, stiffness and state of every element at the end, and the residual."""
         scheme = self.mechanism.scheme(xp, self.memory.course, self.dt)
-        shape = NestedShape(_Turn(
-            predict_position(self.memory.course, self.dt), tuple(self._first(xp)), 0.0,
-            tuple(load.state for load in self.loads), StepReport(0.0, 0.0), 0.0,
-        ))  # fmt: skip
+        shape = NestedShape(
+            _Turn(
+                predict_position(self.memory.course, self.dt),
+                tuple(self._first(xp)),
+                0.0,
+                tuple(load.state for load in self.loads),
+                StepReport(0.0, 0.0),
+                0.0,
+            )
+        )
 
         def turn(_: Scalar, *flat: Scalar) -> list[Scalar]:
             before: _Turn = shape.rebuild(flat)
@@ -215,9 +221,12 @@ def _build_lines(linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[L
 
 
 def _renew_points(
-    xp: Namespace, before: Sequence[Tangent], found: Sequence[Tangent], turned: Flag,
+    xp: Namespace,
+    before: Sequence[Tangent],
+    found: Sequence[Tangent],
+    turned: Flag,
     elongations: Column,
-) -> list[Tangent]:  # fmt: skip
+) -> list[Tangent]:
     """The points found, with the slope from the last one to this; first as stiff as before."""
     new: list[Tangent] = []
     for last, now, path in zip(before, found, elongations, strict=True):

@@ -70,9 +70,11 @@ def _trace_path(finger: Finger, angle: float, behind: float, beyond: float) -> l
     for k in range(passes):
         y = apart * (k - 0.5 * (passes - 1))
         way = [
-            (-g - behind, y, -r), (-g, y, -r),
-            turn_point(met, g, -r, y), turn_point(met, g + beyond, -r, y),
-        ]  # fmt: skip
+            (-g - behind, y, -r),
+            (-g, y, -r),
+            turn_point(met, g, -r, y),
+            turn_point(met, g + beyond, -r, y),
+        ]
         found += way if k % 2 == 0 else way[::-1]
     return found
 

@@ -99,9 +99,13 @@ def _draw_finger(
     """Phalanges, hinges, brackets and tendons of one finger."""
     wrapped = min(max(-hand.lowest, LEAST_WRAP), MOST_WRAP)
     sizes = FingerLengths(
-        size * hand.offset, size * hand.bracket, size * hand.knuckle, size * hand.proximal_length,
-        size * hand.distal_length, wrapped,
-    )  # fmt: skip
+        size * hand.offset,
+        size * hand.bracket,
+        size * hand.knuckle,
+        size * hand.proximal_length,
+        size * hand.distal_length,
+        wrapped,
+    )
     first, second = (reading.outputs[f"{name}_{joint}"] for joint in ("proximal", "distal"))
     thick, half = 0.4 * sizes.offset, 0.7 * sizes.offset
     hinge, tip = _locate_proximal(sizes, first, sizes.proximal, 0.0), (sizes.distal, 0.0)

@@ -118,15 +118,18 @@ class AbstractMechanism(Parametrised):
 
     @abstractmethod
     def init(
-        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
+        self,
+        xp: Namespace,
+        elements: Sequence[AbstractElement],
+        elongations: Column,
         signals: Column,
-    ) -> Any:  # fmt: skip
+    ) -> Any:
         """The memory at the start, from the elongations [m] that the start forces give."""
 
     @abstractmethod
     def advance(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
-    ) -> tuple[Any, list[Any], StepReport]:  # fmt: skip
+    ) -> tuple[Any, list[Any], StepReport]:
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
 
     @require_where("static")

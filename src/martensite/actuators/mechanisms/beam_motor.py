@@ -59,13 +59,17 @@ class BeamMotor(AbstractMultibody):
     modes: str = option("modes of the beam that count", "1", "2", "3", "4", default="1")
     wire: str = option(
         "what is tied to the tip: nothing, or an element inclined to the beam",
-        "none", "inclined", default="none",
-    )  # fmt: skip
+        "none",
+        "inclined",
+        default="none",
+    )
     coupling: str = option(
         "inertia of the unbalance in the equation of the tip: derived, or as in equation (3.15) "
         "of the thesis, which does not conserve energy",
-        "lagrange", "printed", default="lagrange",
-    )  # fmt: skip
+        "lagrange",
+        "printed",
+        default="lagrange",
+    )
     mass: Scalar = param(
         "kg",
         "moving mass M, unbalance included, of the first mode",
@@ -150,9 +154,12 @@ class BeamMotor(AbstractMultibody):
         "rad", "angle θ of the wire to the beam at x = 0", low=0.0, high=1.57, default=math.pi / 12
     )
     slack: Scalar = param(
-        "1", "how much longer than its path the unloaded hot wire is; negative: shorter",
-        low=-0.2, high=0.2, default=0.0,
-    )  # fmt: skip
+        "1",
+        "how much longer than its path the unloaded hot wire is; negative: shorter",
+        low=-0.2,
+        high=0.2,
+        default=0.0,
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` if the numbers of a mode or of the wire are missing or absurd."""

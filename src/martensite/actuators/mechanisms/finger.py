@@ -72,9 +72,11 @@ class Finger(AbstractMultibody):
         "1", "how often the wire passes the hinge", low=1.0, high=100.0, default=2.0
     )
     spring: str = option(
-        "return spring: always across its arm, or from a fixed end", "follower", "fixed",
+        "return spring: always across its arm, or from a fixed end",
+        "follower",
+        "fixed",
         default="follower",
-    )  # fmt: skip
+    )
     stiffness: Scalar = param(
         "N/m", "rate of the return spring", low=0.0, high=1e6, typical="200 N/m"
     )

@@ -67,8 +67,10 @@ class Hand(AbstractMultibody):
 
     tendons: str = option(
         "which joints a distal flexor bends: its own, or the proximal one too (`passing`)",
-        "separate", "passing", default="separate",
-    )  # fmt: skip
+        "separate",
+        "passing",
+        default="separate",
+    )
     offset: Scalar = param(
         "m", "distance r of a flexor from the hinge", above=0.0, high=1.0, typical="4 mm"
     )

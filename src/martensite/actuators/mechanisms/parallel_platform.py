@@ -66,8 +66,10 @@ class ParallelPlatform(AbstractMultibody):
         "kg*m^2",
         "moment of inertia about an axis in the plate through its centroid; 0 for that of a "
         "uniform triangle, M s²/24",
-        low=0.0, high=1e6, default=0.0,
-    )  # fmt: skip
+        low=0.0,
+        high=1e6,
+        default=0.0,
+    )
     eccentricity: Scalar = param(
         "m",
         "height e of the plate's centroid over the joint; 0 if the joint is there",
@@ -77,9 +79,12 @@ class ParallelPlatform(AbstractMultibody):
         typical="-10 mm",
     )
     gravity: Scalar = param(
-        "m/s^2", "acceleration of gravity towards the base; negative for a hanging platform",
-        low=-100.0, high=100.0, default=9.80665,
-    )  # fmt: skip
+        "m/s^2",
+        "acceleration of gravity towards the base; negative for a hanging platform",
+        low=-100.0,
+        high=100.0,
+        default=9.80665,
+    )
     damping: Scalar = param(
         "N*m*s/rad",
         "damping b of each axis of the joint",

@@ -53,8 +53,10 @@ class ThermalBound(AbstractCheck):
     full: Scalar = param(DRIVE, "the full signal", above=0.0, default=1.0)
     rises: str = option(
         "power with the signal: `linear` for a duty or a power, `square` for volt or ampere",
-        "linear", "square", default="linear",
-    )  # fmt: skip
+        "linear",
+        "square",
+        default="linear",
+    )
     capacity: Scalar = param(
         "J/K", "heat capacity of the element, without latent heat", above=0.0, typical="0.02 J/K"
     )

@@ -71,9 +71,12 @@ class Cascade(AbstractController):
             xp, self.outer.gains(xp, dt), before.outer, reference, position
         )
         signal, inner = self.inner.law.answer(
-            xp, self.inner.gains(xp, dt), before.inner, self.start + added,
+            xp,
+            self.inner.gains(xp, dt),
+            before.inner,
+            self.start + added,
             readings[self.temperature],
-        )  # fmt: skip
+        )
         limits, gained = self.inner.law, outer.integral - before.outer.integral
         over = xp.both(signal >= limits.high, gained > 0.0)
         under = xp.both(signal <= limits.low, gained < 0.0)

@@ -176,9 +176,7 @@ class Feedforward(AbstractController):
         def beyond(xp: Namespace, share: Scalar) -> Scalar:
             return way * (output(xp, share) - target) / span + SLIGHT * (share - last)
 
-        found = solve_bracketed(
-            xp, beyond, xp.clip(last, *INSIDE), (0.0, 1.0), self.iterations
-        )  # fmt: skip
+        found = solve_bracketed(xp, beyond, xp.clip(last, *INSIDE), (0.0, 1.0), self.iterations)
         solved = xp.where(gap <= 0.0, 0.0, xp.where(gap >= span, 1.0, found))
         signal = law.low + solved * (law.high - law.low)
         away = xp.where(gap > self.slack, law.high, xp.where(gap < -self.slack, law.low, idle))

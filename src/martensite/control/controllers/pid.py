@@ -75,8 +75,10 @@ class PidLaw(Parametrised):
     )
     anti_windup: str = option(
         "what the integral does where the signal is limited",
-        "conditional", "back-calculation", default="conditional",
-    )  # fmt: skip
+        "conditional",
+        "back-calculation",
+        default="conditional",
+    )
     tracking: float = param(
         "1", "time constant N_t of back-calculation, in samples", low=1.0, default=10.0
     )
@@ -147,8 +149,9 @@ class PidGains(Parametrised):
     Kd: Scalar = param("1", "derivative gain", default=0.0)
     gains_are: str = option(
         "integral and derivative gain: K_i and K_d of C(z), or those of K_p + K_i/s + K_d s",
-        *GAINS_ARE, default="per-sample",
-    )  # fmt: skip
+        *GAINS_ARE,
+        default="per-sample",
+    )
     law: PidLaw = part("limits, set-point weights and filter", default=PidLaw())
 
     def gains(self, xp: Namespace, dt: Scalar) -> Gains:

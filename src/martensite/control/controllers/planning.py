@@ -67,9 +67,12 @@ class PlanSearch(Parametrised):
     plans: int = part("plans in a round", default=64)
     rounds: int = part("rounds in a period", default=4)
     spread: float = param(
-        "1", "standard deviation of the first plans, as a share of the range of signals",
-        above=0.0, high=1.0, default=0.25,
-    )  # fmt: skip
+        "1",
+        "standard deviation of the first plans, as a share of the range of signals",
+        above=0.0,
+        high=1.0,
+        default=0.25,
+    )
     seed: int = part("of the random numbers; the same one gives the same signals", default=0)
 
     def check(self) -> None:
@@ -167,9 +170,14 @@ class Planner:
         price, found = self.price, np.zeros(rows.shape[2])
         if price.energy > 0.0:
             found += price.energy * _average_rows(rows, self.powers)
-        bounds = (price.hottest, KELVIN, self.temperatures), (
-            price.strongest, MEGAPASCAL, self.stresses,
-        )  # fmt: skip
+        bounds = (
+            (price.hottest, KELVIN, self.temperatures),
+            (
+                price.strongest,
+                MEGAPASCAL,
+                self.stresses,
+            ),
+        )
         for bound, unit, which in bounds:
             if math.isfinite(bound):
                 over = np.maximum(rows[:, which] - bound, 0.0) / unit

@@ -96,8 +96,9 @@ class ScheduledPid(AbstractController):
     falling: GainSchedule | None = part("gains since it fell; as rising if none", default=None)
     gains_are: str = option(
         "integral and derivative gains: K_i and K_d of C(z), or those of K_p + K_i/s + K_d s",
-        *GAINS_ARE, default="per-sample",
-    )  # fmt: skip
+        *GAINS_ARE,
+        default="per-sample",
+    )
     law: PidLaw = part("limits, set-point weights and filter", default=PidLaw())
 
     def reads(self) -> tuple[str, ...]:

@@ -64,8 +64,10 @@ class SlidingMode(AbstractController):
     integral: str = option("integral in the surface", "without", "with", default="without")
     equivalent: str = option(
         "the equivalent signal: a line of the reference, or the signal behind a lag",
-        "line", "filtered", default="line",
-    )  # fmt: skip
+        "line",
+        "filtered",
+        default="line",
+    )
     offset: Scalar = param(DRIVE, "u_0 of the line", default=0.0)
     per_reference: Scalar = param("1", "k of the line, in signal per SI unit", default=0.0)
     lag: Scalar = param("s", "time constant of the lag of the signal", low=0.0, default=1.0)

@@ -43,8 +43,10 @@ class Bench(AbstractSystem, init=False):
     switching: str = option(
         "a switch (`pwm-voltage`): averaged over the period, or closed from its start for the "
         "share of it that the signal says",
-        "averaged", "pulses", default="averaged",
-    )  # fmt: skip
+        "averaged",
+        "pulses",
+        default="averaged",
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` where names do not fit; fix what decides the program's size."""

@@ -70,9 +70,14 @@ class Consistency:
 
 
 def check_consistency(
-    bench: Bench, duration: float, *, observer: str | None = None, runs: int = 50, seed: int = 0,
+    bench: Bench,
+    duration: float,
+    *,
+    observer: str | None = None,
+    runs: int = 50,
+    seed: int = 0,
     waveforms: Mapping[str, AbstractWaveform] | None = None,
-) -> Consistency:  # fmt: skip
+) -> Consistency:
     """Run a bench many times with other noise.
 
     Args:

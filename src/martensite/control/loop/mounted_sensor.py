@@ -88,9 +88,14 @@ class MountedSensor(Parametrised):
         return Sensed(tuple(inner), value, age, past, ages, travels, value, age)
 
     def step(
-        self, xp: Namespace, before: Sensed, truth: Mapping[str, Scalar],
-        numbers: tuple[Scalar, Scalar], period: Scalar, disturbed: Disturbed,
-    ) -> Sensed:  # fmt: skip
+        self,
+        xp: Namespace,
+        before: Sensed,
+        truth: Mapping[str, Scalar],
+        numbers: tuple[Scalar, Scalar],
+        period: Scalar,
+        disturbed: Disturbed,
+    ) -> Sensed:
         """What it says a period [s] later, with normal numbers for noise and jitter."""
         noise, late = numbers
         seen = [truth[name] for name in self.sees()]

@@ -59,9 +59,12 @@ class RealtimeStep:
         self.count = 0
 
     def step(
-        self, readings: Mapping[str, float] | Sequence[float], *,
-        references: Sequence[float] | None = None, free: Mapping[str, float] | None = None,
-    ) -> tuple[float, ...]:  # fmt: skip
+        self,
+        readings: Mapping[str, float] | Sequence[float],
+        *,
+        references: Sequence[float] | None = None,
+        free: Mapping[str, float] | None = None,
+    ) -> tuple[float, ...]:
         """The signals of the period that begins, in the order of `drives`.
 
         Args:

@@ -46,8 +46,9 @@ class LoopState(NamedTuple):
 def list_reads(bench: Bench) -> tuple[str, ...]:
     """Names of the readings that the parts of a bench need from sensors."""
     parts: list[Any] = [
-        *bench.observers.members().values(), *bench.controllers.members().values(),
-    ]  # fmt: skip
+        *bench.observers.members().values(),
+        *bench.controllers.members().values(),
+    ]
     parts += [] if bench.supervisor is None else [bench.supervisor]
     names = [name for one in parts for name in one.reads()]
     measured = [name for name in names if not name.startswith(ESTIMATED)]

@@ -43,10 +43,15 @@ if TYPE_CHECKING:
 
 
 def simulate_bench(
-    bench: Bench, duration: float, *, outside: Mapping[str, AbstractDrive] | None = None,
-    waveforms: Mapping[str, AbstractWaveform] | None = None, seed: int | None = 0,
-    runtime: str | None = None, watch: Callable[[float], None] | None = None,
-) -> Result:  # fmt: skip
+    bench: Bench,
+    duration: float,
+    *,
+    outside: Mapping[str, AbstractDrive] | None = None,
+    waveforms: Mapping[str, AbstractWaveform] | None = None,
+    seed: int | None = 0,
+    runtime: str | None = None,
+    watch: Callable[[float], None] | None = None,
+) -> Result:
     """Run a bench from rest.
 
     Args:

@@ -46,9 +46,14 @@ class AbstractObserver(Parametrised):
 
     @abstractmethod
     def update(
-        self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar,
+        self,
+        xp: Namespace,
+        memory: Column,
+        readings: Named,
+        signals: Named,
+        dt: Scalar,
         turns: int,
-    ) -> tuple[Column, Column]:  # fmt: skip
+    ) -> tuple[Column, Column]:
         """Estimates of this sample, and what is remembered for the next.
 
         Args:

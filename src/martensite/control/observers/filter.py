@@ -77,9 +77,11 @@ class AbstractFilter(AbstractObserver):
         "1", "standard deviation of readings as a share of them", low=0.0, default=0.01
     )
     reading_deviation: Scalar = param(
-        DIFFERENCE, "standard deviation of readings whatever they are; in SI if units differ",
-        low=0.0, default=0.0,
-    )  # fmt: skip
+        DIFFERENCE,
+        "standard deviation of readings whatever they are; in SI if units differ",
+        low=0.0,
+        default=0.0,
+    )
     temperature_noise: Scalar = param(
         "K/s^0.5", "random walk of the temperature", low=0.0, default=0.5
     )
@@ -96,9 +98,11 @@ class AbstractFilter(AbstractObserver):
         "1", "standard deviation of the fraction at the start", low=0.0, default=0.02
     )
     first_drift: Scalar = param(
-        "1", "standard deviation of drifting parameters at the start, as a share of them",
-        low=0.0, default=0.02,
-    )  # fmt: skip
+        "1",
+        "standard deviation of drifting parameters at the start, as a share of them",
+        low=0.0,
+        default=0.02,
+    )
     oldest: Scalar = param("s", "age up to which a reading is used", low=0.0, default=0.0)
 
     # ---------------------------------------------------------------- names
@@ -239,7 +243,7 @@ class AbstractFilter(AbstractObserver):
 
     def noise_covariance(
         self, xp: Namespace, state: Any, drift: Sequence[Scalar], going: ObserverPeriod
-    ) -> Matrix:  # fmt: skip
+    ) -> Matrix:
         """Covariance that the noise of a period adds to everything."""
         walks = [self.temperature_noise, self.fraction_noise] * len(self.model.actuators())
         walks += [self.drift_noise] * len(drift)

@@ -73,20 +73,26 @@ def read_hidden(
 
 
 def place_hidden(
-    xp: Namespace, model: AbstractSystem, state: State, at: Sequence[Scalar],
+    xp: Namespace,
+    model: AbstractSystem,
+    state: State,
+    at: Sequence[Scalar],
     signals: Sequence[Scalar],
-) -> State:  # fmt: skip
+) -> State:
     """The state with other hidden values, under forces at which everything fits."""
     for _ in range(2):
         found = observe_model(xp, model, state, signals)
         rows = zip(model.actuators().items(), state.elements, at[::2], at[1::2], strict=True)
         elements = [
             one.element.in_state(
-                xp, element, _scale_fractions(xp, model, port, found, fraction), temperature,
+                xp,
+                element,
+                _scale_fractions(xp, model, port, found, fraction),
+                temperature,
                 found[model.label(port, "force")],
             )
             for (port, one), element, temperature, fraction in rows
-        ]  # fmt: skip
+        ]
         state = State(tuple(elements), state.mechanism)
     return state
 

@@ -27,10 +27,15 @@ class EncoderSensor(AbstractSensor):
     unit = None
     sees = ("angle",)
 
-    motion: str = option("what it reads: an angle, or a length", "rotary", "linear",
-                         default="rotary")  # fmt: skip
-    zero: str = option("where it reads 0: at its reference mark, or where it is switched on",
-                       "mark", "start", default="mark")  # fmt: skip
+    motion: str = option(
+        "what it reads: an angle, or a length", "rotary", "linear", default="rotary"
+    )
+    zero: str = option(
+        "where it reads 0: at its reference mark, or where it is switched on",
+        "mark",
+        "start",
+        default="mark",
+    )
     lines: Scalar = param("1", "lines per turn of a rotary one", above=0.0, default=1024.0)
     pitch: Scalar = param("m", "length of a line of a linear one", above=0.0, default=40e-6)
 

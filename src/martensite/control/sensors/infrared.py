@@ -36,8 +36,12 @@ class InfraredSensor(AbstractSensor):
     unit = "K"
     sees = ("temperature", "ambient")
 
-    mixing: str = option("what is averaged over the field of view: temperature, or radiation",
-                         "linear", "radiance", default="linear")  # fmt: skip
+    mixing: str = option(
+        "what is averaged over the field of view: temperature, or radiation",
+        "linear",
+        "radiance",
+        default="linear",
+    )
     factor: Scalar = param(
         "1", "share of the wire in what is seen", above=0.0, high=1.0, default=0.6
     )

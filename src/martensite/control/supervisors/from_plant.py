@@ -28,11 +28,17 @@ STRAINS = (0.0, 0.1)
 
 
 def guard_for(
-    system: AbstractSystem, *, temperature_limit: float | None = None,
-    hottest: float | None = None, least_cooling: float = 1.0, full: float | None = None,
-    band: float = 0.0, answer: str = "latch", hold: float = 0.0,
+    system: AbstractSystem,
+    *,
+    temperature_limit: float | None = None,
+    hottest: float | None = None,
+    least_cooling: float = 1.0,
+    full: float | None = None,
+    band: float = 0.0,
+    answer: str = "latch",
+    hold: float = 0.0,
     checks: Mapping[str, AbstractCheck] | None = None,
-) -> Guard:  # fmt: skip
+) -> Guard:
     """A guard that bounds the temperature of every element of a plant without a sensor.
 
     Args:

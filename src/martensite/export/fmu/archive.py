@@ -53,9 +53,14 @@ class Fmu:
 
 
 def to_fmu(
-    model: Scenario | AbstractSystem, path: str | Path, *, fmi: str = "2.0",
-    step: float | None = None, name: str | None = None, platforms: Sequence[str] | None = None,
-) -> Fmu:  # fmt: skip
+    model: Scenario | AbstractSystem,
+    path: str | Path,
+    *,
+    fmi: str = "2.0",
+    step: float | None = None,
+    name: str | None = None,
+    platforms: Sequence[str] | None = None,
+) -> Fmu:
     """Write a scenario, or a system, as an FMU; whatever is at the path is replaced.
 
     Args:

@@ -21,8 +21,14 @@ from pathlib import Path
 from martensite.base.errors import InputError, MartensiteError, suggest_name
 from martensite.kernels.c99 import find_compiler
 
-FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off",
-         "-fno-math-errno")  # fmt: skip
+FLAGS = (
+    "-std=c99",
+    "-O2",
+    "-shared",
+    "-fvisibility=hidden",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+)
 
 
 @dataclass(frozen=True)
@@ -119,8 +125,11 @@ def build_library(sources: Mapping[str, str], target: str) -> bytes:
         made = f"model{known.ending}"
         done = subprocess.run(
             [*cc, *FLAGS, *known.flags, *more, "all.c", "-o", made, "-lm"],
-            cwd=folder, capture_output=True, text=True, check=False,
-        )  # fmt: skip
+            cwd=folder,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         if done.returncode != 0:
             raise MartensiteError(
                 f"The C compiler `{' '.join(cc)}` failed: {done.stderr.strip()[:500]}"

@@ -47,8 +47,9 @@ class Feedback(AbstractRanged):
 
     order: float = param("1", "number of poles of the linear part", low=1.0, high=8.0, default=2.0)
     degree: float = param("1", "highest degree of what is fed back", low=2.0, high=9.0, default=3.0)
-    past: float = param("1", "outputs fed back: 1, or 2 samples back", low=1.0, high=2.0,
-                        default=2.0)  # fmt: skip
+    past: float = param(
+        "1", "outputs fed back: 1, or 2 samples back", low=1.0, high=2.0, default=2.0
+    )
     feedthrough: str = option(
         "whether the input acts within the sample", "yes", "no", default="yes"
     )
@@ -184,8 +185,9 @@ def _respond_to_impulse(linear: TransferFunction, theta: Numbers, dt: float, cou
     """Outputs to an input of 1 in the first sample."""
     state, found = [0.0] * linear.states(), np.zeros(count)
     for k in range(count):
-        (found[k],), after = linear.step(floats, list(map(float, theta)), state, (float(k == 0),),
-                                         dt)  # fmt: skip
+        (found[k],), after = linear.step(
+            floats, list(map(float, theta)), state, (float(k == 0),), dt
+        )
         state = list(after)
     return found
 
@@ -217,9 +219,14 @@ def _shape_inputs(inputs: list[Scalar], weights: Column, size: Scalar) -> Scalar
 
 
 def _step_towards(
-    xp: Namespace, fed: list[tuple[int, Scalar]], y: Scalar, u: Scalar, middle: Scalar,
-    half: Scalar, most: Scalar,
-) -> Scalar:  # fmt: skip
+    xp: Namespace,
+    fed: list[tuple[int, Scalar]],
+    y: Scalar,
+    u: Scalar,
+    middle: Scalar,
+    half: Scalar,
+    most: Scalar,
+) -> Scalar:
     """Newton's step towards y + h φ(r, 0) = u, `most` at a time."""
     r = (y - middle) / half
     value, slope = y - u, 1.0

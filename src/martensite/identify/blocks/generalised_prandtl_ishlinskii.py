@@ -50,8 +50,13 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
     knots: float = param(
         "1", "number of knots of each curve", low=2.0, high=200.0, default=8.0, typical=3.0
     )
-    reach: float = param("1", "what thresholds end below, over the rise of the curves",
-                         above=0.0, high=1.0, default=0.25)  # fmt: skip
+    reach: float = param(
+        "1",
+        "what thresholds end below, over the rise of the curves",
+        above=0.0,
+        high=1.0,
+        default=0.25,
+    )
 
     def check(self) -> None:
         """Plays and knots are whole."""

@@ -41,14 +41,27 @@ TYPICAL = 50.0
 NEWTON = 12
 """Steps to the temperature at rest."""
 SPREADS = (
-    ("log_time_constant", 1.0), ("log_gain", 1.0), ("loss_logit", 1.5), ("log_latent", 1.0),
-    ("resistance", 0.3), ("ambient", 2.0),
-    ("rising_centre1", 15.0), ("rising_centre2", 20.0), ("log_rising_width1", 1.0),
-    ("log_rising_width2", 1.0), ("rising_logit", 2.0),
-    ("falling_centre1", 15.0), ("falling_centre2", 20.0), ("log_falling_width1", 1.0),
-    ("log_falling_width2", 1.0), ("falling_logit", 2.0),
-    ("sensor_gain", 0.3), ("log_sensor_lag", 1.0), ("stroke", np.inf), ("log_stroke_lag", 1.0),
-)  # fmt: skip
+    ("log_time_constant", 1.0),
+    ("log_gain", 1.0),
+    ("loss_logit", 1.5),
+    ("log_latent", 1.0),
+    ("resistance", 0.3),
+    ("ambient", 2.0),
+    ("rising_centre1", 15.0),
+    ("rising_centre2", 20.0),
+    ("log_rising_width1", 1.0),
+    ("log_rising_width2", 1.0),
+    ("rising_logit", 2.0),
+    ("falling_centre1", 15.0),
+    ("falling_centre2", 20.0),
+    ("log_falling_width1", 1.0),
+    ("log_falling_width2", 1.0),
+    ("falling_logit", 2.0),
+    ("sensor_gain", 0.3),
+    ("log_sensor_lag", 1.0),
+    ("stroke", np.inf),
+    ("log_stroke_lag", 1.0),
+)
 """Free numbers, and how far from their expected values they may well be."""
 
 
@@ -88,9 +101,17 @@ class HeatedDuhem(AbstractBlock):
     short = "heated"
     shape = ("gives",)
     fixed = (
-        "ambient", "gain", "time_constant", "latent", "rising", "falling", "sensor_gain",
-        "sensor_lag", "stroke", "stroke_lag",
-    )  # fmt: skip
+        "ambient",
+        "gain",
+        "time_constant",
+        "latent",
+        "rising",
+        "falling",
+        "sensor_gain",
+        "sensor_lag",
+        "stroke",
+        "stroke_lag",
+    )
     cites = ("ivshin1994",)
 
     gives: str = option("what it gives", "both", "temperature", "position", default="both")
@@ -151,10 +172,11 @@ class HeatedDuhem(AbstractBlock):
         temperature = theta[5] + theta[16] * seen
         position = theta[18] * moved
         after = (
-            new_rise, new_z,
+            new_rise,
+            new_z,
             _lag_ramp(xp, theta[17], seen, rise, new_rise, dt),
             _lag_ramp(xp, theta[19], moved, z, new_z, dt),
-        )  # fmt: skip
+        )
         if self.gives == "both":
             return (temperature, position), after
         return (temperature if self.gives == "temperature" else position,), after
@@ -168,12 +190,28 @@ class HeatedDuhem(AbstractBlock):
         """The expected values, with branches of a steep and a flat part."""
         log, widths = np.log, np.log([3.0, 12.0])
         gain = self.gain if self.gain > 0.0 else TYPICAL
-        return np.array([
-            log(self.time_constant), log(gain), -2.0, log(self.latent), 0.0, self.ambient,
-            self.rising, self.rising + 15.0, *widths, 1.5,
-            self.falling, self.falling - 15.0, *widths, 1.5,
-            self.sensor_gain, log(self.sensor_lag), self.stroke, log(self.stroke_lag),
-        ])  # fmt: skip
+        return np.array(
+            [
+                log(self.time_constant),
+                log(gain),
+                -2.0,
+                log(self.latent),
+                0.0,
+                self.ambient,
+                self.rising,
+                self.rising + 15.0,
+                *widths,
+                1.5,
+                self.falling,
+                self.falling - 15.0,
+                *widths,
+                1.5,
+                self.sensor_gain,
+                log(self.sensor_lag),
+                self.stroke,
+                log(self.stroke_lag),
+            ]
+        )
 
     def priors(self) -> tuple[Numbers, Numbers]:
         """The expected values, and 1/σ of each; the stroke is free."""
@@ -186,8 +224,10 @@ class HeatedDuhem(AbstractBlock):
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Numbers as they stand in the equations, temperatures as the record has them."""
-        return [self._row(n, float(v), float(theta[5])) for n, v in zip(
-            self.numbers(), theta, strict=True)]  # fmt: skip
+        return [
+            self._row(n, float(v), float(theta[5]))
+            for n, v in zip(self.numbers(), theta, strict=True)
+        ]
 
     def _row(self, name: str, value: float, ambient: float) -> tuple[str, float, str]:
         if name.startswith("log_"):

@@ -44,18 +44,24 @@ class PrandtlIshlinskii(AbstractBlock):
     cites = ("krasnoselskii1989", "kuhnen2003")
 
     plays: float = param("1", "number K of plays", low=1.0, default=12.0, typical=4.0)
-    reach: float = param("1", "highest threshold over the range of the input", above=0.0,
-                         high=1.0, default=0.25)  # fmt: skip
+    reach: float = param(
+        "1", "highest threshold over the range of the input", above=0.0, high=1.0, default=0.25
+    )
     low: float = param("1", "lower end of the range of the input", default=-1.0)
     high: float = param("1", "upper end of the range of the input", default=1.0)
     weights: str = option(
-        "whether the weights of input and plays are all positive", "positive", "free",
+        "whether the weights of input and plays are all positive",
+        "positive",
+        "free",
         default="positive",
-    )  # fmt: skip
+    )
     thresholds: str = option(
         "even with a free reach, even up to the given reach, or all free",
-        "scaled", "even", "free", default="scaled",
-    )  # fmt: skip
+        "scaled",
+        "even",
+        "free",
+        default="scaled",
+    )
 
     def check(self) -> None:
         """Plays are whole."""

@@ -41,12 +41,15 @@ class Preisach(AbstractCurve):
     knots: float = param(
         "1", "number of knots of each curve", low=2.0, high=200.0, default=8.0, typical=3.0
     )
-    reach: float = param("1", "highest threshold over the range of the input", above=0.0,
-                         high=0.45, default=0.25)  # fmt: skip
+    reach: float = param(
+        "1", "highest threshold over the range of the input", above=0.0, high=0.45, default=0.25
+    )
     slopes: str = option(
-        "whether all curves rise, or fall, together, or each as it likes", "alike", "free",
+        "whether all curves rise, or fall, together, or each as it likes",
+        "alike",
+        "free",
         default="alike",
-    )  # fmt: skip
+    )
 
     def check(self) -> None:
         """Levels and knots are whole."""

@@ -73,9 +73,12 @@ def linear_start(
 
 
 def best_linear(
-    records: Sampled | Sequence[Sampled], order: int, nk: int = 1, skip: int = 0,
+    records: Sampled | Sequence[Sampled],
+    order: int,
+    nk: int = 1,
+    skip: int = 0,
     iterations: int = 60,
-) -> Chain:  # fmt: skip
+) -> Chain:
     """The linear model of an order that reproduces records best in free run from rest.
 
     One input and one output give `oe(order, order, nk) | poly1`, with nk = 0 one coefficient
@@ -99,9 +102,12 @@ def best_linear(
 
 
 def polish_linear(
-    block: Linear, records: Sequence[Sampled], start: str = "rest", skip: int = 0,
+    block: Linear,
+    records: Sequence[Sampled],
+    start: str = "rest",
+    skip: int = 0,
     iterations: int = 60,
-) -> Chain:  # fmt: skip
+) -> Chain:
     """A linear block, with the line that its gain and offset need, refined from its start.
 
     Args:
@@ -139,9 +145,7 @@ def _skip_start(y: Numbers, skip: int) -> Numbers:
     return kept
 
 
-def _pair_records(
-    w: Numbers | Sequence[Numbers], y: Numbers | Sequence[Numbers]
-) -> list[Pair]:  # fmt: skip
+def _pair_records(w: Numbers | Sequence[Numbers], y: Numbers | Sequence[Numbers]) -> list[Pair]:
     inputs = [w] if isinstance(w, np.ndarray) else list(w)
     outputs = [y] if isinstance(y, np.ndarray) else list(y)
 
@@ -191,7 +195,7 @@ def _find_poles(
 
 def _find_mixing(
     block: AbstractBlock, model: Realised, z: Numbers, found: Matched, dt: float
-) -> Numbers:  # fmt: skip
+) -> Numbers:
     """The free numbers of B."""
     numbers = list(map(float, found.numbers))
     n, m = len(numbers), block.inputs

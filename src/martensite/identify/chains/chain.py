@@ -123,10 +123,15 @@ class Chain:
             )
         taps = other.taps and tuple((k + len(self.blocks), i) for k, i in other.taps)
         return Chain(
-            self.blocks + other.blocks, np.concatenate([self.theta, other.theta]), self.interval,
-            self.input_names, other.output_names, {**self.units, **other.units}, taps,
+            self.blocks + other.blocks,
+            np.concatenate([self.theta, other.theta]),
+            self.interval,
+            self.input_names,
+            other.output_names,
+            {**self.units, **other.units},
+            taps,
             f"{self.name} | {other.name}",
-        )  # fmt: skip
+        )
 
 
 def build_untrained(
@@ -142,6 +147,12 @@ def build_untrained(
         x = ChainEngine([block], record.interval).simulate(own, x)
         theta = np.concatenate([theta, own])
     return Chain(
-        tuple(made), theta, record.interval, record.input_names, record.output_names,
-        dict(record.units), taps, record.name,
-    )  # fmt: skip
+        tuple(made),
+        theta,
+        record.interval,
+        record.input_names,
+        record.output_names,
+        dict(record.units),
+        taps,
+        record.name,
+    )

@@ -96,8 +96,10 @@ class Crossed:
     def to_dict(self) -> dict[str, Any]:
         """All fields by name and the verdict, for JSON."""
         return asdict(self) | {
-            "limit": self.limit, "explained": self.explained, "sentence": self.sentence,
-        }  # fmt: skip
+            "limit": self.limit,
+            "explained": self.explained,
+            "sentence": self.sentence,
+        }
 
     def _largest(self, places: Sequence[int]) -> tuple[int, float]:
         if not places:
@@ -107,9 +109,15 @@ class Crossed:
 
 
 def correlate_residuals(
-    residuals: Any, signal: Any, interval: float, *, output: str = "y", name: str = "u",
-    lags: Sequence[int] | None = None, level: float = LEVEL,
-) -> Crossed | None:  # fmt: skip
+    residuals: Any,
+    signal: Any,
+    interval: float,
+    *,
+    output: str = "y",
+    name: str = "u",
+    lags: Sequence[int] | None = None,
+    level: float = LEVEL,
+) -> Crossed | None:
     """Correlate the residuals of one output with a signal; None if either does not vary.
 
     Args:
@@ -143,9 +151,14 @@ def correlate_residuals(
     variance = max(1.0 + 2.0 * float(rho_e[1:] @ rho_w[1:]), 0.0) / count
     values = [float(_sum_shifted(e, w, lag)) / size for lag in chosen]
     return Crossed(
-        output, name, tuple(chosen), tuple(values), math.sqrt(max(variance, 1.0 / count**2)),
-        interval, level,
-    )  # fmt: skip
+        output,
+        name,
+        tuple(chosen),
+        tuple(values),
+        math.sqrt(max(variance, 1.0 / count**2)),
+        interval,
+        level,
+    )
 
 
 def spread_lags(*autocorrelations: Numbers) -> list[int]:

@@ -51,9 +51,12 @@ class ChainEngine:
     """
 
     def __init__(
-        self, blocks: Sequence[AbstractBlock], interval: float, taps: Taps | None = None,
+        self,
+        blocks: Sequence[AbstractBlock],
+        interval: float,
+        taps: Taps | None = None,
         compiled: bool | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.blocks, self.interval = tuple(blocks), interval
         last = len(self.blocks) - 1
         self.taps: Taps = taps or tuple((last, i) for i in range(self.blocks[last].outputs))
@@ -94,9 +97,13 @@ class ChainEngine:
         return y
 
     def sensitivities(
-        self, theta: Numbers, u: Numbers, start: ChainStart | None = None, chunk: int = CHUNK,
+        self,
+        theta: Numbers,
+        u: Numbers,
+        start: ChainStart | None = None,
+        chunk: int = CHUNK,
         reuse: bool = False,
-    ) -> Iterator[Chunk]:  # fmt: skip
+    ) -> Iterator[Chunk]:
         """Outputs and their derivatives, some thousand samples at a time.
 
         With `reuse`, the derivatives are overwritten by those of the next samples.

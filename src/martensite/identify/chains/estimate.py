@@ -118,9 +118,14 @@ def estimate_chain(
         chain = chain.with_theta(found.theta[: len(chain.theta)])
     fits = (_compute_fit(end.chain, middle, own) for end in refined)
     return ChainEstimate(
-        chain, records, wanted, found, tuple(sorted(fits, reverse=True)),
-        tuple(end.cost for end in first), options,
-    )  # fmt: skip
+        chain,
+        records,
+        wanted,
+        found,
+        tuple(sorted(fits, reverse=True)),
+        tuple(end.cost for end in first),
+        options,
+    )
 
 
 def _check_signals(blocks: Sequence[AbstractBlock], record: Sampled) -> None:
@@ -173,9 +178,11 @@ def _tell_searches(tell: Tell, word: str, low: float, high: float) -> Callable[[
 
 
 def _refine_all(
-    chains: Sequence[Chain], records: Sequence[Sampled], options: Options,
+    chains: Sequence[Chain],
+    records: Sequence[Sampled],
+    options: Options,
     told: Callable[[int, int], None],
-) -> list[SearchEnd]:  # fmt: skip
+) -> list[SearchEnd]:
     """Ends of searches from chains over records, best first; Ctrl-C keeps what there is."""
     ends: list[SearchEnd] = []
     with ThreadPoolExecutor(options.threads) as pool:

@@ -63,9 +63,13 @@ def free_run(chain: Chain, record: Sampled, start: str = "rest", skip: int = 0) 
 
 
 def score_chain(
-    chain: Chain, records: Iterable[Sampled], role: str, start: str = "rest", skip: int = 0,
+    chain: Chain,
+    records: Iterable[Sampled],
+    role: str,
+    start: str = "rest",
+    skip: int = 0,
     model: str = "model",
-) -> list[OutputScore]:  # fmt: skip
+) -> list[OutputScore]:
     """Scores of all outputs over records, at their full rate.
 
     A record of another sample time is brought to that of the model first.
@@ -79,11 +83,17 @@ def score_chain(
         worst = np.nanmax(np.abs(record.outputs - computed)[skip:], axis=0)
         found += [
             OutputScore(
-                model, role, record.name, name, record.units.get(name, "1"), float(fits[k]),
-                float(errors[k]), float(worst[k]),
+                model,
+                role,
+                record.name,
+                name,
+                record.units.get(name, "1"),
+                float(fits[k]),
+                float(errors[k]),
+                float(worst[k]),
             )
             for k, name in enumerate(record.output_names)
-        ]  # fmt: skip
+        ]
     return found
 
 

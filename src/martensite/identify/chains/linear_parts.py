@@ -63,10 +63,15 @@ def build_state_space(block: AbstractBlock, theta: Numbers, dt: float) -> Linear
     for k, unit in enumerate(np.eye(states + inputs)):
         whole[:, k] = stepped(unit) - zero
     return LinearSystem(
-        whole[:states, :states], whole[:states, states:],
-        whole[states:, :states], whole[states:, states:],
-        dt, np.zeros(inputs), np.zeros(states), zero[states:],
-    )  # fmt: skip
+        whole[:states, :states],
+        whole[:states, states:],
+        whole[states:, :states],
+        whole[states:, states:],
+        dt,
+        np.zeros(inputs),
+        np.zeros(states),
+        zero[states:],
+    )
 
 
 def find_poles(block: AbstractBlock, theta: Numbers, dt: float) -> Numbers:

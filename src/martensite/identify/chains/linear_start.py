@@ -35,9 +35,12 @@ POLISH = 40
 
 
 def list_informed_starts(
-    chain: Chain, records: Sequence[Sampled], rng: np.random.Generator, count: int,
+    chain: Chain,
+    records: Sequence[Sampled],
+    rng: np.random.Generator,
+    count: int,
     state: str = "rest",
-) -> list[Chain]:  # fmt: skip
+) -> list[Chain]:
     """Chains to start from: one the plainest, some from linear models, others at random.
 
     Args:

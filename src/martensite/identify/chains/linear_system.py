@@ -61,9 +61,17 @@ class LinearSystem:
         """The same system with its active states alone."""
         kept = self.active
         return LinearSystem(
-            self.a[np.ix_(kept, kept)], self.b[kept], self.c[:, kept], self.d, self.interval,
-            self.inputs, self.state[kept], self.outputs, self.input_names, self.output_names,
-        )  # fmt: skip
+            self.a[np.ix_(kept, kept)],
+            self.b[kept],
+            self.c[:, kept],
+            self.d,
+            self.interval,
+            self.inputs,
+            self.state[kept],
+            self.outputs,
+            self.input_names,
+            self.output_names,
+        )
 
     def poles(self) -> Numbers:
         """Poles in the plane of z, the slowest first; stable inside the unit circle."""

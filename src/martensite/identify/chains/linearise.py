@@ -152,9 +152,17 @@ def linearise_around(
         first = rows.stop
     c, d = np.split(seen, [states], axis=1)
     return LinearSystem(
-        a, b, c, d, chain.interval, point.inputs, point.state, point.outputs,
-        chain.input_names, chain.output_names,
-    )  # fmt: skip
+        a,
+        b,
+        c,
+        d,
+        chain.interval,
+        point.inputs,
+        point.state,
+        point.outputs,
+        chain.input_names,
+        chain.output_names,
+    )
 
 
 def _bind_blocks(chain: Chain) -> Any:
@@ -170,16 +178,21 @@ def _find_entering(chain: Chain, u: Numbers, state: Numbers) -> list[Numbers]:
     for piece in chain.engine.plan.pieces:
         last = first + piece.block.states()
         found.append(x[: piece.block.inputs])
-        values = functions[f"v{piece.step.name}"](*map(float, found[-1]),
-                                                  *map(float, state[first:last]))  # fmt: skip
+        values = functions[f"v{piece.step.name}"](
+            *map(float, found[-1]), *map(float, state[first:last])
+        )
         x, first = np.array(values[: piece.block.outputs]), last
     return found
 
 
 def static_curve(
-    chain: Chain, low: float, high: float, points: int = 101, number: int = 0,
+    chain: Chain,
+    low: float,
+    high: float,
+    points: int = 101,
+    number: int = 0,
     others: Any = None,
-) -> tuple[Numbers, Numbers]:  # fmt: skip
+) -> tuple[Numbers, Numbers]:
     """Levels of one input, and the outputs (points, outputs) of the chain at rest under them.
 
     Of a chain with hysteresis this is the curve of first rest at each level, without a history;

@@ -71,15 +71,22 @@ def at_once(piece: ChainPiece, results: Sequence[str]) -> tuple[list[str], list[
         "for (long q = 0; q < lo; q++) {",
         "    #pragma omp simd",
         "    for (long t = 0; t < TILE; t++) {",
-        *(f"        const double q{i} = dw[({i} * M + q) * TILE + t];"
-          for i in sorted({e.column for e in entries})),
-        *(f"        to[({row} * M + q) * stride + t] = {_print_sum(row, entries, values)};"
-          for row in range(block.outputs)),
+        *(
+            f"        const double q{i} = dw[({i} * M + q) * TILE + t];"
+            for i in sorted({e.column for e in entries})
+        ),
+        *(
+            f"        to[({row} * M + q) * stride + t] = {_print_sum(row, entries, values)};"
+            for row in range(block.outputs)
+        ),
         "    }",
         "}",
-        *(f"memset(to + ({row} * M + lo + {column}) * stride, 0, sizeof(double) * TILE);"
-          for row, column in zeros if (row, column) not in known),
-    ]  # fmt: skip
+        *(
+            f"memset(to + ({row} * M + lo + {column}) * stride, 0, sizeof(double) * TILE);"
+            for row, column in zeros
+            if (row, column) not in known
+        ),
+    ]
     return [f"double j[{max(len(entries), 1)}][TILE];", "(void)j;"], kept, lines
 
 
@@ -144,13 +151,17 @@ def _print_carried(piece: ChainPiece, values: dict[int, str], rows: list[int]) -
 
 
 def _print_turned(signals: int, columns: str, body: str) -> list[str]:
-    return [f"for (long i = 0; i < {signals}; i++) for (long q = 0; q < {columns}; q++)",
-            "    for (long t = 0; t < TILE; t++)", f"        {body}"]  # fmt: skip
+    return [
+        f"for (long i = 0; i < {signals}; i++) for (long q = 0; q < {columns}; q++)",
+        "    for (long t = 0; t < TILE; t++)",
+        f"        {body}",
+    ]
 
 
 def _print_moved(states: int, target: str, source: str, count: str) -> list[str]:
-    return [f"for (long i = 0; i < {states}; i++) "
-            f"memcpy({target}, {source}, sizeof(double) * {count});"]  # fmt: skip
+    return [
+        f"for (long i = 0; i < {states}; i++) memcpy({target}, {source}, sizeof(double) * {count});"
+    ]
 
 
 def _print_columns(lanes: str, body: Sequence[str]) -> list[str]:
@@ -163,9 +174,14 @@ def _print_columns(lanes: str, body: Sequence[str]) -> list[str]:
 
 
 def _print_rows(
-    piece: ChainPiece, entries: Sequence[Entry], values: dict[int, str], reads: dict[int, str],
-    writes: Sequence[str], begun: dict[int, str], state: str,
-) -> list[str]:  # fmt: skip
+    piece: ChainPiece,
+    entries: Sequence[Entry],
+    values: dict[int, str],
+    reads: dict[int, str],
+    writes: Sequence[str],
+    begun: dict[int, str],
+    state: str,
+) -> list[str]:
     """One sample of some columns; all are read before any is written."""
     inputs, states = piece.block.inputs, piece.block.states()
     held = [f"{state}[{k}][q]" for k in range(states)]

@@ -58,8 +58,14 @@ class _Writer:
         last = slopes and self.direct and k == len(self.plan.pieces) - 1
         tail = ", double *restrict ds, double *restrict dw, double *restrict z" if slopes else ""
         tail += ", double *restrict to, const long stride" if last else ""
-        head = [f"enum {{ lo = M - {self.plan.columns - piece.first}, count = {piece.count} }};",
-                "(void)ds; (void)dw; (void)z;"] if slopes else []  # fmt: skip
+        head = (
+            [
+                f"enum {{ lo = M - {self.plan.columns - piece.first}, count = {piece.count} }};",
+                "(void)ds; (void)dw; (void)z;",
+            ]
+            if slopes
+            else []
+        )
         head += ["enum { stride = TILE };", "double *const to = dw;"] if slopes and not last else []
         head += ["(void)to;"] if slopes else []
         lines = [

@@ -27,9 +27,14 @@ class PrintedNumber(NamedTuple):
 
 
 def list_rows(
-    number: int, block: AbstractBlock, theta: Numbers, slopes: Numbers, covariance: Numbers,
-    undetermined: Numbers, moved: Numbers,
-) -> list[PrintedNumber]:  # fmt: skip
+    number: int,
+    block: AbstractBlock,
+    theta: Numbers,
+    slopes: Numbers,
+    covariance: Numbers,
+    undetermined: Numbers,
+    moved: Numbers,
+) -> list[PrintedNumber]:
     """The rows of one block.
 
     Args:

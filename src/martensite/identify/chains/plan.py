@@ -135,16 +135,20 @@ def _build_piece(
         return list(block.rest(xp, moving[inputs:], moving[:inputs], dt))
 
     return ChainPiece(
-        block, first,
+        block,
+        first,
         _trace_block(program, f"b{k}", [*x, *s], theta, step),
         _trace_block(program, f"r{k}", x, theta, rest),
-    )  # fmt: skip
+    )
 
 
 def _trace_block(
-    program: Program, name: str, inputs: list[str], theta: list[Any],
+    program: Program,
+    name: str,
+    inputs: list[str],
+    theta: list[Any],
     kernel: Callable[[Any, Sequence[Any]], Sequence[Any]],
-) -> TracedBlock:  # fmt: skip
+) -> TracedBlock:
     """Add a kernel to the program with its derivatives, and once more without."""
     moving = [*(program.graph.input(i, VARYING) for i in inputs), *theta]
     values, rows = _differentiate_block(program, kernel, moving)

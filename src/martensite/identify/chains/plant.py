@@ -28,8 +28,27 @@ from martensite.identify.chains.chain import Chain
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
 
-SI = ("1", "K", "m", "s", "N", "Pa", "V", "A", "W", "ohm", "rad", "rad/s", "m/s", "N*m", "Hz",
-      "kg", "J/kg", "m/s^2", "N/m")  # fmt: skip
+SI = (
+    "1",
+    "K",
+    "m",
+    "s",
+    "N",
+    "Pa",
+    "V",
+    "A",
+    "W",
+    "ohm",
+    "rad",
+    "rad/s",
+    "m/s",
+    "N*m",
+    "Hz",
+    "kg",
+    "J/kg",
+    "m/s^2",
+    "N/m",
+)
 """Units that signals are read as, if theirs can be converted to one of them."""
 
 
@@ -71,8 +90,10 @@ class ModelMechanism(AbstractMechanism):
     def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
         """One parameter per free or fixed number, and the structure as an option."""
         chain: Chain = self.__dict__["chain"]
-        found = {name: Declared("parameter", "number of a block", REQUIRED)
-                 for name in _list_paths(chain)}  # fmt: skip
+        found = {
+            name: Declared("parameter", "number of a block", REQUIRED)
+            for name in _list_paths(chain)
+        }
         return {"structure": Declared("option", "blocks and signals", REQUIRED), **found}
 
     def _with_paths(self, values: Mapping[str, Any]) -> Self:
@@ -82,8 +103,11 @@ class ModelMechanism(AbstractMechanism):
             block.with_given([float(own[f"b{k}_{name}"]) for name in block.fixed])
             for k, block in enumerate(self.model.blocks, start=1)
         )
-        theta = [float(own[f"b{k}_{name}"]) for k, block in enumerate(blocks, start=1)
-                 for name in block.numbers()]  # fmt: skip
+        theta = [
+            float(own[f"b{k}_{name}"])
+            for k, block in enumerate(blocks, start=1)
+            for name in block.numbers()
+        ]
         return type(self)(replace(self.model, blocks=blocks, theta=np.array(theta)))
 
     @property
@@ -123,9 +147,12 @@ class ModelMechanism(AbstractMechanism):
         return ()
 
     def init(
-        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column,
+        self,
+        xp: Namespace,
+        elements: Sequence[AbstractElement],
+        elongations: Column,
         signals: Column,
-    ) -> Any:  # fmt: skip
+    ) -> Any:
         """The state at rest under the first inputs, block by block."""
         x, found = self._inside(signals), []
         for block, theta in self._blocks():
@@ -136,7 +163,7 @@ class ModelMechanism(AbstractMechanism):
 
     def advance(
         self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column, dt: Scalar
-    ) -> tuple[Any, list[Any], StepReport]:  # fmt: skip
+    ) -> tuple[Any, list[Any], StepReport]:
         """The state one sample on, whatever `dt`."""
         after, _ = self._sample(xp, memory, signals)
         return after, [], StepReport(0.0, 0.0)
@@ -170,25 +197,32 @@ class ModelMechanism(AbstractMechanism):
     def _inside(self, signals: Column) -> list[Scalar]:
         """Inputs in SI in the units of the model."""
         kinds = [_find_conversion(self.model, name) for name in self.model.input_names]
-        return [(u - offset) * (1.0 / factor)
-                for u, (_, factor, offset) in zip(signals, kinds, strict=True)]  # fmt: skip
+        return [
+            (u - offset) * (1.0 / factor)
+            for u, (_, factor, offset) in zip(signals, kinds, strict=True)
+        ]
 
     def _outside(self, outputs: Sequence[Scalar]) -> list[Scalar]:
         """Outputs in the units of the model in SI."""
         kinds = [_find_conversion(self.model, name) for name in self.model.output_names]
-        return [y * factor + offset
-                for y, (_, factor, offset) in zip(outputs, kinds, strict=True)]  # fmt: skip
+        return [y * factor + offset for y, (_, factor, offset) in zip(outputs, kinds, strict=True)]
 
 
 def _list_paths(chain: Chain) -> list[str]:
     """Names of all fixed and free numbers, with the number of their block."""
-    return [f"b{k}_{name}" for k, block in enumerate(chain.blocks, start=1)
-            for name in (*block.fixed, *block.numbers())]  # fmt: skip
+    return [
+        f"b{k}_{name}"
+        for k, block in enumerate(chain.blocks, start=1)
+        for name in (*block.fixed, *block.numbers())
+    ]
 
 
 def _list_values(chain: Chain) -> list[float]:
-    return [float(value) for block, theta in zip(chain.blocks, chain.split(), strict=True)
-            for value in (*block.given(), *theta)]  # fmt: skip
+    return [
+        float(value)
+        for block, theta in zip(chain.blocks, chain.split(), strict=True)
+        for value in (*block.given(), *theta)
+    ]
 
 
 def _find_conversion(chain: Chain, name: str) -> tuple[str, float, float]:

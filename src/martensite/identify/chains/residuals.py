@@ -86,9 +86,13 @@ class ResidualSquares:
     """
 
     def __init__(
-        self, engine: ChainEngine, aims: Sequence[RecordResidual], ridge: float = 0.0,
-        reference: Numbers | None = None, priors: Numbers | None = None,
-    ) -> None:  # fmt: skip
+        self,
+        engine: ChainEngine,
+        aims: Sequence[RecordResidual],
+        ridge: float = 0.0,
+        reference: Numbers | None = None,
+        priors: Numbers | None = None,
+    ) -> None:
         """Take a chain and records.
 
         Args:

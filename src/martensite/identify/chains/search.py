@@ -147,9 +147,12 @@ def _share(
 
 
 def _candidate(
-    text: str, records: Sequence[Sampled], validation: Sequence[Sampled], options: Options,
+    text: str,
+    records: Sequence[Sampled],
+    validation: Sequence[Sampled],
+    options: Options,
     watch: Callable[[str, float], None] | None,
-) -> StructureCandidate:  # fmt: skip
+) -> StructureCandidate:
     begun = time.perf_counter()
     numbers = len(build_untrained(parse_chain(text), records[0]).theta)
     try:

@@ -140,9 +140,12 @@ def _plan_stages(stages: str | Sequence[str | ModelStage], record: Sampled) -> l
 
 
 def _identify_stage(
-    stage: ModelStage, records: Sequence[Sampled], validation: Sequence[Sampled], options: Options,
+    stage: ModelStage,
+    records: Sequence[Sampled],
+    validation: Sequence[Sampled],
+    options: Options,
     watch: Callable[[str, float], None] | None,
-) -> tuple[ChainEstimate, Searched | None]:  # fmt: skip
+) -> tuple[ChainEstimate, Searched | None]:
     if "{" not in stage.structure:
         return estimate_chain(stage.structure, records, options, watch), None
     made = search(stage.structure, records, validation, options, watch)

@@ -129,6 +129,7 @@ def _describe_direction(moves: Numbers, direction: Numbers, names: Sequence[str]
     shown = order[:NAMED]
     first = float(moves[shown[0]])
     return Flat(
-        tuple(names[i] for i in shown), tuple(float(moves[i]) / first for i in shown),
+        tuple(names[i] for i in shown),
+        tuple(float(moves[i]) / first for i in shown),
         rest + len(order) - len(shown),
-    )  # fmt: skip
+    )

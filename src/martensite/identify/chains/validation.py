@@ -167,9 +167,15 @@ class Validation:
 
 
 def validate_chain(
-    chain: Chain, record: Sampled, skip: int = 0, masks: Masks | None = None, *,
-    reversal: float = REVERSAL, level: float = LEVEL, state: Numbers | None = None,
-) -> Validation:  # fmt: skip
+    chain: Chain,
+    record: Sampled,
+    skip: int = 0,
+    masks: Masks | None = None,
+    *,
+    reversal: float = REVERSAL,
+    level: float = LEVEL,
+    state: Numbers | None = None,
+) -> Validation:
     """Run a chain along a record and judge what it misses.
 
     Args:
@@ -232,9 +238,14 @@ def _score_parts(
             kept = counted & mask
             if kept.any():
                 yield score_model(
-                    record.times[kept], y[kept], computed[kept, k], record=record.name,
-                    output=output, unit=record.units.get(output, "1"), part=part,
-                )  # fmt: skip
+                    record.times[kept],
+                    y[kept],
+                    computed[kept, k],
+                    record=record.name,
+                    output=output,
+                    unit=record.units.get(output, "1"),
+                    part=part,
+                )
 
 
 def _test_whiteness(record: Sampled, residuals: Numbers) -> Iterable[Whiteness]:
@@ -251,9 +262,13 @@ def _test_correlation(record: Sampled, residuals: Numbers, level: float) -> Iter
             middle = u - u.mean()
             for name, signal in ((f"`{given}`", middle), (f"`{given}`²", middle**2)):
                 found = correlate_residuals(
-                    residuals[:, k], signal, record.interval, output=output, name=name,
+                    residuals[:, k],
+                    signal,
+                    record.interval,
+                    output=output,
+                    name=name,
                     level=level,
-                )  # fmt: skip
+                )
                 if found is not None:
                     yield found
 

@@ -132,8 +132,10 @@ def _list_choices(z: Numbers, first: int, last: int) -> list[tuple[Numbers, Numb
     made: list[tuple[Numbers, Numbers]] = []
     for count in range(len(groups) + 1):
         for chosen in combinations(range(len(groups)), count):
-            parts = ([groups[i] for i in chosen],
-                     [g for i, g in enumerate(groups) if i not in chosen])  # fmt: skip
+            parts = (
+                [groups[i] for i in chosen],
+                [g for i, g in enumerate(groups) if i not in chosen],
+            )
             a, b = (np.concatenate([np.zeros(0, complex), *part]) for part in parts)
             if len(a) <= first and len(b) <= last:
                 made.append((a, b))
@@ -194,9 +196,10 @@ def _place_poles(chain: Chain, way: Shared, static: AbstractBlock, record: Sampl
     static = static.adapt_to(x, dt)
     curve = gains[1] * np.polyval(way.curve[::-1], gains[0] * x[:, 0])
     return replace(
-        chain, blocks=(chain.blocks[0], static, chain.blocks[2]),
+        chain,
+        blocks=(chain.blocks[0], static, chain.blocks[2]),
         theta=np.concatenate([parts[0], fit_through(static, x[:, 0], curve), parts[1]]),
-    )  # fmt: skip
+    )
 
 
 def _with_polynomial(chain: Chain, way: Shared, record: Sampled) -> tuple[float, Chain]:
@@ -215,9 +218,10 @@ def _begin_chain(chain: Chain, with_polynomial: Chain, record: Sampled) -> Chain
     y = ChainEngine(with_polynomial.blocks[1:2], dt).simulate(curve, x)
     static = chain.blocks[1].adapt_to(x, dt)
     return replace(
-        chain, blocks=(chain.blocks[0], static, chain.blocks[2]),
+        chain,
+        blocks=(chain.blocks[0], static, chain.blocks[2]),
         theta=np.concatenate([first, fit_through(static, x[:, 0], y[:, 0]), last]),
-    )  # fmt: skip
+    )
 
 
 def _pad_poles(a: Numbers, count: int) -> Numbers:
@@ -231,8 +235,11 @@ def fit_through(block: AbstractBlock, x: Numbers, y: Numbers, points: int = 400)
     order = np.argsort(x)[np.linspace(0, len(x) - 1, min(points, len(x))).astype(int)]
     record = Sampled("curve", 1.0, x[order], y[order], ("x",), ("y",))
     slope, offset = np.polyfit(x[order], y[order], 1)
-    theta = block.line(float(slope), float(offset)) if isinstance(block, AbstractStatic) else (
-        block.start())  # fmt: skip
+    theta = (
+        block.line(float(slope), float(offset))
+        if isinstance(block, AbstractStatic)
+        else (block.start())
+    )
     squares = ResidualSquares(
         ChainEngine([block], 1.0), [RecordResidual(record)], ridge=1e-6, reference=theta
     )

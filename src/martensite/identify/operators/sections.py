@@ -81,9 +81,14 @@ def name_sections(order: int) -> tuple[str, ...]:
 
 
 def step_cascade(
-    xp: Namespace, order: int, poles: list[Scalar], state: list[Scalar], w: Scalar, dt: Scalar,
+    xp: Namespace,
+    order: int,
+    poles: list[Scalar],
+    state: list[Scalar],
+    w: Scalar,
+    dt: Scalar,
     more: Sequence[Scalar] = (),
-) -> SectionOutput:  # fmt: skip
+) -> SectionOutput:
     """Sections in series, fed with w; the state holds v₋ (and Δ₋) of every section.
 
     The first `nb` signals span all numerators of `nb` coefficients, nb ≤ order. With `more`,

@@ -164,9 +164,12 @@ class AbstractSwitch(AbstractSource):
 
     supply: Scalar = param("V", "supply voltage", above=0.0, high=1e4, typical="6 V")
     series_resistance: Scalar = param(
-        "ohm", "resistance outside the element: leads, contacts, closed switch",
-        low=0.0, high=1e6, default=0.0,
-    )  # fmt: skip
+        "ohm",
+        "resistance outside the element: leads, contacts, closed switch",
+        low=0.0,
+        high=1e6,
+        default=0.0,
+    )
     current_limit: Scalar = param(
         "A", "current limit while the switch is closed", above=0.0, high=1e6, default=1e6
     )

@@ -39,13 +39,19 @@ class HBridge(AbstractSwitch):
         "Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz"
     )
     dead_time: Scalar = param(
-        "s", "time that is lost at each of the two edges of a pulse",
-        low=0.0, high=1.0, default=0.0,
-    )  # fmt: skip
+        "s",
+        "time that is lost at each of the two edges of a pulse",
+        low=0.0,
+        high=1.0,
+        default=0.0,
+    )
     conducts: str = option(
         "directions that reach the element: both, or one through a diode",
-        "both", "positive", "negative", default="both",
-    )  # fmt: skip
+        "both",
+        "positive",
+        "negative",
+        default="both",
+    )
     diode_voltage: Scalar = param(
         "V", "forward voltage of the diode, if there is one", low=0.0, high=1e3, default=0.0
     )

@@ -32,13 +32,19 @@ class LinearAmplifier(AbstractSupply):
     gain: Scalar = param("1", "gain k", above=0.0, high=1e4, default=1.0)
     offset: Scalar = param("V", "output at no signal", low=-1e3, high=1e3, default=0.0)
     lowest: Scalar = param(
-        "V", "lowest output; below 0 with a second supply, which is as strong as the first",
-        low=-1e4, high=0.0, default=0.0,
-    )  # fmt: skip
+        "V",
+        "lowest output; below 0 with a second supply, which is as strong as the first",
+        low=-1e4,
+        high=0.0,
+        default=0.0,
+    )
     headroom: Scalar = param(
-        "V", "voltage across the transistor that is needed at most output",
-        low=0.0, high=1e3, default=0.0,
-    )  # fmt: skip
+        "V",
+        "voltage across the transistor that is needed at most output",
+        low=0.0,
+        high=1e3,
+        default=0.0,
+    )
     output_resistance: Scalar = param(
         "ohm", "output resistance of the amplifier", low=0.0, high=1e6, default=0.0
     )

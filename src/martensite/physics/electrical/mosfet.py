@@ -39,9 +39,12 @@ class Mosfet(AbstractSwitch):
         "Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz"
     )
     dead_time: Scalar = param(
-        "s", "time of every pulse that is lost before the transistor conducts",
-        low=0.0, high=1.0, default=0.0,
-    )  # fmt: skip
+        "s",
+        "time of every pulse that is lost before the transistor conducts",
+        low=0.0,
+        high=1.0,
+        default=0.0,
+    )
     smallest_pulse: Scalar = param(
         "s", "shortest time for which the transistor conducts", low=0.0, high=1.0, default=0.0
     )

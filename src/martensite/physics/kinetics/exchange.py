@@ -39,9 +39,13 @@ class AbstractExchange(AbstractLayers):
 
     @abstractmethod
     def remember(
-        self, xp: Namespace, plus: Sequence[Scalar], minus: Sequence[Scalar], stress: Scalar,
+        self,
+        xp: Namespace,
+        plus: Sequence[Scalar],
+        minus: Sequence[Scalar],
+        stress: Scalar,
         temperature: Scalar,
-    ) -> Any:  # fmt: skip
+    ) -> Any:
         """The memory with these populations of every group."""
 
     @abstractmethod

@@ -100,8 +100,11 @@ class AbstractLayers(AbstractLaw):
     )
     heat_model: str = option(
         "heat of transformation: the element's latent heat, plus work, or from the free energy",
-        "constant", "stress", "free-energy", default="constant",
-    )  # fmt: skip
+        "constant",
+        "stress",
+        "free-energy",
+        default="constant",
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` if the wells of the two phases would touch."""
@@ -236,16 +239,26 @@ class AbstractCrystal(AbstractLayers):
         return (memory.present.plus,), (memory.present.minus,)
 
     def remember(
-        self, xp: Namespace, plus: Sequence[Scalar], minus: Sequence[Scalar], stress: Scalar,
+        self,
+        xp: Namespace,
+        plus: Sequence[Scalar],
+        minus: Sequence[Scalar],
+        stress: Scalar,
         temperature: Scalar,
-    ) -> CrystalMemory:  # fmt: skip
+    ) -> CrystalMemory:
         """The memory with these populations."""
         return CrystalMemory(VariantFractions(plus[0], minus[0]), stress, temperature)
 
     def commit(
-        self, xp: Namespace, memory: CrystalMemory, move: Any, fractions: Fractions, stress: Scalar,
-        temperature: Scalar, dt: Scalar,
-    ) -> CrystalMemory:  # fmt: skip
+        self,
+        xp: Namespace,
+        memory: CrystalMemory,
+        move: Any,
+        fractions: Fractions,
+        stress: Scalar,
+        temperature: Scalar,
+        dt: Scalar,
+    ) -> CrystalMemory:
         """The memory after the accepted step."""
         present = split_variants(fractions)
         return self.remember(xp, (present.plus,), (present.minus,), stress, temperature)

@@ -82,9 +82,13 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         return OneFractionMemory(fractions.martensite, 0.0, 0.0, stress, temperature)
 
     def relocate(
-        self, xp: Namespace, memory: OneFractionMemory, fractions: Fractions, stress: Scalar,
+        self,
+        xp: Namespace,
+        memory: OneFractionMemory,
+        fractions: Fractions,
+        stress: Scalar,
         temperature: Scalar,
-    ) -> OneFractionMemory:  # fmt: skip
+    ) -> OneFractionMemory:
         """The branch in progress goes on from another fraction at another point."""
         there = fractions.martensite, stress, temperature
         return history.relocate_memory(xp, self.left, self.strips(), memory, *there)

@@ -160,8 +160,10 @@ class AbstractSurfaceLaw(AbstractLaw):
     )
     hardening: str = option(
         "shape of the shares h(ξ): smooth, or drawn together in the middle by `waist_f`, `waist_r`",
-        "smooth", "waisted", default="smooth",
-    )  # fmt: skip
+        "smooth",
+        "waisted",
+        default="smooth",
+    )
     waist_f: Scalar = param(
         "1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.8
     )

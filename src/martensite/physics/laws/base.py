@@ -74,9 +74,13 @@ class AbstractLaw(Parametrised):
         """The phase state stored in a memory."""
 
     def relocate(
-        self, xp: Namespace, memory: Any, fractions: Fractions, stress: Scalar,
+        self,
+        xp: Namespace,
+        memory: Any,
+        fractions: Fractions,
+        stress: Scalar,
         temperature: Scalar,
-    ) -> Any:  # fmt: skip
+    ) -> Any:
         """A memory put elsewhere, as an observer corrects it; the same point changes nothing.
 
         What it remembers of its history goes along: a transformation that was going on goes on

@@ -107,9 +107,13 @@ class Brinson(AbstractPhaseDiagram):
         return two_fractions.start_memory(fractions, stress, temperature)
 
     def relocate(
-        self, xp: Namespace, memory: TwoFractionMemory, fractions: Fractions, stress: Scalar,
+        self,
+        xp: Namespace,
+        memory: TwoFractionMemory,
+        fractions: Fractions,
+        stress: Scalar,
         temperature: Scalar,
-    ) -> TwoFractionMemory:  # fmt: skip
+    ) -> TwoFractionMemory:
         """The branch in progress goes on from other fractions at another point."""
         return two_fractions.relocate_memory(
             xp, self.diagram(), memory, fractions, stress, temperature

@@ -52,9 +52,13 @@ class StepReport(NamedTuple):
 
 
 def advance_memory(
-    xp: Namespace, law: AbstractLaw, memory: Any, settle: Settle, dt: Scalar,
+    xp: Namespace,
+    law: AbstractLaw,
+    memory: Any,
+    settle: Settle,
+    dt: Scalar,
     change: Scalar = 0.0,
-) -> tuple[Any, StepReport]:  # fmt: skip
+) -> tuple[Any, StepReport]:
     """The memory after a step of dt [s], and how well the step was solved.
 
     About this `change` of the martensite fraction the solve begins to look; it changes nothing
@@ -110,9 +114,14 @@ def _expect_place(xp: Namespace, start: Fractions, aim: Fractions, change: Scala
 
 
 def _seek_on_chord(
-    xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], start: Fractions,
-    aim: Fractions, guess: Scalar, enough: float, smooth: bool,
-) -> Fractions:  # fmt: skip
+    xp: Namespace,
+    answer: Callable[[Namespace, Fractions], Fractions],
+    start: Fractions,
+    aim: Fractions,
+    guess: Scalar,
+    enough: float,
+    smooth: bool,
+) -> Fractions:
     """The point of the chord from `start` through `aim` that the law answers with itself."""
     m, o = aim.martensite - start.martensite, aim.oriented - start.oriented
     size = xp.abs(m) + xp.abs(o)
@@ -137,9 +146,14 @@ def _polish_fractions(
     """Newton's method in both fractions; a step that does not help is shortened."""
 
     def turn(
-        _: Scalar, m: Scalar, o: Scalar, step_m: Scalar, step_o: Scalar, length: Scalar,
+        _: Scalar,
+        m: Scalar,
+        o: Scalar,
+        step_m: Scalar,
+        step_o: Scalar,
+        length: Scalar,
         least: Scalar,
-    ) -> tuple[Scalar, ...]:  # fmt: skip
+    ) -> tuple[Scalar, ...]:
         tried = _limit_fractions(xp, m + length * step_m, o + length * step_o)
         newton, residual = _compute_newton_step(xp, answer, tried)
         better = residual < least

@@ -107,9 +107,13 @@ class Lagoudas(AbstractSurfaceLaw):
         return LagoudasMemory(fractions.martensite, ratio, stress, temperature)
 
     def relocate(
-        self, xp: Namespace, memory: LagoudasMemory, fractions: Fractions, stress: Scalar,
+        self,
+        xp: Namespace,
+        memory: LagoudasMemory,
+        fractions: Fractions,
+        stress: Scalar,
         temperature: Scalar,
-    ) -> LagoudasMemory:  # fmt: skip
+    ) -> LagoudasMemory:
         """As if it began there; where no martensite is left, its ratio stays."""
         found = self.init(xp, fractions, stress, temperature)
         some = fractions.martensite > 0.0

@@ -34,12 +34,17 @@ class LiangRogers(AbstractStripLaw):
 
     modulus: str = option(
         "Young's modulus: constant, or the mixture E_A + ξ (E_M - E_A)",
-        "austenite", "martensite", "mixture", default="austenite",
-    )  # fmt: skip
+        "austenite",
+        "martensite",
+        "mixture",
+        default="austenite",
+    )
     transformation: str = option(
         "what is linear in ξ: the transformation strain ε_L ξ, or the transformation stress Ω ξ",
-        "strain", "stress", default="strain",
-    )  # fmt: skip
+        "strain",
+        "stress",
+        default="strain",
+    )
 
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
         """sin²(π/2 · distance)."""

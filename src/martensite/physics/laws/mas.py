@@ -69,8 +69,11 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
     rates: str = option(
         "barrier: saddle height; well: layers at the edge of their well (erfc); "
         "edge: saddle with a rigid bridge",
-        "barrier", "well", "edge", default="barrier",
-    )  # fmt: skip
+        "barrier",
+        "well",
+        "edge",
+        default="barrier",
+    )
 
     @property
     def form(self) -> str:

@@ -122,8 +122,9 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
         share = (bend - memory.temperature) / xp.where(moves, way, 1.0)
         share = xp.where(moves, xp.clip(share, 0.0, 1.0), 0.0)
         between = (
-            memory.stress + share * (stress - memory.stress), memory.temperature + share * way
-        )  # fmt: skip
+            memory.stress + share * (stress - memory.stress),
+            memory.temperature + share * way,
+        )
         halfway, _ = super().kinetics(xp, memory, *between, dt)
         return super().kinetics(xp, halfway, stress, temperature, dt)
 

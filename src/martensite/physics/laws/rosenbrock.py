@@ -47,18 +47,31 @@ CARRIED = (
     (-0.1073529058151375, -9.594562251023355, -20.47028614809616),
     (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160),
     (
-        8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136,
+        8.083246795921522,
+        -7.981132988064893,
+        -31.52159432874371,
+        16.31930543123136,
         -6.058818238834054,
     ),
-)  # fmt: skip
+)
 """What each stage takes over of the ones before, per step."""
 TIMES = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
 SLOPES = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
 """Share of the rate of change with time alone."""
-INNER = (10.12623508344586, -7.487995877610167, -34.80091861555747, -7.992771707568823,
-         1.025137723295662)  # fmt: skip
-OUTER = (-0.6762803392801253, 6.087714651680015, 16.43084320892478, 24.76722511418386,
-         -6.594389125716872)  # fmt: skip
+INNER = (
+    10.12623508344586,
+    -7.487995877610167,
+    -34.80091861555747,
+    -7.992771707568823,
+    1.025137723295662,
+)
+OUTER = (
+    -0.6762803392801253,
+    6.087714651680015,
+    16.43084320892478,
+    24.76722511418386,
+    -6.594389125716872,
+)
 """Of the continuous output."""
 
 
@@ -143,9 +156,14 @@ class _Stages:
     """The six linear solves of a step."""
 
     def __init__(
-        self, xp: Namespace, law: AbstractExchange, coupling: Coupling, start: _Columns,
-        at: Sequence[Scalar], dt: Scalar,
-    ) -> None:  # fmt: skip
+        self,
+        xp: Namespace,
+        law: AbstractExchange,
+        coupling: Coupling,
+        start: _Columns,
+        at: Sequence[Scalar],
+        dt: Scalar,
+    ) -> None:
         self.xp, self.law, self.coupling, self.dt = xp, law, coupling, dt
         self.begin = _Stage(start, *at)
         self.per_step = xp.store(1.0 / dt)
@@ -290,9 +308,14 @@ class _Stages:
             ]
 
         columns = _map_rows(
-            xp, group, law.quantiles(), *self.linear.inverse, *begin,
-            *(one.groups.plus for one in before), *(one.groups.minus for one in before),
-        )  # fmt: skip
+            xp,
+            group,
+            law.quantiles(),
+            *self.linear.inverse,
+            *begin,
+            *(one.groups.plus for one in before),
+            *(one.groups.minus for one in before),
+        )
         share = 1.0 / len(columns[0])
         gained, moved = (share * sum_column(column) for column in columns[2:])
         return _Columns(*columns[:2]), gained, moved

@@ -74,9 +74,11 @@ def average_periods(record: Sampled, period: float, skip: float = 0.0) -> Period
     squares, free = np.nansum((y - mean) ** 2, axis=(0, 1)), np.maximum(known - 1, 0).sum(axis=0)
     noise = np.sqrt(squares / np.maximum(free, 1))
     averaged = replace(
-        record.rows(first, first + length), inputs=u.mean(axis=0), outputs=mean,
+        record.rows(first, first + length),
+        inputs=u.mean(axis=0),
+        outputs=mean,
         remarks=(*record.remarks, *_describe_differing(record, u)),
-    )  # fmt: skip
+    )
     return Periods(averaged, noise, count)
 
 

@@ -30,9 +30,12 @@ APART = 3.0
 
 
 def from_record(
-    record: Record, inputs: Sequence[str], outputs: Sequence[str],
-    interval: float | None = None, units: Mapping[str, str] | None = None,
-) -> Sampled:  # fmt: skip
+    record: Record,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    interval: float | None = None,
+    units: Mapping[str, str] | None = None,
+) -> Sampled:
     """A measured table as a record at equal intervals.
 
     Args:
@@ -59,10 +62,16 @@ def from_record(
     grid = _find_grid(times[first:], interval)
     made, more = _on_grid(times[first:], u[first:], y[first:], grid)
     found = Sampled(
-        name=record.name, interval=grid.interval, inputs=made[0], outputs=made[1],
-        input_names=tuple(inputs), output_names=tuple(outputs), units=spelled,
-        start=float(times[first]), remarks=(*remarks, *more),
-    )  # fmt: skip
+        name=record.name,
+        interval=grid.interval,
+        inputs=made[0],
+        outputs=made[1],
+        input_names=tuple(inputs),
+        output_names=tuple(outputs),
+        units=spelled,
+        start=float(times[first]),
+        remarks=(*remarks, *more),
+    )
     if interval is None:
         return found
     if abs(interval / found.interval - 1.0) < SAME:
@@ -71,9 +80,13 @@ def from_record(
 
 
 def pieces_of_record(
-    record: Record, inputs: Sequence[str], outputs: Sequence[str], longest: float,
-    interval: float | None = None, units: Mapping[str, str] | None = None,
-) -> tuple[Sampled, ...]:  # fmt: skip
+    record: Record,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    longest: float,
+    interval: float | None = None,
+    units: Mapping[str, str] | None = None,
+) -> tuple[Sampled, ...]:
     """The same, cut where inputs are missing or rows are apart for longer than some time [s].
 
     Pieces of one row are left out.

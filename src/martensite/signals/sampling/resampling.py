@@ -128,9 +128,10 @@ def collect_experiments(*records: Sampled) -> tuple[Sampled, ...]:
             )
     return tuple(
         replace(r, name=f"{r.name} ({names[: k + 1].count(r.name)})")
-        if names.count(r.name) > 1 else r
+        if names.count(r.name) > 1
+        else r
         for k, r in enumerate(records)
-    )  # fmt: skip
+    )
 
 
 def _describe_misfit(one: Sampled, other: Sampled) -> str:
@@ -173,11 +174,14 @@ def select_signals(record: Sampled, inputs: Sequence[str], outputs: Sequence[str
     remarks = list(record.remarks)
     columns = [_bridge_gaps(record.name, name, known[name], remarks) for name in inputs]
     return replace(
-        record, inputs=np.stack(columns, axis=1),
+        record,
+        inputs=np.stack(columns, axis=1),
         outputs=np.stack([known[name] for name in outputs], axis=1),
-        input_names=tuple(inputs), output_names=tuple(outputs), remarks=tuple(remarks),
+        input_names=tuple(inputs),
+        output_names=tuple(outputs),
+        remarks=tuple(remarks),
         units={n: record.units[n] for n in (*inputs, *outputs) if n in record.units},
-    )  # fmt: skip
+    )
 
 
 def _bridge_gaps(record: str, name: str, column: Numbers, remarks: list[str]) -> Numbers:

@@ -87,9 +87,12 @@ class Sampled:
         kept = slice(first, last)
         begin = range(len(self))[kept].start
         return replace(
-            self, name=name or self.name, inputs=self.inputs[kept], outputs=self.outputs[kept],
+            self,
+            name=name or self.name,
+            inputs=self.inputs[kept],
+            outputs=self.outputs[kept],
             start=self.start + begin * self.interval,
-        )  # fmt: skip
+        )
 
     def with_outputs(self, outputs: Numbers, names: tuple[str, ...] | None = None) -> Sampled:
         """The same inputs with other outputs."""
