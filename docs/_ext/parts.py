@@ -132,6 +132,8 @@ def _section(home: str, names: Iterable[str]) -> str:
         found = getattr(package, name)
         if inspect.isclass(found):
             lines.append(f".. autoclass:: {home}.{name}")
+            if package is not martensite and getattr(martensite, name, None) is found:
+                lines.append("   :no-index:")
             if not issubclass(found, Parametrised | BaseException | tuple):
                 lines.append("   :members:")
         elif inspect.isfunction(found):

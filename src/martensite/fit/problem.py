@@ -126,7 +126,7 @@ class Problem:
 
     @cached_property
     def used(self) -> list[Any]:
-        """For every experiment (rows, outputs): True for what the fit sees."""
+        """True for what the fit sees, of every experiment, of shape (rows, outputs)."""
         return [np.isfinite(one.measured) & ~one.kept_back[:, None] for one in self.experiments]
 
     def evaluate(self, u: Sequence[float], *, slopes: bool = False) -> Evaluation | None:
