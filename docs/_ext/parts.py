@@ -110,12 +110,13 @@ def parameters_of(cls: type[Parametrised]) -> str:
 def public_names() -> str:
     """What `import martensite` offers: the names at the top, then a section per package."""
     inner = [n for n in dir(martensite) if isinstance(getattr(martensite, n), ModuleType)]
-    sections = [_section("martensite", [n for n in dir(martensite) if n not in inner])]
+    known: list[Any] = []
+    sections = [_section("martensite", [n for n in dir(martensite) if n not in inner], known)]
     for name in inner:
         package = getattr(martensite, name)
         names = [n for n in dir(package) if not n.startswith("_") and n in _offered(package)]
         words = (inspect.getdoc(package) or "").partition("\n")[0]
-        sections += [f"## ms.{name}\n\n{plain(words)}\n", _section(package.__name__, names)]
+        sections += [f"## ms.{name}\n\n{plain(words)}\n", _section(package.__name__, names, known)]
     return "\n".join(sections)
 
 
@@ -124,16 +125,17 @@ def _offered(package: ModuleType) -> Iterable[str]:
     return getattr(package, "__all__", None) or dir(package)
 
 
-def _section(home: str, names: Iterable[str]) -> str:
-    """Directives for the names of a package."""
+def _section(home: str, names: Iterable[str], known: list[Any]) -> str:
+    """Directives for the names of a package; what is `known` from another is indexed there."""
     package = import_module(home)
     lines: list[str] = []
     for name in names:
         found = getattr(package, name)
         if inspect.isclass(found):
             lines.append(f".. autoclass:: {home}.{name}")
-            if package is not martensite and getattr(martensite, name, None) is found:
+            if any(found is one for one in known):
                 lines.append("   :no-index:")
+            known.append(found)
             if not issubclass(found, Parametrised | BaseException | tuple):
                 lines.append("   :members:")
         elif inspect.isfunction(found):
