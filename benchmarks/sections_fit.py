@@ -67,43 +67,18 @@ waveform = { kind = "triangle", low = "-20 degC", high = "130 degC", frequency =
 [run]
 duration = "100 s"
 """
+BOTH = ("A_s", "A_f", "M_s", "M_f", "C_A", "C_M", "E_A", "E_M")
 CASES = {
     "wire, liang-rogers, heated by current": (
         WIRE.format(material="flexinol-90", law='kind = "liang-rogers", modulus = "mixture"')
         + HEATED,
         (0.6, 0.8, 1.0, 1.2, 1.4),
-        (
-            "A_s",
-            "A_f",
-            "M_s",
-            "M_f",
-            "C_A",
-            "C_M",
-            "E_A",
-            "E_M",
-            "eps_L",
-            "cooling.h",
-            "heat_capacity",
-            "latent_heat",
-        ),
+        (*BOTH, "eps_L", "cooling.h", "heat_capacity", "latent_heat"),
     ),
     "wire, lagoudas, isobaric": (
         WIRE.format(material="niti-lagoudas", law='kind = "lagoudas"') + ISOBARIC,
         (50, 80, 110, 140, 170),
-        (
-            "A_s",
-            "A_f",
-            "M_s",
-            "M_f",
-            "C_A",
-            "C_M",
-            "E_A",
-            "E_M",
-            "H_sat",
-            "H_k=1e-3..0.1 1/MPa",
-            "n_1",
-            "n_3",
-        ),
+        (*BOTH, "H_sat", "H_k=1e-3..0.1 1/MPa", "n_1", "n_3"),
     ),
 }
 ROWS, STEP = 501, 0.1

@@ -173,7 +173,7 @@ class TestLeastSquares:
         angles = np.asarray(record.record["angle"]) + bench.NOISE * bench.draw_noise()[4]
         columns = {**record.record.columns, "angle": angles.tolist()}
         other = replace(record, record=replace(record.record, columns=columns))
-        begin = bench.fitting((other,), PRINTED, PRINTED.searched.column("value"))
+        begin = bench.build_calibration((other,), PRINTED, PRINTED.searched.column("value"))
         found = begin.evaluate(begin.start)
         assert found is not None
         assert found.cost == pytest.approx(2.0, abs=0.4)

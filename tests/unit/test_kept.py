@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from martensite.studies import result_cache as module
-from martensite.studies.result_cache import cache_results, folder
+from martensite.studies.result_cache import cache_results, find_program_folder
 
 MADE: list[float] = []
 
@@ -54,7 +54,7 @@ def test_the_program_is_its_source(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
 def test_what_cannot_be_read_is_made_anew() -> None:
     cache_results(doubled)(1.5)
-    (path,) = folder().iterdir()
+    (path,) = find_program_folder().iterdir()
     for spoiled in (b"", path.read_bytes()[:-5], b"no pickle"):
         path.write_bytes(spoiled)
         assert cache_results(doubled)(1.5) == {"twice": 3.0}

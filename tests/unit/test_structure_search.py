@@ -18,7 +18,7 @@ from martensite.identify.chains.decimation import coarsen_records
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.free_run_scores import free_run, mean_fit, score_chain
 from martensite.identify.chains.goals import at_rest
-from martensite.identify.chains.search import Searched, StructureCandidate, search
+from martensite.identify.chains.search import Searched, StructureCandidate, search_structures
 from martensite.identify.chains.search import _decide_next as decided
 from martensite.identify.chains.stages import Identified, ModelStage, identify_stages
 from martensite.identify.chains.structure_patterns import MOST, expand_pattern
@@ -43,7 +43,7 @@ def found() -> Identified:
 
 @pytest.fixture(scope="module")
 def searched() -> Searched:
-    return search(PATTERN, stage_one(FITTED), stage_one(SLOW), FEW)
+    return search_structures(PATTERN, stage_one(FITTED), stage_one(SLOW), FEW)
 
 
 # ---------------------------------------------------------------- patterns
@@ -104,7 +104,7 @@ def test_the_smaller_of_equals_is_chosen() -> None:
 
 
 def test_cross_validation_without_a_record_to_validate_with() -> None:
-    made = search(PATTERN, stage_one(FITTED), options=replace(FEW, starts=1))
+    made = search_structures(PATTERN, stage_one(FITTED), options=replace(FEW, starts=1))
     assert made.chosen.structure == "poly2 | oe(1,1,1)"
     assert "cross-validation" in made.by
     assert all(c.validation <= c.estimation + 0.5 for c in made.candidates)
@@ -118,7 +118,9 @@ def test_a_search_tells_how_far_it_is_and_can_be_ended() -> None:
         if text.startswith("2 of 2"):
             raise KeyboardInterrupt
 
-    made = search(PATTERN, stage_one(FITTED), stage_one(SLOW), replace(FEW, starts=1), watch)
+    made = search_structures(
+        PATTERN, stage_one(FITTED), stage_one(SLOW), replace(FEW, starts=1), watch
+    )
     assert not made.complete
     assert [c.structure for c in made.candidates] == ["poly1 | oe(1,1,1)"]
     assert told == sorted(told)
@@ -126,7 +128,7 @@ def test_a_search_tells_how_far_it_is_and_can_be_ended() -> None:
 
 def test_a_search_refuses_before_it_estimates() -> None:
     with pytest.raises(InputError, match="no block `polly`"):
-        search(["poly1 | oe(1,1,1)", "polly{1,2}"], stage_one(FITTED))
+        search_structures(["poly1 | oe(1,1,1)", "polly{1,2}"], stage_one(FITTED))
 
 
 # ---------------------------------------------------------------- stages

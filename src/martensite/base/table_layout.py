@@ -105,19 +105,19 @@ def _format_group(group: Sequence[_Column], count: int, width: int, paint: Paint
     for line in range(most):
         # headings end on the same line, right above their column
         texts = [h[line - most + len(h)] if line >= most - len(h) else "" for h in heads]
-        yield _join(group, widths, texts)
+        yield _join_cells(group, widths, texts)
     yield "─" * (sum(widths) + GAP * (len(widths) - 1))
     for k in range(count):
         cells = [one.cells[k] for one in group]
         parts = [_wrap_cell(cell, w) for cell, w in zip(cells, widths, strict=True)]
         for line in range(max(map(len, parts))):
             texts = [part[line] if line < len(part) else "" for part in parts]
-            yield _join(
+            yield _join_cells(
                 group, widths, texts, [lambda text, cell=cell: paint(cell, text) for cell in cells]
             )
 
 
-def _join(
+def _join_cells(
     group: Sequence[_Column],
     widths: Sequence[int],
     texts: Sequence[str],

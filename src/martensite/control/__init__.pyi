@@ -23,7 +23,7 @@ from martensite.control.controllers.pid import Pid as Pid
 from martensite.control.controllers.pid import PidGains as PidGains
 from martensite.control.controllers.pid import PidLaw as PidLaw
 from martensite.control.controllers.pid import per_sample as per_sample
-from martensite.control.controllers.planning import PlanSearch as _PlanSearch
+from martensite.control.controllers.planning import PlanSearch as PlanSearch
 from martensite.control.controllers.planning import Price as _PlanPrice
 from martensite.control.controllers.scheduled_pid import GainsAt as GainsAt
 from martensite.control.controllers.scheduled_pid import GainSchedule as GainSchedule
@@ -70,5 +70,4 @@ from martensite.control.supervisors.from_sensors import checks_for as checks_for
 from martensite.control.supervisors.guard import Guard as Guard
 
 PlanPrice = _PlanPrice
-PlanSearch = _PlanSearch
 open_bench = _open_bench

@@ -12,7 +12,7 @@ from martensite.export.fmu.archive import Fmu as Fmu
 from martensite.export.fmu.archive import to_fmu as to_fmu
 from martensite.export.gymnasium import SmaEnv as SmaEnv
 from martensite.export.gymnasium_vector import SmaVectorEnv as SmaVectorEnv
-from martensite.export.learning_task import LearningTask as _LearningTask
+from martensite.export.learning_task import LearningTask as LearningTask
 from martensite.export.mjcf import bridge_of as bridge_of
 from martensite.export.mjcf import tendon_signals as tendon_signals
 from martensite.export.mjcf import to_mjcf as to_mjcf
@@ -22,5 +22,3 @@ from martensite.export.mujoco_bridge import TendonActuator as TendonActuator
 from martensite.export.mujoco_render import render_mujoco as render_mujoco
 from martensite.export.mujoco_rest import holding_tensions as holding_tensions
 from martensite.export.mujoco_result import MujocoResult as MujocoResult
-
-LearningTask = _LearningTask

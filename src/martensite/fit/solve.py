@@ -179,16 +179,16 @@ def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST_
         return "no derivative at the start"
     scale = 1.0
     if loss.name != "linear":
-        _descend(watch, begin, first, most, "linear", scale)
+        _descend_to_optimum(watch, begin, first, most, "linear", scale)
         now = watch.evaluate(watch.best or begin)
         scale = loss.tuning * max(estimate_scale((now or first).residuals), 1e-12)
         begin = np.array(watch.best)
         watch.cost = math.inf  # what counts is another cost from here on
-    found = _descend(watch, begin, first, most, loss.scipy_name, scale)
+    found = _descend_to_optimum(watch, begin, first, most, loss.scipy_name, scale)
     return "converged" if found.converged else f"stopped after {most} evaluations"
 
 
-def _descend(
+def _descend_to_optimum(
     watch: SearchMonitor, begin: Any, first: Evaluation, most: int, loss: str, scale: float
 ) -> Descended:
     return descend_squares(

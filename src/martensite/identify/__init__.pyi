@@ -16,7 +16,7 @@ from martensite.identify.chains.linearise import static_curve as static_curve
 from martensite.identify.chains.options import Options as _EstimateOptions
 from martensite.identify.chains.plant import build_plant as build_plant
 from martensite.identify.chains.scores import compute_rms as compute_rms
-from martensite.identify.chains.search import search as _search_structures
+from martensite.identify.chains.search import search_structures as search_structures
 from martensite.identify.chains.stages import ModelStage as ModelStage
 from martensite.identify.chains.stages import identify_stages as identify_stages
 from martensite.identify.chains.uncertainty import estimate_chain_uncertainty as _model_uncertainty
@@ -30,6 +30,5 @@ from martensite.show.pages import write_model_report as write_model_report
 BlockChain = _BlockChain
 estimate_model = _estimate_model
 EstimateOptions = _EstimateOptions
-search_structures = _search_structures
 model_uncertainty = _model_uncertainty
 validate_model = _validate_model

@@ -9,7 +9,7 @@ error along the direction v_k is s/σ_k search ranges:
 
 What counts as 0 is judged by the precision of J with all columns scaled to equal norm.
 Directions of both kinds are told by the smallest sets of parameters that move in them
-(`weak_sets`), to first order about the fitted values. Singular values as a test of
+(`weak_direction_sets`), to first order about the fitted values. Singular values as a test of
 identifiability: Brun, Reichert and Künsch (2001), Water Resources Research 37.
 """
 
@@ -34,7 +34,7 @@ from martensite.search.scaled_jacobian import (
     scale_parameters,
 )
 from martensite.search.weak_direction import WeakDirection
-from martensite.search.weak_directions import find_weak_directions
+from martensite.search.weak_direction_sets import find_weak_directions
 
 if TYPE_CHECKING:
     import numpy as np

@@ -1,8 +1,8 @@
 """What paths of a material point are laid out with: courses, choices, and what a law is asked.
 
-What is not chosen comes from the law, found by driving it (`simulate.landmarks`): transformation
-temperatures without load, and the stress and strain that complete a transformation at a
-temperature.
+What is not chosen comes from the law, found by driving it (`simulate.transformation_points`):
+transformation temperatures without load, and the stress and strain that complete a
+transformation at a temperature.
 """
 
 from __future__ import annotations

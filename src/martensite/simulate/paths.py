@@ -1,8 +1,9 @@
 """Named paths of a material point, sized by the law that is to follow them.
 
 A named path is one or several courses: a start and the legs from there. What is not chosen
-comes from the law, found by driving it (`simulate.landmarks`): transformation temperatures
-without load, and the stress and strain that complete a transformation at a temperature.
+comes from the law, found by driving it (`simulate.transformation_points`): transformation
+temperatures without load, and the stress and strain that complete a transformation at a
+temperature.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ Verdict = Literal["reproduced", "not reproduced", "calibrated", "not checkable"]
 STUDIES: Registry[AbstractStudy] = Registry("study", "martensite.studies")
 
 
-def compare(published: float, computed: float, tolerance: float) -> Verdict:
+def judge_number(published: float, computed: float, tolerance: float) -> Verdict:
     """The verdict on a number that can be checked; one that is not finite never agrees."""
     return "reproduced" if abs(computed - published) <= tolerance else "not reproduced"
 
@@ -64,7 +64,7 @@ class Claim:
                 f"Claim `{self.id}` is {self.verdict} and must have a published number, a "
                 f"computed one and a tolerance, but has {numbers}."
             )
-        elif (right := compare(self.published, self.computed, self.tolerance)) != self.verdict:
+        elif (right := judge_number(self.published, self.computed, self.tolerance)) != self.verdict:
             raise ParameterError(
                 f"Claim `{self.id}` must be {right} by its numbers, but is {self.verdict}."
             )
@@ -86,7 +86,7 @@ class Claim:
             raise ParameterError(
                 f"Tolerance of claim `{id}` must be at least 0, but is {tolerance:g}."
             )
-        verdict = compare(published, computed, tolerance)
+        verdict = judge_number(published, computed, tolerance)
         return cls(id, statement, source, published, computed, unit, tolerance, verdict, why)
 
     @classmethod

@@ -49,7 +49,9 @@ def cache_results(function: Function) -> Function:
     @wraps(function)
     def found(*arguments: Any, **named: Any) -> Any:
         given = hashlib.sha256(pickle.dumps((arguments, named))).hexdigest()[:16]
-        path = folder() / f"{function.__module__}.{function.__qualname__}-{given}.pickle"
+        path = (
+            find_program_folder() / f"{function.__module__}.{function.__qualname__}-{given}.pickle"
+        )
         with suppress(*UNREADABLE):
             return pickle.loads(path.read_bytes())
         result = function(*arguments, **named)
@@ -70,7 +72,7 @@ def _store_result(result: Any, path: Path) -> None:
         part.write_bytes(pickle.dumps(result))
 
 
-def folder() -> Path:
+def find_program_folder() -> Path:
     """Where the results of this program are kept."""
     return cache_folder() / "studies" / _fingerprint_program()
 

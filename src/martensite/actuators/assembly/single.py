@@ -41,7 +41,7 @@ class System(Actuator, AbstractAssembly):
 
     def outputs(self) -> dict[str, Output]:
         """Those of the element, and after the force those of the mechanism."""
-        found = _insert(OUTPUTS, self.of_mechanism())
+        found = _insert_mechanism(OUTPUTS, self.of_mechanism())
         return found | {"drive": OUTPUTS["drive"]._replace(unit=self.source.unit)}
 
     def description(self) -> str:
@@ -55,14 +55,14 @@ class System(Actuator, AbstractAssembly):
     ) -> dict[str, Scalar]:
         """Those of the element, and after the force those of the mechanism."""
         (one,) = seen
-        return _insert(one, mechanism)
+        return _insert_mechanism(one, mechanism)
 
     def profile(self, state: State) -> list[Column]:  # type: ignore[override]
         """What differs along the element; described in `PROFILES`."""
         return list(self.element.profile(state.elements[0]))
 
 
-def _insert(own: Mapping[str, T], mechanism: Mapping[str, T]) -> dict[str, T]:
+def _insert_mechanism(own: Mapping[str, T], mechanism: Mapping[str, T]) -> dict[str, T]:
     """Entries of the mechanism among those of the element."""
     later = {name: one for name, one in own.items() if OBSERVABLES[name].after_mechanism}
     first = {name: one for name, one in own.items() if name not in later}

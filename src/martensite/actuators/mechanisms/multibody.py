@@ -11,7 +11,7 @@ tensions F of the elements, the equations of motion at the end of every step are
     demand_k = Σ_i η_i F_i J_ik,        elongation_i = home_i - contraction_i(q) where taut
 
 where η is what friction leaves of the tension (1 unless a mechanism says otherwise). No element
-can push. `martensite.actuators.mechanics.condensed` solves them together with the laws of the
+can push. `martensite.actuators.mechanics.condensed_step` solves them together with the laws of the
 elements, implicit in every stress: at no time does a force lag behind the motion.
 
 Sign convention: contraction and tension positive, so a positive J means that the element pulls

@@ -54,7 +54,7 @@ def read_records(request: Request, desk: Desk) -> list[Record]:
     """The records that a table was cut into, in the order of the request.
 
     Raises:
-        InputError: as of `record_of`; or a cut is none.
+        InputError: as of `read_record`; or a cut is none.
     """
     whole = read_record(request, desk)
     return [_cut_record(whole, cut) for cut in _read_cuts(request)] or [whole]

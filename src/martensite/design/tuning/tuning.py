@@ -3,7 +3,7 @@
     cost = mean|e| + overshoot + 2 mean|Δu| + 10⁻⁴ K_p + 10⁻⁶ K_d
 
 with errors and overshoot in one unit of the output and changes Δu per sample in one unit of the
-signal (`Scale`). Overshoot is the largest excess over the new level of any step. Searched by
+signal (`CostScale`). Overshoot is the largest excess over the new level of any step. Searched by
 Nelder and Mead's method over the logarithms of the gains, from several starts; nothing is taken
 from the plant itself, so that what the plant then does judges the model.
 """

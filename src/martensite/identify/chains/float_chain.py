@@ -14,7 +14,7 @@ Taps = tuple[tuple[int, int], ...]
 
 
 class FloatChain:
-    """What `native.Native` does, some hundred times slower."""
+    """What `compiled_chain.CompiledChain` does, some hundred times slower."""
 
     def __init__(self, plan: ChainPlan, taps: Taps) -> None:
         self._plan, self._taps = plan, taps

@@ -79,7 +79,7 @@ Memory = tuple[Numbers, Numbers]
 
 
 class ResidualSquares:
-    """The sum of squares of a chain over records: what `levenberg.minimise` minimises.
+    """The sum of squares of a chain over records, for `levenberg_marquardt.minimise_cost`.
 
     The numbers are θ of the chain, then the initial states of those records that estimate them,
     as deviations from rest.

@@ -78,7 +78,7 @@ class Searched:
         return self.chosen.found
 
 
-def search(
+def search_structures(
     structures: str | Sequence[str],
     records: Sampled | Sequence[Sampled],
     validation: Sampled | Sequence[Sampled] = (),
@@ -114,8 +114,8 @@ def search(
     complete = True
     try:
         for k, text in enumerate(texts):
-            tell = _share(watch, text, k, len(texts))
-            done.append(_candidate(text, records, validation, options, tell))
+            tell = _name_candidate(watch, text, k, len(texts))
+            done.append(_try_candidate(text, records, validation, options, tell))
     except KeyboardInterrupt:
         complete = False
         if not done:
@@ -137,7 +137,7 @@ def _decide_next(
     return Searched(tuple(ranked), chosen, by, complete)
 
 
-def _share(
+def _name_candidate(
     watch: Callable[[str, float], None] | None, text: str, k: int, count: int
 ) -> Callable[[str, float], None] | None:
     """What tells of one candidate among all."""
@@ -146,7 +146,7 @@ def _share(
     return lambda words, share: watch(f"{k + 1} of {count}, {text}: {words}", (k + share) / count)
 
 
-def _candidate(
+def _try_candidate(
     text: str,
     records: Sequence[Sampled],
     validation: Sequence[Sampled],

@@ -15,7 +15,7 @@ from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
 from martensite.identify.chains.free_run_scores import ROLES, OutputScore, score_chain
-from martensite.identify.chains.search import Searched, search
+from martensite.identify.chains.search import Searched, search_structures
 from martensite.signals.sampling.resampling import collect_experiments, select_signals
 from martensite.signals.sampling.sampled import Sampled
 
@@ -148,7 +148,7 @@ def _identify_stage(
 ) -> tuple[ChainEstimate, Searched | None]:
     if "{" not in stage.structure:
         return estimate_chain(stage.structure, records, options, watch), None
-    made = search(stage.structure, records, validation, options, watch)
+    made = search_structures(stage.structure, records, validation, options, watch)
     return made.found, made
 
 

@@ -2,8 +2,8 @@
 
 From JᵀJ with its columns scaled to norm 1: eigenvalues below a share of the largest belong to
 directions that the records do not determine. Of few numbers, the smallest sets of them that move
-unseen are looked for (`fitting.weak_sets`); of many, directions are combined so that each holds one
-number that no other does, and the largest components of each are named.
+unseen are looked for (`search.weak_direction_sets`); of many, directions are combined so that
+each holds one number that no other does, and the largest components of each are named.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from scipy.linalg import qr
 
 from martensite.identify.blocks.base import Numbers
 from martensite.search.quantity_text import list_names
-from martensite.search.weak_directions import find_weak_directions
+from martensite.search.weak_direction_sets import find_weak_directions
 
 CUT = 1e-9
 """Eigenvalue of the scaled JᵀJ, over the largest, below which a direction is not determined."""

@@ -8,7 +8,7 @@ from austenite, heating takes both back in proportion. With s = σ - C_M max(T -
     R  dw > 0   1 - p = cos²(θ/2),  θ = π (w - A_s)/(A_f - A_s),   w = T - σ/C_A
 
 Each process multiplies what is left to transform by its (1 - P₁)/(1 - P₀); S and T together by
-the product (see `twinned`), which keeps ξ ≤ 1 where the published sum does not. Integrated
+the product (see `two_fractions`), which keeps ξ ≤ 1 where the published sum does not. Integrated
 constitutive equation:
 
     ε = [σ - Θ (T - T_ref)]/E(ξ) + ε_L ξ_S,   E(ξ) = E_A + ξ (E_M - E_A)

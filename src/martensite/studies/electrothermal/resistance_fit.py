@@ -142,7 +142,7 @@ def _build_system(shape: str, offset: float) -> Any:
     return base.with_parts(element=element, source=PrescribedTemperature()).with_values(values)
 
 
-def wishes(shape: str) -> list[SearchRange]:
+def list_search_ranges(shape: str) -> list[SearchRange]:
     """What is free: the strip must hold the plateau between the phases, or end on it."""
     at = load_staircase().table["apparent_temperature"][load_staircase().within(*EDGE)[0]]
     found = [SearchRange("rho_A", *_RESISTIVITY), SearchRange("rho_M", *_RESISTIVITY)]
@@ -156,7 +156,9 @@ def wishes(shape: str) -> list[SearchRange]:
 @cache
 def fit_shape(shape: str, offset: float, place: int = PLACE) -> Fit:
     """The fit of one shape of R with one offset of the supply."""
-    return solve_problem(build_problem([build_experiment(shape, offset, place)], wishes(shape)))
+    return solve_problem(
+        build_problem([build_experiment(shape, offset, place)], list_search_ranges(shape))
+    )
 
 
 def fitted_resistances(fit: Fit, temperatures: Sequence[float]) -> list[float]:

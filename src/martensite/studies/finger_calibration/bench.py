@@ -129,7 +129,9 @@ def _build_experiment(
     return Experiment(name, system, wave, record, {"angle": "angle"}, step=STEP)
 
 
-def fitting(records: Sequence[Experiment], printed: Printed, start: Sequence[float]) -> Problem:
+def build_calibration(
+    records: Sequence[Experiment], printed: Printed, start: Sequence[float]
+) -> Problem:
     """The search of the paper: its five parameters within its ranges."""
     wishes = [
         SearchRange(one.name, one.low, one.high, begin)
@@ -141,7 +143,9 @@ def fitting(records: Sequence[Experiment], printed: Printed, start: Sequence[flo
 @cache
 def table_problem(data: Data, printed: Printed) -> Problem:
     """The search on a set of records, starting from Table 1."""
-    return fitting(build_experiments(data, printed), printed, printed.searched.column("value"))
+    return build_calibration(
+        build_experiments(data, printed), printed, printed.searched.column("value")
+    )
 
 
 @cache

@@ -122,7 +122,9 @@ def refit_finger(
 ) -> CalibrationSearch:
     """Least squares to the record without noise, by a finger that is another one."""
     records = bench.build_experiments(NEAR, printed, noisy=False, arm=arm, values=values)
-    return CalibrationSearch(solve_problem(bench.fitting(records, printed, STARTS[1])), ())
+    return CalibrationSearch(
+        solve_problem(bench.build_calibration(records, printed, STARTS[1])), ()
+    )
 
 
 def compute_wrong(printed: Printed) -> dict[str, Any]:

@@ -36,11 +36,6 @@ def compute_searches(printed: Printed, *, full: bool) -> dict[str, Any]:
     }
 
 
-def excess_rms(data: Data, start: int, printed: Printed) -> float:
-    """Rms of the end of a coordinate search above that of least squares [°]."""
-    return run_search(data, start, COORDINATE, printed).rms - best_fit(data, printed).rms
-
-
 def _list_search(data: Data, printed: Printed, starts: tuple[int, ...]) -> dict[str, Any]:
     """Both searches on a set of records."""
     walked = [run_search(data, start, COORDINATE, printed) for start in starts]

@@ -77,7 +77,7 @@ def run_search(
 ) -> CalibrationSearch:
     """A search from one of the starts, and from as many more as `spread` says."""
     records = bench.table_problem(data, printed).experiments
-    problem = bench.fitting(records, printed, STARTS[start])
+    problem = bench.build_calibration(records, printed, STARTS[start])
     told: list[SearchNote] = []
 
     def tell(note: SearchNote) -> None:

@@ -75,8 +75,3 @@ def simulated_errors(closure: str, printed: Printed) -> list[float]:
     return [
         bench.simulated_temperature(closure, row.voltage) - row.temperature for row in printed.rows
     ]
-
-
-def simulated_rms(closure: str, printed: Printed) -> float:
-    """Root mean square of `simulated_errors` [K]."""
-    return root_mean_square(simulated_errors(closure, printed))
