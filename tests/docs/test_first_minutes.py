@@ -1,23 +1,24 @@
 """A stranger's first ten minutes: names by tab, a run, a figure, a notebook cell, an own law.
 
-Source of truth: what README.md and the page on laws promise. Everything happens in an empty folder,
-in a process of its own that has the core's dependencies and none of the extras.
+Source of truth: what README.md and the page on laws promise. The wheel is built and unpacked into
+an environment of its own that has what the core depends on and nothing else: no extra, no test
+tool, no checkout. Everything happens in an empty folder.
 """
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
+import venv
+import zipfile
+from collections.abc import Iterator
+from importlib.metadata import Distribution, distribution
 from pathlib import Path
 
 import pytest
 from fences import README, ROOT, fences
-
-EXTRAS = (
-    "jax starlette uvicorn distributed zarr control fmpy gymnasium mujoco pyarrow numpyro SALib"
-)
-PRELUDE = f"import sys\nsys.modules |= dict.fromkeys({EXTRAS.split()!r})\n"
-"""A module that is None in `sys.modules` cannot be imported: as if it were not installed."""
+from packaging.requirements import Requirement
 
 TAB = """
 import rlcompleter, martensite as ms
@@ -51,6 +52,37 @@ else:
 """
 
 
+def core_distributions(name: str = "martensite") -> Iterator[Distribution]:
+    """What a distribution depends on without any extra, directly or not."""
+    seen, left = {name}, [name]
+    while left:
+        found = distribution(left.pop())
+        yield found
+        needed = map(Requirement, found.requires or ())
+        wanted = {r.name for r in needed if not r.marker or r.marker.evaluate({"extra": ""})}
+        left += wanted - seen
+        seen |= wanted
+
+
+@pytest.fixture(scope="module")
+def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The interpreter of an environment with the wheel and the core's dependencies alone."""
+    folder = tmp_path_factory.mktemp("environment")
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
+    subprocess.run(build, cwd=ROOT, check=True, capture_output=True)
+    made = venv.EnvBuilder(symlinks=os.name != "nt").ensure_directories(folder / "venv")
+    venv.create(made.env_dir)
+    site = next((folder / "venv").glob("lib*/**/site-packages"))
+    with zipfile.ZipFile(next(folder.glob("*.whl"))) as wheel:
+        wheel.extractall(site)
+    for one in core_distributions():
+        tops = {file.parts[0] for file in one.files or ()} - {"..", "__pycache__"}
+        for top in tops if one.name != "martensite" else ():
+            if not (site / top).exists():
+                (site / top).symlink_to(one.locate_file(top))
+    return Path(made.env_exe)
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """An empty folder with the scenario of README.md and the law of the page on laws."""
@@ -63,24 +95,30 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return found
 
 
-def call(folder: Path, code: str, *words: str) -> subprocess.CompletedProcess[str]:
-    """What a process says that knows the core's dependencies alone."""
-    whole = [sys.executable, "-c", PRELUDE + code, *words]
-    return subprocess.run(whole, cwd=folder, capture_output=True, text=True, check=False)
+def call(python: Path, folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """What a process of that environment says."""
+    clean = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
+    whole = [str(python), *words]
+    return subprocess.run(whole, cwd=folder, env=clean, capture_output=True, text=True, check=False)
 
 
 @pytest.mark.parametrize("code", [TAB, RUN, WRONG], ids=["tab", "run", "wrong"])
-def test_it_works_without_any_extra(folder: Path, code: str) -> None:
-    done = call(folder, code)
+def test_it_works_without_any_extra(python: Path, folder: Path, code: str) -> None:
+    done = call(python, folder, "-c", code)
     assert done.returncode == 0, done.stderr
 
 
-def test_a_law_of_ones_own_conforms(folder: Path) -> None:
-    words = ("conform", "linear_strips.py")
-    done = call(folder, "from martensite.cli import main\nmain()", *words)
+def test_a_law_of_ones_own_conforms(python: Path, folder: Path) -> None:
+    done = call(python, folder, "-m", "martensite", "conform", "linear_strips.py")
     assert done.returncode == 0, done.stdout + done.stderr
     assert "linear-strips" in done.stdout
 
 
-def test_a_missing_dependency_would_be_noticed(folder: Path) -> None:
-    assert call(folder, "sys.modules['matplotlib'] = None\n" + RUN).returncode != 0
+@pytest.mark.parametrize("name", ["pytest", "jax", "starlette", "hatchling"])
+def test_nothing_else_is_there(python: Path, folder: Path, name: str) -> None:
+    assert "ModuleNotFoundError" in call(python, folder, "-c", f"import {name}").stderr
+
+
+def test_a_missing_dependency_would_be_noticed(python: Path, folder: Path) -> None:
+    blocked = "import sys; sys.modules['matplotlib'] = None\n" + RUN
+    assert call(python, folder, "-c", blocked).returncode != 0
