@@ -79,7 +79,7 @@ def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
         tops = {file.parts[0] for file in one.files or ()} - {"..", "__pycache__"}
         for top in tops if one.name != "martensite" else ():
             if not (site / top).exists():
-                (site / top).symlink_to(one.locate_file(top))
+                (site / top).symlink_to(str(one.locate_file(top)))
     return Path(made.env_exe)
 
 
