@@ -72,8 +72,8 @@ def mujoco(
     """Write the mechanism of a scenario as an MJCF model, or what another model needs.
 
     It has a tendon with an actuator at the place of every element. The elements themselves are
-    put there by the driver, by `martensite.bridge_of`, or by a `MujocoBridge` with the forces
-    printed.
+    put there by the driver, by `martensite.export.bridge_of`, or by a `MujocoBridge`
+    with the forces printed.
     """
     from martensite.base.files import replace_file
     from martensite.export.mjcf import to_mjcf

@@ -129,7 +129,7 @@ _STATUS = {
     Status.OK: "done",
     Status.LONG_STEP: "done, but coarse: the step crossed much of a transformation",
     Status.UNSOLVED: "not solved to its tolerance: the state is as it was; make a shorter step",
-    Status.OUT_OF_RANGE: "kept for the numbers of martensite.Status; not given",
+    Status.OUT_OF_RANGE: "kept for the numbers of martensite.simulate.Status; not given",
     Status.NOT_FINITE: "a number became infinite or none: the state is as it was",
 }
 

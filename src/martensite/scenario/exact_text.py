@@ -9,7 +9,7 @@ from martensite.base.units import choose_familiar_unit
 
 
 def exact_text(value: float, unit: str, digits: int | None = None) -> str:
-    """A quantity such as `66.8 degC`; `martensite.base.units.parse` gives its value in SI again.
+    """A quantity such as `66.8 degC`; `base.units.parse_quantity` gives its value in SI again.
 
     Args:
         value: in the SI `unit`.

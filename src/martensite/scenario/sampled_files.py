@@ -2,7 +2,7 @@
 
 | ending | read as |
 |---|---|
-| .csv .txt .tsv .dat, `data:SET/FILE` | text with headings `name [unit]` (`io.tables`) |
+| .csv .txt .tsv .dat, `data:SET/FILE` | text with headings `name [unit]` (`scenario.tables`) |
 | .parquet | table with column names like these headings; needs pyarrow |
 | .mat | variables by name, of version 5 (SciPy) or 7.3 (HDF5); no structs |
 | .nc | variables over one dimension, with their attribute `units` |

@@ -1,3 +1,4 @@
+from martensite.base.status import Status as Status
 from martensite.simulate.alarms import Alarm as Alarm
 from martensite.simulate.batch import OutputSensitivity as OutputSensitivity
 from martensite.simulate.batch import compute_sensitivity as compute_sensitivity

@@ -85,7 +85,7 @@ class Marched:
     lost: float = 0.0
     """Heat [J] that they lost to the surroundings."""
     accounts: tuple[float, ...] = (0.0,) * len(ACCOUNTS)
-    """Energies [J], see `system.ledger.ACCOUNTS`: more held than in the beginning, or work."""
+    """Energies [J], see `assembly.ledger.ACCOUNTS`: more held than in the beginning, or work."""
     ends: list[float] = field(default_factory=list[float])
     """Ends of the steps [s], if they were to be kept."""
 

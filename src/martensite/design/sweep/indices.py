@@ -6,7 +6,7 @@ Which estimate is made follows from the design:
 
     saltelli       SALib's estimators (Saltelli et al. (2010)) with bootstrap intervals
     whole grid     sums of squares over its levels, which count as equally likely; no interval
-    other samples  `martensite.design.sweep.given_data_indices`
+    other samples  `martensite.search.given_data_indices`
 
 Varied numbers count as independent, with the distributions that the design gave them.
 """

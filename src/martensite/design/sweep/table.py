@@ -76,7 +76,7 @@ class SweepTable:
     measures: Mapping[str, SweepColumn]
     """By their words."""
     status: NDArray[np.int8]
-    """(runs,), of `martensite.Status`, or `NOT_MADE`."""
+    """(runs,), of `martensite.simulate.Status`, or `NOT_MADE`."""
     levels: tuple[Numbers, ...] | None = None
     """Levels of every varied number, if runs lie on a grid; the last one varies fastest."""
 

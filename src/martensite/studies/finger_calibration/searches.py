@@ -2,7 +2,7 @@
 
 Coordinate search here: one parameter at a time, a tenth of its range up or down, twice that
 after a round with an improvement and half of it after one without, until it is below a
-thousandth (`identify.fitting.coordinate_search`). That of the paper's software is not described
+thousandth (`martensite.search.coordinate_search`). That of the paper's software is not described
 in the paper. Least squares: trust region within bounds, exact derivatives.
 """
 
