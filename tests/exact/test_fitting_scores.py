@@ -61,21 +61,20 @@ def test_scores_refuse_what_cannot_be_compared():
 
 
 @pytest.mark.parametrize("name", LOSSES)
-def test_losses_are_those_of_scipy(name: str):
-    """The cost that SciPy's solver reports, at the minimum that it finds."""
+def test_weights_are_the_slope_of_the_cost_of_scipy(name: str):
     loss = find_loss(name)
-    y = np.asarray([0.1, 0.0, -0.2, 0.15, 9.0])
-    found = optimize.least_squares(
-        lambda p: p[0] - y, [0.0], loss=loss.scipy_name, f_scale=loss.tuning * 0.3
-    )
-    assert loss.cost(found.x[0] - y, 0.3) == pytest.approx(found.cost, rel=1e-12)
 
+    def cost(r: float) -> float:
+        found = optimize.least_squares(
+            lambda p: np.asarray([r]) + 0.0 * p,
+            [0.0],
+            loss=loss.scipy_name,
+            f_scale=loss.tuning * 0.8,
+        )
+        return found.cost
 
-@pytest.mark.parametrize("name", LOSSES)
-def test_weights_are_the_slope_of_the_cost(name: str):
-    loss = find_loss(name)
     for r in (-7.0, -1.0, 1e-3, 0.4, 3.0):
-        slope = (loss.cost([r + 1e-5], 0.8) - loss.cost([r - 1e-5], 0.8)) / 2e-5
+        slope = (cost(r + 1e-5) - cost(r - 1e-5)) / 2e-5
         assert slope == pytest.approx(float(loss.weights([r], 0.8)[0]) * r, rel=1e-6, abs=1e-9)
 
 

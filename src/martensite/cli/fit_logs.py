@@ -31,7 +31,8 @@ from martensite.cli.progress import show_search, show_spinner
 
 if TYPE_CHECKING:
     from martensite.base.summary import Summary
-    from martensite.fit.fit_task import ArrangedFit, FitTask, LogFit
+    from martensite.fit.fit import Fit
+    from martensite.fit.fit_task import ArrangedFit, FitTask
     from martensite.fit.posterior import Posterior
     from martensite.fit.search_monitor import SearchNote
     from martensite.search.profile import Profile
@@ -197,7 +198,7 @@ class FitExtras:
             return None
         return find_figure_folder(self.report)
 
-    def write(self, fit: LogFit, summary: Summary) -> list[Path]:
+    def write(self, fit: Fit, summary: Summary) -> list[Path]:
         """Write what is wanted; the files that were written."""
         written: list[Path] = []
         if self.out is not None:
@@ -268,7 +269,7 @@ def run_fit(task: FitTask, extras: FitExtras, json: bool) -> bool:
     return whole and fit.reason != "interrupted"
 
 
-def _draw_posterior(fit: LogFit, draws: int) -> Posterior | None:
+def _draw_posterior(fit: Fit, draws: int) -> Posterior | None:
     """Samples; None if they were interrupted."""
     from martensite.fit.posterior import sample_posterior
 
@@ -278,7 +279,7 @@ def _draw_posterior(fit: LogFit, draws: int) -> Posterior | None:
         return None
 
 
-def _walk_profiles(fit: LogFit, names: Sequence[str]) -> list[Profile]:
+def _walk_profiles(fit: Fit, names: Sequence[str]) -> list[Profile]:
     """Profiles; fewer if they were interrupted."""
     from martensite.fit.profiling import profile_likelihood
 

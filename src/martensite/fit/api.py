@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from martensite.base.errors import InputError
+from martensite.fit.fit import Fit
 from martensite.fit.fit_file import read_fit_file
-from martensite.fit.fit_task import Columns, FitTask, LogFit
+from martensite.fit.fit_task import Columns, FitTask
 from martensite.fit.free_parameters import split_list
 from martensite.fit.logs import Log, Model, Source, check_matching
 from martensite.fit.problem import Problem
@@ -79,7 +80,7 @@ def fit_logs(
     seed: int | None = None,
     tell: Tell | None = None,
     state: str | Path | None = None,
-) -> LogFit:
+) -> Fit:
     """Fit parameters of scenarios to logs.
 
     With the path of a fit file in place of all three it does what that says, but for what is

@@ -11,6 +11,7 @@ import numpy as np
 from martensite.fit.experiment import Experiment
 from martensite.fit.losses import estimate_scale, find_loss
 from martensite.fit.problem import Evaluation, Problem
+from martensite.scenario.scenario import Scenario
 from martensite.search.identifiability import Identifiability, assess_identifiability
 from martensite.search.model_score import Score, score_model
 from martensite.search.uncertainty import Uncertainty, estimate_uncertainty
@@ -51,6 +52,12 @@ class Fit:
     """(runs, cost) at each improvement."""
     kept: tuple[HeldOutRecord, ...] = ()
     """Records that the search did not see."""
+    scenario: Scenario | None = None
+    """That of the first log, as it was before the fit, of a fit to logs."""
+    notes: tuple[str, ...] = ()
+    """What was noticed in the logs before the search."""
+    cautions: tuple[str, ...] = ()
+    """What halving the steps changes at its end, if that is noticeable."""
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -90,7 +97,7 @@ class Fit:
     @cached_property
     def uncertainty(self) -> Uncertainty:
         """Errors and correlations of the parameters, from the Jacobian at the optimum."""
-        weights = self._weights
+        weights = self.weights
         return estimate_uncertainty(
             weights * self.evaluation.residuals,
             weights[:, None] * self.evaluation.jacobian,
@@ -101,7 +108,7 @@ class Fit:
         )
 
     @property
-    def _weights(self) -> Any:
+    def weights(self) -> Any:
         """(n,): roots of the weights that the loss gives to the squared residuals."""
         residuals = self.evaluation.residuals
         if self.loss == "linear":

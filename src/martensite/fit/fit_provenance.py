@@ -14,11 +14,9 @@ from typing import Any
 from martensite.base.confidence import EVERYTHING, Interval
 from martensite.fit.compared_outputs import HELD_OUT, TRAINING, ComparedOutput, list_compared
 from martensite.fit.fit import Fit
-from martensite.fit.fit_task import LogFit
 from martensite.fit.fit_verdicts import format_error
 from martensite.scenario.datasets import dataset_names, describe_dataset
 from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
-from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import FreeNumber
 from martensite.signals.records import Record
 
@@ -32,16 +30,6 @@ def describe_program() -> str:
         return f"{PACKAGE} {version(PACKAGE)}"
     except PackageNotFoundError:  # run from a source tree that was not installed
         return PACKAGE
-
-
-def find_scenario(fit: Fit) -> Scenario | None:
-    """The scenario that a fit carries with it, if it does."""
-    return fit.scenario if isinstance(fit, LogFit) else None
-
-
-def list_cautions(fit: Fit) -> tuple[str, ...]:
-    """What was found about the steps of its runs, if it was looked for."""
-    return fit.cautions if isinstance(fit, LogFit) else ()
 
 
 def compute_digest(record: Record) -> dict[str, str]:

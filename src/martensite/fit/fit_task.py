@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -32,18 +32,6 @@ class FitSearch:
     starts: int = 0
     seed: int = 0
     most: int = MOST_EVALUATIONS
-
-
-@dataclass(frozen=True)
-class LogFit(Fit):
-    """A fit to logs."""
-
-    scenario: Scenario | None = None
-    """That of the first record, as it was before the fit."""
-    notes: tuple[str, ...] = ()
-    """What was noticed before the search."""
-    cautions: tuple[str, ...] = ()
-    """What halving the steps changes at its end, if that is noticeable."""
 
 
 @dataclass(frozen=True)
@@ -108,27 +96,16 @@ class ArrangedFit:
     search: FitSearch = FitSearch()
     notes: tuple[str, ...] = ()
 
-    def solve(self, tell: Tell | None = None, state: Path | None = None) -> LogFit:
+    def solve(self, tell: Tell | None = None, state: Path | None = None) -> Fit:
         """The fit; see `solve` for what is told and kept.
 
         Raises:
             DataError: the headings of a record seem to be swapped.
             SolveError: the runs fail at the start, and at every point tried.
         """
-        how = self.search
-        fit = solve_problem(
-            self.problem,
-            method=how.method,
-            loss=how.loss,
-            starts=how.starts,
-            seed=how.seed,
-            most=how.most,
-            tell=tell,
-            state=state,
-        )
+        fit = solve_problem(self.problem, **vars(self.search), tell=tell, state=state)
         if fit.reason != INTERRUPTED:
             refuse_swapped(fit, self.models)
         first, _ = next(iter(self.models.values()))
         cautions = tuple(describe_step_error(fit))
-        known = {one.name: getattr(fit, one.name) for one in fields(fit)}
-        return LogFit(**known, scenario=first, notes=self.notes, cautions=cautions)
+        return replace(fit, scenario=first, notes=self.notes, cautions=cautions)

@@ -18,8 +18,6 @@ from martensite.fit.fit_provenance import (
     PACKAGE,
     build_provenance,
     describe_program,
-    find_scenario,
-    list_cautions,
     list_published,
 )
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
@@ -71,7 +69,7 @@ def write_material(
     path = Path(path)
     if path.suffix.lower() != ".toml":
         raise DataError(f"A material file ends in .toml, but this is `{path}`.")
-    numbers = MaterialNumbers(fit, scenario or find_scenario(fit), port, digits)
+    numbers = MaterialNumbers(fit, scenario or fit.scenario, port, digits)
     text = format_material(numbers, title, cite)
     with replace_file(path) as part:
         part.write_text(text, encoding="utf-8")
@@ -159,7 +157,7 @@ def _describe_limits(numbers: MaterialNumbers) -> str:
     if kept:
         words.append(f"Kept back: {join_phrases(list(dict.fromkeys(kept)))}.")
     return " ".join(
-        [*words, *describe_predictions(fit), *list_fit_warnings(fit), *list_cautions(fit)]
+        [*words, *describe_predictions(fit), *list_fit_warnings(fit), *fit.cautions]
     ).replace("`", "")
 
 

@@ -14,7 +14,6 @@ import numpy as np
 from martensite.base.confidence import LEVEL
 from martensite.base.errors import DataError, SolveError, UnknownNameError
 from martensite.fit.fit import Fit
-from martensite.fit.losses import estimate_scale, find_loss
 from martensite.search.least_squares import descend_squares
 from martensite.search.profile import MOST_REFITS, Profile, walk_profile
 
@@ -77,12 +76,7 @@ class _Refit:
     """The least cost with some parameters held."""
 
     def __init__(self, fit: Fit) -> None:
-        self.problem = fit.problem
-        residuals = fit.evaluation.residuals
-        self.weights = np.ones_like(residuals)
-        if fit.loss != "linear":
-            given = find_loss(fit.loss).weights(residuals, estimate_scale(residuals))
-            self.weights = np.sqrt(given)
+        self.problem, self.weights = fit.problem, fit.weights
 
     def cost(self, residuals: Any) -> float:
         """Sum of the squared weighted residuals."""

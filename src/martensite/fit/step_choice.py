@@ -12,6 +12,8 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from martensite.base.errors import SolveError
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
@@ -28,8 +30,6 @@ def choose_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, l
     Raises:
         SolveError: the run fails at its start values.
     """
-    import numpy as np
-
     sources = [one.source for one in experiment.system.actuators().values()]
     if all(source.sets_temperature for source in sources):
         apart = _compare_runs(
@@ -69,8 +69,6 @@ def _run_experiment(experiment: Experiment) -> Any:
 
 def _compare_runs(coarse: Any, fine: Any) -> Any:
     """Largest change of each output as a share of its range."""
-    import numpy as np
-
     reach = np.ptp(fine, axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
         share = np.max(np.abs(fine - coarse), axis=0) / reach
@@ -83,8 +81,6 @@ def describe_step_error(fit: Fit) -> list[str]:
     The parameters would move by about the least-squares solution of J dz = dr, where dr is the
     change of the residuals.
     """
-    import numpy as np
-
     problem = fit.problem
     fixed = [
         one if problem.step is None else replace(one, step=problem.step)

@@ -11,15 +11,14 @@ and the most strongly correlated one.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from martensite.base.errors import DataError
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Vector = NDArray[np.float64]
+Vector: TypeAlias = NDArray[np.float64]
 
 
 def compute_autocorrelation(residuals: Any, lengths: Sequence[int] | None = None) -> Vector:
@@ -35,8 +34,6 @@ def compute_autocorrelation(residuals: Any, lengths: Sequence[int] | None = None
     Raises:
         DataError: the residuals are none or not finite, or not as many as `lengths` say.
     """
-    import numpy as np
-
     errors = require_residuals(residuals)
     parts = [len(errors)] if lengths is None else list(lengths)
     if sum(parts) != len(errors) or min(parts, default=0) < 1:
@@ -58,8 +55,6 @@ def count_effective_samples(residuals: Any, lengths: Sequence[int] | None = None
     Raises:
         DataError: the residuals are none or not finite, or not as many as `lengths` say.
     """
-    import numpy as np
-
     rho = compute_autocorrelation(residuals, lengths)
     count = len(residuals)
     even = rho[: 2 * (len(rho) // 2)].reshape(-1, 2).sum(axis=1)
@@ -75,8 +70,6 @@ def require_residuals(residuals: Any) -> Vector:
     Raises:
         DataError: they are none, or not finite.
     """
-    import numpy as np
-
     errors = np.asarray(residuals, np.float64)
     if errors.ndim != 1 or not len(errors):
         raise DataError(f"Residuals must be a row of numbers, but have the shape {errors.shape}.")

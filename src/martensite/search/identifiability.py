@@ -18,7 +18,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError
 from martensite.search.quantity_text import (
@@ -36,13 +39,8 @@ from martensite.search.scaled_jacobian import (
 from martensite.search.weak_direction import WeakDirection
 from martensite.search.weak_direction_sets import find_weak_directions
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Matrix = NDArray[np.float64]
-    Vector = NDArray[np.float64]
-
+Matrix: TypeAlias = NDArray[np.float64]
+Vector: TypeAlias = NDArray[np.float64]
 PRECISION = 1e-10
 """Relative precision of each column of exact derivatives; take 1e-6 for finite differences."""
 NEGLIGIBLE = 0.05
@@ -123,8 +121,6 @@ def assess_identifiability(
         DataError: the Jacobian is not finite, or not of this many parameters.
         ParameterError: the noise is not above 0, or values and names differ in number.
     """
-    import numpy as np
-
     free = scale_parameters(names, values, scales, units)
     matrix = free.jacobian(jacobian)
     if not 0.0 < noise < math.inf:
@@ -149,7 +145,6 @@ def _find_directions(
     matrix: Matrix, free: ScaledParameters, noise: float, precision: float
 ) -> tuple[WeakDirection, ...]:
     """Redundant directions, then weak ones, of the fewest parameters each."""
-    import numpy as np
 
     def gauge(direction: Vector) -> bool:
         moves = [i for i in range(len(free)) if direction[i] != 0.0]
@@ -170,8 +165,6 @@ def _find_directions(
 
 def _drop_negligible(matrix: Matrix, direction: Vector, limit: float) -> Vector:
     """The direction less its negligible components, unless it needs them."""
-    import numpy as np
-
     large = np.abs(direction) >= NEGLIGIBLE * np.max(np.abs(direction))
     short = np.where(large, direction, 0.0)
     return short if np.linalg.norm(matrix @ short) <= 2.0 * limit else direction
@@ -181,8 +174,6 @@ def _describe_direction(
     matrix: Matrix, free: ScaledParameters, direction: Vector, noise: float, exact: bool
 ) -> WeakDirection:
     """A unit vector per search range as parameters and amounts."""
-    import numpy as np
-
     order = sorted(np.flatnonzero(direction).tolist(), key=lambda i: -abs(float(direction[i])))
     moved = direction * _choose_stretch(free, direction, order)
     seen = float(np.linalg.norm(matrix @ direction))

@@ -14,6 +14,8 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
 from martensite.base.errors import DataError
 from martensite.search.quantity_text import format_change, format_number
 
@@ -83,8 +85,6 @@ def score_model(
     Raises:
         DataError: the three are not equally many, at least one, or not finite.
     """
-    import numpy as np
-
     t, y, model = (np.asarray(row, np.float64) for row in (times, measured, modelled))
     if not 0 < t.size == y.size == model.size:
         raise DataError(

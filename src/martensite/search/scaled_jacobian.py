@@ -5,17 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from martensite.base.errors import DataError, ParameterError
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Matrix = NDArray[np.float64]
-    Vector = NDArray[np.float64]
-
+Matrix: TypeAlias = NDArray[np.float64]
+Vector: TypeAlias = NDArray[np.float64]
 _PROPORTIONAL = 1e-3
 _ROUNDING = 1e-15
 
@@ -49,8 +47,6 @@ class ScaledParameters:
         Raises:
             DataError: it is not finite, or not of this many parameters.
         """
-        import numpy as np
-
         matrix = np.asarray(jacobian, np.float64)
         if matrix.ndim != 2 or matrix.shape[1] != len(self) or not len(matrix):
             raise DataError(
@@ -98,8 +94,6 @@ def balance_columns(jacobian: Matrix) -> tuple[Matrix, Vector]:
 
     Whether columns depend on each other must not depend on the search ranges.
     """
-    import numpy as np
-
     norms = np.linalg.norm(jacobian, axis=0)
     seen = norms > _ROUNDING * np.max(norms)
     sizes = np.where(seen, norms, 1.0)
@@ -108,8 +102,6 @@ def balance_columns(jacobian: Matrix) -> tuple[Matrix, Vector]:
 
 def reduce_rows(jacobian: Matrix) -> Matrix:
     """A square matrix with the same singular values and right vectors."""
-    import numpy as np
-
     upper: Matrix = np.asarray(np.linalg.qr(jacobian, mode="r"))
     missing = upper.shape[1] - upper.shape[0]
     return np.vstack([upper, np.zeros((missing, upper.shape[1]))])

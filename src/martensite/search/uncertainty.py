@@ -19,7 +19,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from martensite.base.confidence import EVERYTHING, LEVEL, Interval, student_quantile
 from martensite.base.errors import DataError, UnknownNameError
@@ -28,12 +31,7 @@ from martensite.search.identifiability import PRECISION
 from martensite.search.quantity_text import format_number, list_names
 from martensite.search.scaled_jacobian import balance_columns, reduce_rows, scale_parameters
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Matrix = NDArray[np.float64]
-
+Matrix: TypeAlias = NDArray[np.float64]
 CONFOUNDED = 0.95
 """Correlation from which on two parameters are named as hardly told apart."""
 _TURNED = 1e-3
@@ -176,8 +174,6 @@ def estimate_uncertainty(
         DataError: residuals or Jacobian are not finite, or not equally many.
         ParameterError: values, scales and names differ in number.
     """
-    import numpy as np
-
     free = scale_parameters(names, values, scales)
     matrix, errors = free.jacobian(jacobian), np.asarray(residuals, np.float64)
     if errors.shape != (len(matrix),):
@@ -210,8 +206,6 @@ def _compute_unit_covariance(matrix: Matrix, precision: float) -> tuple[Matrix, 
     A parameter counts as undetermined if its share in the directions left out is more than the
     Jacobian's own imprecision turns them; in doubt it is undetermined.
     """
-    import numpy as np
-
     columns, norms = balance_columns(matrix)
     _, sizes, right = np.linalg.svd(reduce_rows(columns))
     rank = int(np.sum(sizes > precision * sizes[0]))

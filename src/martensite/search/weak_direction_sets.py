@@ -13,17 +13,15 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from itertools import combinations
-from typing import TYPE_CHECKING
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
 
 from martensite.search.scaled_jacobian import reduce_rows
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Matrix = NDArray[np.float64]
-    Vector = NDArray[np.float64]
-
+Matrix: TypeAlias = NDArray[np.float64]
+Vector: TypeAlias = NDArray[np.float64]
 MANY_SETS = 20_000
 """Sets of one size that are all tried; larger sizes are approached by leaving columns out."""
 _INDEPENDENT = 1e-3
@@ -43,8 +41,6 @@ def find_weak_directions(
         known: directions found before; counted, but not returned.
         prefer: which of two directions with equally many components to name first.
     """
-    import numpy as np
-
     square = reduce_rows(jacobian)
     wanted = int(np.sum(np.linalg.svd(square, compute_uv=False) <= limit))
     chosen = list(known)
@@ -64,8 +60,6 @@ def _search_sets(
     square: Matrix, limit: float, size: int, smaller: Sequence[tuple[int, ...]]
 ) -> list[Vector]:
     """Weak directions of all sets of one size that hold no smaller one; the weakest first."""
-    import numpy as np
-
     held = [set(one) for one in smaller]
     sets = [
         one
@@ -87,8 +81,6 @@ def _search_by_elimination(
 
     Of every direction known the largest mover is held fixed, so that the next one is another.
     """
-    import numpy as np
-
     kept = list(range(square.shape[1]))
     found: list[Vector] = []
     for direction in chosen:
@@ -116,8 +108,6 @@ def _eliminate_columns(square: Matrix, columns: Sequence[int], limit: float) -> 
 
 def _find_weakest(square: Matrix, columns: Sequence[int]) -> tuple[float, Vector]:
     """Smallest singular value of some columns, and its vector among all parameters."""
-    import numpy as np
-
     if not columns:
         return math.inf, _embed_vector(np.zeros(0), columns, square.shape[1])
     _, sizes, right = np.linalg.svd(square[:, np.asarray(columns)], full_matrices=False)
@@ -126,16 +116,12 @@ def _find_weakest(square: Matrix, columns: Sequence[int]) -> tuple[float, Vector
 
 def _embed_vector(part: Vector, columns: Sequence[int], count: int) -> Vector:
     """A vector over some columns as one over all."""
-    import numpy as np
-
     whole: Vector = np.zeros(count)
     whole[list(columns)] = part
     return whole
 
 
 def _is_independent(direction: Vector, others: Sequence[Vector]) -> bool:
-    import numpy as np
-
     if not others:
         return True
     basis = np.linalg.qr(np.stack(others, axis=1))[0]

@@ -16,7 +16,8 @@ from martensite.app.messages import BadMessageError, JsonTable, Request, require
 from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, SolveError
-from martensite.fit.fit_task import ArrangedFit, LogFit
+from martensite.fit.fit import Fit
+from martensite.fit.fit_task import ArrangedFit
 from martensite.fit.material_files import write_material
 
 ENDED = ("reason", "simulations", "jacobians", "seconds", "history")
@@ -56,7 +57,7 @@ def run_fit(request: Request, desk: Desk) -> JsonTable:
     return {**describe_outcome(fit), "fit": _keep_fit(request, fit, desk, key)}
 
 
-def search_parameters(arranged: ArrangedFit, watching: FitProgress, path: Path) -> LogFit:
+def search_parameters(arranged: ArrangedFit, watching: FitProgress, path: Path) -> Fit:
     """The fit, kept in a file.
 
     Raises:
@@ -77,7 +78,7 @@ def _place_state(request: Request, desk: Desk) -> tuple[str, Path]:
     return key, path
 
 
-def _keep_fit(request: Request, fit: LogFit, desk: Desk, state: str) -> str:
+def _keep_fit(request: Request, fit: Fit, desk: Desk, state: str) -> str:
     """A file from which the call `fit_files` makes others; its key."""
     key, path = UploadFolder(desk.folder).place("fit.json")
     ended = {name: getattr(fit, name) for name in ENDED}
@@ -112,7 +113,7 @@ def write_fit_file(request: Request, desk: Desk) -> dict[str, str]:
     return {"key": key, "name": path.name}
 
 
-def _write_file(fit: LogFit, what: str, path: Path) -> None:
+def _write_file(fit: Fit, what: str, path: Path) -> None:
     if what == "material":
         write_material(fit, path, scenario=fit.scenario)
         return
@@ -121,7 +122,7 @@ def _write_file(fit: LogFit, what: str, path: Path) -> None:
     write_report(fit, path, scenario=fit.scenario)
 
 
-def _repeat_fit(kept: Request, desk: Desk) -> LogFit:
+def _repeat_fit(kept: Request, desk: Desk) -> Fit:
     """The fit, at the numbers that were found."""
     arranged = read_task(require_entry(kept, "request", dict), desk).arrange()
     ended = Event()

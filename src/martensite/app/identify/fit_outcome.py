@@ -12,7 +12,7 @@ from martensite.app.identify.thinning import MOST_CORNERS as FEW
 from martensite.app.messages import JsonTable
 from martensite.app.views.columns import choose_rows
 from martensite.fit.compared_outputs import ComparedOutput, list_compared
-from martensite.fit.fit_task import LogFit
+from martensite.fit.fit import Fit
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
 from martensite.fit.free_parameters import is_nuisance
 from martensite.scenario.exact_text import exact_text
@@ -21,7 +21,7 @@ from martensite.search.free_numbers import FreeNumber
 DRAWN_ROWS = 800
 
 
-def describe_outcome(fit: LogFit) -> JsonTable:
+def describe_outcome(fit: Fit) -> JsonTable:
     """All that is shown of a fit; numbers in SI."""
     return {
         "title": fit.scenario.title if fit.scenario else "",
@@ -53,13 +53,13 @@ def describe_outcome(fit: LogFit) -> JsonTable:
     }
 
 
-def _list_warnings(fit: LogFit) -> list[str]:
+def _list_warnings(fit: Fit) -> list[str]:
     """Warnings but those that say what the data leave open, which is told by itself."""
     told = {one.sentence for one in fit.identifiability.weak}
     return [sentence for sentence in list_fit_warnings(fit) if sentence not in told]
 
 
-def _describe_parameter(fit: LogFit, free: FreeNumber) -> JsonTable:
+def _describe_parameter(fit: Fit, free: FreeNumber) -> JsonTable:
     low, high = fit.uncertainty.widened(free.name)
     known = math.isfinite(low) and math.isfinite(high)
     return {
@@ -71,7 +71,7 @@ def _describe_parameter(fit: LogFit, free: FreeNumber) -> JsonTable:
     }
 
 
-def _mark_parameter(fit: LogFit, name: str, known: bool) -> str:
+def _mark_parameter(fit: Fit, name: str, known: bool) -> str:
     """What speaks against a number, in two words."""
     if not known:
         return "not determined"
@@ -99,7 +99,7 @@ def _list_curves(one: ComparedOutput) -> JsonTable:
     }
 
 
-def fitted_text(fit: LogFit) -> str:
+def fitted_text(fit: Fit) -> str:
     """The scenario of the first record with the fitted numbers, and with its log in it."""
     scenario, first = fit.scenario, fit.problem.experiments[0]
     if scenario is None:

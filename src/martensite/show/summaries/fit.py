@@ -21,8 +21,6 @@ from martensite.base.summary import (
 )
 from martensite.fit.compared_outputs import list_compared
 from martensite.fit.fit import Fit
-from martensite.fit.fit_provenance import find_scenario, list_cautions
-from martensite.fit.fit_task import LogFit
 from martensite.fit.fit_verdicts import describe_predictions, format_error, list_fit_warnings
 from martensite.fit.posterior import Posterior
 from martensite.scenario.law_cautions import KIND, law_words
@@ -70,7 +68,7 @@ def summarise_fit(
         _describe_verdict(fit),
         *_describe_parameters(fit),
         *_describe_agreement(fit),
-        *_describe_problem(fit, scenario or find_scenario(fit)),
+        *_describe_problem(fit, scenario or fit.scenario),
         *_describe_knowledge(fit, profiles, posterior),
         *_describe_residuals(fit),
         *_describe_search(fit),
@@ -166,7 +164,7 @@ def _describe_verdict(fit: Fit) -> Block:
 def collect_warnings(fit: Fit) -> list[str]:
     """What a reader must know before the numbers are used."""
     weak = list(dict.fromkeys(name for one in fit.identifiability.weak for name in one.names))
-    found = list(dict.fromkeys([*list_cautions(fit), *list_fit_warnings(fit)]))
+    found = list(dict.fromkeys([*fit.cautions, *list_fit_warnings(fit)]))
     if weak:
         found.append(
             f"The fitted values of {list_names(weak)} rest on a direction that the data do not "
@@ -189,7 +187,7 @@ def _describe_agreement(fit: Fit) -> Iterator[Block]:
     yield fit_tables.tabulate_errors(fit)
     yield from _show_picture(fit, "measured")
     yield from _show_picture(fit, "loops")
-    if isinstance(fit, LogFit) and fit.notes:
+    if fit.notes:
         yield BulletList([f"Note: {one}" for one in fit.notes])
 
 
@@ -297,7 +295,7 @@ def _collect_numbers(fit: Fit) -> dict[str, Any]:
         "uncertainty": fit.uncertainty.to_dict(),
         "identifiability": fit.identifiability.to_dict(),
         "whiteness": [one.to_dict() for one in fit.whiteness],
-        "notes": list(fit.notes) if isinstance(fit, LogFit) else [],
+        "notes": list(fit.notes),
         "warnings": collect_warnings(fit),
     }
 
