@@ -33,12 +33,11 @@ def require_order(law: Parametrised, *pairs: tuple[str, str]) -> None:
             )
 
 
-class AbstractPhaseDiagram(AbstractLaw):
-    """Strips shifted by stress, and a Young's modulus that a law chooses."""
+class AbstractTwoPhaseLaw(AbstractLaw):
+    """Moduli of the phases, and the temperatures between which they transform without stress."""
 
     E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="70 GPa")
     E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")
-    eps_L: Scalar = param("1", "maximum recoverable strain", above=0.0, high=0.2, typical=0.04)
     A_s: Scalar = param(
         "K", "austenite start temperature at zero stress", low=100.0, high=1000.0, typical="65 degC"
     )
@@ -63,6 +62,12 @@ class AbstractPhaseDiagram(AbstractLaw):
         high=1000.0,
         typical="40 degC",
     )
+
+
+class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
+    """Strips shifted by stress, and a Young's modulus that a law chooses."""
+
+    eps_L: Scalar = param("1", "maximum recoverable strain", above=0.0, high=0.2, typical=0.04)
     C_A: Scalar = param(
         "Pa/K",
         "Clausius–Clapeyron slope of the reverse strip",

@@ -42,10 +42,10 @@ from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics.diagram import WIDTHS, require_order
+from martensite.physics.kinetics.diagram import WIDTHS, AbstractTwoPhaseLaw, require_order
 from martensite.physics.kinetics.hardening import LEAST_EXPONENT, compute_hardening
 from martensite.physics.kinetics.waist import MOST, apply_waist, remove_waist, waist_energy
-from martensite.physics.laws.base import AbstractLaw, Doubt
+from martensite.physics.laws.base import Doubt
 
 SAMPLES = 201
 """Fractions at which the order of the surfaces is checked."""
@@ -96,35 +96,9 @@ class StraightPath(NamedTuple):
         return self.stress + part * self.more, self.temperature + part * self.warmer
 
 
-class AbstractSurfaceLaw(AbstractLaw):
+class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
     """Parameters, constants and surfaces; a law adds memory and flow."""
 
-    E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="70 GPa")
-    E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")
-    A_s: Scalar = param(
-        "K", "austenite start temperature at zero stress", low=100.0, high=1000.0, typical="65 degC"
-    )
-    A_f: Scalar = param(
-        "K",
-        "austenite finish temperature at zero stress",
-        low=100.0,
-        high=1000.0,
-        typical="75 degC",
-    )
-    M_s: Scalar = param(
-        "K",
-        "martensite start temperature at zero stress",
-        low=100.0,
-        high=1000.0,
-        typical="50 degC",
-    )
-    M_f: Scalar = param(
-        "K",
-        "martensite finish temperature at zero stress",
-        low=100.0,
-        high=1000.0,
-        typical="40 degC",
-    )
     C_A: Scalar = param(
         "Pa/K", "slope of the reverse surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K"
     )
