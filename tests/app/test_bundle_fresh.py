@@ -1,11 +1,14 @@
-"""The bundle of the page that is committed is what its sources give."""
+"""The bundle and the types of the page that are committed are what their sources give."""
 
 import shutil
 import subprocess
+import sys
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
+
+import martensite
 
 WEB = Path(__file__).parents[2] / "web"
 
@@ -35,5 +38,25 @@ def test_an_old_bundle_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     done = subprocess.run(
         [node(), "test/fresh.mjs"], cwd=WEB, capture_output=True, text=True, check=False
     )
+    assert done.returncode == 1
+    assert "not the newest" in done.stderr
+
+
+def write_types(*arguments: str, folder: Path = WEB) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, str(folder / "write_types.py"), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_the_types_of_forms_are_what_python_declares(tmp_path: Path) -> None:
+    done = write_types("--check")
+    assert done.returncode == 0, done.stderr
+    shutil.copytree(WEB / "src" / "form", tmp_path / "web" / "src" / "form")
+    shutil.copy(WEB / "write_types.py", tmp_path / "web")
+    for name in ("scenario/catalogue.py", "app/forms/form_types.py"):
+        place = tmp_path / "src" / "martensite" / name
+        place.parent.mkdir(parents=True)
+        text = (Path(martensite.__file__).parent / name).read_text("utf-8")
+        place.write_text(text.replace("summary: str", "summary: str | None"))
+    done = write_types("--check", folder=tmp_path / "web")
     assert done.returncode == 1
     assert "not the newest" in done.stderr

@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 
-from martensite.app.calls.form import NEW
-from martensite.app.calls.form import build_form as answer
+from martensite.app.calls.form import NEW, build_form
 from martensite.app.forms import documents
 from martensite.app.packaged_scenarios import FOLDER, list_standalone
 from martensite.app.worker import Desk
@@ -73,6 +72,11 @@ DIFFERENT: dict[tuple[str, str], tuple[str, dict[str, Any], str]] = {
 
 def desk(tmp_path: Path) -> Desk:
     return Desk(tmp_path)
+
+
+def answer(request: dict[str, Any], at: Desk) -> Any:
+    """The form, as the page takes it."""
+    return build_form(request, at)
 
 
 def begun(registry: str, kind: str) -> str:

@@ -13,6 +13,7 @@ from typer.testing import CliRunner, Result
 
 from martensite.base.errors import DataError, SolveError
 from martensite.cli import app
+from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.scenario.scenario import Scenario
 
 SCENARIO = """\
@@ -346,6 +347,25 @@ def test_help_fits_a_terminal(columns: str, monkeypatch: pytest.MonkeyPatch) -> 
     text = fine("--help")
     assert max(map(len, text.splitlines())) <= 80
     assert "..." not in text.partition("Simulate:")[2]
+
+
+def test_describe_has_all_that_is_declared_of_parts_and_of_a_scenario(folder: Path) -> None:
+    """What a program needs to build a form: checked for one entry against its declaration."""
+    found = parsed("describe", "wire.toml", "--set", "element.law.E_A=61 GPa")
+    parts = {one["name"]: one for one in found["parts"]["law"]}
+    assert {"brinson", "liang-rogers", "tanaka"} <= parts.keys()
+    (declared,) = [one for one in parts["liang-rogers"]["parameters"] if one["name"] == "E_A"]
+    known = LiangRogers.declarations["E_A"]
+    assert (declared["unit"], declared["low"], declared["high"]) == ("Pa", known.low, known.high)
+    assert (declared["symbol"], declared["typical"]) == ("E_A", known.typical)
+    law = found["scenario"]["sections"][0]["items"]
+    (control,) = [e for g in law for e in g.get("items", []) if e["path"] == "element.law.E_A"]
+    assert control["value"] == 61e9
+    assert {**declared, "allowed": ""} == {key: control[key] for key in declared} | {"allowed": ""}
+    assert parsed("describe") == {"parts": found["parts"]}
+    lines = fine("describe", "wire.toml").splitlines()
+    assert any(line.split()[:3] == ["element.diameter", "0.381", "mm"] for line in lines)
+    assert "mechanism.kind" in {line.split()[0] for line in lines if line}
 
 
 def test_materials_mark_what_is_not_measured() -> None:

@@ -1,12 +1,33 @@
-"""Numbers with units as people read them."""
+"""Names and numbers with units as people read them: `eps_L` is ε_L, `W/m^2/K` is W/m²/K."""
 
 from __future__ import annotations
 
 import math
+import re
 
 from martensite.base import units
 
 _TYPESET = (("degC", "°C"), ("ohm", "Ω"), ("um", "µm"), ("^2", "²"), ("^3", "³"), ("*", " "))
+
+
+GREEK = {
+    "alpha": "α",
+    "beta": "β",
+    "gamma": "γ",
+    "delta": "δ",
+    "eps": "ε",
+    "nu": "ν",
+    "rho": "ρ",
+    "sigma": "σ",
+    "tau": "τ",
+    "phi": "φ",
+    "xi": "ξ",
+    "Theta": "Θ",
+    "Delta": "Δ",
+    "lambda": "λ",
+}
+_LETTER = re.compile(r"^([A-Za-z])(\d*|[a-z])$")
+_SLOPE = re.compile(r"^d([a-z]+)_d([A-Z])$")
 
 
 def write_quantity(value: float, unit: str, digits: int = 6) -> str:
@@ -42,3 +63,30 @@ def typeset_unit(unit: str, plain: str = "") -> str:
     for spelling, printed in _TYPESET:
         unit = unit.replace(spelling, printed)
     return unit
+
+
+def spell_symbol(name: str) -> str:
+    """The symbol that a name spells, with `_` before its index; empty if it is a word.
+
+    `E_A` is E_A, `rho_inf` ρ_∞, `dsigma_dT` dσ/dT, `Kp` K_p; `diameter` has none.
+    """
+    slope = _SLOPE.match(name)
+    if slope:
+        return f"d{GREEK.get(slope[1], slope[1])}/d{slope[2]}"
+    head, *rest = name.split("_")
+    if head == "Delta" and rest:
+        return "Δ" + "_".join(GREEK.get(word, word) for word in rest)
+    letter = _LETTER.match(head)
+    if head not in GREEK and letter is None:
+        return ""
+    if letter is not None and letter[2]:
+        if letter[2].isalpha() and not letter[1].isupper():  # a short word, such as `at`
+            return ""
+        head, rest = letter[1], [letter[2], *rest]
+    below = ",".join({"inf": "∞"}.get(word, GREEK.get(word, word)) for word in rest)
+    return GREEK.get(head, head) + (f"_{below}" if below else "")
+
+
+def spell_title(name: str) -> str:
+    """A name in words: `coil_diameter` is coil diameter."""
+    return name.replace("_", " ").replace(".", " ")

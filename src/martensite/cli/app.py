@@ -14,7 +14,7 @@ GROUPS = {
     "From logs": ("fit", "identify"),
     "Design": ("size", "design", "tune", "sweep", "sensitivity", "pareto"),
     "Take along": ("export", "app"),
-    "Look up": ("list", "params", "materials", "data", "cite", "conform"),
+    "Look up": ("list", "params", "describe", "materials", "data", "cite", "conform"),
 }
 """Commands of the help text, the most used first."""
 

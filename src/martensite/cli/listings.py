@@ -51,20 +51,19 @@ def list_parts(
     if kind is None:
         _list_kinds(json)
         return
-    from martensite.cli import describe
     from martensite.scenario import catalogue
     from martensite.show.summaries.parts import describe_part, tabulate_parts
     from martensite.show.terminal import print_summary
 
     registry = catalogue.find_registry(kind)
     if name is None:
-        rows = describe.list_entries(registry)
+        rows = catalogue.list_named(registry)
         if registry.kind == "block":
             rows = [{"written": _write_block(registry[row["name"]]), **row} for row in rows]
         print_summary(Summary("", [tabulate_parts(registry.kind, rows)], rows), json)
         return
     short = {getattr(registry[n], "short", ""): n for n in registry.names()}
-    part = describe.describe_entry(registry, short.get(name, name))
+    part = catalogue.describe_class(registry.kind, registry[short.get(name, name)])
     print_summary(Summary("", list(describe_part(part)), part), json)
 
 

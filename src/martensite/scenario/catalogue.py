@@ -9,13 +9,56 @@ from __future__ import annotations
 import inspect
 import math
 import sys
-from typing import Any
+from typing import Any, TypedDict
 
 from martensite.base.errors import UnknownNameError
+from martensite.base.formats import spell_symbol, spell_title
 from martensite.base.parameters import REQUIRED, Declared, Parametrised
 from martensite.base.registry import Registry
 from martensite.base.units import OF_READINGS
 from martensite.signals.base import DRIVE
+
+
+class EntryDescription(TypedDict):
+    """What is declared of one entry of a part."""
+
+    name: str
+    declares: str
+    """parameter, option, text or part."""
+    title: str
+    """The name in words."""
+    symbol: str
+    """With `_` before its index; empty where the name is a word."""
+    meaning: str
+    unit: str | None
+    """SI unit of a parameter."""
+    low: float | None
+    high: float | None
+    """Bounds in SI; null for none."""
+    allowed: str
+    choices: list[str]
+    """Of an option, and of a part from a registry."""
+    required: bool
+    default: Any
+    """Null if one is required, or there is no limit."""
+    typical: Any
+    """As files write it; null for none. Assumed, never data."""
+
+
+class NamedPart(TypedDict):
+    """A registered part by its name."""
+
+    name: str
+    summary: str
+
+
+class PartDescription(NamedPart):
+    """All that is declared of a registered part."""
+
+    kind: str
+    description: str
+    cites: list[str]
+    parameters: list[EntryDescription]
 
 
 def list_registries(blocks: bool = False) -> dict[str, Registry[Any]]:
@@ -82,7 +125,33 @@ def summarise_class(cls: type[Any]) -> str:
     return (inspect.getdoc(cls) or "").partition("\n")[0]
 
 
-def describe_class(kind: str, cls: type[Parametrised]) -> dict[str, Any]:
+def list_named(registry: Registry[Any]) -> list[NamedPart]:
+    """Names and summaries of the parts of a registry."""
+    return [{"name": name, "summary": summarise_class(registry[name])} for name in registry.names()]
+
+
+def describe_parts() -> dict[str, list[PartDescription]]:
+    """Every registered part with all that is declared of it, by the word for its kind."""
+    return {
+        kind: [describe_class(kind, registry[name]) for name in registry.names()]
+        for kind, registry in list_registries(blocks=True).items()
+    }
+
+
+def find_parts(name: str) -> list[PartDescription]:
+    """All registered parts of that name, of whichever kind; at least one.
+
+    Raises:
+        UnknownNameError: there is none.
+    """
+    known = list_registries(blocks=True)
+    found = [describe_class(k, r[name]) for k, r in known.items() if name in r.names()]
+    if not found:
+        raise UnknownNameError("part", name, {one for r in known.values() for one in r.names()})
+    return found
+
+
+def describe_class(kind: str, cls: type[Parametrised]) -> PartDescription:
     """Everything about a registered class, ready for JSON."""
     return {
         "name": cls.registered_name,
@@ -90,25 +159,32 @@ def describe_class(kind: str, cls: type[Parametrised]) -> dict[str, Any]:
         "summary": summarise_class(cls),
         "description": inspect.getdoc(sys.modules[cls.__module__]) or "",
         "cites": list(cls.cites),
-        "parameters": [_describe_declared(name, d) for name, d in cls.declarations.items()],
+        "parameters": [describe_entry(name, d) for name, d in cls.declarations.items()],
     }
 
 
-def _describe_declared(name: str, declared: Declared) -> dict[str, Any]:
+def describe_entry(name: str, declared: Declared) -> EntryDescription:
+    """What is declared of one entry, ready for JSON."""
     required = declared.default is REQUIRED
     default = None if required else declared.default
     if isinstance(default, Parametrised):
         default = default.registered_name or type(default).__name__
     low, high = (v if math.isfinite(v) else None for v in declared.bounds)
+    registry = declared.registry
     return {
         "name": name,
-        "unit": declared.unit if declared.kind == "parameter" else None,
+        "declares": declared.kind,
+        "title": spell_title(name),
+        "symbol": spell_symbol(name),
         "meaning": declared.doc,
-        "allowed": _describe_allowed(declared),
+        "unit": declared.unit if declared.kind == "parameter" else None,
         "low": low,
         "high": high,
+        "allowed": _describe_allowed(declared),
+        "choices": list(declared.choices) if registry is None else registry.names(),
         "required": required,
         "default": default,
+        "typical": declared.typical,
     }
 
 

@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { faulty, idOf, Row } from "./row.tsx";
 import { form, refusals, restructure, send } from "./state.ts";
-import type { Choice, GroupNode, MaterialNode, OptionNode, RowNode, TextNode } from "./types.ts";
+import type { NamedPart, GroupNode, MaterialNode, OptionNode, RowNode, TextNode } from "./types.ts";
 
 export function OptionControl({ node }: { node: OptionNode }) {
   return (
@@ -30,7 +30,7 @@ interface PickProps {
   id: string;
   path: string;
   value: string;
-  choices: Choice[];
+  choices: NamedPart[];
   label?: string;
 }
 
@@ -73,7 +73,7 @@ function Pick({ id, path, value, choices, label }: PickProps) {
 export function MaterialControl({ node }: { node: MaterialNode }) {
   return (
     <Row node={node}>
-      <Pick id={idOf(node.path)} path={node.path} value={node.value} choices={node.choices} />
+      <Pick id={idOf(node.path)} path={node.path} value={node.value} choices={node.materials} />
     </Row>
   );
 }

@@ -2,13 +2,13 @@
 
 import type { ComponentChildren } from "preact";
 import { restructure } from "./state.ts";
-import type { Given, Origin, Single } from "./types.ts";
+import type { MaterialValue, Origin, SingleNode } from "./types.ts";
 
 const sourced = (origin: Origin): string =>
   [origin.words, origin.source, origin.where, origin.note].filter(Boolean).join("; ");
 
 /** The same in lines, for who points at it. */
-export function hint(node: Single): string {
+export function hint(node: SingleNode): string {
   const lines = [node.meaning];
   if (node.sort === "number") {
     lines.push(`Allowed: ${node.allowed}`);
@@ -38,10 +38,10 @@ function Source({ origin }: { origin: Origin }) {
   );
 }
 
-export const isOwn = (node: Single): boolean => node.origin.from === "scenario" || node.origin.from === "start";
+export const isOwn = (node: SingleNode): boolean => node.origin.sort === "scenario" || node.origin.sort === "start";
 
 /** The value that holds if the scenario has none. */
-function fallback(node: Single): { words: string; given: Given | null } | null {
+function fallback(node: SingleNode): { words: string; given: MaterialValue | null } | null {
   if (!isOwn(node)) return null;
   if (node.sort === "number" && node.material) return { words: `Use the material's ${node.material.text}`, given: node.material };
   if (node.required || node.sort === "material") return null;
@@ -49,7 +49,7 @@ function fallback(node: Single): { words: string; given: Given | null } | null {
   return { words: "Use the default", given: null };
 }
 
-export function Details({ node, id }: { node: Single; id: string }) {
+export function Details({ node, id }: { node: SingleNode; id: string }) {
   const back = fallback(node);
   return (
     <div class="details small" id={id}>

@@ -4,7 +4,7 @@ import { signal } from "@preact/signals";
 import { KindControl, MaterialControl, OptionControl, TextControl } from "./choice.tsx";
 import { NumberControl } from "./number.tsx";
 import { search } from "./state.ts";
-import type { GroupNode, Node, Single } from "./types.ts";
+import type { GroupNode, FormNode, SingleNode } from "./types.ts";
 
 /** So many entries of a part are shown at once. */
 const FEW = 6;
@@ -14,7 +14,7 @@ const folded = signal<Record<string, boolean>>({});
 
 const capital = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
-function One({ node }: { node: Single }) {
+function One({ node }: { node: SingleNode }) {
   switch (node.sort) {
     case "number":
       return <NumberControl node={node} />;
@@ -27,7 +27,7 @@ function One({ node }: { node: Single }) {
   }
 }
 
-export function Items({ nodes }: { nodes: Node[] }) {
+export function Items({ nodes }: { nodes: FormNode[] }) {
   return (
     <>
       {nodes.map((node) => (node.sort === "group" ? <Group key={node.path} group={node} /> : <One key={node.path} node={node} />))}
@@ -35,7 +35,7 @@ export function Items({ nodes }: { nodes: Node[] }) {
   );
 }
 
-const changes = (nodes: Node[]): number =>
+const changes = (nodes: FormNode[]): number =>
   nodes.reduce((sum, node) => sum + (node.sort === "group" ? changes(node.items) : Number(node.changed)), 0);
 
 interface FoldProps {
@@ -105,7 +105,7 @@ export function Section({ group, open }: { group: GroupNode; open: boolean }) {
 
 const words = (text: string): string[] => text.toLowerCase().split(/\s+/).filter(Boolean);
 
-function found(node: Node, wanted: string[], above: string): Node | null {
+function found(node: FormNode, wanted: string[], above: string): FormNode | null {
   const own = node.sort === "group" ? `${node.title} ${node.kind?.value ?? ""}` : `${node.name} ${node.title} ${node.symbol} ${node.meaning}`;
   const all = `${above} ${node.path} ${own}`.toLowerCase();
   if (node.sort !== "group") return wanted.every((word) => all.includes(word)) ? node : null;

@@ -5,14 +5,14 @@ import { Message } from "../ui/message.tsx";
 import { idOf, nameOf } from "./row.tsx";
 import { typed } from "./scale.ts";
 import { restructure, wanting } from "./state.ts";
-import type { Single } from "./types.ts";
+import type { SingleNode } from "./types.ts";
 
 export function Wanting() {
   const given = useSignal<Record<string, string>>({});
   const fault = useSignal("");
   const now = wanting.value;
   if (!now) return null;
-  const meant = (node: Single): unknown => {
+  const meant = (node: SingleNode): unknown => {
     const text = given.value[node.path] ?? "";
     return node.sort === "number" ? typed(node, text) : text;
   };

@@ -5,7 +5,7 @@ import type { ComponentChildren } from "preact";
 import { Details, hint } from "./details.tsx";
 import { refusals } from "./state.ts";
 import { Symbol } from "../ui/symbol.tsx";
-import type { Single } from "./types.ts";
+import type { SingleNode } from "./types.ts";
 
 export const idOf = (path: string): string => `form-${path.replaceAll(/[^\w-]/g, "-")}`;
 const faultId = (path: string): string => `${idOf(path)}-fault`;
@@ -17,11 +17,11 @@ export function faulty(path: string): { "aria-invalid"?: "true"; "aria-described
 
 const capital = (words: string): string => words.charAt(0).toUpperCase() + words.slice(1);
 
-export function nameOf(node: Single): ComponentChildren {
+export function nameOf(node: SingleNode): ComponentChildren {
   return node.symbol ? <Symbol text={node.symbol} /> : capital(node.title);
 }
 
-export function Row({ node, children }: { node: Single; children: ComponentChildren }) {
+export function Row({ node, children }: { node: SingleNode; children: ComponentChildren }) {
   const open = useSignal(false);
   const id = idOf(node.path);
   const words = refusals.value[node.path];

@@ -1,7 +1,7 @@
 // Positions of a slider and the values they stand for, in the unit that is shown.
 
 import { digits, toShown } from "../lib/numbers.ts";
-import type { NumberNode, Slider } from "./types.ts";
+import type { NumberNode, SliderRange } from "./types.ts";
 
 export const POSITIONS = 200;
 
@@ -22,10 +22,10 @@ interface Ends {
   high: number;
 }
 
-const ends = (node: NumberNode, slider: Slider): Ends => ({ low: toShown(slider.low, node), high: toShown(slider.high, node) });
+const ends = (node: NumberNode, slider: SliderRange): Ends => ({ low: toShown(slider.low, node), high: toShown(slider.high, node) });
 
 /** The value, in the shown unit, at a position. */
-export function valueAt(node: NumberNode, slider: Slider, position: number): number {
+export function valueAt(node: NumberNode, slider: SliderRange, position: number): number {
   const share = position / POSITIONS;
   const { low, high } = ends(node, slider);
   if (share <= 0) return clean(low);
@@ -38,7 +38,7 @@ export function valueAt(node: NumberNode, slider: Slider, position: number): num
 }
 
 /** The position of a value in the shown unit. */
-export function positionOf(node: NumberNode, slider: Slider, value: number): number {
+export function positionOf(node: NumberNode, slider: SliderRange, value: number): number {
   const { low, high } = ends(node, slider);
   const share = slider.log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
   return Math.round(POSITIONS * Math.min(1, Math.max(0, share)));

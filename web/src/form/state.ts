@@ -7,16 +7,16 @@ import { batch, effect, signal } from "@preact/signals";
 import { call, sentence, superseded } from "../lib/api.ts";
 import { refused, tryChanges } from "../state/run.ts";
 import { change, text } from "../state/scenario.ts";
-import type { Form, NumberNode, Single, Slider } from "./types.ts";
+import type { ScenarioForm, NumberNode, SingleNode, SliderRange } from "./types.ts";
 
-export const form = signal<Form | null>(null);
+export const form = signal<ScenarioForm | null>(null);
 /** Why there is no form of the document. */
 export const trouble = signal("");
 export const search = signal("");
 /** What was assumed or dropped with the last kind that was chosen. */
 export const notes = signal<string[]>([]);
 /** Numbers that a kind still needs, and the changes that wait for them. */
-export const wanting = signal<{ sentence: string; missing: Single[]; changes: Record<string, unknown> } | null>(null);
+export const wanting = signal<{ sentence: string; missing: SingleNode[]; changes: Record<string, unknown> } | null>(null);
 /** Counts how often the document went back to what the form shows: what was tried is void then. */
 export const returns = signal(0);
 /** Path -> sentence of the value that was refused there. */
@@ -27,10 +27,10 @@ type Changes = Record<string, unknown>;
 /** The document that the form shows. */
 let shown = "";
 /** Ends of sliders, kept while the form is worked with, so that they do not move under the hand. */
-const ranges = new Map<string, Slider>();
+const ranges = new Map<string, SliderRange>();
 let waiting = 0;
 
-export function rangeOf(node: NumberNode): Slider | null {
+export function rangeOf(node: NumberNode): SliderRange | null {
   const kept = ranges.get(`${node.path} ${node.unit}`);
   const value = node.value;
   if (kept && value !== null && value >= kept.low && value <= kept.high) return kept;
@@ -38,7 +38,7 @@ export function rangeOf(node: NumberNode): Slider | null {
   return node.slider;
 }
 
-function show(found: Form): void {
+function show(found: ScenarioForm): void {
   batch(() => {
     form.value = found;
     trouble.value = "";
@@ -48,7 +48,7 @@ function show(found: Form): void {
 
 async function ask(document: string): Promise<void> {
   try {
-    const found = await call<Form>("form", { text: document }, "form");
+    const found = await call<ScenarioForm>("form", { text: document }, "form");
     if (document === text.value) show(found);
   } catch (error) {
     if (superseded(error) || document !== text.value) return;
@@ -95,9 +95,9 @@ export function restructure(changes: Changes, removed: string[] = []): Promise<s
 
 async function through(request: { text: string; changes?: Changes; removed?: string[] }): Promise<string> {
   try {
-    const found = await call<Form>("form", request, "form");
+    const found = await call<ScenarioForm>("form", request, "form");
     if (found.text === null) {
-      wanting.value = { sentence: found.refused ?? "", missing: found.missing, changes: request.changes ?? {} };
+      wanting.value = { sentence: found.refused, missing: found.missing, changes: request.changes ?? {} };
       return "";
     }
     const next = found.text;
@@ -114,7 +114,7 @@ async function through(request: { text: string; changes?: Changes; removed?: str
   }
 }
 
-function assumed(found: Form): string[] {
+function assumed(found: ScenarioForm): string[] {
   if (found.assumed.length === 0) return [];
   const names = found.assumed.map((path) => path.split(".").slice(-2).join(" ").replaceAll("_", " "));
   return [`Assumed start values, no data of a source: ${names.join(", ")}.`];

@@ -1,8 +1,50 @@
-// What the server tells of a form; see `build_form` of martensite.app.calls.form.
+// Written by write_types.py from what Python declares; do not edit.
 
+/** What is declared of one entry of a part. */
+export interface EntryDescription {
+  name: string;
+  /** parameter, option, text or part. */
+  declares: string;
+  /** The name in words. */
+  title: string;
+  /** With `_` before its index; empty where the name is a word. */
+  symbol: string;
+  meaning: string;
+  /** SI unit of a parameter. */
+  unit: string | null;
+  low: number | null;
+  /** Bounds in SI; null for none. */
+  high: number | null;
+  allowed: string;
+  /** Of an option, and of a part from a registry. */
+  choices: string[];
+  required: boolean;
+  /** Null if one is required, or there is no limit. */
+  default: unknown;
+  /** As files write it; null for none. Assumed, never data. */
+  typical: unknown;
+}
+
+/** A registered part by its name. */
+export interface NamedPart {
+  name: string;
+  summary: string;
+}
+
+/** All that is declared of a registered part. */
+export interface PartDescription extends NamedPart {
+  kind: string;
+  description: string;
+  cites: string[];
+  parameters: EntryDescription[];
+}
+
+/** Where a value comes from. */
 export interface Origin {
-  from: string;
+  /** scenario, start, default, plant, none, law or material. */
+  sort: string;
   words: string;
+  /** Of a number of the material: datasheet, measured, fitted, assumed or recalled. */
   kind?: string;
   doubtful?: boolean;
   source?: string;
@@ -11,81 +53,73 @@ export interface Origin {
   note?: string;
 }
 
-interface Common {
-  path: string;
-  name: string;
-  title: string;
-  /** With `_` before its index; empty for none. */
-  symbol: string;
-  meaning: string;
-  required: boolean;
-  changed: boolean;
-  origin: Origin;
+/** What the material has for a number that the scenario gives itself. */
+export interface MaterialValue extends Origin {
+  text: string;
+  value: number;
 }
 
-export interface Slider {
+/** Ends of a slider in SI, whether it is logarithmic, and whether it goes in whole numbers. */
+export interface SliderRange {
   low: number;
   high: number;
   log: boolean;
   whole: boolean;
 }
 
-export interface Given extends Origin {
-  text: string;
-  value: number;
-}
-
-export interface NumberNode extends Common {
-  sort: "number";
-  /** SI; null where there is none yet, or no limit. */
-  value: number | null;
-  unit: string;
-  /** Bounds, null for none, and the default [SI]. */
-  low: number | null;
-  high: number | null;
-  default: number | null;
-  /** Unit as it is written, and as it is read; empty for none. shown = SI * factor + offset. */
+/** Unit as it is written and as it is read, empty for none; shown = SI * factor + offset. */
+export interface DisplayUnit {
   shown: string;
   label: string;
   factor: number;
   offset: number;
-  allowed: string;
+}
+
+/** What the controls of all entries have, beside what is declared. */
+export interface EntryControl extends EntryDescription {
+  /** In the document. */
+  path: string;
+  origin: Origin;
+  /** Whether it goes over a default, or over the material. */
+  changed: boolean;
+}
+
+/** A number; `unit` and `allowed` are those of its place. */
+export interface NumberNode extends EntryControl, DisplayUnit {
+  sort: "number";
+  /** SI; null where there is none yet, or no limit. */
+  value: number | null;
   unlimited: boolean;
   /** The default in words. */
   usual: string | null;
-  slider: Slider | null;
-  /** What the material has for it, if the scenario gives it itself. */
-  material: Given | null;
-  own: boolean;
+  slider: SliderRange | null;
+  material: MaterialValue | null;
 }
 
-export interface OptionNode extends Common {
+/** A choice between words. */
+export interface OptionNode extends EntryControl {
   sort: "option";
   value: string;
-  choices: string[];
-  default: string | null;
 }
 
-export interface Choice {
-  name: string;
-  summary: string;
-}
-
-export interface MaterialNode extends Common {
+/** The choice of a material. */
+export interface MaterialNode extends EntryControl {
   sort: "material";
   value: string;
-  choices: Choice[];
+  materials: NamedPart[];
   about: string;
   limits: string;
 }
 
-export interface TextNode extends Common {
+/** A free text, or several. */
+export interface TextNode extends EntryControl {
   sort: "text";
   value: string;
   several: boolean;
 }
 
-export interface RowNode extends Common {
+/** A list of numbers or quantities, or a whole number, as the document holds it. */
+export interface RowNode extends EntryControl {
   sort: "row";
   value: string;
   several: boolean;
@@ -93,35 +127,44 @@ export interface RowNode extends Common {
   quantities: boolean;
 }
 
-export interface Kind {
+/** The kind of a part, chosen from a registry. */
+export interface KindChoice {
   path: string;
   value: string;
   registry: string;
-  /** What is meant where the scenario names none. */
-  default: string | null;
   changed: boolean;
 }
 
+/** Controls that belong together. */
 export interface GroupNode {
   sort: "group";
   path: string;
   title: string;
   meaning: string;
   note: string;
-  kind: Kind | null;
-  items: Node[];
+  kind: KindChoice | null;
+  items: FormNode[];
 }
 
-export type Single = NumberNode | OptionNode | MaterialNode | TextNode | RowNode;
-export type Node = Single | GroupNode;
+export type SingleNode = NumberNode | OptionNode | MaterialNode | TextNode | RowNode;
 
-export interface Form {
+export type FormNode = SingleNode | GroupNode;
+
+/** The document, unless a kind needs numbers that nothing is known for. */
+export interface MissingNumbers {
+  /** Null if something is missing. */
   text: string | null;
-  title?: string;
+  missing: SingleNode[];
+  /** What is still needed, in a sentence; empty if nothing is. */
+  refused: string;
+}
+
+/** A scenario with a control for all that it declares. */
+export interface ScenarioForm extends MissingNumbers {
+  title: string;
   sections: GroupNode[];
-  registries: Record<string, Choice[]>;
+  registries: Record<string, NamedPart[]>;
   notes: string[];
+  /** Paths of start values. */
   assumed: string[];
-  missing: Single[];
-  refused?: string;
 }

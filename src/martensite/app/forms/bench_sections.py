@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from martensite.app.forms import controls, documents
-from martensite.app.forms.control_tree import ControlWalk, Paths, build_empty_group, join_path
-from martensite.app.forms.controls import Control, EntrySpot
+from martensite.app.forms.control_tree import ControlWalk, Paths, build_group, join_path
+from martensite.app.forms.controls import EntrySpot
+from martensite.app.forms.form_types import FormNode, GroupNode
 from martensite.base.parameters import REQUIRED, Declared, Parametrised
 from martensite.scenario.scenario import Run, Scenario
 from martensite.scenario.sections import BENCH, PERIOD, RUN, SUPERVISOR
@@ -20,7 +22,7 @@ SECTION_TITLE = "Control and sensing"
 TITLE_ENTRY = Declared("text", "what the scenario is called", REQUIRED)
 
 
-def describe_bench(scenario: Scenario, walk: ControlWalk) -> Iterator[Control]:
+def describe_bench(scenario: Scenario, walk: ControlWalk) -> Iterator[GroupNode]:
     """Everything around the system, if there is anything."""
     bench = scenario.bench
     if bench is None:
@@ -33,10 +35,10 @@ def describe_bench(scenario: Scenario, walk: ControlWalk) -> Iterator[Control]:
         items.append(_describe_part(walk, one, f"controllers.{name}", f"controller of {name}"))
     if bench.supervisor is not None:
         items.append(_describe_part(walk, bench.supervisor, SUPERVISOR, SUPERVISOR))
-    yield {**build_empty_group(BENCH, SECTION_TITLE), "items": items}
+    yield build_group(BENCH, SECTION_TITLE, items)
 
 
-def _describe_part(walk: ControlWalk, part: Parametrised, path: str, title: str) -> Control:
+def _describe_part(walk: ControlWalk, part: Parametrised, path: str, title: str) -> GroupNode:
     """A part by its name; the kind of a sensor is that of what is mounted."""
     from martensite.scenario.catalogue import list_registries
 
@@ -44,7 +46,7 @@ def _describe_part(walk: ControlWalk, part: Parametrised, path: str, title: str)
     return walk.group(part, path, title, "", None if name == "sensor" else list_registries()[name])
 
 
-def _list_settings(scenario: Scenario, walk: ControlWalk, bench: Bench) -> list[Control]:
+def _list_settings(scenario: Scenario, walk: ControlWalk, bench: Bench) -> list[FormNode]:
     """How the bench runs; its period may stand in another section."""
     from martensite.scenario.bench import BenchSettings
 
@@ -58,21 +60,22 @@ def _place_setting(period: str, path: str) -> str:
     return period if path == PERIOD else join_path(f"{BENCH}.", path)
 
 
-def describe_run(scenario: Scenario, walk: ControlWalk) -> Control:
+def describe_run(scenario: Scenario, walk: ControlWalk) -> GroupNode:
     """How long, how accurately, how many samples; and the title."""
     table = documents.find_table(walk.document, RUN)
     values = Run(**{name: value for name, value in table.items() if name in Run.declarations})
     spot = EntrySpot("title", "title", TITLE_ENTRY, "scenario")
     items = _list_controls(walk, values, partial(join_path, f"{RUN}."))
-    return {
-        **build_empty_group(RUN, "Run"),
-        "items": [*items, controls.describe_text(spot, scenario.title)],
-    }
+    return build_group(RUN, "Run", [*items, controls.describe_text(spot, scenario.title)])
 
 
-def _list_controls(walk: ControlWalk, part: Parametrised, place: Paths) -> list[Any]:
+def _list_controls(walk: ControlWalk, part: Parametrised, place: Paths) -> list[FormNode]:
     """Controls of a component that the scenario has not kept."""
-    own = ControlWalk(
-        walk.document, walk.origins, place, place, lambda leaf: leaf.declared.unit, seen=walk.seen
+    own = replace(
+        walk,
+        written=place,
+        noted=place,
+        unit=lambda leaf: leaf.declared.unit,
+        skipped=lambda path: False,
     )
     return own.group(part, "", "")["items"]

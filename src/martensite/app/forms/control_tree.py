@@ -6,14 +6,16 @@ it came from and in which unit it stands is asked of the scenario; nothing is kn
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from martensite.actuators.assembly import Members
-from martensite.app.forms import controls, documents, wording
-from martensite.app.forms.controls import Control, EntrySpot
+from martensite.app.forms import controls, documents
+from martensite.app.forms.controls import EntrySpot
+from martensite.app.forms.form_types import FormNode, GroupNode, KindChoice, SingleNode
 from martensite.app.messages import JsonTable
+from martensite.base.formats import spell_title
 from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
 from martensite.base.registry import Registry
 from martensite.control.controllers.numbered_gains import NumberedGains
@@ -24,6 +26,17 @@ from martensite.signals.base import DRIVE
 from martensite.signals.table import Table
 
 Paths = Callable[[str], str]
+
+
+@dataclass(frozen=True)
+class GroupSpot:
+    """The part that a group shows, how its numbers are reached, and where its kind is from."""
+
+    walk: ControlWalk
+    path: str
+    """Of the object."""
+    part: Parametrised
+    registry: Registry[Any]
 
 
 @dataclass
@@ -44,6 +57,8 @@ class ControlWalk:
     """Objects that stand elsewhere in the document, or not at all."""
     seen: set[str] = field(default_factory=set[str])
     """Paths in the document that have a control already."""
+    spots: dict[str, GroupSpot] = field(default_factory=dict[str, "GroupSpot"])
+    """By path of the kind: which part a group shows."""
 
     def group(
         self,
@@ -53,38 +68,24 @@ class ControlWalk:
         meaning: str = "",
         registry: Registry[Any] | None = None,
         default: Any = REQUIRED,
-    ) -> Control:
+    ) -> GroupNode:
         """The controls of a component, those of its components in groups below."""
-        place = self.written(path)
-        made: Control = {
-            "sort": "group",
-            "path": place,
-            "title": wording.spell_title(title),
-            "meaning": meaning,
-            "note": "",
-            "kind": None,
-            "items": [],
-        }
+        made = build_group(self.written(path), spell_title(title), meaning=meaning)
         if registry is not None and part.registered_name:
-            made["kind"] = self._kind(part, place, registry, default)
-            made["_spot"] = (self, path, part)
+            made["kind"] = self._kind(part, path, registry, default)
         made["items"] = list(self._items(part, path, made))
         return made
 
     def _kind(
-        self, part: Parametrised, place: str, registry: Registry[Any], default: Any
-    ) -> Control:
-        usual = default.registered_name if isinstance(default, Parametrised) else None
-        return {
-            "path": f"{place}.kind",
-            "value": part.registered_name,
-            "registry": registry.kind,
-            "default": usual,
-            "changed": usual is not None and usual != part.registered_name,
-        }
+        self, part: Parametrised, path: str, registry: Registry[Any], default: Any
+    ) -> KindChoice:
+        place, value = f"{self.written(path)}.kind", part.registered_name
+        self.spots[place] = GroupSpot(self, path, part, registry)
+        changed = isinstance(default, Parametrised) and default.registered_name != value
+        return {"path": place, "value": value, "registry": registry.kind, "changed": changed}
 
-    def _items(self, part: Parametrised, path: str, owner: Control) -> Iterator[Control]:
-        table, later = isinstance(part, Table), list[Control]()
+    def _items(self, part: Parametrised, path: str, owner: GroupNode) -> Iterator[FormNode]:
+        table, later = isinstance(part, Table), list[FormNode]()
         for name, declared in sorted(part.declarations.items(), key=_rank_entry(part)):
             below = f"{path}.{name}" if path else name
             if table:
@@ -98,8 +99,8 @@ class ControlWalk:
         yield from later
 
     def _parts(
-        self, part: Parametrised, path: str, name: str, declared: Declared, owner: Control
-    ) -> list[Control]:
+        self, part: Parametrised, path: str, name: str, declared: Declared, owner: GroupNode
+    ) -> list[FormNode]:
         value = part.__dict__[name]
         if not isinstance(value, Parametrised) or self.skipped(path):
             return []
@@ -107,25 +108,17 @@ class ControlWalk:
             return [self.members(value, path, name, declared.doc)]
         made = self.group(value, path, name, declared.doc, declared.registry, declared.default)
         if made["path"] == owner["path"]:  # both stand in one table, such as a mounted sensor
-            owner["kind"], owner["_spot"] = made["kind"], made.get("_spot")
+            owner["kind"] = made["kind"]
             return made["items"]
         return [made] if made["items"] or made["kind"] else []
 
-    def members(self, value: Members[Any], path: str, title: str, meaning: str = "") -> Control:
+    def members(self, value: Members[Any], path: str, title: str, meaning: str = "") -> GroupNode:
         """Components by names of the user's own."""
         below = [
             self.group(one, f"{path}.{name}", name, "", value.registry)
             for name, one in value.members().items()
         ]
-        return {
-            "sort": "group",
-            "path": self.written(path),
-            "title": wording.spell_title(title),
-            "meaning": meaning,
-            "note": "",
-            "kind": None,
-            "items": below,
-        }
+        return build_group(self.written(path), spell_title(title), below, meaning=meaning)
 
     def _spot(
         self, part: Parametrised, path: str, name: str, declared: Declared
@@ -145,21 +138,21 @@ class ControlWalk:
 
     def _single(
         self, part: Parametrised, path: str, name: str, declared: Declared
-    ) -> Iterator[Control]:
+    ) -> Iterator[SingleNode]:
         spot = self._spot(part, path, name, declared)
         value = part.__dict__[name]
         if spot is None:
             return
         if declared.kind == "parameter":
             yield controls.describe_number(spot, value, self.unit(Leaf(path, declared, value)))
+        elif declared.kind == "option":
+            yield controls.describe_option(spot, value)
         else:
-            yield (
-                controls.describe_option if declared.kind == "option" else controls.describe_text
-            )(spot, value)
+            yield controls.describe_text(spot, value)
 
     def _row(
         self, part: Parametrised, path: str, name: str, declared: Declared
-    ) -> Iterator[Control]:
+    ) -> Iterator[SingleNode]:
         spot = self._spot(part, path, name, declared)
         value = part.__dict__[name]
         if spot is not None:
@@ -167,7 +160,7 @@ class ControlWalk:
             value = list(value.numbers) if isinstance(value, NumberedGains) else value
             yield controls.describe_row(spot, value if raw is None else raw)
 
-    def _list_texts(self, path: str, name: str, declared: Declared) -> Iterator[Control]:
+    def _list_texts(self, path: str, name: str, declared: Declared) -> Iterator[SingleNode]:
         """Samples as the document lists them; what a file holds is not shown."""
         raw = documents.find_entry(self.document, self.written(path))
         if raw is not None:
@@ -187,16 +180,18 @@ def place_units(drive_unit: str) -> Callable[[Leaf], str]:
     return lambda leaf: drive_unit if leaf.declared.unit == DRIVE else leaf.declared.unit
 
 
-def build_empty_group(path: str, title: str) -> Control:
-    """A group with nothing in it."""
+def build_group(
+    path: str, title: str, items: Sequence[FormNode] = (), note: str = "", meaning: str = ""
+) -> GroupNode:
+    """A group without a kind."""
     return {
         "sort": "group",
         "path": path,
         "title": title,
-        "meaning": "",
-        "note": "",
+        "meaning": meaning,
+        "note": note,
         "kind": None,
-        "items": [],
+        "items": list(items),
     }
 
 
@@ -205,8 +200,10 @@ def join_path(begin: str, path: str) -> str:
     return f"{begin}{path}" if path else begin.removesuffix(".")
 
 
-def flatten_controls(items: list[Control]) -> Iterator[Control]:
-    """All controls and groups below some, at any depth."""
+def flatten_controls(items: Sequence[FormNode]) -> Iterator[SingleNode]:
+    """All controls below some, at any depth."""
     for item in items:
-        yield item
-        yield from flatten_controls(item.get("items", []))
+        if item["sort"] == "group":
+            yield from flatten_controls(item["items"])
+        else:
+            yield item

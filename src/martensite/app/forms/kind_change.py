@@ -13,7 +13,7 @@ from typing import Any
 
 from martensite.app.forms import documents
 from martensite.app.forms.changed_scenario import ChangedScenario
-from martensite.app.forms.control_tree import flatten_controls
+from martensite.app.forms.control_tree import GroupSpot
 from martensite.app.forms.material import with_material
 from martensite.app.forms.sections import MATERIAL, FormSections
 from martensite.app.forms.surroundings import change_reference, change_source, relax_surroundings
@@ -75,49 +75,43 @@ def _list_candidates(
     scenario: Scenario, document: JsonTable, path: str, kind: str
 ) -> Iterator[ChangedScenario]:
     """Documents with the other kind, the one that keeps most first."""
-    group = _find_group(scenario, path)
-    registry = _find_registry(group["kind"]["registry"])
+    spot = _find_spot(scenario, path)
+    registry = spot.registry
     cls, example = registry[kind], getattr(registry[kind], "typical_scenario", "")
     if example:
         note = f"`{kind}` needs more than one number, so a whole packaged scenario is on the bench."
         yield ChangedScenario(toml_document(list_standalone()[example]), [note])
         return
     for fresh in (False, True):
-        made = _put_kind(scenario, document, group, cls, registry, fresh)
+        made = _put_kind(scenario, document, path, spot, cls, fresh)
         yield from relax_surroundings(scenario, made)
     if registry.kind == "controller":
         yield from change_reference(scenario, made, path.removesuffix(f".{KIND}"))
 
 
-def _find_group(scenario: Scenario, path: str) -> JsonTable:
-    """The group whose kind stands at a path."""
-    for one in flatten_controls(FormSections(scenario).all()):
-        if one.get("kind") and one["kind"]["path"] == path:
-            return one
-    raise ParameterError(f"The scenario has no kind at `{path}`.")
-
-
-def _find_registry(kind: str) -> Registry[Any]:
-    from martensite.scenario.catalogue import list_registries
-
-    return list_registries()[kind]
+def _find_spot(scenario: Scenario, path: str) -> GroupSpot:
+    """The part whose kind stands at a path."""
+    form = FormSections(scenario)
+    form.all()
+    if path not in form.walk.spots:
+        raise ParameterError(f"The scenario has no kind at `{path}`.")
+    return form.walk.spots[path]
 
 
 def _put_kind(
     scenario: Scenario,
     document: JsonTable,
-    group: JsonTable,
+    path: str,
+    spot: GroupSpot,
     cls: type[Parametrised],
-    registry: Registry[Any],
     fresh: bool,
 ) -> ChangedScenario:
-    """The document with a table for another class in the place of a group."""
-    made, place = deepcopy(document), group["kind"]["path"].removesuffix(f".{KIND}")
-    walk, at, part = group["_spot"]
-    was, old = type(part), documents.find_table(made, place)
+    """The document with a table for another class where the kind of a part stands."""
+    made, place, registry = deepcopy(document), path.removesuffix(f".{KIND}"), spot.registry
+    was, old = type(spot.part), documents.find_table(made, place)
     elsewhere = {"controller": (PERIOD, REFERENCE, MODEL), "observer": (MODEL,)}
     filler = TableFiller(
-        _place_units(walk.unit, at, place),
+        _place_units(spot.walk.unit, spot.path, place),
         _find_material(scenario, place),
         elsewhere.get(registry.kind, ()),
         fresh,
@@ -127,8 +121,8 @@ def _put_kind(
     table = {**kept, **filler.table(cls, registry, full, place, was)}
     documents.put_entry(made, place, table)
     found = ChangedScenario(made, [], filler.assumed, filler.missing)
-    if registry is SOURCES and isinstance(part, Parametrised):
-        change_source(found, scenario, place, getattr(part, "unit", "1"), cls)
+    if registry is SOURCES:
+        change_source(found, scenario, place, getattr(spot.part, "unit", "1"), cls)
     return found
 
 

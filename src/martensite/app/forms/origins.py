@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from martensite.app.messages import JsonTable
+from martensite.app.forms.form_types import MaterialValue, Origin
 from martensite.physics.materials.base import DOUBTFUL, Material, MaterialNumber
 
 ORIGIN_WORDS = {
@@ -14,27 +14,27 @@ ORIGIN_WORDS = {
 }
 
 
-def describe_origin(noted: str, name: str, material: Material | None) -> JsonTable:
+def describe_origin(noted: str, name: str, material: Material | None) -> Origin:
     """An origin as `Scenario.origins` notes it, told in full.
 
-    `from` is scenario, default, plant, start, law or material; `words` a sentence; for a number of
-    the material also its `kind`, `source`, `where`, `note`, and whether it is `doubtful`.
+    Its sort is scenario, default, plant, start, none, law or material; a number of the material has
+    its kind, source and place as well, and whether it is doubtful.
     """
     kind, _, owner = noted.partition(", ")
     if not owner:
-        return {"from": kind, "words": ORIGIN_WORDS.get(kind, kind)}
+        return {"sort": kind, "words": ORIGIN_WORDS.get(kind, kind)}
     if kind == "law":
-        return {"from": "law", "words": f"of the law that material {owner} holds for"}
-    found = {"from": "material", "words": f"{kind}, material {owner}", "kind": kind}
+        return {"sort": "law", "words": f"of the law that material {owner} holds for"}
     if material is not None and material.name == owner and name in material.values:
-        found |= describe_source(material, material.values[name])
-    return found
+        return describe_source(material, material.values[name])
+    return {"sort": "material", "words": f"{kind}, material {owner}", "kind": kind}
 
 
-def describe_source(material: Material, number: MaterialNumber) -> JsonTable:
+def describe_source(material: Material, number: MaterialNumber) -> Origin:
     """A number of a material with its source."""
     source = material.sources[number.source]
     return {
+        "sort": "material",
         "words": f"{number.kind}, material {material.name}",
         "kind": number.kind,
         "doubtful": number.kind in DOUBTFUL,
@@ -45,9 +45,9 @@ def describe_source(material: Material, number: MaterialNumber) -> JsonTable:
     }
 
 
-def find_material_number(material: Material | None, name: str) -> JsonTable | None:
+def find_material_number(material: Material | None, name: str) -> MaterialValue | None:
     """What the material has for a number that the scenario gives itself; None if it has none."""
     if material is None or name not in material.values:
         return None
     number = material.values[name]
-    return {"text": number.text, "value": number.value, **describe_source(material, number)}
+    return {**describe_source(material, number), "text": number.text, "value": number.value}

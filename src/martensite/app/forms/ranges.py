@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 
-from martensite.app.messages import JsonTable
+from martensite.app.forms.form_types import SliderRange
 from martensite.base.parameters import Declared
 
 SIZES = {
@@ -46,9 +46,9 @@ LARGEST = 1e6
 _COUNTS = re.compile(r"\bnumber of|how many|whole number|^spans\b|^steps of")
 
 
-def is_whole(value: float, unit: str, declared: Declared) -> bool:
+def is_whole(value: float, declared: Declared) -> bool:
     """Whether a number counts something, as its meaning says."""
-    return unit == "1" and value == int(value) and bool(_COUNTS.search(declared.doc))
+    return declared.unit == "1" and value == int(value) and bool(_COUNTS.search(declared.doc))
 
 
 def is_unlimited(value: float, declared: Declared) -> bool:
@@ -57,27 +57,27 @@ def is_unlimited(value: float, declared: Declared) -> bool:
     return not math.isfinite(value) or largest
 
 
-def build_slider(value: float, unit: str, declared: Declared) -> JsonTable | None:
+def build_slider(value: float, declared: Declared) -> SliderRange | None:
     """Ends of a slider in SI, whether it is logarithmic and goes in whole numbers; None for none.
 
     There is none for a number that says that there is no limit.
     """
     if is_unlimited(value, declared):
         return None
-    low, high, log = _choose_ends(value, unit, declared)
+    low, high, log = _choose_ends(value, declared)
     low, high = max(low, declared.low), min(high, declared.high)
     if declared.open_low and low <= declared.low:
         low = declared.low + (high - declared.low) / 200.0
     if not low < high:
         return None
-    whole = is_whole(value, unit, declared)
+    whole = is_whole(value, declared)
     if whole:
         low, high = math.ceil(low), math.floor(high)
     return {"low": min(low, value), "high": max(high, value), "log": log, "whole": whole}
 
 
-def _choose_ends(value: float, unit: str, declared: Declared) -> tuple[float, float, bool]:
-    low, high = declared.bounds
+def _choose_ends(value: float, declared: Declared) -> tuple[float, float, bool]:
+    (low, high), unit = declared.bounds, declared.unit
     if unit == "K":
         return value - KELVINS, value + KELVINS, False
     if low < 0.0:

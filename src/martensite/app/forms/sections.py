@@ -9,20 +9,28 @@ from typing import Any
 
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.mechanisms.base import MECHANISMS
-from martensite.app.forms import bench_sections, controls, documents
+from martensite.app.forms import bench_sections, documents
 from martensite.app.forms.control_tree import (
     ControlWalk,
-    build_empty_group,
+    build_group,
     flatten_controls,
     join_path,
     place_units,
 )
-from martensite.app.forms.controls import Control, EntrySpot
+from martensite.app.forms.controls import EntrySpot
+from martensite.app.forms.form_types import (
+    FormNode,
+    GroupNode,
+    MaterialNode,
+    ScenarioForm,
+    SingleNode,
+)
 from martensite.base.files import toml_document
 from martensite.base.parameters import Declared, Parametrised
 from martensite.physics.electrical.base import SOURCES
 from martensite.physics.materials.base import load_material, material_names
 from martensite.scenario.assemble import GROUP, MODEL, SIGNALS, scenario_path, waveform_path
+from martensite.scenario.catalogue import list_named, list_registries
 from martensite.scenario.scenario import Scenario
 from martensite.signals.base import WAVEFORMS
 from martensite.simulate.drive_waveforms import by_name
@@ -37,6 +45,20 @@ ELEMENT, ENVIRONMENT, MECHANISM, DRIVE, ACTUATORS = (
     "Drive",
     "Actuators",
 )
+
+
+def describe_scenario(scenario: Scenario) -> ScenarioForm:
+    """The form of a scenario as it is."""
+    return {
+        "text": scenario.text,
+        "title": scenario.title,
+        "sections": FormSections(scenario).all(),
+        "registries": {kind: list_named(one) for kind, one in list_registries().items()},
+        "notes": [],
+        "assumed": [],
+        "missing": [],
+        "refused": "",
+    }
 
 
 class FormSections:
@@ -56,7 +78,7 @@ class FormSections:
             skipped=places.is_copy,
         )
 
-    def all(self) -> list[Control]:
+    def all(self) -> list[GroupNode]:
         """All sections, in the order in which one thinks of them."""
         if MODEL in self.document:
             found = [self._model(), self._drive_alone()]
@@ -65,19 +87,18 @@ class FormSections:
         loops = bench_sections.describe_bench(self.scenario, self.walk)
         return [*found, *loops, bench_sections.describe_run(self.scenario, self.walk)]
 
-    def _actuator(self) -> Iterator[Control]:
+    def _actuator(self) -> Iterator[GroupNode]:
         """Element, environment and mechanism."""
         port, common = self._describe_common()
         element = common.group(
             port.element,
-            f"{self._locate_entry}element",
+            f"{self._port_prefix}element",
             "element",
             "what is made of the alloy",
             ELEMENTS,
         )
-        element |= {"title": ELEMENT, "items": [self._material(), *element["items"]]}
-        element["note"] = self._describe_shared
-        yield element
+        items: list[FormNode] = [self._material(), *element["items"]]
+        yield {**element, "title": ELEMENT, "items": items, "note": self._shared_note}
         yield self._environment(port, replace(common, material=None))
         system = self.scenario.system
         yield {
@@ -91,10 +112,10 @@ class FormSections:
             "title": MECHANISM,
         }
 
-    def _environment(self, port: Any, walk: ControlWalk) -> Control:
+    def _environment(self, port: Any, walk: ControlWalk) -> GroupNode:
         """The surroundings; a drive that sets the temperature needs no heat-loss model."""
-        made = walk.group(port.environment, f"{self._locate_entry}environment", ENVIRONMENT)
-        made["note"] = self._describe_shared
+        made = walk.group(port.environment, f"{self._port_prefix}environment", ENVIRONMENT)
+        made["note"] = self._shared_note
         idle = documents.find_entry(self.document, COOLING) is None
         if port.source.sets_temperature and idle:
             made["items"] = [one for one in made["items"] if one["path"] != COOLING]
@@ -102,18 +123,18 @@ class FormSections:
         return made
 
     @property
-    def _locate_entry(self) -> str:
-        return "" if self._describe_several else self.prefix
+    def _port_prefix(self) -> str:
+        return "" if self._has_ports else self.prefix
 
     @property
-    def _describe_several(self) -> bool:
+    def _has_ports(self) -> bool:
         return hasattr(self.scenario.system, "group")
 
     @property
-    def _describe_shared(self) -> str:
+    def _shared_note(self) -> str:
         return (
             "The same at every port; [actuators] says what is different."
-            if (self._describe_several)
+            if (self._has_ports)
             else ""
         )
 
@@ -125,23 +146,23 @@ class FormSections:
         actuators = self.scenario.system.actuators()
         own = documents.find_table(self.document, GROUP)
         drive = self.scenario.places.drive
-        if not self._describe_several:
+        if not self._has_ports:
             element = next(iter(actuators.values()))
             return element, replace(self.walk, material=self.scenario.material)
         port = min(actuators, key=lambda name: len(_list_paths(own.get(name, {}), drive)))
         different = set(_list_paths(own.get(port, {}), drive))
-        walk = ControlWalk(
-            self.document,
-            self.scenario.origins,
+        walk = replace(
+            self.walk,
             written=lambda path: scenario_path(path, drive),
             noted=lambda path: scenario_path(f"group.{port}.{path}", drive),
             unit=lambda leaf: leaf.declared.unit,
             material=self.scenario.material,
+            skipped=lambda path: False,
             seen=different,
         )
         return actuators[port], walk
 
-    def _material(self) -> Control:
+    def _material(self) -> MaterialNode:
         """The choice of a material; a file of one's own stands under its path."""
         given = documents.find_entry(self.document, MATERIAL)
         known = _list_materials()
@@ -151,38 +172,36 @@ class FormSections:
         names = {NO_MATERIAL: "none: every number is given here", **known, **own}
         material = self.scenario.material
         return {
-            **controls.describe_option(spot, given or NO_MATERIAL),
+            **spot.common(),
             "sort": "material",
-            "changed": False,
-            "choices": [{"name": name, "summary": about} for name, about in names.items()],
+            "value": given or NO_MATERIAL,
+            "materials": [{"name": name, "summary": about} for name, about in names.items()],
             "about": "" if material is None else material.summary,
             "limits": "" if material is None else material.limits,
         }
 
     # ---------------------------------------------------------------- drives
 
-    def _drive(self) -> Control:
+    def _drive(self) -> GroupNode:
         """Source and waveform; where there are several ports, the source alone."""
         port, common = self._describe_common()
-        made = replace(common, material=None).group(
-            port.source, f"{self._locate_entry}source", DRIVE, "what heats the element", SOURCES
+        group = replace(common, material=None).group(
+            port.source, f"{self._port_prefix}source", DRIVE, "what heats the element", SOURCES
         )
-        made |= {"title": DRIVE, "note": self._describe_shared}
         name = self.scenario.places.drive
-        made["path"] = name
+        made: GroupNode = {**group, "path": name, "title": DRIVE, "note": self._shared_note}
         if made["kind"]:
+            spot = self.walk.spots.pop(made["kind"]["path"])
             made["kind"]["path"] = f"{name}.kind"
-        if not self._describe_several:
+            self.walk.spots[f"{name}.kind"] = spot
+        if not self._has_ports:
             made["items"] += self._waveforms()
         return made
 
-    def _drive_alone(self) -> Control:
-        return {
-            **build_empty_group(self.scenario.places.drive, DRIVE),
-            "items": list(self._waveforms()),
-        }
+    def _drive_alone(self) -> GroupNode:
+        return build_group(self.scenario.places.drive, DRIVE, list(self._waveforms()))
 
-    def _waveforms(self, only: str | None = None) -> Iterator[Control]:
+    def _waveforms(self, only: str | None = None) -> Iterator[GroupNode]:
         """Groups of the waveforms, or of that of one drive."""
         system, scenario = self.scenario.system, self.scenario
         units = {drive.name: drive.unit for drive in system.drives()}
@@ -192,8 +211,8 @@ class FormSections:
             begin = self._begin(name)
             place = partial(join_path, begin)
             unit = place_units(units[name])
-            walk = ControlWalk(
-                self.document, scenario.origins, place, place, unit, seen=self.walk.seen
+            walk = replace(
+                self.walk, written=place, noted=place, unit=unit, skipped=lambda path: False
             )
             signal = begin.startswith(SIGNALS)
             yield walk.group(
@@ -211,18 +230,15 @@ class FormSections:
         there = documents.find_entry(self.document, found.removesuffix(".")) is not None
         return found if there or MODEL not in self.document else f"{drive}.waveform."
 
-    def _actuators(self) -> Iterator[Control]:
+    def _actuators(self) -> Iterator[GroupNode]:
         """What every port has for itself."""
-        if not self._describe_several:
+        if not self._has_ports:
             return
-        made = {**build_empty_group(GROUP, ACTUATORS), "note": "What every port has for itself."}
+        made = build_group(GROUP, ACTUATORS, note="What every port has for itself.")
         system, drive = self.scenario.system, self.scenario.places.drive
         for port, actuator in system.actuators().items():
             place = f"{GROUP}.{port}"
-            group = {
-                **build_empty_group(place, port.replace("_", " ")),
-                "items": list(self._waveforms(port)),
-            }
+            group = build_group(place, port.replace("_", " "), list(self._waveforms(port)))
             own = set(_list_paths(documents.find_table(self.document, place), drive))
             group["items"] += self._describe_different(port, actuator, own)
             if group["items"]:
@@ -236,7 +252,7 @@ class FormSections:
 
     def _describe_different(
         self, port: str, actuator: Parametrised, own: set[str]
-    ) -> list[Control]:
+    ) -> list[SingleNode]:
         """Controls of what a port has otherwise than the others."""
         begin, drive = f"{GROUP}.{port}.", self.scenario.places.drive
         place = partial(_is_member, port, drive)
@@ -248,16 +264,12 @@ class FormSections:
             unit=lambda leaf: leaf.declared.unit,
         )
         found = walk.group(actuator, "", port)["items"]
-        return [
-            one
-            for one in flatten_controls(found)
-            if one["path"].removeprefix(begin) in own and one["sort"] != "group"
-        ]
+        return [one for one in flatten_controls(found) if one["path"].removeprefix(begin) in own]
 
-    def _model(self) -> Control:
+    def _model(self) -> GroupNode:
         file = documents.find_entry(self.document, f"{MODEL}.file")
         note = f"A model of blocks from the file `{file}`: its numbers are those of the file."
-        return {**build_empty_group(MODEL, "Model"), "note": note}
+        return build_group(MODEL, "Model", note=note)
 
 
 @cache

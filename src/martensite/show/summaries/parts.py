@@ -40,7 +40,7 @@ def write_default(entry: Mapping[str, Any]) -> str:
     return write_quantity(default, "1" if placed else entry["unit"])
 
 
-def tabulate_parts(kind: str, rows: Sequence[Mapping[str, str]]) -> DataTable:
+def tabulate_parts(kind: str, rows: Sequence[Mapping[str, Any]]) -> DataTable:
     """Names of parts with one line each; of blocks how they are written in a chain as well."""
     if any("written" in row for row in rows):
         cells = [(row["name"], row["written"], row["summary"]) for row in rows]
