@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from design_cases import differences
 
-from martensite.design.optimise.design_scales import DesignScales
 from martensite.design.optimise.evaluate import DesignEvaluator
 from martensite.design.optimise.grid_scan import scan_designs
 from martensite.design.optimise.optimise import optimise_design
@@ -62,12 +61,12 @@ def test_it_agrees_with_brute_force() -> None:
     assert best.kept
     assert best.numbers[0] == 4.0
     coarse = optimise_box(BOX, "element.count=3..5", best.step)
-    grid = scan_designs(coarse, DesignScales(coarse.question), [3, 9, 9, 9])
+    grid = scan_designs(coarse, [3, 9, 9, 9])
     assert grid.best is not None
     assert grid.numbers[0] == 4.0  # none of the grid with three wires keeps all limits
     assert best.goal <= grid.values[0] * (1.0 + 1e-5)
     near = optimise_box(NEAR, "element.count=4..5", best.step)
-    fine = scan_designs(near, DesignScales(near.question), [2, 9, 9, 9])
+    fine = scan_designs(near, [2, 9, 9, 9])
     z = np.array([f.share(v) for f, v in zip(near.question.free, best.numbers, strict=True)])
     assert fine.best is not None
     assert best.goal <= fine.values[0] * (1.0 + 1e-5) <= best.goal * 1.05

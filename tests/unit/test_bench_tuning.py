@@ -238,7 +238,7 @@ def test_tuning_lowers_the_cost_over_plants(sensed: LoopRuns) -> None:
         watch=lambda text, share: told.append(share),
     )
     assert found.cost < 0.9 * found.cost_before
-    assert found.cost == min(found.ends)
+    assert found.cost <= min(found.ends)
     assert tuple(found.after) == GAINS
     assert found.bench.value_of("controllers.drive.Kp") == found.after[GAINS[0]]
     assert found.evaluations > 0 < found.gradients

@@ -23,7 +23,6 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.base.parameters import param
-from martensite.design.optimise.design_scales import DesignScales
 from martensite.design.optimise.evaluate import DesignEvaluator
 from martensite.design.optimise.grid_scan import scan_designs
 from martensite.design.optimise.life import build_life_constraints
@@ -171,7 +170,7 @@ def test_a_level_that_is_not_affine_is_refused() -> None:
 
 def test_it_agrees_with_brute_force() -> None:
     best = found(("strand.diameter=0.08..0.14 mm", "drive.waveform.high=2..6 W"))
-    grid = scan_designs(best.designs, DesignScales(best.question), 21)
+    grid = scan_designs(best.designs, 21)
     assert best.kept
     assert grid.best is not None
     assert best.goal <= grid.values[0] * (1.0 + 1e-6)
@@ -194,7 +193,7 @@ def test_what_a_limit_costs_is_what_another_limit_gains() -> None:
 
 def test_whole_numbers_are_those_of_a_grid() -> None:
     best = found((COUNT, DIAMETER, POWER))
-    grid = scan_designs(best.designs, DesignScales(best.question), [6, 7, 7])
+    grid = scan_designs(best.designs, [6, 7, 7])
     assert best.kept
     assert best.numbers[0] == round(best.numbers[0])
     assert grid.best is not None

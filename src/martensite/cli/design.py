@@ -130,11 +130,10 @@ class DesignOptions:
             )
             if self.grid is None:
                 return found
-            from martensite.design.optimise.design_scales import DesignScales
             from martensite.design.optimise.grid_scan import scan_designs
 
             watch = None if tell is None else partial(tell, "grid")
-            compared = scan_designs(found.designs, DesignScales(found.question), self.grid, watch)
+            compared = scan_designs(found.designs, self.grid, watch)
             return replace(found, scan=compared)
 
 

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base import units
-from martensite.design.optimise.design_scales import DesignGradient, DesignScales
 from martensite.design.optimise.evaluate import DesignEvaluator
 from martensite.search.free_numbers import BOX_TEMPERATURE
 
@@ -43,18 +42,26 @@ class ActiveConstraint:
     """Gain of the goal [SI] per SI unit by which the limit is relaxed."""
     step: float
     """A small relaxation [SI]: 1 % of the limit, or of a range of a temperature."""
-    gain: float
-    """What it gains [SI]."""
-    share: float
-    """The same as a share of the goal."""
+    goal: float
+    """Size of the goal [SI]."""
     more: bool = True
     """Whether it is relaxed upwards."""
     cases: tuple[int, ...] = ()
     """In which cases a constraint is active."""
 
+    @property
+    def gain(self) -> float:
+        """What the small relaxation gains [SI]."""
+        return self.multiplier * self.step
+
+    @property
+    def share(self) -> float:
+        """The same as a share of the goal."""
+        return self.gain / self.goal
+
     def to_dict(self) -> dict[str, Any]:
-        """All fields by name, for JSON."""
-        return asdict(self)
+        """All fields and what relaxing it gains by name, for JSON."""
+        return asdict(self) | {"gain": self.gain, "share": self.share}
 
     def words(self, goal_unit: str) -> str:
         """What relaxing it would gain."""
@@ -77,17 +84,14 @@ class OptimalityBalance:
     """What of the slope of the goal is not balanced, as a share of it."""
 
 
-def find_multipliers(
-    designs: DesignEvaluator, scales: DesignScales, z: NDArray[np.float64]
-) -> OptimalityBalance | None:
+def find_multipliers(designs: DesignEvaluator, z: NDArray[np.float64]) -> OptimalityBalance | None:
     """What holds a design; None if it cannot be differentiated.
 
     Whole numbers are held by being whole and take no part.
     """
-    found = designs.slopes(z)
-    if found is None:
+    one, free = designs.differentiate(z), designs.question.free
+    if one is None:
         return None
-    one, free = scales.gradient(found), designs.question.free
     moving = np.array([not f.whole for f in free])
     slack = np.flatnonzero(np.abs(one.slack) <= ACTIVE)
     bounds = [(k, f.bound(float(z[k]))) for k, f in enumerate(free) if not f.whole]
@@ -97,24 +101,15 @@ def find_multipliers(
         normals[row, k] = 1.0 if side == "lower" else -1.0
     rows = np.concatenate([one.slack_slope[slack], normals])[:, moving]
     weights, residue = _solve_multipliers(rows, one.goal_slope[moving])
-    goal = abs(float(found.values[:, 0].mean())) or 1.0
-    pressing = _list_active(designs, scales, one, slack, weights, goal)
-    for (k, side), weight in zip(met, weights[len(slack) :], strict=True):
+    rates, goal = weights * designs.goal_size, abs(designs.restore_goal(one.goal)) or 1.0
+    pressing = _list_active(designs, slack, rates, goal)
+    for (k, side), rate in zip(met, rates[len(slack) :], strict=True):
         limit = free[k].low if side == "lower" else free[k].high
-        rate = weight * scales.goal / abs(free[k].slope(float(z[k])))
+        own = float(rate) / abs(free[k].slope(float(z[k])))
         step = PER_CENT * (BOX_TEMPERATURE if free[k].unit == "K" else abs(limit) or free[k].high)
+        kind, more = f"{side} bound", side == "upper"
         pressing.append(
-            ActiveConstraint(
-                free[k].name,
-                f"{side} bound",
-                limit,
-                free[k].unit,
-                rate,
-                step,
-                rate * step,
-                rate * step / goal,
-                side == "upper",
-            )
+            ActiveConstraint(free[k].name, kind, limit, free[k].unit, own, step, goal, more)
         )
     return OptimalityBalance(tuple(pressing), residue)
 
@@ -133,35 +128,21 @@ def _solve_multipliers(
 
 
 def _list_active(
-    designs: DesignEvaluator,
-    scales: DesignScales,
-    one: DesignGradient,
-    slack: NDArray[np.intp],
-    weights: NDArray[np.float64],
-    goal: float,
+    designs: DesignEvaluator, slack: NDArray[np.intp], rates: NDArray[np.float64], goal: float
 ) -> list[ActiveConstraint]:
     """Active constraints, those of all cases together."""
     subject = designs.question.subject
     found: list[ActiveConstraint] = []
-    for i, constraint in enumerate(subject):
+    for i, one in enumerate(subject):
         rows = [k for k, row in enumerate(slack) if row % len(subject) == i]
         if not rows:
             continue
-        rate = float(sum(weights[k] for k in rows)) * scales.goal / constraint.scale
-        step = PER_CENT * constraint.scale
+        rate = float(sum(rates[k] for k in rows)) / one.scale
+        step, unit = PER_CENT * one.scale, one.aim.unit
         cases = tuple(int(slack[k]) // len(subject) for k in rows)
         found.append(
             ActiveConstraint(
-                constraint.words,
-                "constraint",
-                constraint.limit,
-                constraint.aim.unit,
-                rate,
-                step,
-                rate * step,
-                rate * step / goal,
-                constraint.most,
-                cases,
+                one.words, "constraint", one.limit, unit, rate, step, goal, one.most, cases
             )
         )
     return found

@@ -1,9 +1,8 @@
-"""Designs judged: values of the goal and of all constraints, in batches, and exact derivatives.
+"""Designs judged: goals and slacks of constraints, in batches, and exact derivatives.
 
 A design is a point z in the box of its free numbers (`martensite.search.free_numbers`). Batches
-are
-marched in C side by side; at one point the run is marched with its derivatives, and by the chain
-rule
+are marched in C side by side; at one point the run is marched with its derivatives, and by the
+chain rule
 
     dm/dz_k = Σ_s  (∂m/∂y_s) (∂y_s/∂p_k) (dp_k/dz_k)
 
@@ -13,6 +12,11 @@ floats, and derivatives are central differences.
 Measures are smooth piece by piece: where the hottest sample becomes another, or a coordinate
 meets a stop, derivatives are those of one side. A wire that does not transform at all has
 measures that hardly depend on anything; derivatives are then 0, as they are in truth.
+
+A search sees them on scales of its own (`martensite.search.box_search`). The goal is the mean over
+all cases, divided by its size at the beginning, and its negative where it shall be as large as it
+can. A slack is how far a constraint is from its limit in one case, as a share of the limit (of 50 K
+for a temperature). What never happens, and a run that fails, is far beyond every limit.
 """
 
 from __future__ import annotations
@@ -26,11 +30,14 @@ from numpy.typing import NDArray
 
 from martensite.design.optimise.question import DesignAim, DesignQuestion
 from martensite.search.batch_runner import BatchRunner
+from martensite.search.box_search import FAILED_GOAL, LARGEST_SLACK, JudgedPoints, PointSlopes
 from martensite.simulate.drive_waveforms import grid_of
 from martensite.simulate.measures.base import list_needed
 from martensite.simulate.waveform_levels import Level, WaveformLevels
 
 Numbers: TypeAlias = NDArray[np.float64]
+CLOUD_SPREAD = 0.05
+"""How far points of a cloud around a design are scattered, as a share of ranges."""
 
 
 @dataclass
@@ -59,6 +66,8 @@ class AimSlopes(NamedTuple):
 class DesignEvaluator:
     """All designs of a question, ready to be judged."""
 
+    differentiable, partial = True, False
+
     def __init__(
         self,
         steering: WaveformLevels,
@@ -85,6 +94,10 @@ class DesignEvaluator:
         levels = [c.level for one in question.free for c in one.targets if c.level is not None]
         self.steering = steering.with_levels(levels)
         self.question, self.step, self.counts = question, step, RunCounts()
+        self.goal_size = 1.0
+        """What goals are divided by [SI]."""
+        self.widths = np.ones(len(question.free))
+        self.scatter = CLOUD_SPREAD * self.widths
         self.system = self.steering.whole
         played = self.steering.system_waveforms()
         self.grid = grid_of(self.system, played, steering.duration, samples, step)
@@ -150,6 +163,59 @@ class DesignEvaluator:
         self.counts.simulations += 1
         runner = BatchRunner(self.system, self.grid, [output], native=self.native)
         return runner.run_many(self._fill_table(numbers[None, :])[:1])[0, :, 0]
+
+    # ---------------------------------------------------------------- as a search sees them
+
+    @property
+    def runs(self) -> int:
+        """Runs so far, with derivatives and without."""
+        return self.counts.simulations + self.counts.slopes
+
+    @property
+    def sign(self) -> float:
+        """1 where the goal shall be small."""
+        return -1.0 if self.question.most else 1.0
+
+    def restore_goal(self, goal: float) -> float:
+        """A goal as a search sees it in SI."""
+        return self.sign * self.goal_size * goal
+
+    def set_size(self, values: Numbers) -> None:
+        """Take the size of the goal from that of some designs, (designs, cases, aims)."""
+        goals = np.abs(values[:, :, 0].mean(axis=1))
+        goals = goals[np.isfinite(goals) & (goals > 0.0)]
+        self.goal_size = float(np.median(goals)) if len(goals) else 1.0
+
+    def judge(self, z: Numbers) -> JudgedPoints:
+        """Goals and slacks of designs (designs, free)."""
+        return self.judge_values(self.values(z))
+
+    def judge_values(self, values: Numbers) -> JudgedPoints:
+        """Goals and slacks of values of designs, (designs, cases, aims)."""
+        goal = self.sign * values[:, :, 0].mean(axis=1) / self.goal_size
+        slack = [
+            c.sign * (values[:, :, k + 1] - c.limit) / c.scale
+            for k, c in enumerate(self.question.subject)
+        ]
+        table = np.stack(slack, axis=2).reshape(len(values), -1) if slack else goal[:, None][:, :0]
+        most = LARGEST_SLACK
+        held = np.clip(np.nan_to_num(table, nan=-most, posinf=most, neginf=-most), -most, most)
+        held[np.isnan(values).any(axis=(1, 2))] = -most
+        return JudgedPoints(np.where(np.isfinite(goal), goal, FAILED_GOAL), held)
+
+    def differentiate(self, z: Numbers) -> PointSlopes | None:
+        """Goal and slacks of a design with their derivatives; None if a run of it fails."""
+        found = self.slopes(z)
+        if found is None:
+            return None
+        one = self.judge_values(found.values[None])
+        slope = self.sign * found.slopes[:, 0].mean(axis=0) / self.goal_size
+        rows = [
+            c.sign * found.slopes[:, k + 1] / c.scale for k, c in enumerate(self.question.subject)
+        ]
+        table = np.stack(rows, axis=1).reshape(-1, len(z)) if rows else np.zeros((0, len(z)))
+        table = np.where((np.abs(one.slack[0]) < LARGEST_SLACK)[:, None], table, 0.0)
+        return PointSlopes(float(one.goal[0]), one.slack[0], slope, table)
 
     # ---------------------------------------------------------------- tables of parameters
 

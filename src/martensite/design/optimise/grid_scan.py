@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError
-from martensite.design.optimise.design_scales import DesignScales, JudgedDesigns
 from martensite.design.optimise.evaluate import DesignEvaluator, RunCounts
+from martensite.search.box_search import JudgedPoints
 
 Numbers: TypeAlias = NDArray[np.float64]
 BATCH = 1024
@@ -31,7 +31,7 @@ class DesignScan:
 
     z: Numbers
     """(designs, free)"""
-    convergence_scales: JudgedDesigns
+    judged: JudgedPoints
     shape: tuple[int, ...]
     best: int | None
     """The design that keeps all constraints and has the least goal; None if none keeps all."""
@@ -42,7 +42,7 @@ class DesignScan:
 
     def cells(self, z: Numbers) -> tuple[float, ...]:
         """How far a design is from the best of the grid, in cells of it."""
-        place = self.z[self.convergence_scales.order()[0]]
+        place = self.z[self.judged.order()[0]]
         wide = [1.0 / max(n - 1, 1) for n in self.shape]
         return tuple(float(abs(a - b)) / w for a, b, w in zip(z, place, wide, strict=True))
 
@@ -51,7 +51,7 @@ class DesignScan:
         return {
             "simulations": len(self.z),
             "shape": list(self.shape),
-            "kept": int(self.convergence_scales.kept.sum()),
+            "kept": int(self.judged.kept.sum()),
             "numbers": list(self.numbers),
             "values": list(self.values),
         }
@@ -59,7 +59,6 @@ class DesignScan:
 
 def scan_designs(
     designs: DesignEvaluator,
-    scales: DesignScales,
     points: int | Sequence[int],
     watch: Callable[[float], None] | None = None,
 ) -> DesignScan:
@@ -67,7 +66,6 @@ def scan_designs(
 
     Args:
         designs: ready to be judged.
-        scales: goal and slacks of the question.
         points: along each free number; of a whole one all its numbers if they are fewer.
         watch: called with the share that is done.
 
@@ -85,7 +83,7 @@ def scan_designs(
         )
     z = np.array(list(itertools.product(*axes)))
     values = _evaluate_grid(designs, z, watch)
-    judged = scales.convergence_scales(values)
+    judged = designs.judge_values(values)
     first = judged.order()[0]
     return DesignScan(
         z,

@@ -9,7 +9,6 @@ until this changes little, and the design is adjusted in the steps that this tak
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -18,9 +17,8 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
 from martensite.design.optimise.active_constraints import find_multipliers
-from martensite.design.optimise.design_scales import FEASIBLE_VIOLATION, DesignScales
 from martensite.design.optimise.evaluate import DesignEvaluator, Numbers, apply_numbers
-from martensite.design.optimise.integer_variables import TriedCombination, round_design
+from martensite.design.optimise.integer_variables import round_design
 from martensite.design.optimise.life import build_life_constraints, describe_life
 from martensite.design.optimise.optimised_design import (
     OptimisedDesign,
@@ -28,10 +26,10 @@ from martensite.design.optimise.optimised_design import (
     RoundedDesign,
 )
 from martensite.design.optimise.question import DesignAim, DesignQuestion, read_aim, read_question
-from martensite.design.optimise.search import (
-    DesignHunt,
-    DesignPoint,
-    DesignSearch,
+from martensite.design.optimise.search import DesignSearch, search_designs, start_search
+from martensite.search.box_search import (
+    FEASIBLE_VIOLATION,
+    BoxPoint,
     SearchMark,
     Tell,
 )
@@ -121,22 +119,22 @@ def optimise_design(
     designs = DesignEvaluator(
         steering, question, samples=samples, step=first, also=also, native=native
     )
-    hunt = DesignHunt(designs, search or DesignSearch(), watch)
+    how = search or DesignSearch()
     begin = np.array([one.share(one.start) for one in question.free])
-    relaxed = hunt.run(begin)
-    whole = any(one.whole for one in question.free)
+    hunt = search_designs(designs, begin, how, watch)
     history = list(hunt.history)
-    point, tried, relaxed = round_design(hunt, relaxed)
-    if whole:
-        history = [*(m for m in history if not math.isinf(m.goal)), _record_progress(hunt, point)]
-    hunt, point, apart = _refine_step(hunt, point, accuracy, fixed_step=step is not None)
-    found = _build_answer(steering, hunt, point, apart)
+    point, tried, relaxed = round_design(hunt, question.free, hunt.found)
+    if tried:
+        history.append(_mark_progress(designs, point))
+    halvings = HALVINGS if step is None else 0
+    finer, point, apart = _refine_step(designs, point, how, watch, accuracy, halvings)
+    history.append(_mark_progress(finer, point))
     return replace(
-        found,
-        history=(*history, _record_progress(hunt, point)),
-        held=tuple(_describe_rounded(hunt, one) for one in tried),
-        relaxed=tuple(designs.numbers(relaxed.z).tolist()) if whole else None,
-        relaxed_goal=_compute_goal(hunt.scales, relaxed) if whole else None,
+        _build_answer(steering, finer, point, apart),
+        history=tuple(m._replace(goal=designs.restore_goal(m.goal)) for m in history),
+        held=tuple(_describe_rounded(designs, *one) for one in tried.items()),
+        relaxed=tuple(designs.numbers(relaxed.z).tolist()) if tried else None,
+        relaxed_goal=designs.restore_goal(relaxed.goal) if tried else None,
         life=describe_life(limits, life) if life is not None else "",
     )
 
@@ -154,60 +152,62 @@ def _find_longest_step(steering: WaveformLevels, question: DesignQuestion) -> fl
 
 
 def _refine_step(
-    hunt: DesignHunt, point: DesignPoint, accuracy: float, *, fixed_step: bool
-) -> tuple[DesignHunt, DesignPoint, float]:
+    designs: DesignEvaluator,
+    point: BoxPoint,
+    how: DesignSearch,
+    watch: Tell | None,
+    accuracy: float,
+    halvings: int,
+) -> tuple[DesignEvaluator, BoxPoint, float]:
     """The design adjusted in steps that are short enough, and what halving them changes."""
-    fixed = np.array([one.whole for one in hunt.designs.question.free])
-    finer = _change_step(hunt, 0.5)
-    apart = _compare_steps(hunt, finer, point.z)
-    for _ in range(0 if fixed_step else HALVINGS):
+    fixed = np.array([one.whole for one in designs.question.free])
+    finer = _halve_step(designs)
+    apart = _compare_steps(designs, finer, point.z)
+    for _ in range(halvings):
         if apart <= accuracy:
             break
-        hunt = finer
+        designs, finer = finer, _halve_step(finer)
+        hunt = start_search(designs, how, watch)
         hunt.tell("shorter steps", 0.9)
         hunt.judge(point.z[None])
         hunt.descend(point.z, fixed)
-        point, finer = hunt.found, _change_step(hunt, 0.5)
-        apart = _compare_steps(hunt, finer, point.z)
-    return hunt, point, apart
+        point = hunt.found
+        apart = _compare_steps(designs, finer, point.z)
+    return designs, point, apart
 
 
-def _change_step(hunt: DesignHunt, share: float) -> DesignHunt:
-    """The same search in steps of a share of its own; it goes on counting."""
-    old = hunt.designs
+def _halve_step(old: DesignEvaluator) -> DesignEvaluator:
+    """The same designs in steps half as long; it goes on counting."""
     designs = DesignEvaluator(
         old.steering,
         old.question,
         samples=len(old.times),
-        step=share * old.grid.longest,
+        step=0.5 * old.grid.longest,
         also=old.also,
         native=old.native,
     )
-    designs.counts = old.counts
-    found = DesignHunt(designs, hunt.search, hunt.watch)
-    found.scales = hunt.scales
-    return found
+    designs.counts, designs.goal_size = old.counts, old.goal_size
+    return designs
 
 
-def _compare_steps(hunt: DesignHunt, finer: DesignHunt, z: Numbers) -> float:
+def _compare_steps(designs: DesignEvaluator, finer: DesignEvaluator, z: Numbers) -> float:
     """Largest change of what a design is judged by, as a share of limits and of the goal."""
-    both = [one.scales.convergence_scales(one.designs.values(z[None])) for one in (hunt, finer)]
+    both = [one.judge(z[None]) for one in (designs, finer)]
     goal = abs(both[0].goal[0] - both[1].goal[0])
     slack = np.abs(both[0].slack - both[1].slack)
     return float(max(goal, slack.max(initial=0.0)))
 
 
 def _build_answer(
-    steering: WaveformLevels, hunt: DesignHunt, point: DesignPoint, apart: float
+    steering: WaveformLevels, designs: DesignEvaluator, point: BoxPoint, apart: float
 ) -> OptimisedDesign:
     """The answer, but for what was seen on the way."""
-    designs, question = hunt.designs, hunt.designs.question
+    question = designs.question
     numbers = tuple(designs.numbers(point.z).tolist())
     exact = tuple(
         float(round(v)) if one.whole else v for v, one in zip(numbers, question.free, strict=True)
     )
-    values = designs.values(point.z[None])
-    slack = hunt.scales.convergence_scales(values).slack[0].reshape(-1, len(question.subject) or 1)
+    slack = designs.judge(point.z[None]).slack[0].reshape(-1, len(question.subject) or 1)
     missed = [
         c.words for k, c in enumerate(question.subject) if (slack[:, k] < -FEASIBLE_VIOLATION).any()
     ]
@@ -218,29 +218,23 @@ def _build_answer(
             "Widen the bounds, or ask for less."
         )
     return OptimisedDesign(
-        question=question,
+        designs=designs,
         steering=apply_numbers(steering, question, exact),
         z=tuple(point.z.tolist()),
         numbers=exact,
         kept=point.kept,
         missed=tuple(missed),
-        reported=_report_measures(hunt, exact),
-        balance=find_multipliers(designs, hunt.scales, point.z),
-        held=(),
-        relaxed=None,
-        relaxed_goal=None,
-        counts=designs.counts,
-        history=(),
-        designs=designs,
-        step=designs.grid.longest,
+        reported=_report_measures(designs, exact),
+        balance=find_multipliers(designs, point.z),
         accuracy=apart,
         notes=notes,
     )
 
 
-def _report_measures(hunt: DesignHunt, numbers: Sequence[float]) -> tuple[ReportedMeasure, ...]:
+def _report_measures(
+    designs: DesignEvaluator, numbers: Sequence[float]
+) -> tuple[ReportedMeasure, ...]:
     """What the question asks for and other measures, of the scenario and of the design."""
-    designs = hunt.designs
     start = [one.start for one in designs.question.free]
     aims = {aim.words: aim for aim in (*designs.question.aims, *designs.also)}
     before, after = designs.evaluate_aims(np.array([start, numbers]), list(aims.values()))
@@ -266,20 +260,13 @@ def _list_measures(steering: WaveformLevels, asked: set[str]) -> list[DesignAim]
     return found
 
 
-def _describe_rounded(hunt: DesignHunt, one: TriedCombination) -> RoundedDesign:
-    point = one.point
-    numbers = tuple(hunt.designs.numbers(point.z).tolist())
-    return RoundedDesign(
-        one.numbers, numbers, _compute_goal(hunt.scales, point), point.kept, point.violation
-    )
+def _describe_rounded(
+    designs: DesignEvaluator, whole: tuple[int, ...], point: BoxPoint
+) -> RoundedDesign:
+    numbers = tuple(designs.numbers(point.z).tolist())
+    goal = designs.restore_goal(point.goal)
+    return RoundedDesign(whole, numbers, goal, point.kept, point.violation)
 
 
-def _compute_goal(scales: DesignScales, point: DesignPoint) -> float:
-    return scales.sign * scales.goal * point.goal
-
-
-def _record_progress(hunt: DesignHunt, point: DesignPoint) -> SearchMark:
-    counts = hunt.designs.counts
-    return SearchMark(
-        counts.simulations + counts.slopes, _compute_goal(hunt.scales, point), point.violation
-    )
+def _mark_progress(designs: DesignEvaluator, point: BoxPoint) -> SearchMark:
+    return SearchMark(designs.runs, point.goal, point.violation)

@@ -10,7 +10,7 @@ from martensite.design.optimise.active_constraints import OptimalityBalance
 from martensite.design.optimise.evaluate import DesignEvaluator, RunCounts
 from martensite.design.optimise.grid_scan import DesignScan
 from martensite.design.optimise.question import DesignQuestion
-from martensite.design.optimise.search import SearchMark
+from martensite.search.box_search import SearchMark
 from martensite.simulate.waveform_levels import WaveformLevels
 
 
@@ -44,7 +44,8 @@ class RoundedDesign:
 class OptimisedDesign:
     """A design: the best that was found, and why it is where it is."""
 
-    question: DesignQuestion
+    designs: DesignEvaluator
+    """What judged them, in the steps of the answer."""
     steering: WaveformLevels
     """System and waveforms with the numbers that were found."""
     z: tuple[float, ...]
@@ -59,26 +60,36 @@ class OptimisedDesign:
     """The goal first, then what is constrained, then other measures."""
     balance: OptimalityBalance | None
     """What holds it; None if it cannot be differentiated."""
-    held: tuple[RoundedDesign, ...]
-    """The best designs with other whole numbers, that of the answer among them."""
-    relaxed: tuple[float, ...] | None
-    """What was found if whole numbers could be anything [SI]; None if there are none."""
-    relaxed_goal: float | None
-    """[SI]"""
-    counts: RunCounts
-    history: tuple[SearchMark, ...]
-    """How the best design became better."""
-    designs: DesignEvaluator
-    """What judged them, in the steps of the answer."""
-    step: float
-    """Longest step of its runs [s]."""
     accuracy: float
     """Largest change of what it is judged by on halving the step, as a share of limits and goal."""
+    held: tuple[RoundedDesign, ...] = ()
+    """The best designs with other whole numbers, that of the answer among them."""
+    relaxed: tuple[float, ...] | None = None
+    """What was found if whole numbers could be anything [SI]; None if there are none."""
+    relaxed_goal: float | None = None
+    """[SI]"""
+    history: tuple[SearchMark, ...] = ()
+    """How the best design became better; goals in SI."""
     life: str = ""
     """What is claimed of its life."""
     scan: DesignScan | None = None
     """The grid that it was compared with."""
     notes: list[str] = field(default_factory=list[str])
+
+    @property
+    def question(self) -> DesignQuestion:
+        """What was asked."""
+        return self.designs.question
+
+    @property
+    def counts(self) -> RunCounts:
+        """What was computed."""
+        return self.designs.counts
+
+    @property
+    def step(self) -> float:
+        """Longest step of its runs [s]."""
+        return self.designs.grid.longest
 
     @property
     def start(self) -> tuple[float, ...]:

@@ -17,11 +17,12 @@ import numpy as np
 from martensite.base.errors import SolveError
 from martensite.control.loop.bench import Bench
 from martensite.design.tuning.free_gains import build_free_gains
-from martensite.design.tuning.gain_search import GainHunt, Tell, TuningSearch
+from martensite.design.tuning.gain_search import GainCosts, TuningSearch, search_gains
 from martensite.design.tuning.goals import Cost, Course, Numbers, TuningGoal
 from martensite.design.tuning.loop_runs import LoopRuns, Seen
 from martensite.design.tuning.measures import Measures, measure_loop
 from martensite.design.tuning.plant_spread import Plants
+from martensite.search.box_search import Tell
 from martensite.search.free_numbers import FreeNumber
 from martensite.signals.base import AbstractWaveform
 
@@ -107,20 +108,21 @@ def tune_bench(
     course = (
         Course(_run_of(first, 0), bench.period) if _is_finite(first) else _find_scales(runs, starts)
     )
-    hunt = GainHunt(
-        runs, Cost(goal or TuningGoal(), course), freed, plants, search or TuningSearch(), watch
+    how = search or TuningSearch()
+    costs = GainCosts(runs, Cost(goal or TuningGoal(), course), freed, plants, how.slopes)
+    cost, best, ends = search_gains(
+        costs, [before, *[{**before, **start} for start in starts]], how, watch
     )
-    cost, best, ends = hunt.best([before, *[{**before, **start} for start in starts]])
-    after = {path: float(value) for path, value in hunt.numbers(best).items()}
+    after = {path: float(value) for path, value in costs.numbers(best).items()}
     found = compare_gains(runs, after, course)
     return replace(
         found,
-        cost_before=hunt.table(before),
+        cost_before=float(costs.compute_costs({p: [v] for p, v in before.items()}, 1)[0]),
         cost=cost,
-        evaluations=hunt.evaluations,
-        gradients=hunt.gradients,
+        evaluations=costs.evaluations,
+        gradients=costs.gradients,
         ends=ends,
-        notes=_list_bounds(freed, best / hunt.width),
+        notes=_list_bounds(freed, best / costs.widths),
     )
 
 

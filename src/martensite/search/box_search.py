@@ -1,0 +1,360 @@
+"""The search of a box for the least goal under constraints: descents from starts, a look around.
+
+From every start SLSQP (Kraft (1988); SciPy) descends with exact derivatives, or L-BFGS-B (Byrd, Lu,
+Nocedal and Zhu (1995); SciPy) where nothing is constrained. Where it ends without keeping all
+constraints, the sum of squares of what they miss is followed downhill first (L-BFGS-B), and then
+it is tried again. An end that misses a constraint by a hair, as on a kink, is put onto it by
+Newton's method. Last, clouds of points around the best end are judged: on kinks and jumps of what
+is judged a descent may stop early.
+
+Without derivatives the method is that of Nelder and Mead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from importlib import import_module
+from typing import Any, NamedTuple, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.errors import SolveError
+
+Numbers: TypeAlias = NDArray[np.float64]
+Tell: TypeAlias = Callable[[str, float], None]
+LARGEST_SLACK = 10.0
+"""Slack beyond which nothing more is counted."""
+FAILED_GOAL = 1e6
+"""Goal of a point whose run fails, or that never reaches it."""
+FEASIBLE_VIOLATION = 1e-5
+"""Slack below 0 that counts as none."""
+NEARLY_FEASIBLE = 1e-3
+"""Slack below 0 with which a point is near enough to all constraints to descend from it."""
+CLOUD_POINTS = 16
+"""Points of a cloud around an end."""
+STUCK_RUNS = 20
+"""For how many runs one counts from which no way leads towards the constraints it misses."""
+PROJECTIONS, PROJECTION_MARGIN = 3, 1e-6
+"""How often a point that misses constraints by little is put onto them, and how far beyond."""
+GOAL_TOLERANCE = 1e-6
+"""Change of the goal at which a descent ends."""
+LINE_SEARCH = 12
+"""Runs of one line search without constraints, at most."""
+
+
+class JudgedPoints(NamedTuple):
+    """Many points as a search sees them."""
+
+    goal: Numbers
+    """(points,)"""
+    slack: Numbers
+    """How far constraints are from their limits, below 0 where violated, (points, constraints)."""
+
+    @property
+    def violation(self) -> Numbers:
+        """Sum of what constraints miss, (points,)."""
+        return np.maximum(-self.slack, 0.0).sum(axis=1)
+
+    @property
+    def kept(self) -> NDArray[np.bool_]:
+        """Whether all constraints are kept, (points,)."""
+        return (self.slack >= -FEASIBLE_VIOLATION).all(axis=1) & (self.goal < FAILED_GOAL)
+
+    def order(self) -> list[int]:
+        """Points from best to worst: those that keep all by goal, then others by violation."""
+        lost = np.where(self.kept, 0.0, FEASIBLE_VIOLATION + self.violation)
+        return [int(k) for k in np.lexsort((self.goal, lost))]
+
+
+class PointSlopes(NamedTuple):
+    """One point as a search sees it, with derivatives by its places."""
+
+    goal: float
+    slack: Numbers
+    goal_slope: Numbers
+    """(free,)"""
+    slack_slope: Numbers
+    """(constraints, free)"""
+
+
+class BoxPoint(NamedTuple):
+    """A point that was judged."""
+
+    z: Numbers
+    goal: float
+    violation: float
+    kept: bool
+
+    def is_better_than(self, other: BoxPoint) -> bool:
+        """Whether it is better than another."""
+        if self.kept and other.kept:
+            return self.goal < other.goal
+        return self.kept or (not other.kept and self.violation < other.violation)
+
+
+class SearchMark(NamedTuple):
+    """How far a search was at some time."""
+
+    runs: int
+    """Runs so far, with derivatives and without."""
+    goal: float
+    """Of the best point so far; of the one that misses least while none keeps all."""
+    violation: float
+
+
+class BoxObjective(Protocol):
+    """What is searched: places z of free numbers, each from 0 to its width."""
+
+    @property
+    def widths(self) -> Numbers:
+        """Width of the box, (free,): a step of 1 is a large one."""
+        ...
+
+    @property
+    def scatter(self) -> Numbers:
+        """Standard deviation of a cloud, (free,)."""
+        ...
+
+    @property
+    def runs(self) -> int:
+        """Runs so far."""
+        ...
+
+    @property
+    def differentiable(self) -> bool:
+        """Whether there are derivatives."""
+        ...
+
+    @property
+    def partial(self) -> bool:
+        """Whether derivatives are those of a part of what is judged, such as of some plants."""
+        ...
+
+    def judge(self, z: Numbers) -> JudgedPoints:
+        """Goals and slacks of points (points, free), in one batch."""
+        ...
+
+    def differentiate(self, z: Numbers) -> PointSlopes | None:
+        """One point with its derivatives; None where a run fails."""
+        ...
+
+
+class BoxSearch:
+    """One search: it remembers the best that it judged."""
+
+    def __init__(
+        self,
+        objective: BoxObjective,
+        *,
+        iterations: int,
+        clouds: int,
+        seed: int = 0,
+        watch: Tell | None = None,
+    ) -> None:
+        """Prepare a search.
+
+        Args:
+            objective: what is searched.
+            iterations: of each descent, and half of the runs with derivatives that it may make.
+            clouds: how often the neighbourhood of the best end is tried.
+            seed: of all chance.
+            watch: called with a sentence and the share that is done.
+        """
+        self.objective, self.iterations, self.cloud_count = objective, iterations, clouds
+        self.watch = watch
+        self.size = len(objective.widths)
+        self.history: list[SearchMark] = []
+        self.best: BoxPoint | None = None
+        self.ends: list[float] = []
+        """Goals at which descents ended."""
+        self._memory: dict[bytes, PointSlopes | None] = {}
+        self._rng = np.random.default_rng(seed)
+
+    def judge(self, z: Numbers) -> list[BoxPoint]:
+        """Judge points, (points, free), in one batch."""
+        return self.note_points(z, self.objective.judge(z))
+
+    def note_points(self, z: Numbers, judged: JudgedPoints) -> list[BoxPoint]:
+        """Points that were judged; the best is remembered."""
+        rows = zip(z, judged.goal, judged.violation, judged.kept, strict=True)
+        points = [BoxPoint(p, float(g), float(v), bool(k)) for p, g, v, k in rows]
+        for point in points:
+            if self.best is None or point.is_better_than(self.best):
+                self.best = point
+                self.history.append(SearchMark(self.objective.runs, point.goal, point.violation))
+        return points
+
+    def differentiate(self, z: Numbers) -> PointSlopes | None:
+        """A point with its derivatives, computed once; None if the run fails."""
+        key = z.tobytes()
+        if key not in self._memory:
+            found = self._memory[key] = self.objective.differentiate(z)
+            if found is not None and not self.objective.partial:
+                self.note_points(z[None], JudgedPoints(np.array([found.goal]), found.slack[None]))
+        return self._memory[key]
+
+    @property
+    def found(self) -> BoxPoint:
+        """The best so far."""
+        if self.best is None:
+            raise SolveError("Nothing was judged.")
+        return self.best
+
+    def scatter_points(
+        self, z: Numbers, count: int, wide: float = 1.0, fixed: NDArray[np.bool_] | None = None
+    ) -> Numbers:
+        """Points around one, (count, free), so many times as far as those of a cloud."""
+        spread = wide * self.objective.scatter * self._rng.standard_normal((count, self.size))
+        if fixed is not None:
+            spread[:, fixed] = 0.0
+        return np.clip(z + spread, 0.0, self.objective.widths)
+
+    def look_around(self, fixed: NDArray[np.bool_] | None = None) -> None:
+        """Try the neighbourhood of the best point, and go on from there if it is better."""
+        for _ in range(self.cloud_count):
+            before = self.found
+            self.judge(self.scatter_points(before.z, CLOUD_POINTS, fixed=fixed))
+            if self.found is before:
+                break
+            self.descend(self.found.z, fixed)
+
+    def descend(self, begin: Numbers, fixed: NDArray[np.bool_] | None = None) -> None:
+        """Descend from a point, without moving what is fixed; the best is remembered."""
+        fixed = np.zeros(self.size, np.bool_) if fixed is None else fixed
+        if not self.objective.differentiable:
+            end = self._follow_values(begin, fixed)
+        else:
+            end = self._follow_slopes(begin, fixed)
+            if not self._is_nearly_feasible(end) and not fixed.all():
+                end = self._reduce_violation(begin, fixed)
+                end = self._follow_slopes(end, fixed) if self._is_nearly_feasible(end) else end
+            if self._is_nearly_feasible(end):
+                end = self._project(end, fixed)
+        one = None if self.objective.partial else self._memory.get(end.tobytes())
+        self.ends.append(self.judge(end[None])[0].goal if one is None else one.goal)
+
+    def _is_nearly_feasible(self, z: Numbers) -> bool:
+        found = self.differentiate(z)
+        return found is not None and bool((found.slack >= -NEARLY_FEASIBLE).all())
+
+    def _follow_slopes(self, begin: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
+        """Where SLSQP, or without constraints L-BFGS-B, ends."""
+        first = self.differentiate(begin)
+        if first is None or fixed.all():
+            return begin
+        place, options = _MovingPart(begin, fixed, self), {"ftol": GOAL_TOLERANCE}
+        constraint = {
+            "type": "ineq",
+            "fun": lambda u: place(u).slack,
+            "jac": lambda u: place(u).slack_slope[:, ~fixed],
+        }
+        given = {
+            "method": "SLSQP",
+            "constraints": [constraint] if len(first.slack) else [],
+            "options": options,
+        }
+        return place.minimise(lambda one: (one.goal, one.goal_slope), given)
+
+    def _reduce_violation(self, begin: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
+        """From a point downhill to where constraints are missed least."""
+
+        def missed(one: PointSlopes) -> tuple[float, Numbers]:
+            lost = np.maximum(-one.slack, 0.0)
+            return float(0.5 * lost @ lost), -(lost @ one.slack_slope)
+
+        given = {"method": "L-BFGS-B", "options": {}}
+        return _MovingPart(begin, fixed, self).minimise(missed, given)
+
+    def _project(self, z: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
+        """A point that nearly keeps all constraints, put onto those that it misses by a hair."""
+        for _ in range(PROJECTIONS):
+            one = self.differentiate(z)
+            lost = np.zeros(0, np.bool_) if one is None else one.slack < 0.0
+            if one is None or not lost.any():
+                break
+            rows = one.slack_slope[lost][:, ~fixed]
+            z = z.copy()
+            z[~fixed] += np.linalg.lstsq(rows, PROJECTION_MARGIN - one.slack[lost], rcond=1e-6)[0]
+            z = np.clip(z, 0.0, self.objective.widths)
+        return z
+
+    def _follow_values(self, begin: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
+        """Where the method of Nelder and Mead ends."""
+        place = _MovingPart(begin, fixed, self)
+        found = import_module("scipy.optimize").minimize(
+            lambda u: self.judge(place.whole(u)[None])[0].goal,
+            begin[~fixed],
+            method="Nelder-Mead",
+            bounds=place.bounds,
+            options={"maxiter": self.iterations, "xatol": 1e-2, "fatol": GOAL_TOLERANCE},
+        )
+        return place.whole(found.x)
+
+    def tell(self, text: str, done: float) -> None:
+        """Say how far it is."""
+        if self.watch is not None:
+            self.watch(text, done)
+
+
+class _SpentError(Exception):
+    """A descent has made all the runs that it may."""
+
+
+class _MovingPart:
+    """What a descent sees while some numbers are fixed; a failed run is far from everything."""
+
+    def __init__(self, begin: Numbers, fixed: NDArray[np.bool_], search: BoxSearch) -> None:
+        self._begin, self._moving, self._search = begin, ~fixed, search
+        self.bounds = [(0.0, width) for width in search.objective.widths[~fixed]]
+        self.last: Numbers = begin
+        """Where it was last."""
+        self._left = 2 * search.iterations
+
+    def whole(self, u: Numbers) -> Numbers:
+        """All numbers, from those that move."""
+        found = self._begin.copy()
+        found[self._moving] = u
+        return np.clip(found, 0.0, self._search.objective.widths)
+
+    def minimise(
+        self, cost: Callable[[PointSlopes], tuple[float, Numbers]], given: dict[str, Any]
+    ) -> Numbers:
+        """Where a method of SciPy ends that follows a cost downhill."""
+
+        def value(u: Numbers) -> tuple[float, Numbers]:
+            found, slope = cost(self(u))
+            return found, slope[self._moving]
+
+        options = given["options"] | {"maxiter": self._search.iterations}
+        with suppress(_SpentError):
+            import_module("scipy.optimize").minimize(
+                value,
+                self._begin[self._moving],
+                jac=True,
+                bounds=self.bounds,
+                **(given | {"options": options}),
+            )
+        return self.last
+
+    def __call__(self, u: Any) -> PointSlopes:
+        """Goal and slacks with derivatives."""
+        z = self.whole(np.asarray(u, float))
+        if not np.array_equal(z, self.last):
+            self._left -= 1
+            self.last = z
+        if self._left < 0:
+            raise _SpentError
+        found = self._search.differentiate(z)
+        if found is not None and found.goal < FAILED_GOAL:
+            lost = found.slack < -NEARLY_FEASIBLE
+            if lost.any() and not found.slack_slope[lost].any():
+                self._left -= STUCK_RUNS  # nothing moves here
+            return found
+        first = self._search.differentiate(self._begin)
+        count = 0 if first is None else len(first.slack)
+        size = len(z)
+        return PointSlopes(
+            FAILED_GOAL, np.full(count, -LARGEST_SLACK), np.zeros(size), np.zeros((count, size))
+        )
