@@ -80,19 +80,19 @@ distclean: clean ## clean, and remove .venv too
 	rm -rf $(VENV)
 
 # One stamp per set of extras, so that the environment is touched only when its declaration changed.
-# Every set contains the core; nothing is uninstalled on the way from one set to another.
+# Every set contains the core and the studies; nothing is uninstalled on the way from one to another.
 $(VENV)/.stamp-core: extra =
 $(VENV)/.stamp-dev: extra = dev
 $(VENV)/.stamp-bench: extra = bench
-$(VENV)/.stamp-%: pyproject.toml uv.lock
+$(VENV)/.stamp-%: pyproject.toml studies/pyproject.toml uv.lock
 ifneq ($(UV),)
-	$(UV_SYNC) $(if $(extra),--extra $(extra))
+	$(UV_SYNC) --extra studies $(if $(extra),--extra $(extra))
 else
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo \
 		"martensite needs Python 3.11 or newer, but $(PYTHON) is not; try: make PYTHON=python3.13" >&2; \
 		exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile \
-		-e '.$(if $(extra),[$(extra)])'
+		-e '.$(if $(extra),[$(extra)])' -e ./studies
 endif
 	@touch $(VENV)/.stamp-core $@

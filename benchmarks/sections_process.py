@@ -13,7 +13,7 @@ from benchmarks.process import ROOT, Usage, interleaved, run_process
 from benchmarks.report import Table
 from benchmarks.sections import Options, section
 
-SCENARIO = ROOT / "src/martensite/studies/migaone/scenario.toml"
+SCENARIO = ROOT / "examples/migaone.toml"
 MODULE = (sys.executable, "-m", "benchmarks.run_once")
 
 

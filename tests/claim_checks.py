@@ -10,7 +10,7 @@ from typing import Any
 
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import Claim
-from martensite.studies.tables import TableStudy, settle_claims
+from martensite_studies.tables import TableStudy, settle_claims
 
 
 def check_complete(claims: Sequence[Claim], *, all_computed: bool = True) -> None:

@@ -9,7 +9,8 @@ from typescript import check_answer
 
 from martensite.app.calls import studies
 from martensite.app.worker import Desk
-from martensite.base.errors import UnknownNameError
+from martensite.base.errors import InputError, UnknownNameError
+from martensite.base.registry import Registry
 from martensite.scenario.scenario import read_scenario
 from martensite.studies.base import AbstractStudy, Claim, load_study, study_names
 
@@ -113,6 +114,15 @@ def test_what_is_no_study_is_refused(bench: Bench) -> None:
         assert "error" in bench.call(name, {"name": "../../etc/passwd"})
     with pytest.raises(UnknownNameError):
         studies.load_named_study({"name": "/tmp"})
+
+
+def test_without_studies_the_page_says_what_brings_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("martensite.base.registry.entry_points", lambda **_: ())
+    monkeypatch.setattr("martensite.studies.base.STUDIES", Registry("study", "martensite.studies"))
+    with pytest.raises(InputError, match=r"No study is installed; `pip install 'martensite\["):
+        studies.list_studies({}, Desk(tmp_path))
 
 
 def test_a_study_without_parts_is_one_part() -> None:

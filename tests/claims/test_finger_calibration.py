@@ -17,14 +17,14 @@ from claim_checks import check_complete, check_decides, settle_some, verdict_of,
 from martensite.kernels.c99 import find_compiler
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import load_study
-from martensite.studies.finger_calibration import (
+from martensite_studies.finger_calibration import (
     bench,
     data_numbers,
     gauge_numbers,
     search_numbers,
 )
-from martensite.studies.finger_calibration.bench import EVERY, FAR, JOINT, NEAR
-from martensite.studies.finger_calibration.searches import (
+from martensite_studies.finger_calibration.bench import EVERY, FAR, JOINT, NEAR
+from martensite_studies.finger_calibration.searches import (
     ALL,
     COORDINATE,
     FEW,
@@ -34,8 +34,8 @@ from martensite.studies.finger_calibration.searches import (
     moving_starts,
     run_search,
 )
-from martensite.studies.finger_calibration.study import FingerCalibration
-from martensite.studies.tables import PrintedRows, printed_numbers
+from martensite_studies.finger_calibration.study import FingerCalibration
+from martensite_studies.tables import PrintedRows, printed_numbers
 
 PRINTED = printed_numbers("finger_calibration")
 TABLE = data_numbers.table_numbers(PRINTED)
@@ -318,7 +318,7 @@ def test_sources_are_known():
 
 def test_without_a_compiler_it_says_so(monkeypatch, tmp_path):
     for module in ("tables", "finger_calibration.figure"):
-        monkeypatch.setattr(f"martensite.studies.{module}.find_compiler", lambda: None)
+        monkeypatch.setattr(f"martensite_studies.{module}.find_compiler", lambda: None)
     (claim,) = FingerCalibration().claims()
     assert claim.verdict == "not checkable"
     assert "C compiler" in claim.why

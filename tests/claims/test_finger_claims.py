@@ -15,15 +15,15 @@ from claim_checks import check_decides, settle_some
 from martensite.kernels.c99 import find_compiler
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import Claim, load_study
-from martensite.studies.finger import (
+from martensite_studies.finger import (
     bench,
     bending_numbers,
     crystal_numbers,
     loop_numbers,
     wire_numbers,
 )
-from martensite.studies.finger.study import FingerStudy
-from martensite.studies.tables import printed_numbers
+from martensite_studies.finger.study import FingerStudy
+from martensite_studies.tables import printed_numbers
 
 PRINTED = printed_numbers("finger")
 PER_KELVIN = 200.0 * math.pi * 0.1e-3 * 0.44

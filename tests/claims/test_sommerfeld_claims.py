@@ -27,8 +27,8 @@ from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate
 from martensite.studies.base import Claim, load_study, study_names
-from martensite.studies.readings import choose_runtime
-from martensite.studies.sommerfeld import (
+from martensite_studies.readings import choose_runtime
+from martensite_studies.sommerfeld import (
     actuator,
     averages,
     beam_numbers,
@@ -38,8 +38,8 @@ from martensite.studies.sommerfeld import (
     runs,
     wire,
 )
-from martensite.studies.sommerfeld.study import Sommerfeld
-from martensite.studies.tables import printed_numbers
+from martensite_studies.sommerfeld.study import Sommerfeld
+from martensite_studies.tables import printed_numbers
 
 PRINTED = printed_numbers("sommerfeld")
 FREQUENCIES = "stiffness", "frequency-{mass:.2f}kg", "frequency-{second_mass:.2f}kg"

@@ -50,6 +50,19 @@ except ms.InputError as error:
 else:
     raise SystemExit("an element was run")
 """
+STUDY = """
+from martensite.studies.base import STUDIES, AbstractStudy, Claim
+
+@STUDIES.register("mine")
+class Mine(AbstractStudy):
+    title = "As the extension, so the force: Hooke"
+
+    def claims(self):
+        return [Claim.checked("hooke", "force", "hooke1678", 2.0, 2.0, "N", 0.1, "linear")]
+
+    def figure(self, path):
+        raise NotImplementedError
+"""
 
 
 def core_distributions(name: str = "martensite") -> Iterator[Distribution]:
@@ -114,7 +127,37 @@ def test_a_law_of_ones_own_conforms(python: Path, folder: Path) -> None:
     assert "linear-strips" in done.stdout
 
 
-@pytest.mark.parametrize("name", ["pytest", "jax", "starlette", "hatchling"])
+@pytest.mark.parametrize(
+    "words", [["study"], ["study", "migaone"], ["cite", "migaone"]], ids=" ".join
+)
+def test_the_studies_are_offered(python: Path, folder: Path, words: list[str]) -> None:
+    done = call(python, folder, "-m", "martensite", *words)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("error: No study ")
+    assert "; `pip install 'martensite[studies]'` brings " in done.stderr
+    assert done.stderr.count("\n") == 1
+
+
+def test_the_demonstration_needs_no_study(python: Path, folder: Path) -> None:
+    done = call(python, folder, "-m", "martensite", "demo")
+    assert done.returncode == 0, done.stderr
+    assert "pip install 'martensite[studies]'" in done.stdout
+    assert (folder / "migaone.nc").stat().st_size and (folder / "migaone.png").stat().st_size
+
+
+def test_a_study_of_ones_own_is_found(python: Path, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(STUDY)
+    about = tmp_path / "mine-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: mine\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text("[martensite.studies]\nmine = mine\n")
+    assert "Hooke" in call(python, tmp_path, "-m", "martensite", "study").stdout
+    assert "1 reproduced" in call(python, tmp_path, "-m", "martensite", "study", "mine").stdout
+    done = call(python, tmp_path, "-m", "martensite", "study", "migaone")
+    assert (done.returncode, "martensite[studies]" in done.stderr) == (2, True)
+
+
+@pytest.mark.parametrize("name", ["pytest", "jax", "starlette", "hatchling", "martensite_studies"])
 def test_nothing_else_is_there(python: Path, folder: Path, name: str) -> None:
     assert "ModuleNotFoundError" in call(python, folder, "-c", f"import {name}").stderr
 

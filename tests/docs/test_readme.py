@@ -14,6 +14,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -112,8 +113,12 @@ def test_make_target_exists(line: str) -> None:
 
 @pytest.mark.parametrize("line", [line for line in SHELL if line.startswith(INSTALLS)])
 def test_installation_is_of_this_checkout(line: str) -> None:
-    assert shlex.split(line)[-1] in (".", ".[sweep]", ".[app]")
-    assert 'name = "martensite"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    known = {".": "martensite", "./studies": "martensite-studies"}
+    for word in line.partition("install ")[2].replace('"', "").split():
+        path, _, extra = word.partition("[")
+        project = tomllib.loads((ROOT / path / "pyproject.toml").read_text("utf-8"))["project"]
+        assert project["name"] == known[path]
+        assert not extra or extra.rstrip("]") in project["optional-dependencies"]
 
 
 def test_local_links_and_images_exist() -> None:

@@ -17,7 +17,7 @@ import martensite as ms
 from martensite.kernels import floats
 from martensite.physics.thermal.base import Cylinder
 from martensite.physics.thermal.morgan import LAWS
-from martensite.studies.tables import printed_numbers
+from martensite_studies.tables import printed_numbers
 
 ZERO = 273.15
 FREE = {

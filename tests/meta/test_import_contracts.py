@@ -24,7 +24,8 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
         str(ROOT / "pyproject.toml"),
         "--no-cache",
     ]
-    changes = {"PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "200"}
+    paths = os.pathsep.join([str(folder), str(ROOT / "studies" / "src")])
+    changes = {"PYTHONPATH": paths, "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "200"}
     environment = os.environ | changes
     return subprocess.run(
         command, cwd=folder, env=environment, capture_output=True, text=True, check=False
@@ -63,6 +64,7 @@ def test_contracts_hold() -> None:
         ("actuators/elements/wire.py", "import pint", "martensite.base.units imports pint"),
         ("simulate/march.py", "import xarray", "import xarray"),
         ("actuators/assembly/base.py", "import jax", "import jax"),
+        ("studies/base.py", "import martensite_studies", "does not import martensite_studies"),
         ("simulate/result.py", "import mujoco", "Only martensite.export imports mujoco"),
     ],
 )

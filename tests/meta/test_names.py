@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = ROOT / "src" / "martensite"
+SOURCES = (ROOT / "src", ROOT / "studies" / "src")
 ONE_WORD = 0.25
 """Largest share of module-level functions with a name of one word: commands, and verbs that need
 no object."""
@@ -31,9 +31,9 @@ Names = Iterator[tuple[str, str]]
 
 
 def parse_sources() -> dict[str, ast.Module]:
-    """Every module of the package, by its path."""
-    paths = sorted(SOURCES.rglob("*.py"))
-    return {str(p.relative_to(SOURCES)): ast.parse(p.read_text("utf-8")) for p in paths}
+    """Every module of the two packages, by its path."""
+    paths = [(path, top) for top in SOURCES for path in sorted(top.rglob("*.py"))]
+    return {str(p.relative_to(top)): ast.parse(p.read_text("utf-8")) for p, top in paths}
 
 
 def list_functions(modules: dict[str, ast.Module]) -> Names:
@@ -97,7 +97,7 @@ def test_a_public_class_name_occurs_once() -> None:
 
 
 def test_the_formatter_decides_everywhere() -> None:
-    files = [path for top in ("src", "tests") for path in sorted((ROOT / top).rglob("*.py"))]
+    files = [path for top in (*SOURCES, ROOT / "tests") for path in sorted(top.rglob("*.py"))]
     told = re.compile(r"#\s*fmt:\s*(skip|off)")
     assert [str(path) for path in files if told.search(path.read_text("utf-8"))] == []
 

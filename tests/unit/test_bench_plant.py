@@ -17,10 +17,10 @@ from martensite.design.tuning.response import build_steps, measure_steps
 from martensite.kernels import floats
 from martensite.scenario import datasets
 from martensite.scenario.tables import read_table
-from martensite.studies.hammerstein_wiener import branches, loop, records
-from martensite.studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench, RunningBench
-from martensite.studies.hammerstein_wiener.branches import GRID, ZERO
-from martensite.studies.hammerstein_wiener.preisach import Cell, everett_function
+from martensite_studies.hammerstein_wiener import branches, loop, records
+from martensite_studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench, RunningBench
+from martensite_studies.hammerstein_wiener.branches import GRID, ZERO
+from martensite_studies.hammerstein_wiener.preisach import Cell, everett_function
 
 CORRELATION = 0.85
 C, LATENT = 1.1, 31.9

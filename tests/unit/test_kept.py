@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from martensite.studies import result_cache as module
-from martensite.studies.result_cache import cache_results, find_program_folder
+from martensite_studies import result_cache as module
+from martensite_studies.result_cache import cache_results, find_program_folder
 
 MADE: list[float] = []
 
@@ -40,11 +40,14 @@ def test_another_program_makes_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
     assert MADE == [1.5, 1.5]
 
 
-def test_the_program_is_its_source(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("package", ["martensite", "martensite_studies"])
+def test_the_program_is_its_source(
+    package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     source = tmp_path / "package" / "law.py"
     source.parent.mkdir()
     source.write_text("E_A = 75e9")
-    monkeypatch.setattr("martensite.__file__", str(source))
+    monkeypatch.setattr(f"{package}.__path__", [str(source.parent)])
     tell = module._fingerprint_program.__wrapped__
     before = tell()
     assert tell() == before

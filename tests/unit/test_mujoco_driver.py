@@ -34,7 +34,7 @@ from martensite.export.mujoco_driver import driver_text
 from martensite.kernels.c99 import find_compiler
 from martensite.scenario.scenario import Scenario, load
 from martensite.simulate.api import simulate
-from martensite.studies.platform.bench import SCENARIO as PLATFORM
+from martensite_studies.platform.bench import SCENARIO as PLATFORM
 
 mujoco: Any = installed
 EXPORT = Command("export", "mujoco")

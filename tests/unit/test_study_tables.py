@@ -12,9 +12,9 @@ import pint
 import pytest
 
 from martensite.base.errors import DataError
-from martensite.studies import tables
 from martensite.studies.base import load_study, study_names
-from martensite.studies.tables import Printed, TableStudy, find_number, read_claims, settle_claims
+from martensite_studies import tables
+from martensite_studies.tables import Printed, TableStudy, find_number, read_claims, settle_claims
 
 PRINTED = """
 source = "tanaka1986"
@@ -155,7 +155,7 @@ def test_dotted_names() -> None:
 
 def shipped() -> list[str]:
     studies = [type(load_study(name)) for name in study_names()]
-    return [one.__module__.split(".")[2] for one in studies if issubclass(one, TableStudy)]
+    return [one.__module__.split(".")[1] for one in studies if issubclass(one, TableStudy)]
 
 
 @pytest.mark.parametrize("study", shipped())

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from martensite.app.messages import JsonTable, Request
+from martensite.scenario.examples import EXAMPLES as FOLDER
 from martensite.scenario.recorded_waveforms import LOG
 
 if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
     from martensite.signals.records import Record
-
-PACKAGED = Path(__file__).parents[1] / "examples"
-FOLDER = PACKAGED if PACKAGED.is_dir() else Path(__file__).parents[3] / "examples"
-"""Inside of the installed package, or of the source tree."""
 
 
 def list_standalone() -> dict[str, str]:

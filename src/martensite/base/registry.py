@@ -69,6 +69,8 @@ class Registry(Generic[T]):
         if name not in self._entries:
             self._scan()
         if name not in self._entries:
+            self._load_plug_in(name)
+        if name not in self._entries:
             self._plug()
         if name not in self._entries:
             raise UnknownNameError(self.kind, name, self._entries)
@@ -87,7 +89,7 @@ class Registry(Generic[T]):
         if name not in self._entries and not _is_own(cls):
             self._find(name)
             self._scan()
-            self._load_plug_in(name, cls)
+            self._load_plug_in(name, cls.__module__.partition(".")[0])
         return self._entries.get(name)
 
     def _find(self, name: str) -> None:
@@ -110,11 +112,10 @@ class Registry(Generic[T]):
                 point.load()
             self._plugged = True  # not before: a plug-in that is refused is refused every time
 
-    def _load_plug_in(self, name: str, cls: type[Any]) -> None:
-        """Load the plug-in that is called like a name, unless `cls` is part of it."""
-        package = cls.__module__.partition(".")[0]
+    def _load_plug_in(self, name: str, besides: str = "") -> None:
+        """Load the plug-in that is called like a name, if it is of a package `besides` another."""
         for point in entry_points(group=self.group, name=name):
-            if point.module.partition(".")[0] != package:
+            if point.module.partition(".")[0] != besides:
                 point.load()
 
 

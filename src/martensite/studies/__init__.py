@@ -1,1 +1,1 @@
-"""Studies: each source paper rebuilt, one folder per paper, its numbers beside ours."""
+"""Studies: what each answers, and where they are found; those of papers are a package apart."""

@@ -1,5 +1,8 @@
 """What every study answers: claims with verdicts, and a figure.
 
+Studies register by entry points of the group `martensite.studies`. Those of published works are a
+distribution of their own, `martensite-studies`, which the extra `martensite[studies]` brings.
+
 A claim sets a published number beside a computed one. Its verdict follows from
 
     |computed - published| ≤ tolerance    reproduced, otherwise not reproduced
@@ -17,15 +20,17 @@ import tomllib
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
-from martensite.base.errors import ParameterError
+from martensite.base.errors import InputError, ParameterError, UnknownNameError
 from martensite.base.interfaces import make_missing_error
 from martensite.base.registry import Registry
 
 Verdict = Literal["reproduced", "not reproduced", "calibrated", "not checkable"]
 STUDIES: Registry[AbstractStudy] = Registry("study", "martensite.studies")
+INSTALLATION = "`pip install 'martensite[studies]'` brings those of published works"
 
 
 def judge_number(published: float, computed: float, tolerance: float) -> Verdict:
@@ -128,7 +133,7 @@ class AbstractStudy:
     caption: ClassVar[str] = ""
     """What its figure shows, in a sentence."""
     scenario_files: ClassVar[tuple[str, ...]] = ()
-    """Scenarios of the study that run by themselves: files in its folder."""
+    """Scenarios of the study that run by themselves: files in its folder, or by their full path."""
     data: ClassVar[tuple[str, ...]] = ()
     """Data sets that are not part of the package, without which some claims have no number."""
 
@@ -164,14 +169,27 @@ class AbstractStudy:
 
 
 def study_names() -> list[str]:
-    """Names of all studies, those from installed plug-ins included."""
-    return STUDIES.names()
+    """Names of all studies that are installed.
+
+    Raises:
+        InputError: there is none.
+    """
+    names = STUDIES.names()
+    if not names:
+        raise InputError(f"No study is installed; {INSTALLATION}.")
+    return names
 
 
 def load_study(name: str) -> AbstractStudy:
     """A study by its name.
 
     Raises:
-        UnknownNameError: there is none of that name.
+        InputError: the studies of published works are not installed.
+        UnknownNameError: they are, and there is none of that name.
     """
-    return STUDIES[name]()
+    try:
+        return STUDIES[name]()
+    except UnknownNameError:
+        if find_spec("martensite_studies") is not None:
+            raise
+        raise InputError(f"No study `{name}` is installed; {INSTALLATION}.") from None

@@ -1,7 +1,0 @@
-"""Study `electrothermal-staircase`: resistance of a Flexinol wire against current."""
-
-from __future__ import annotations
-
-from martensite.studies.electrothermal.study import ElectrothermalStaircase
-
-__all__ = ["ElectrothermalStaircase"]

@@ -1,7 +1,0 @@
-"""Study `finger`: a robotic finger bent by a shape-memory wire against a spring."""
-
-from __future__ import annotations
-
-from martensite.studies.finger.study import FingerStudy
-
-__all__ = ["FingerStudy"]

@@ -1,7 +1,0 @@
-"""Study `finger-calibration`: what the calibration test of the finger can and cannot tell."""
-
-from __future__ import annotations
-
-from martensite.studies.finger_calibration.study import FingerCalibration
-
-__all__ = ["FingerCalibration"]

@@ -1,7 +1,0 @@
-"""Study `platform`: a parallel platform turned about two axes by shape-memory springs."""
-
-from __future__ import annotations
-
-from martensite.studies.platform.study import Platform
-
-__all__ = ["Platform"]

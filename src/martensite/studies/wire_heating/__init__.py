@@ -1,7 +1,0 @@
-"""Study `wire-heating`: electrical heating of a shape-memory wire, Kossoski's thesis, chapter 3."""
-
-from __future__ import annotations
-
-from martensite.studies.wire_heating.study import WireHeating
-
-__all__ = ["WireHeating"]

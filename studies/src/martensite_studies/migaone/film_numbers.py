@@ -1,0 +1,96 @@
+"""Numbers of the film coefficient: the fit of h(T) to Table 2, and what follows from it."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+from martensite.characterise.film_coefficient import FilmFit, film_r_squared, fit_film
+from martensite.physics.thermal.polynomial import PolynomialCooling
+from martensite_studies.migaone import bench
+from martensite_studies.tables import Printed
+
+OTHER_AMBIENT = 41.0
+"""Another ambient temperature, to see what rests on the printed one [°C]."""
+
+
+def compute_film(printed: Printed) -> dict[str, Any]:
+    """The fit, the steady temperatures, the influence of the ambient temperature."""
+    constant = steady_errors("constant", printed)
+    films = films_at_ambient(OTHER_AMBIENT, printed)
+    tilted = fit_film(printed.steps.column("temperature"), films, terms=(0, 1))
+    errors = zip(printed.steps, steady_errors("polynomial", printed), strict=True)
+    return {
+        "quadratic": _name_coefficients(fit_quadratic(printed)),
+        "no_linear": _name_coefficients(no_linear(printed)),
+        "line": _name_coefficients(fit_straight(printed)),
+        "r2_printed": printed_r_squared(printed),
+        "steady": [vars(step) | {"found": step.temperature + error} for step, error in errors],
+        "steady_constant_h": max(constant, key=abs),
+        "constant_errors": ", ".join(f"{error:+.1f}" for error in constant),
+        "ambient_sensitivity": tilted.coefficients[1],
+        "other_ambient": OTHER_AMBIENT,
+        "other_films": ", ".join(f"{h:.1f}" for h in films),
+    }
+
+
+def _name_coefficients(fit: FilmFit) -> SimpleNamespace:
+    """A fit with its coefficients by name."""
+    named = {f"h{k}": h for k, h in enumerate(fit.coefficients)}
+    return SimpleNamespace(**named, r_squared=fit.r_squared, adjusted=fit.adjusted)
+
+
+def _table_points(printed: Printed) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Temperatures [°C] and film coefficients of Table 2."""
+    return printed.steps.column("temperature"), printed.steps.column("film")
+
+
+def fit_quadratic(printed: Printed) -> FilmFit:
+    """All three coefficients fitted to Table 2."""
+    return fit_film(*_table_points(printed))
+
+
+def no_linear(printed: Printed) -> FilmFit:
+    """Constant and square fitted, as the printed coefficients suggest was done."""
+    return fit_film(*_table_points(printed), terms=(0, 2))
+
+
+def fit_straight(printed: Printed) -> FilmFit:
+    """A straight line fitted."""
+    return fit_film(*_table_points(printed), terms=(0, 1))
+
+
+def printed_r_squared(printed: Printed) -> float:
+    """R² that the printed coefficients have on the printed points."""
+    coefficients = printed.h0, printed.h1, printed.h2
+    return film_r_squared(*_table_points(printed), coefficients)
+
+
+def films_at_ambient(ambient: float, printed: Printed) -> list[float]:
+    """Table 2's film coefficients had the ambient temperature been another one [°C]."""
+    return [
+        step.film * (step.temperature - printed.ambient) / (step.temperature - ambient)
+        for step in printed.steps
+    ]
+
+
+def refit_film(printed: Printed) -> PolynomialCooling:
+    """The film coefficient fitted here with h₁ = 0."""
+    h0, h1, h2 = no_linear(printed).coefficients
+    return PolynomialCooling(h0=h0, h1=h1, h2=h2)
+
+
+COOLINGS = {
+    "polynomial": bench.printed_film,
+    "refitted": refit_film,
+    "constant": bench.mean_constant,
+}
+
+
+def steady_errors(cooling: str, printed: Printed) -> list[float]:
+    """Simulated less printed steady temperatures with one of `COOLINGS` [K]."""
+    model = COOLINGS[cooling](printed)
+    return [
+        bench.steady_temperature(model, bench.heating_power(step, printed)) - step.temperature
+        for step in printed.steps
+    ]

@@ -1,0 +1,40 @@
+"""The two distributions of this repository belong together.
+
+Source of truth: their declarations, `pyproject.toml` and `studies/pyproject.toml`.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from importlib import import_module
+from pathlib import Path
+
+from martensite.studies.base import STUDIES, AbstractStudy
+
+ROOT = Path(__file__).resolve().parents[2]
+CORE, STUDIED = (
+    tomllib.loads((ROOT / folder / "pyproject.toml").read_text("utf-8"))["project"]
+    for folder in ("", "studies")
+)
+
+
+def test_they_agree() -> None:
+    for key in ("version", "requires-python", "license", "license-files", "authors"):
+        assert CORE[key] == STUDIED[key], key
+    assert (ROOT / "LICENSE").read_bytes() == (ROOT / "studies" / "LICENSE").read_bytes()
+
+
+def test_each_asks_for_the_other_of_its_own_version() -> None:
+    assert STUDIED["dependencies"] == [f"martensite=={CORE['version']}"]
+    wanted = [f"martensite-studies=={CORE['version']}"]
+    assert CORE["optional-dependencies"]["studies"] == wanted
+
+
+def test_every_study_has_its_entry_point() -> None:
+    points = STUDIED["entry-points"][STUDIES.group]
+    folders = {path.parent.name for path in (ROOT / "studies" / "src").rglob("study.py")}
+    assert {module.rpartition(".")[2] for module in points.values()} == folders
+    for name, module in points.items():
+        (study,) = (getattr(import_module(module), one) for one in import_module(module).__all__)
+        assert issubclass(study, AbstractStudy)
+        assert study.registered_name == name
