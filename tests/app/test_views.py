@@ -1,6 +1,5 @@
 """What the charts are told of a run, against the run itself."""
 
-import math
 import tomllib
 from functools import cache
 from itertools import pairwise
@@ -13,14 +12,14 @@ import pytest
 from martensite.app.calls.scenarios import compare_documents
 from martensite.app.messages import BadMessageError
 from martensite.app.views.alarm_spans import list_alarms
-from martensite.app.views.energy import NO_ELEMENT, PRESCRIBED, describe_energy, find_length
-from martensite.app.views.key_results import list_key_results
+from martensite.app.views.energy import NO_ELEMENT, PRESCRIBED, describe_energy
 from martensite.app.views.phase_bands import describe_phase
 from martensite.app.views.traces import list_loops, list_panels, list_stretches
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError
-from martensite.design.analysis.energy import compute_cycle_energies
+from martensite.design.analysis.energy import compute_cycle_energies, find_length
 from martensite.scenario.scenario import load
+from martensite.show.summaries.run import tabulate_key_results
 from martensite.simulate.result import Result
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -174,22 +173,28 @@ def test_a_run_without_alarms_tells_none() -> None:
     assert list_alarms(power("0.1 W")) == []
 
 
+def key_results(result: Result) -> dict[str, str]:
+    return {name: text for name, text in tabulate_key_results(result).rows}
+
+
 def test_key_results_are_those_of_the_run() -> None:
     result = power("0.45 W")
-    found = {row["key"]: row for row in list_key_results(result, describe_energy(result))}
-    assert found["range position"]["value"] == result.stroke
-    assert found["hottest"]["value"] == max(result["hottest"])
-    kelvin = found["hottest"]["value"] * found["hottest"]["factor"] + found["hottest"]["offset"]
-    assert kelvin == pytest.approx(max(result["hottest"]) - 273.15)
-    assert found["beyond"]["value"] == 0.0
+    found = key_results(result)
+    name = result.outputs[result.coordinate].long_name
+    assert found[f"stroke ({name})"] == f"{1e3 * result.stroke:.4g} mm"
+    assert found["peak temperature"] == f"{max(result['hottest']) - 273.15:.4g} °C"
+    assert found["time beyond limits"] == "0 s"
+    energies = {one["key"]: one["values"][-1] for one in describe_energy(result)["courses"]}
+    assert found["electrical energy in"] == f"{energies['electrical']:.4g} J"
+    assert found["work given while pulling"] == f"{1e3 * energies['work']:.4g} mJ"
 
 
 def test_more_power_is_hotter() -> None:
     """The same of another run: these rows can tell runs apart."""
-    rows = [list_key_results(r, describe_energy(r)) for r in (power("0.45 W"), power("0.5 W"))]
-    cold, hot = ({row["key"]: row["value"] for row in found} for found in rows)
-    assert hot["hottest"] > cold["hottest"]
-    assert math.isfinite(hot["efficiency"])
+    cold, hot = (key_results(power(w)) for w in ("0.45 W", "0.5 W"))
+    peaks = [float(one["peak temperature"].split()[0]) for one in (cold, hot)]
+    assert peaks[1] > peaks[0]
+    assert hot["efficiency (work over electrical)"] != cold["efficiency (work over electrical)"]
 
 
 def asked(*texts: Any) -> list[dict[str, Any]]:

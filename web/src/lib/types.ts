@@ -84,14 +84,8 @@ export interface Energy {
   sentence: string;
 }
 
-export interface KeyResult {
-  key: string;
-  name: string;
-  value: number | null;
-  shown: string;
-  factor: number;
-  offset: number;
-}
+/** What is said of a run, and how much it is, in words. */
+export type KeyResult = [name: string, value: string];
 
 /** Kinds of shapes; see martensite.actuators.mechanisms.drawing. */
 export type Kind =

@@ -3,12 +3,10 @@
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { call, sentence, superseded } from "../lib/api.ts";
-import { digits, toShown } from "../lib/numbers.ts";
-import type { KeyResult, Run } from "../lib/types.ts";
+import type { Run } from "../lib/types.ts";
 import type { Pinned } from "../state/run.ts";
 import { Message } from "../ui/message.tsx";
 import { Table } from "../ui/table.tsx";
-import { printed } from "./drawn.ts";
 
 interface Row {
   path: string;
@@ -45,23 +43,10 @@ export function Differences({ now, pins }: TablesProps) {
   return <Table caption="Documents" headings={["entry", ...heads(pins)]} rows={cells} />;
 }
 
-/** What is smaller is the error of rounding. */
-const NOTHING = 1e-12;
-
-/** A result as it is shown. */
-function cell(result: KeyResult | undefined): string {
-  if (!result || result.value === null) return "–";
-  if (Math.abs(result.value) < NOTHING && !result.offset) return `0 ${printed(result.shown)}`.trim();
-  return `${digits(toShown(result.value, result), 4)} ${printed(result.shown)}`.trim();
-}
-
 export function Results({ now, pins }: TablesProps) {
-  const runs = [now, ...pins.map((one) => one.run)];
-  const names = new Map(runs.flatMap((one) => one.key.map((result) => [result.key, result.name])));
-  const rows = [...names].map(([key, name]) => [
-    name,
-    ...runs.map((one) => cell(one.key.find((result) => result.key === key))),
-  ]);
-  const right = runs.map((_, k) => k + 1);
+  const known = [now, ...pins.map((one) => one.run)].map((one) => new Map(one.key));
+  const names = new Set(known.flatMap((one) => [...one.keys()]));
+  const rows = [...names].map((name) => [name, ...known.map((one) => one.get(name) ?? "–")]);
+  const right = known.map((_, k) => k + 1);
   return <Table caption="Results" headings={["result", ...heads(pins)]} rows={rows} right={right} />;
 }

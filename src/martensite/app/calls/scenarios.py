@@ -15,7 +15,6 @@ from martensite.app.uploads import UploadFolder
 from martensite.app.views.alarm_spans import list_alarms
 from martensite.app.views.columns import list_columns
 from martensite.app.views.energy import describe_energy
-from martensite.app.views.key_results import list_key_results
 from martensite.app.views.phase_bands import describe_phase
 from martensite.app.views.scene import describe_scene
 from martensite.app.views.traces import list_loops, list_panels, list_stretches
@@ -24,6 +23,7 @@ from martensite.base.errors import suggest_name
 from martensite.base.files import toml_document
 from martensite.scenario.overrides import toml_value
 from martensite.scenario.scenario import Scenario
+from martensite.show.summaries.run import tabulate_key_results
 from martensite.simulate.result import Result
 
 
@@ -102,14 +102,13 @@ def _summarise_run(scenario: Scenario, result: Result) -> JsonTable:
 
 def _draw_run(scenario: Scenario, result: Result) -> JsonTable:
     """What the charts need beside the columns."""
-    energies = describe_energy(result)
     return {
         "traces": list_panels(result, scenario.outside),
         "loops": list_loops(result),
         "stretches": list_stretches(result),
         "phase": describe_phase(result),
-        "energy": energies,
-        "key": list_key_results(result, energies),
+        "energy": describe_energy(result),
+        "key": tabulate_key_results(result).rows,
         "scene": describe_scene(scenario, result),
     }
 

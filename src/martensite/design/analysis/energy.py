@@ -21,6 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.elements.base import AbstractElement
+from martensite.actuators.elements.rows import AbstractRow
+from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine
 from martensite.base.errors import InputError, suggest_name
 from martensite.signals.sampling.sampled import Numbers
@@ -73,6 +76,41 @@ class EnergyCourses:
     """That the elements gave while they pulled."""
     returned: Numbers
     """That they took while they were stretched again."""
+
+    @property
+    def efficiency(self) -> Numbers:
+        """Work over electrical energy; NaN without any."""
+        nothing = np.full(len(self.work), np.nan)
+        return np.divide(self.work, self.electrical, where=self.electrical > 0.0, out=nothing)
+
+
+def find_ways(result: Result) -> list[tuple[Numbers, Numbers]] | None:
+    """Force [N] and way [m] of every element, for `integrate_energies`; None if one is not known.
+
+    An element that is a straight wire, or several, pulls by its own shortening −ε ℓ; others need a
+    mechanism with one coordinate on a line.
+    """
+    system, found = result.system, list[tuple[Numbers, Numbers]]()
+    on_line = isinstance(system.mechanism, AbstractLoadLine)
+    for port, actuator in system.actuators().items():
+        force = np.asarray(result.columns[system.label(port, "force")])
+        length = find_length(actuator.element)
+        if on_line:
+            found.append((force, np.asarray(result.columns[result.coordinate])))
+        elif length is not None:
+            strain = np.asarray(result.columns[system.label(port, "strain")])
+            found.append((force, -length * strain))
+        else:
+            return None
+    return found
+
+
+def find_length(element: AbstractElement) -> float | None:
+    """Elongation per strain [m] of straight wires; None for other elements."""
+    if isinstance(element, AbstractRow):
+        one = find_length(element.one)
+        return None if one is None else one * float(element.behind())
+    return float(element.length) if isinstance(element, Wire) else None
 
 
 def integrate_energies(result: Result, ways: Sequence[tuple[Numbers, Numbers]]) -> EnergyCourses:
