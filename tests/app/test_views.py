@@ -174,7 +174,7 @@ def test_a_run_without_alarms_tells_none() -> None:
 
 
 def key_results(result: Result) -> dict[str, str]:
-    return {name: text for name, text in tabulate_key_results(result).rows}
+    return {row[0]: row[1] for row in tabulate_key_results(result).rows}
 
 
 def test_key_results_are_those_of_the_run() -> None:
