@@ -88,7 +88,7 @@ def law_step(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, dt: 
     drive = law.drive(xp, move, s1, t1, dt)
     put = law.relocate(xp, after, Fractions(1.0 - x, 1.0 - x), s0, t0)
     others = law.heat(xp, 1e8, s1, t1), law.crossing(xp, start, move, s1, t1)
-    others += tuple(law.kinks(xp, after))
+    others += (*law.kinks(xp, after), law.trained_share(xp, s1))
     return end, law.fractions(after), spring, others, drive, law.fractions(put)
 
 

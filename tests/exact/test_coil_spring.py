@@ -242,7 +242,7 @@ def test_twinned_martensite_may_be_wound() -> None:
     known: dict[str, Any] = {n: v for n, v in NUMBERS.items() if n in Brinson.declarations}
     law = Brinson(**known, sigma_s=20e6, sigma_f=60e6)
     spring = platform_spring(law=law, initial_oriented=0.0)
-    assert spring.spring(floats, spring.initial_fractions(), 25 + ZERO, 0.0).free == 0.0
+    assert spring.spring(floats, spring.initial_fractions(floats, 0.0), 25 + ZERO, 0.0).free == 0.0
 
 
 # ---------------------------------------------------------------- the checks can fail

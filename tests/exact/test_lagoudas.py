@@ -24,6 +24,7 @@ from martensite.physics.materials.base import load_material
 from martensite.simulate.api import simulate
 
 MPA = 1e6
+SECTION = 0.25 * math.pi * 0.381e-3**2
 EXPONENTS = {
     "linear": (1.0, 1.0, 1.0, 1.0),
     "round": (0.17, 0.27, 0.25, 0.35),
@@ -37,6 +38,32 @@ def law_of(exponents=(0.95, 0.95, 0.95, 0.95), **changes):
     numbers: dict[str, Any] = {n: values[n].value for n in Lagoudas.declarations if n in values}
     names = ("n_1", "n_2", "n_3", "n_4")
     return Lagoudas(**(numbers | dict(zip(names, exponents, strict=True)) | changes))
+
+
+def cycle(initial: str, stress: float) -> Any:
+    """A hanging wire through a whole cycle of temperature."""
+    system = chamber(law_of(H_min=0.01), mass=stress * SECTION / 9.80665, initial=initial)
+    return simulate(system, through([240.0, 420.0, 240.0], 10.0), 20.0, samples=201)
+
+
+@pytest.mark.parametrize("stress", [20 * MPA, 150 * MPA])
+def test_a_trained_wire_starts_where_its_cycles_end(stress):
+    """ε_t = H(σ₀) at the start; one that was stretched cold starts with H_sat, and drifts to it."""
+    law, trained, stretched = (
+        law_of(H_min=0.01),
+        cycle("trained", stress),
+        cycle("oriented", stress),
+    )
+    H = law.current(floats, stress)
+    elastic = stress / law.E_M + law.alpha_M * (240.0 - law.T_ref)
+    assert trained["strain"][0] == pytest.approx(H + elastic, rel=1e-12)
+    assert stretched["strain"][0] == pytest.approx(law.H_sat + elastic, rel=1e-12)
+    assert trained["strain"][-1] == pytest.approx(trained["strain"][0], rel=1e-9)
+    assert stretched["strain"][-1] == pytest.approx(trained["strain"][0], rel=1e-9)
+    assert [one.kind for one in trained.alarms] == []
+    (drift,) = stretched.alarms
+    assert drift.kind == "drift" and drift.sentence in stretched.warnings
+    assert (drift.limit, drift.worst) == pytest.approx((1.0, H / law.H_sat), rel=1e-9)
 
 
 def oriented_after(law, points, xi, substeps=1):

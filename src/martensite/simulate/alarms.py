@@ -10,6 +10,7 @@ and a peak between two samples is not seen: choose more samples where pulses are
 | strain | the strain is too far from the farthest value that it had before | `strain_limit` |
 | slack | the element, once under force, has none | 0 N |
 | supply | the drive asks for more (or less) than the source can deliver | `reach` of the source |
+| drift | another share of the martensite is oriented after the first cycle | at the start |
 """
 
 from __future__ import annotations
@@ -22,10 +23,19 @@ from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.physics.electrical.base import AbstractSource
 
 Columns = Mapping[str, Sequence[float]]
-JUDGED = ("hottest", "stress", "strain", "force", "drive", "resistance")
+FRACTIONS = ("martensite_fraction", "oriented_fraction")
+JUDGED = ("hottest", "stress", "strain", "force", "drive", "resistance", *FRACTIONS)
 """Outputs of an actuator that alarms are about."""
 ROUNDING = 1e-9
 """Share of a demand by which it may exceed what can be delivered."""
+DRIFT = 0.05
+"""Change of the oriented share in a first cycle that is none."""
+CYCLE = 0.5
+"""Martensite fraction that a cycle loses and regains."""
+RETURNED = 0.01
+"""Martensite fraction that may be missing after a cycle."""
+LOADED_ALIKE = 0.2
+"""Difference of two stresses, as a share of the larger, under which orientation is compared."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +43,7 @@ class Alarm:
     """One limit that was exceeded; all numbers in SI."""
 
     kind: str
-    """temperature, stress, strain, slack or supply."""
+    """temperature, stress, strain, slack, supply or drift."""
     quantity: str
     """Output that was judged."""
     unit: str
@@ -121,6 +131,7 @@ def _of_actuator(actuator: Actuator, times: Sequence[float], columns: Columns) -
         _watch_strain(times, columns["strain"], limits.strain_limit),
         _watch_slack(times, columns["force"]),
         find_undelivered(actuator.source, times, columns["drive"], columns["resistance"]),
+        _watch_first_cycle(times, columns),
     )
     return [alarm for alarm in found if alarm is not None]
 
@@ -204,6 +215,40 @@ def _watch_slack(times: Sequence[float], force: Sequence[float]) -> Alarm | None
     return Alarm(
         "slack", "force", "N", force[at], 0.0, 0.0, when.first, duration, times[at], sentence
     )
+
+
+def _watch_first_cycle(times: Sequence[float], columns: Columns) -> Alarm | None:
+    """Another orientation after the first cycle than at the start, at much the same stress."""
+    fraction, oriented = (columns[name] for name in FRACTIONS)
+    at = _find_return(fraction, columns["stress"])
+    if at is None:
+        return None
+    shares = oriented[0] / fraction[0], oriented[at] / fraction[at]
+    if abs(shares[1] - shares[0]) <= DRIFT:
+        return None
+    strains = columns["strain"][0], columns["strain"][at]
+    (start, share), (long, short) = shares, (f"{100 * strain:.3g} %" for strain in strains)
+    sentence = (
+        f"Warning: the first cycle drifts: {100 * start:.3g} % of the martensite is oriented at "
+        f"the start (strain {long}), {100 * share:.3g} % at t = {times[at]:.4g} s (strain "
+        f"{short}); judge by later cycles."
+    )
+    when = Excursion(times[at], times[-1] - times[at], at)
+    what = "drift", "oriented_fraction", "1"
+    return _make_alarm(times, when, what, share, start, sentence)
+
+
+def _find_return(fraction: Sequence[float], stress: Sequence[float]) -> int | None:
+    """Where after a first cycle the stress is most like that of the start; None if it is not."""
+    full, hot = fraction[0] - RETURNED, fraction[0] - CYCLE
+    below = next((k for k, value in enumerate(fraction) if value < hot), len(fraction))
+    back = next((k for k in range(below, len(fraction)) if fraction[k] >= full), None)
+    if back is None or hot < 0.0:
+        return None
+    end = next((k for k in range(back, len(fraction)) if fraction[k] < full), len(fraction))
+    at = min(range(back, end), key=lambda k: abs(stress[k] - stress[0]))
+    alike = abs(stress[at] - stress[0]) <= LOADED_ALIKE * max(abs(stress[at]), abs(stress[0]))
+    return at if alike else None
 
 
 def find_undelivered(

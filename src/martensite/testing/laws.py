@@ -158,6 +158,11 @@ def check_bounds(law: AbstractLaw) -> None:
             require_condition(
                 held, f"On the path {_describe_path(points)} the fractions are {found}."
             )
+            share = law.trained_share(floats, memory.stress)
+            require_condition(
+                0.0 <= share <= 1.0,
+                f"At {memory.stress:.3g} Pa the share `trained_share` is {share:.6g}.",
+            )
 
 
 def check_standstill(law: AbstractLaw) -> None:

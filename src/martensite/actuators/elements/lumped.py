@@ -106,8 +106,8 @@ class AbstractLumped(AbstractElement, init=False):
     """An element that is the same all over; a subclass answers for its shape."""
 
     @abstractmethod
-    def initial_fractions(self) -> Fractions:
-        """Phase state at the start."""
+    def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
+        """Phase state at the start, under a stress [Pa]."""
 
     @abstractmethod
     def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
@@ -134,7 +134,7 @@ class AbstractLumped(AbstractElement, init=False):
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Lumped:
         """The state at the start, under `force` [N] and at `temperature` [K]."""
         stress = self.stress(xp, force)
-        memory = self.law.init(xp, self.initial_fractions(), stress, temperature)
+        memory = self.law.init(xp, self.initial_fractions(xp, stress), stress, temperature)
         return Lumped(memory, force, 0.0)
 
     def force(self, state: Lumped) -> Scalar:

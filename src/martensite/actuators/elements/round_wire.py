@@ -13,7 +13,7 @@ from abc import abstractmethod
 from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param, part
+from martensite.base.parameters import option, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor
 from martensite.physics.laws.base import LAWS, AbstractLaw, Fractions
@@ -43,6 +43,13 @@ class AbstractRoundWire(AbstractElement, init=False):
     initial_oriented: Scalar = param(
         "1", "share of the initial martensite that is oriented", low=0.0, high=1.0, default=1.0
     )
+    initial: str = option(
+        "how its martensite is oriented: as in a wire that was cooled under the force at the start "
+        "before, or wholly; of that `initial_oriented` is a share",
+        "trained",
+        "oriented",
+        default="trained",
+    )
     law: AbstractLaw = part("stress–strain–temperature law", LAWS)
     resistance: AbstractResistance = part("resistance model", RESISTANCES)
     ends: AbstractEnds = part("what the ends lose", ENDS, default=AdiabaticEnds())
@@ -61,9 +68,12 @@ class AbstractRoundWire(AbstractElement, init=False):
                 f"{self.initial_oriented:.6g}; try law `brinson`."
             )
 
-    def initial_fractions(self) -> Fractions:
-        """Phase state at the start."""
-        return Fractions(self.initial_fraction, self.initial_fraction * self.initial_oriented)
+    def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
+        """Phase state at the start, under a stress [Pa]."""
+        oriented = self.initial_fraction * self.initial_oriented
+        if self.initial == "trained":
+            oriented = oriented * self.law.trained_share(xp, stress)
+        return Fractions(self.initial_fraction, oriented)
 
     def section(self) -> Scalar:
         """Cross-section of the wire [m²]."""

@@ -78,9 +78,9 @@ class AbstractRow(AbstractLumped):
         """Turns in which the force is fitted, of one."""
         return self.one.passes
 
-    def initial_fractions(self) -> Fractions:
-        """Phase state at the start."""
-        return self._lumped.initial_fractions()
+    def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
+        """Phase state at the start, under a stress [Pa]."""
+        return self._lumped.initial_fractions(xp, stress)
 
     def heat_capacity_total(self) -> Scalar:
         """Heat capacity without transformation [J/K]."""

@@ -241,6 +241,10 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
         excess = xp.maximum(stress - self.sigma_crit, 0.0)
         return self.H_min + (self.H_sat - self.H_min) * (1.0 - xp.exp(-self.H_k * excess))
 
+    def trained_share(self, xp: Namespace, stress: Scalar) -> Scalar:
+        """H(σ)/H_sat [-]."""
+        return self.current(xp, stress) / self.H_sat
+
     def forward_hardening(self, xp: Namespace, fraction: Scalar) -> Scalar:
         """h_f(ξ) [-]."""
         share = compute_hardening(xp, fraction, self.n_1, self.n_2)

@@ -69,6 +69,13 @@ class AbstractLaw(Parametrised):
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
         """Memory of a wire in a phase state that has no history."""
 
+    def trained_share(self, xp: Namespace, stress: Scalar) -> Scalar:
+        """Share of martensite that is oriented once it has formed under a stress [Pa].
+
+        That of a wire that was cooled under this stress before: 1 unless the law says otherwise.
+        """
+        return 1.0
+
     @abstractmethod
     def fractions(self, memory: Any) -> Fractions:
         """The phase state stored in a memory."""

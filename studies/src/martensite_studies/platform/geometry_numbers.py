@@ -72,7 +72,9 @@ def natural_frequency(printed: Printed) -> float:
         bench.build_platform(printed).plates(),
         bench.build_spring(bench.AS_PRINTED, printed),
     )
-    rate = 1.0 / spring.spring(floats, spring.initial_fractions(), 298.15, 1.0).compliance
+    rate = (
+        1.0 / spring.spring(floats, spring.initial_fractions(floats, 0.0), 298.15, 1.0).compliance
+    )
     _, levers, _ = compute_length_slopes(floats, plates, 0.0, 0.0)
     inertia = thin_plate(plates, printed.plate_mass).inertia
     return math.sqrt(rate * sum(lever**2 for lever in levers) / inertia) / (2.0 * math.pi)
