@@ -90,8 +90,12 @@ class Case:
         return rows[:, :, 0]
 
     def slopes(self, seeds: np.ndarray) -> OutputSlopes:
-        """Outputs with exact derivatives."""
-        return march_slopes(self.compiled, self.values.tolist(), seeds, self.grid, self.outputs)
+        """Outputs with exact derivatives; always in as many directions as there are parameters
+        that move, so that one library is compiled."""
+        count = seeds.shape[1]
+        wide = np.pad(seeds, ((0, 0), (0, max(0, np.count_nonzero(self.sizes) - count))))
+        found = march_slopes(self.compiled, self.values.tolist(), wide, self.grid, self.outputs)
+        return found._replace(slopes=found.slopes[:, :, :count])
 
     @cached_property
     def directions(self) -> np.ndarray:

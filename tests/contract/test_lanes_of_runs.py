@@ -93,25 +93,29 @@ FAST = ms.Sine(low=0.0, high=3.5, frequency=50.0)
 
 @pytest.mark.parametrize("runtime", ["c", "floats"])
 @pytest.mark.parametrize(
-    ("wave", "name", "numbers"),
+    ("wave", "duration", "name", "numbers"),
     [
-        (SINE, "frequency", [0.05, 0.1, 0.2]),
-        (FAST, "high", [2.0, 3.0, 3.5]),
+        (SINE, 10.0, "frequency", [0.05, 0.1, 0.2]),
+        (FAST, 2.0, "high", [2.0, 3.0, 3.5]),
         (
             ms.signals.PulseWidthModulation(high=5.0, frequency=2.0, duty=0.2),
-            "duty",
-            [0.1, 0.2, 0.3],
+            *(10.0, "duty", [0.1, 0.2, 0.3]),
         ),
-        (ms.signals.Triangle(high=2.5, frequency=0.1), "high", [1.5, 2.0, 2.5]),
+        (ms.signals.Triangle(high=2.5, frequency=0.1), 10.0, "high", [1.5, 2.0, 2.5]),
     ],
     ids=["slow", "fast", "pulses", "ramps"],
 )
 def test_lanes_with_drives_of_their_own(
-    wave: AbstractWaveform, name: str, numbers: list[float], runtime: str, c_compiler: str
+    wave: AbstractWaveform,
+    duration: float,
+    name: str,
+    numbers: list[float],
+    runtime: str,
+    c_compiler: str,
 ) -> None:
     whole = problem_a()
     signals = {"drive": {name: np.array(numbers)}}
-    found = run_lanes(whole, {"drive": wave}, 10.0, {}, signals, runtime)
+    found = run_lanes(whole, {"drive": wave}, duration, {}, signals, runtime)
     for row in (0, 2):
         own = wave.with_values({name: numbers[row]})
-        check_run(found, row, whole, {"drive": own}, 10.0)
+        check_run(found, row, whole, {"drive": own}, duration)

@@ -11,6 +11,7 @@ import ast
 import re
 from collections import Counter
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -30,6 +31,7 @@ FIELD = {
 Names = Iterator[tuple[str, str]]
 
 
+@cache
 def parse_sources() -> dict[str, ast.Module]:
     """Every module of the two packages, by its path."""
     paths = [(path, top) for top in SOURCES for path in sorted(top.rglob("*.py"))]
@@ -76,24 +78,21 @@ def list_terms(page: str) -> list[str]:
     return [cell for cell in cells if cell != "term"]
 
 
-MODULES = parse_sources()
-
-
 def test_most_functions_are_a_verb_and_a_noun() -> None:
-    names = [name for _, name in list_functions(MODULES)]
+    names = [name for _, name in list_functions(parse_sources())]
     assert share_of_one_word(names) <= ONE_WORD
 
 
 def test_no_function_is_a_bare_participle() -> None:
-    assert [pair for pair in list_functions(MODULES) if is_participle(pair[1])] == []
+    assert [pair for pair in list_functions(parse_sources()) if is_participle(pair[1])] == []
 
 
 def test_no_file_is_a_bare_participle() -> None:
-    assert [path for path in MODULES if is_participle(Path(path).stem)] == []
+    assert [path for path in parse_sources() if is_participle(Path(path).stem)] == []
 
 
 def test_a_public_class_name_occurs_once() -> None:
-    assert find_doubles(list_classes(MODULES)) == {}
+    assert find_doubles(list_classes(parse_sources())) == {}
 
 
 def test_the_formatter_decides_everywhere() -> None:

@@ -79,7 +79,11 @@ _PRELUDE = """
     #define FILL(x) {x, x}
     #endif
     #define PAIR (2 * WIDTH)
+    #ifdef __OPTIMIZE__
     #define INLINE static inline __attribute__((always_inline))
+    #else
+    #define INLINE static inline
+    #endif
     typedef double vector __attribute__((vector_size(8 * WIDTH)));
     typedef double loose __attribute__((vector_size(8 * WIDTH), aligned(8), may_alias));
     typedef long long mask __attribute__((vector_size(8 * WIDTH)));

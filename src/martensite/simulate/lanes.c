@@ -114,10 +114,8 @@ typedef struct {
     double *record;
 } march;
 
-#define QUICK static inline __attribute__((always_inline))
-
-QUICK double smaller(double a, double b) { return a < b ? a : b; }
-QUICK double larger(double a, double b) { return a > b ? a : b; }
+INLINE double smaller(double a, double b) { return a < b ? a : b; }
+INLINE double larger(double a, double b) { return a > b ? a : b; }
 
 static void copy_lane(const drives_of_lanes *from, long i, drives_of_lanes *to, long j) {
     const char *a = (const char *)from + sizeof(double) * i;
@@ -129,7 +127,7 @@ static const drive *drive_of(const march *m, const drives_of_lanes *d, long k, l
     return m->drives + (OWN ? d->run[i] * DRIVES : 0) + k;
 }
 
-QUICK unsigned long long any(const flags_of_lanes flags) {
+INLINE unsigned long long any(const flags_of_lanes flags) {
     unsigned long long found = 0;
     EVERY(i) found |= (unsigned long long)(flags[i] != 0) << i;
     return found;
@@ -401,7 +399,7 @@ static void find_segments(const march *m, block *b) {
 
 /* ------------------------------------------------------------------ lengths of steps */
 
-QUICK double reach_end(double length, double end) {
+INLINE double reach_end(double length, double end) {
     return length >= (1.0 - HAIR) * end ? end : length > 0.6 * end ? 0.5 * end : length;
 }
 
@@ -615,7 +613,7 @@ static double find_fall(double ahead, double first, double middle, double last) 
 }
 
 /* share of a step at which what drives the law at a point turns, if that counts; else 1 */
-QUICK double find_turn(const block *b, long at, long i, double changed, double most) {
+INLINE double find_turn(const block *b, long at, long i, double changed, double most) {
     const column *p = b->earlier_points + at, *q = b->points + at;
     const column *a = b->points_half + at, *z = b->points_full + at;
     const double e = p[0][i] - p[1][i] * PER_STRESS, f = q[0][i] - q[1][i] * PER_STRESS;
@@ -849,7 +847,7 @@ static void interpolate(const block *b, const column time, const column *per, fl
     }
 }
 
-QUICK int is_inside(const block *b, const column *seen, long k, long i) {
+INLINE int is_inside(const block *b, const column *seen, long k, long i) {
     return b->limits[k][i] <= seen[JUDGED + k][i] &&
            seen[JUDGED + k][i] <= b->limits[ENVELOPE + k][i];
 }

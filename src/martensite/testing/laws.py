@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -224,14 +224,14 @@ def check_direction(law: AbstractLaw) -> None:
 
 def check_stiffness(law: AbstractLaw) -> None:
     """The strain after a move does not fall with its stress."""
-    advance = trace_kinetics(law)
-    stresses = np.linspace(0.0, 500e6, 101).tolist()
+    xp, stresses = ArrayNamespace(np), cast(Any, np.linspace(0.0, 500e6, 101))
     rng = np.random.default_rng(8)
     for points, start in _draw_paths():
         memory = follow_path(law, points, start)[-1]
+        lanes = [np.full(len(stresses), number) for number in flatten_numbers(memory)]
         for kelvin in (memory.temperature, float(rng.uniform(270.0, 420.0))):
-            ends = [advance(memory, sigma, kelvin, 1.0) for sigma in stresses]
-            falls = np.diff([find_strain(law, end) for end in ends]) < -1e-14
+            _, ends = law.kinetics(xp, NestedShape(memory).rebuild(lanes), stresses, kelvin, 1.0)
+            falls = np.diff(law.strain(xp, ends, stresses, kelvin)) < -1e-14
             require_condition(
                 not falls.any(),
                 f"After {_describe_path(points)}, at {kelvin - CELSIUS:.1f} °C, the strain "
