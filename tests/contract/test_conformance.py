@@ -14,6 +14,7 @@ from builders import label, variants
 from command import Command
 from wrong_parts import WRONG
 
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.base.registry import Registry
@@ -22,7 +23,7 @@ from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.side_by_side import SideBySide
 from martensite.kernels.namespace import Scalar
 from martensite.physics.laws.liang_rogers import LiangRogers
-from martensite.physics.materials.base import material_names
+from martensite.physics.materials.base import Material, material_names
 from martensite.physics.thermal.constant import ConstantCooling
 from martensite.scenario.catalogue import list_registries
 from martensite.testing import check_conformance, check_material, observers
@@ -80,9 +81,13 @@ def test_every_kind_has_a_suite() -> None:
 
 @pytest.mark.parametrize("kind", SUITES)
 def test_every_check_notices_a_wrong_part(kind: str) -> None:
-    checks = find_checks(kind)
-    found = [check_part(part, check) for part in WRONG[kind] for check in checks]
-    assert {one.check for one in found if one.fault} == {check.__name__ for check in checks}
+    registry = REGISTRIES.get(kind)
+    classes = [Material] if registry is None else [registry[name] for name in registry.names()]
+    checks = {check.__name__ for cls in classes for check in find_checks(kind, cls)}
+    found = [
+        check_part(part, check) for part in WRONG[kind] for check in find_checks(kind, type(part))
+    ]
+    assert {one.check for one in found if one.fault} == checks
 
 
 # ---------------------------------------------------------------- parts of one's own
@@ -178,7 +183,7 @@ def test_conformance_is_there_as_json() -> None:
     (found,) = json.loads(Command("conform", "dead-weight", "--json")().stdout)
     assert (found["name"], found["kind"], found["holds"]) == ("dead-weight", "mechanism", True)
     assert {one["check"] for one in found["findings"]} == {
-        check.__name__ for check in find_checks("mechanism")
+        check.__name__ for check in find_checks("mechanism", DeadWeight)
     }
 
 

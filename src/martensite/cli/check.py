@@ -158,7 +158,7 @@ def params(
     modules: Imports = None,
 ) -> None:
     """List the parameters of a part, or all values of a scenario."""
-    from martensite.scenario.catalogue import find_parts
+    from martensite.scenario.catalogue import describe_named
     from martensite.show.summaries.parts import describe_part
     from martensite.show.terminal import print_summary
 
@@ -172,7 +172,7 @@ def params(
         print_summary(Summary("", [table], rows), json)
         return
     import_modules(modules)
-    found = find_parts(name)
+    found = describe_named(name)
     blocks = [block for part in found for block in describe_part(part)]
     print_summary(Summary("", blocks, found), json)
 

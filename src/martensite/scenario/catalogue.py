@@ -138,7 +138,7 @@ def describe_parts() -> dict[str, list[PartDescription]]:
     }
 
 
-def find_parts(name: str) -> list[PartDescription]:
+def describe_named(name: str) -> list[PartDescription]:
     """All registered parts of that name, of whichever kind; at least one.
 
     Raises:

@@ -9,7 +9,7 @@ from martensite.base.errors import UnitError
 from martensite.kernels import floats
 from martensite.physics.electrical.base import AbstractResistance, AbstractSource, Conductor
 from martensite.signals.moments import Moments
-from martensite.testing.conformance import Check, require_condition
+from martensite.testing.conformance import require_condition
 
 OHMS = (0.5, 5.0, 50.0)
 SIGNALS = np.linspace(0.0, 20.0, 41).tolist()
@@ -78,9 +78,3 @@ def check_heat(source: AbstractSource) -> None:
                 f"At a signal of {u:g} in {ohms} ohm the current brings {power:.6g} W, but `heat` "
                 f"says {found:.6g} W.",
             )
-
-
-CHECKS: dict[str, list[Check]] = {
-    "resistance": [check_length],
-    "drive": [check_unit, check_current, check_limits, check_heat],
-}

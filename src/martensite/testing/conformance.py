@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 from martensite.base.errors import InputError, MartensiteError, UnknownNameError
 from martensite.base.parameters import Parametrised
@@ -41,7 +41,7 @@ SUITES = {
     "measure": "measures",
     "material": "materials",
 }
-"""Kind of a part -> module of this package that has its suite in `CHECKS`, by kind."""
+"""Kind of a part -> module of this package that has its suite."""
 
 
 class ConformanceError(MartensiteError):
@@ -95,11 +95,21 @@ class Conformance:
         return f"{self.kind} `{self.name}` does not conform: {failed} of {checks} checks failed"
 
 
-def find_checks(kind: str) -> list[Check]:
-    """The suite of a kind of part, such as `law`; empty if there is none."""
+def find_checks(kind: str, cls: type[Any]) -> list[Check]:
+    """The suite of a kind of part, such as `law`, for a class of it; empty if there is none.
+
+    These are the functions `check_…` of its module whose argument is of the class, or of one above
+    it: what holds for some of a kind is a check of their common class.
+    """
     if kind not in SUITES:
         return []
-    return list(import_module(f"martensite.testing.{SUITES[kind]}").CHECKS[kind])
+    module = import_module(f"martensite.testing.{SUITES[kind]}")
+    own = [
+        one
+        for name, one in vars(module).items()
+        if name.startswith("check_") and one.__module__ == module.__name__
+    ]
+    return [one for one in own if issubclass(cls, next(iter(get_type_hints(one).values())))]
 
 
 def check_conformance(
@@ -118,7 +128,7 @@ def check_conformance(
     """
     if kind not in SUITES:
         raise InputError(f"There is no suite for the kind `{kind}` of `{cls.registered_name}`.")
-    checks = find_checks(kind)
+    checks = find_checks(kind, cls)
     found = [
         check_part(part, check) for part in (list(parts) or list_variants(cls)) for check in checks
     ]
@@ -134,7 +144,7 @@ def check_material(name: str | Path) -> Conformance:
         InputError: there is no such material, or its file is malformed.
     """
     material = load_material(name)
-    found = [check_part(material, check) for check in find_checks("material")]
+    found = [check_part(material, check) for check in find_checks("material", Material)]
     return Conformance(material.name, "material", tuple(found))
 
 

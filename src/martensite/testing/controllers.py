@@ -18,7 +18,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import flatten_numbers
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held
-from martensite.testing.conformance import Check, require_condition
+from martensite.testing.conformance import require_condition
 from martensite.testing.examples import build_plant
 from martensite.testing.readings import PERIOD, find_range, observe_rest
 
@@ -149,8 +149,3 @@ def check_bench(controller: AbstractController) -> None:
         f"At {PERIOD * int(np.argmax(apart)):.2f} s its signal is {one[apart.argmax()]:.6g} on a "
         f"bench, and {other[apart.argmax()]:.6g} as a drive beside it.",
     )
-
-
-CHECKS: dict[str, list[Check]] = {
-    "controller": [check_reads, check_memory, check_no_time, check_rest, check_limits, check_bench]
-}

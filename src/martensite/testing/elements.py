@@ -8,7 +8,7 @@ from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.elements.lumped import AbstractLumped
 from martensite.kernels import floats
 from martensite.physics.thermal.base import Environment
-from martensite.testing.conformance import Check, require_condition
+from martensite.testing.conformance import require_condition
 from martensite.testing.examples import build_example
 from martensite.testing.heat_losses import TEMPERATURES
 
@@ -40,6 +40,3 @@ def check_stiffness(element: AbstractElement) -> None:
     require_condition(abs(held - 2.0) < 1e-9, f"Assembled with 2 N, it holds {held:.6g} N.")
     lengths = [element.elongation(floats, state, force) for force in (0.0, 1.0, 2.0, 3.0)]
     require_condition((np.diff(lengths) > 0.0).all(), "It does not get longer under more force.")
-
-
-CHECKS: dict[str, list[Check]] = {"element": [check_heat_loss, check_capacity, check_stiffness]}

@@ -11,7 +11,7 @@ from martensite.control.faults.base import AbstractFault
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.pwm import PwmVoltage
-from martensite.testing.conformance import Check, require_condition
+from martensite.testing.conformance import require_condition
 from martensite.testing.examples import build_example, build_plant
 from martensite.testing.readings import require_same_traced
 
@@ -99,6 +99,3 @@ def check_traced(fault: AbstractFault) -> None:
 
     ranges = {"time": (0.0, 2.0), "u": (0.0, 1.0), "reading": (290.0, 400.0), "held": (290.0, 400)}
     require_same_traced(fault, show, ranges)
-
-
-CHECKS: dict[str, list[Check]] = {"fault": [check_times, check_trace, check_effect, check_traced]}

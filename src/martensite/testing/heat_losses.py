@@ -10,7 +10,7 @@ from martensite.kernels import floats
 from martensite.physics.fluids.base import AbstractFluid
 from martensite.physics.thermal.base import AbstractCooling, Cylinder
 from martensite.physics.thermal.ends import AbstractEnds
-from martensite.testing.conformance import Check, require_condition
+from martensite.testing.conformance import require_condition
 
 AMBIENT = 295.0
 TEMPERATURES = np.linspace(260.0, 450.0, 96)
@@ -81,10 +81,3 @@ def check_smoothness(fluid: AbstractFluid) -> None:
     steps = np.abs(np.diff(found, axis=0)).max(axis=0)
     spans = np.ptp(found, axis=0) + 1e-6 * np.abs(found).max(axis=0)
     require_condition((steps <= 0.05 * spans).all(), "A property jumps with the temperature.")
-
-
-CHECKS: dict[str, list[Check]] = {
-    "cooling": [check_growth, check_side],
-    "ends": [check_conductance],
-    "fluid": [check_properties, check_span, check_smoothness],
-}

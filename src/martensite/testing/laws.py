@@ -15,7 +15,7 @@ from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.kernels.program import Program
 from martensite.physics.laws.base import AbstractLaw, Fractions
-from martensite.testing.conformance import Check, require_condition
+from martensite.testing.conformance import require_condition
 
 Point = tuple[float, float]
 """Stress [Pa], temperature [K]."""
@@ -318,19 +318,3 @@ def _draw_extremes(law: AbstractLaw, rng: Any, count: int) -> tuple[Any, Any]:
     s = np.where(absurd[0], rng.choice(own["Pa"], count), rng.uniform(0.0, 500e6, count))
     t = np.where(absurd[1], rng.choice(own["K"], count), rng.uniform(250.0, 450.0, count))
     return s, t
-
-
-CHECKS: dict[str, list[Check]] = {
-    "law": [
-        check_memory,
-        check_affine_strain,
-        check_bounds,
-        check_standstill,
-        check_clock,
-        check_cuts,
-        check_direction,
-        check_stiffness,
-        check_dissipation,
-        check_extremes,
-    ]
-}

@@ -10,7 +10,7 @@ from martensite.physics.laws.base import LAWS, AbstractLaw
 from martensite.physics.materials.base import Material
 from martensite.scenario.catalogue import list_registries
 from martensite.scenario.citations import read_bibliography
-from martensite.testing.conformance import Check, require_condition
+from martensite.testing.conformance import require_condition
 from martensite.testing.laws import check_bounds, check_direction, check_stiffness
 
 ASCENDING = (("M_f", "M_s"), ("A_s", "A_f"), ("M_s", "A_f"), ("sigma_s", "sigma_f"))
@@ -79,8 +79,3 @@ def check_laws(material: Material) -> None:
     for law in laws:
         for check in (check_bounds, check_direction, check_stiffness):
             check(law)
-
-
-CHECKS: dict[str, list[Check]] = {
-    "material": [check_order, check_bounds_of_parts, check_sources, check_laws]
-}

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from martensite.base import units
 from martensite.base.errors import MartensiteError, UnitError
 from martensite.simulate.measures.base import AbstractMeasure
-from martensite.testing.conformance import Check, require_condition
+from martensite.testing.conformance import require_condition
 from martensite.testing.examples import build_plant
 
 RUNS = 7
@@ -95,14 +95,3 @@ def check_unknown_output(measure: AbstractMeasure) -> None:
     else:
         said = False
     require_condition(said, "It takes the output `powr`, which is not there.")
-
-
-CHECKS: dict[str, list[Check]] = {
-    "measure": [
-        check_unit,
-        check_runs,
-        check_weights,
-        check_still_weights,
-        check_unknown_output,
-    ]
-}

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from martensite.actuators.elements.base import Spring
 from martensite.actuators.mechanics.motion import Motion
-from martensite.actuators.mechanisms.base import AbstractMechanism, Column
+from martensite.actuators.mechanisms.base import Column
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine, LoadLineReference
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace
-from martensite.testing.conformance import Check, require_condition
+from martensite.testing.conformance import require_condition
 
 Numbers: TypeAlias = tuple[float, ...]
 Array: TypeAlias = NDArray[np.float64]
@@ -65,10 +65,8 @@ def find_inertia(mechanism: AbstractMultibody, position: Column) -> Array:
 # ---------------------------------------------------------------- load lines
 
 
-def check_pull(mechanism: AbstractMechanism) -> None:
+def check_pull(mechanism: AbstractLoadLine) -> None:
     """A load line never pushes, and its force does not grow as the element gets longer."""
-    if not isinstance(mechanism, AbstractLoadLine):
-        return
     for compliance in (1e-6, 1e-4, 1e-2):
         assembly = LoadLineReference(0.004)
         forces = [mechanism.force(floats, assembly, Spring(free, compliance)) for free in FREE]
@@ -80,10 +78,8 @@ def check_pull(mechanism: AbstractMechanism) -> None:
         )
 
 
-def check_assembly(mechanism: AbstractMechanism) -> None:
+def check_assembly(mechanism: AbstractLoadLine) -> None:
     """Under its start force a load line is in equilibrium, at position zero."""
-    if not isinstance(mechanism, AbstractLoadLine):
-        return
     force = mechanism.start_force(floats)
     spring = Spring(0.003, 2e-4)
     elongation = spring.free + spring.compliance * force
@@ -94,10 +90,8 @@ def check_assembly(mechanism: AbstractMechanism) -> None:
     require_condition(abs(zero) < 1e-12, f"As assembled it stands at {zero:.4g} instead of 0.")
 
 
-def check_position(mechanism: AbstractMechanism) -> None:
+def check_position(mechanism: AbstractLoadLine) -> None:
     """The position of a load line grows as the element shortens."""
-    if not isinstance(mechanism, AbstractLoadLine):
-        return
     assembly, positions = LoadLineReference(0.01), list[float]()
     for free in np.linspace(0.009, 0.001, 50).tolist():
         force = mechanism.force(floats, assembly, Spring(free, 2e-4))
@@ -110,10 +104,8 @@ def check_position(mechanism: AbstractMechanism) -> None:
 # ---------------------------------------------------------------- coordinates
 
 
-def check_names(mechanism: AbstractMechanism) -> None:
+def check_names(mechanism: AbstractMultibody) -> None:
     """A mechanism has as many numbers as it has names for them, and judges what it shows."""
-    if not isinstance(mechanism, AbstractMultibody):
-        return
     coordinates, ports = mechanism.coordinates(), mechanism.ports()
     home = mechanism.home(floats)
     rest = Motion(tuple(home), (0.0,) * len(home), (0.0,) * len(home))
@@ -140,10 +132,8 @@ def check_names(mechanism: AbstractMechanism) -> None:
     require_condition(not dotted, f"A name must have no dot, but {', '.join(dotted)} has.")
 
 
-def check_equilibrium(mechanism: AbstractMechanism) -> None:
+def check_equilibrium(mechanism: AbstractMultibody) -> None:
     """At home, under the start forces, nothing is missing."""
-    if not isinstance(mechanism, AbstractMultibody):
-        return
     home, forces = mechanism.home(floats), mechanism.start_forces(floats)
     require_condition(min(forces, default=0.0) >= 0.0, "A start force is below zero.")
     supplied = np.array(mechanism.supply(floats, home, forces, [0.0] * len(home)))
@@ -152,10 +142,8 @@ def check_equilibrium(mechanism: AbstractMechanism) -> None:
     require_condition(near, f"At home it demands {demand}, but the start forces supply {supplied}.")
 
 
-def check_levers(mechanism: AbstractMechanism) -> None:
+def check_levers(mechanism: AbstractMultibody) -> None:
     """The slopes of the paths, by which forces act, are those of their differences."""
-    if not isinstance(mechanism, AbstractMultibody):
-        return
     for place in choose_places(mechanism):
         paths, exact = compute_jacobian(floats, mechanism.contraction, place)
         require_condition(
@@ -170,10 +158,8 @@ def check_levers(mechanism: AbstractMechanism) -> None:
             require_condition(near, f"A path has a wrong slope in `{coordinate.name}`.")
 
 
-def check_potential(mechanism: AbstractMechanism) -> None:
+def check_potential(mechanism: AbstractMultibody) -> None:
     """At rest its forces come from an energy: ∂D_i/∂q_k is symmetric."""
-    if not isinstance(mechanism, AbstractMultibody):
-        return
 
     def held(xp: Namespace, position: Column) -> Column:
         rest = (0.0,) * len(position)
@@ -189,10 +175,8 @@ def check_potential(mechanism: AbstractMechanism) -> None:
         )
 
 
-def check_inertia(mechanism: AbstractMechanism) -> None:
+def check_inertia(mechanism: AbstractMultibody) -> None:
     """Whatever accelerates needs a force, and its inertia is symmetric."""
-    if not isinstance(mechanism, AbstractMultibody):
-        return
     if not mechanism.moves and not find_inertia(mechanism, choose_places(mechanism)[0]).any():
         return
     for place in choose_places(mechanism):
@@ -204,9 +188,9 @@ def check_inertia(mechanism: AbstractMechanism) -> None:
             require_condition(apart <= 1e-12 * np.abs(found).max(), "Its inertia is not symmetric.")
 
 
-def check_gyration(mechanism: AbstractMechanism) -> None:
+def check_gyration(mechanism: AbstractMultibody) -> None:
     """What grows with the square of a velocity moves energy only: v·c = ½ v·(dM/dt) v."""
-    if not isinstance(mechanism, AbstractMultibody) or not is_consistent(mechanism):
+    if not is_consistent(mechanism):
         return
     rows = zip(choose_places(mechanism), choose_rates(mechanism), strict=True)
     for place, rate in rows:
@@ -226,10 +210,8 @@ def check_gyration(mechanism: AbstractMechanism) -> None:
         require_condition(held, f"Motion at a constant rate makes {missing:.3g} W of its own.")
 
 
-def check_damping(mechanism: AbstractMechanism) -> None:
+def check_damping(mechanism: AbstractMultibody) -> None:
     """What changes its sign with the velocity never drives the motion."""
-    if not isinstance(mechanism, AbstractMultibody):
-        return
     rows = zip(choose_places(mechanism), choose_rates(mechanism), strict=True)
     for place, rate in rows:
         back = [-v for v in rate]
@@ -239,9 +221,9 @@ def check_damping(mechanism: AbstractMechanism) -> None:
         require_condition(power >= -rounding, f"Friction drives the motion with {-power:.3g} W.")
 
 
-def check_power(mechanism: AbstractMechanism) -> None:
+def check_power(mechanism: AbstractMultibody) -> None:
     """What a motion demands changes its energy, is dissipated, or comes from outside."""
-    if not isinstance(mechanism, AbstractMultibody) or not is_consistent(mechanism):
+    if not is_consistent(mechanism):
         return
     signals = [3.0 + k for k in range(len(mechanism.signals()))]
     places = [*choose_places(mechanism), *choose_places(mechanism, 3.3)]  # beyond end stops too
@@ -284,20 +266,3 @@ def find_energy_rate(mechanism: AbstractMultibody, motion: Motion) -> float | No
         return [energy.springs + energy.gravity + energy.magnetic + kinetic]
 
     return float(compute_jacobian(floats, held, [0.0])[1][0][0])
-
-
-CHECKS: dict[str, list[Check]] = {
-    "mechanism": [
-        check_pull,
-        check_assembly,
-        check_position,
-        check_names,
-        check_equilibrium,
-        check_levers,
-        check_potential,
-        check_inertia,
-        check_gyration,
-        check_damping,
-        check_power,
-    ]
-}

@@ -11,7 +11,7 @@ from martensite.control.loop.mounted_sensor import NEVER
 from martensite.control.observers.base import AbstractObserver
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.testing.conformance import Check, require_condition
+from martensite.testing.conformance import require_condition
 from martensite.testing.readings import PERIOD, require_same_traced
 
 Named = Mapping[str, float]
@@ -109,8 +109,3 @@ def check_traced(observer: AbstractObserver) -> None:
 
     ranges = {"u": (0.0, 2.0), "share": (0.95, 1.05), "age": (-1.0, 1.0)}
     require_same_traced(observer, follow, ranges, 6)
-
-
-CHECKS: dict[str, list[Check]] = {
-    "observer": [check_reads, check_memory, check_absurd_readings, check_rest, check_traced]
-}

@@ -11,7 +11,7 @@ from martensite.base.errors import UnitError
 from martensite.control.sensors.base import AbstractSensor, simulate_readings
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.testing.conformance import Check, require_condition
+from martensite.testing.conformance import require_condition
 from martensite.testing.readings import find_range, require_same_traced
 
 MANY = 4000
@@ -177,17 +177,3 @@ def check_traced(sensor: AbstractSensor) -> None:
         return value, tuple(state), there + 0.0 * noise
 
     require_same_traced(sensor, read, {"dt": (0.0, 0.5), "noise": (-3.0, 3.0), **ranges, **again})
-
-
-CHECKS: dict[str, list[Check]] = {
-    "sensor": [
-        check_units,
-        check_rest,
-        check_memory,
-        check_no_time,
-        check_lag,
-        check_digits,
-        check_noise,
-        check_traced,
-    ]
-}

@@ -11,7 +11,7 @@ from martensite.control.checks.base import AbstractCheck
 from martensite.control.loop.supervisor import AbstractSupervisor
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.testing.conformance import Check, require_condition
+from martensite.testing.conformance import require_condition
 from martensite.testing.readings import PERIOD, draw_readings, find_range, require_same_traced
 
 COUNT = 400
@@ -164,9 +164,3 @@ def check_traced_verdict(supervisor: AbstractSupervisor) -> None:
         return (*found, *memory)
 
     require_same_traced(supervisor, judge, {"u": (-1.0, 1.0), "x": (0.0, 3.0), "y": (0.0, 3.0)})
-
-
-CHECKS: dict[str, list[Check]] = {
-    "check": [check_alarm, check_size, check_trips, check_traced_check],
-    "supervisor": [check_verdict, check_absurd_readings, check_traced_verdict],
-}

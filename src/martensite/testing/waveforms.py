@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from martensite.signals.base import AbstractWaveform
-from martensite.testing.conformance import Check, require_condition
+from martensite.testing.conformance import require_condition
 
 DURATION = 6.0
 """Of the time that is looked at [s]."""
@@ -77,8 +77,3 @@ def check_means(wave: AbstractWaveform) -> None:
         require_condition(
             near, f"Between {a:.4g} and {b:.4g} s `moments` are not those of the values."
         )
-
-
-CHECKS: dict[str, list[Check]] = {
-    "waveform": [check_levels, check_edges, check_kinks, check_right_limits, check_means]
-}
