@@ -7,7 +7,6 @@ fault comes between them. Times of an alarm of the supervisor are shaded in ever
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -29,6 +28,13 @@ from martensite.show.figures.bench_loops import (
 )
 from martensite.show.figures.labels import choose_limits, describe_axis, enclose_values, read_column
 from martensite.show.figures.machine import choose_colours
+from martensite.show.figures.panels import (
+    WARNING_LINE,
+    add_legend_above,
+    add_panels,
+    wrap_warnings,
+    write_headline,
+)
 from martensite.show.figures.record_overlays import (
     MeasuredRecord,
     check_records,
@@ -42,10 +48,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH, PANEL_HEIGHT = 9.0, 1.35
-HEAD, FOOT, LINE = 0.62, 0.55, 0.18
-"""Room for the title, the time axis, and each line of warnings [inch]."""
-WRAPPED = 125
-"""Letters in a line of a warning."""
+HEAD, FOOT = 0.62, 0.55
+"""Room for the title and the time axis [inch]."""
 FOLLOWED: dict[str, Any] = {"color": INK, "linewidth": 1.0, "linestyle": (0, (4, 2))}
 READ: dict[str, Any] = {"color": MEASURED[1], "linewidth": 0.8, "alpha": 0.85}
 HELD: dict[str, Any] = {"drawstyle": "steps-post"}
@@ -88,58 +92,31 @@ def plot_bench(
 
 
 def _make_figure(result: Result, panels: Sequence[BenchPanel], title: str | None) -> Figure:
-    warnings = [line for text in result.warnings for line in textwrap.wrap(text, WRAPPED)]
-    foot = FOOT + LINE * len(warnings)
-    height = HEAD + foot + PANEL_HEIGHT * len(panels)
-    figure = make_figure(WIDTH, height)
-    grid = figure.add_gridspec(
-        len(panels),
-        1,
-        left=0.09,
-        right=0.98,
-        top=1.0 - HEAD / height,
-        bottom=foot / height,
-        hspace=0.42,
-    )
-    stack = list(grid.subplots(sharex=True, squeeze=False)[:, 0])
+    warnings = wrap_warnings(result.warnings, WIDTH)
+    foot = FOOT + WARNING_LINE * len(warnings)
+    figure = make_figure(WIDTH, HEAD + foot + PANEL_HEIGHT * len(panels))
+    room = (0.81, 0.18, HEAD, foot)
+    stack = list(add_panels(figure, len(panels), 1, room, (0.0, 0.4), sharex=True)[:, 0])
     for axes, panel in zip(stack, panels, strict=True):
         panel.draw(axes)
-        _finish_panel(axes, result, panel.title, axes is stack[-1])
+        _finish_panel(axes, result, panel.title)
+    stack[-1].set_xlabel(describe_axis(result, "time").label)
     figure.align_ylabels(stack)
-    _write_header(figure, result, title, warnings)
+    described = result.system.description()
+    top = described[:1].upper() + described[1:] if title is None else title
+    write_headline(figure, top, warnings=warnings)
     return figure
 
 
-def _finish_panel(axes: Any, result: Result, title: str, last: bool) -> None:
+def _finish_panel(axes: Any, result: Result, title: str) -> None:
     """Title, time, shade of alarms and key of a panel."""
     axes.set_title(title)
     axes.set_xlim(result.times[0], result.times[-1])
     axes.locator_params(axis="y", nbins=4)
-    axes.tick_params(labelbottom=last)
-    if last:
-        axes.set_xlabel(describe_axis(result, "time").label)
     for k, (begin, end) in enumerate(find_alarmed_spans(result)):
         label = "alarm" if k == 0 else "_nolegend_"
         axes.axvspan(begin, end, color=HEATING, alpha=0.12, linewidth=0.0, label=label)
-    if axes.get_legend_handles_labels()[1]:
-        axes.legend(
-            loc="lower right",
-            bbox_to_anchor=(1.0, 1.0),
-            ncols=6,
-            borderpad=0.0,
-            borderaxespad=0.2,
-            columnspacing=1.2,
-        )
-
-
-def _write_header(figure: Any, result: Result, title: str | None, warnings: Sequence[str]) -> None:
-    height, described = figure.get_figheight(), result.system.description()
-    plain = {"va": "center", "parse_math": False}
-    top = described[:1].upper() + described[1:] if title is None else title
-    figure.text(0.02, 1.0 - 0.24 / height, top, fontsize=12.5, fontweight="bold", **plain)
-    for i, line in enumerate(reversed(warnings)):
-        place = (0.16 + LINE * i) / height
-        figure.text(0.02, place, line, color=HEATING, fontsize=8.0, **plain)
+    add_legend_above(axes)
 
 
 # -------------------------------------------------------------------- panels

@@ -26,8 +26,7 @@ def plot_design(found: OptimisedDesign, title: str = "") -> Figure:
         title: above the figure.
     """
     with use_style():
-        figure, ((left, right),) = make_panels(WIDTH, HEIGHT, 1, 2)
-        figure.suptitle(title)
+        figure, ((left, right),) = make_panels(WIDTH, HEIGHT, 1, 2, title)
         _draw_history(found, left)
         _draw_motion(found, right)
     return figure

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.design.analysis.energy import CycleEnergies
-from martensite.show.figures.panels import write_headline
+from martensite.show.figures.panels import add_panels, write_headline
 from martensite.show.figures.style import (
     COOLING,
     FAINT,
@@ -33,10 +33,7 @@ def plot_energy(found: CycleEnergies, title: str = "") -> Figure:
     """
     with use_style():
         figure = make_figure(WIDTH, HEIGHT)
-        grid = figure.add_gridspec(
-            1, 3, left=0.065, right=0.985, top=0.77, bottom=0.155, wspace=0.27
-        )
-        heat, work, share = (figure.add_subplot(grid[0, k]) for k in range(3))
+        ((heat, work, share),) = add_panels(figure, 1, 3, (0.6, 0.15, 0.71, 0.48))
         write_headline(figure, title or f"Energy per cycle of {found.period:.4g} s")
         _draw_bars(
             heat, (("electrical", found.electrical, HEATING), ("heat", found.lost, COOLING)), 1.0
@@ -64,6 +61,5 @@ def _draw_bars(axes: Any, pairs: Any, factor: float) -> None:
         axes.bar(places, factor * values, BAR, label=word, **look)
     axes.grid(visible=False, axis="x")
     axes.set_xlim(0.4, len(pairs[0][1]) + 0.6)
-    axes.legend(
-        loc="lower right", bbox_to_anchor=(1.0, 1.07), ncols=2, borderpad=0.0, columnspacing=1.2
-    )
+    axes.legend(loc="upper right", ncols=2)
+    axes.set_ylim(0.0, 1.22 * axes.get_ylim()[1])

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from martensite.show.figures.panels import add_panels, write_headline
 from martensite.show.figures.style import (
     COOLING,
     HEATING,
@@ -51,22 +52,11 @@ def plot_film(report: FilmReport, forms: Sequence[str] | None = None, title: str
     ambient = report.ambient
     with use_style():
         figure = make_figure(10.5 if ambient else 6.0, 4.2)
-        grid = figure.add_gridspec(
-            1,
-            2 if ambient else 1,
-            left=0.065 if ambient else 0.11,
-            right=0.985,
-            top=0.82,
-            bottom=0.12,
-            wspace=0.16,
-        )
-        figure.text(
-            0.02, 0.945, title or "Film coefficient", fontsize=11.5, fontweight="bold", va="center"
-        )
-        axes = figure.add_subplot(grid[0, 0])
-        _draw_fits(axes, report, shown)
+        write_headline(figure, title or "Film coefficient")
+        panels = add_panels(figure, 1, 2 if ambient else 1, (0.68, 0.14, 0.72, 0.5), (0.72, 0.0))
+        _draw_fits(panels[0, 0], report, shown)
         if ambient is not None:
-            _draw_ambients(figure.add_subplot(grid[0, 1]), report, ambient.shifts)
+            _draw_ambients(panels[0, 1], report, ambient.shifts)
         return figure
 
 
@@ -83,9 +73,8 @@ def _draw_fits(axes: Any, report: FilmReport, forms: Sequence[str]) -> None:
         if form in banded and fit.linear.freedom:
             half = np.asarray([fit.half_width(t, report.level) for t in at])
             axes.fill_between(at, line - half, line + half, color=colour, alpha=0.13, linewidth=0.0)
-    axes.plot(
-        points.temperatures_degC, points.h, "o", color=INK, markersize=5.0, zorder=4, label="points"
-    )
+    dots = {"color": INK, "markersize": 5.0, "zorder": 4, "label": "points"}
+    axes.plot(points.temperatures_degC, points.h, "o", **dots)
     axes.set_ylim(0.0, 1.35 * top)
     axes.set_title(f"fits; bands: {100 * report.level:g} % for the mean")
     _name_form(axes)
@@ -98,15 +87,9 @@ def _draw_ambients(axes: Any, report: FilmReport, shifts: Sequence[AtAmbient]) -
         colour = INK if over == 0.0 else HEATING if over > 0.0 else COOLING
         shade = 1.0 if abs(over) < 2.0 else 0.55
         axes.plot(at, [shift.line.film(t) for t in at], color=colour, alpha=shade, linewidth=1.0)
-        axes.plot(
-            shift.points.temperatures_degC,
-            shift.points.h,
-            "o",
-            color=colour,
-            alpha=shade,
-            markersize=4.0,
-            label=f"{shift.points.ambient:g} °C ({over:+g} K)",
-        )
+        look = {"color": colour, "alpha": shade, "markersize": 4.0}
+        label = f"{shift.points.ambient:g} °C ({over:+g} K)"
+        axes.plot(shift.points.temperatures_degC, shift.points.h, "o", label=label, **look)
     axes.set_title("the same powers with another ambient temperature; straight lines")
     axes.set_ylim(0.0, 1.1 * max(max(shift.points.h) for shift in shifts))
     axes.axhline(0.0, color=QUIET, linewidth=0.7)

@@ -16,7 +16,7 @@ from martensite.base.errors import InputError
 from martensite.fit.compared_outputs import HELD_OUT, TRAINING, ComparedOutput, list_compared
 from martensite.fit.fit_verdicts import format_error
 from martensite.show.figures.labels import QuantityAxis, enclose_values
-from martensite.show.figures.panels import add_key, make_grid, pick_evenly, shorten_name
+from martensite.show.figures.panels import add_colour_key, make_grid, pick_evenly, shorten_name
 from martensite.show.figures.style import QUIET, SIMULATED, use_style
 
 if TYPE_CHECKING:
@@ -159,15 +159,10 @@ def _write_name(axes: Any, one: ComparedOutput) -> None:
         for part, word in ((TRAINING, ""), (HELD_OUT, " held out"))
         if _has_rows(one, part)
     ]
-    axes.annotate(
-        f"rms {', '.join(errors)}".replace("ohm", "Ω"),
-        (0.0, 1.0),
-        (0.0, 3.5),
-        xycoords="axes fraction",
-        textcoords="offset points",
-        fontsize=8.0,
-        color=HELD if one.held.any() and not one.used.any() else QUIET,
-    )
+    words = f"rms {', '.join(errors)}".replace("ohm", "Ω")
+    tint = HELD if one.held.any() and not one.used.any() else QUIET
+    place = {"xycoords": "axes fraction", "textcoords": "offset points"}
+    axes.annotate(words, (0.0, 1.0), (0.0, 3.5), fontsize=8.0, color=tint, **place)
 
 
 def _has_rows(one: ComparedOutput, part: str) -> bool:
@@ -186,11 +181,9 @@ def _share_scales(panels: Sequence[Any], rows: Sequence[ComparedOutput]) -> None
 
 def _write_key(figure: Figure, rows: Sequence[ComparedOutput]) -> None:
     """What the lines are, below the headline."""
-    from matplotlib.lines import Line2D
-
-    lines = {"measured": Line2D([], [], color=SEEN, linewidth=2.6)}
+    colours = {"measured": SEEN}
     if any(one.used.any() for one in rows):
-        lines["model, fitted to it"] = Line2D([], [], color=SIMULATED)
+        colours["model, fitted to it"] = SIMULATED
     if any(one.held.any() for one in rows):
-        lines["model, not fitted to it: held out"] = Line2D([], [], color=HELD)
-    add_key(figure, list(lines.values()), list(lines))
+        colours["model, not fitted to it: held out"] = HELD
+    add_colour_key(figure, colours)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.search.quantity_text import format_number
-from martensite.show.figures.panels import shorten_name, write_headline, write_title
+from martensite.show.figures.panels import add_panels, shorten_name, write_headline, write_title
 from martensite.show.figures.style import (
     COOLING,
     FAINT,
@@ -91,10 +91,9 @@ def plot_singular_values(fit: Fit, title: str = "") -> Figure:
     names = [shorten_name(name) for name in longer]
     margin = 0.35 + LETTER * max(map(len, names))
     with use_style():
-        width = 4.55 + margin + 3.2
-        figure = make_figure(width, 3.6)
-        left = figure.add_axes((0.72 / width, 0.14, 3.7 / width, 0.67))
-        right = figure.add_axes(((4.55 + margin) / width, 0.14, 3.0 / width, 0.67))
+        figure = make_figure(4.55 + margin + 3.2, 3.6)
+        room, gaps = (0.72, 0.2, 0.68, 0.5), (0.13 + margin, 0.0)
+        ((left, right),) = add_panels(figure, 1, 2, room, gaps, width_ratios=(3.7, 3.0))
         write_headline(figure, title or "What the data determine")
         _draw_values(left, fit)
         _draw_direction(right, names, moves)
@@ -113,7 +112,7 @@ def plot_search(fit: Fit, title: str = "") -> Figure:
     total = fit.simulations + fit.jacobians
     with use_style():
         figure = make_figure(6.4, 3.4)
-        axes = figure.add_axes((0.13, 0.14, 0.84, 0.68))
+        axes = add_panels(figure, 1, 1, (0.83, 0.19, 0.61, 0.48))[0, 0]
         write_headline(figure, title or "Search")
         axes.step([*runs, total], [*costs, costs[-1]], where="post", color=SIMULATED)
         axes.plot(runs, costs, "o", color=SIMULATED, markersize=3.2)
@@ -146,27 +145,17 @@ def _draw_cells(axes: Any, matrix: Any, numbered: bool) -> None:
             value = float(matrix[row, column])
             corner = (column - 0.5, row - 0.5)
             if math.isnan(value):
-                axes.add_patch(
-                    Rectangle(
-                        corner,
-                        1.0,
-                        1.0,
-                        facecolor="white",
-                        edgecolor=FAINT,
-                        hatch="////",
-                        linewidth=0.0,
-                    )
-                )
+                hatched: dict[str, Any] = {
+                    "facecolor": "white",
+                    "edgecolor": FAINT,
+                    "hatch": "////",
+                }
+                axes.add_patch(Rectangle(corner, 1.0, 1.0, linewidth=0.0, **hatched))
             elif numbered and row != column:
-                axes.text(
-                    column,
-                    row,
-                    f"{value:.2f}".replace("0.", ".").replace("-.00", ".00"),
-                    ha="center",
-                    va="center",
-                    fontsize=7.0,
-                    color="white" if abs(value) > 0.7 else INK,
-                )
+                words = f"{value:.2f}".replace("0.", ".").replace("-.00", ".00")
+                tint = "white" if abs(value) > 0.7 else INK
+                middle = {"ha": "center", "va": "center", "fontsize": 7.0}
+                axes.text(column, row, words, color=tint, **middle)
             own: dict[str, Any] = {"facecolor": FAINT} if row == column else {"fill": False}
             axes.add_patch(Rectangle(corner, 1.0, 1.0, edgecolor="white", linewidth=1.0, **own))
 
@@ -195,28 +184,14 @@ def _draw_values(axes: Any, fit: Fit) -> None:
     heights = np.asarray([value if value > 0.0 else 2.0 * bottom for value in found])
     axes.set_yscale("log")
     axes.axhline(1.0, color=HEATING, linewidth=1.0, linestyle=(0, (4, 2)), zorder=1.4)
-    axes.annotate(
-        "below: uncertain by more than the search range",
-        (1.0, 1.0),
-        (-2, -3),
-        xycoords=("axes fraction", "data"),
-        textcoords="offset points",
-        ha="right",
-        va="top",
-        fontsize=7.5,
-        color=HEATING,
-    )
+    place = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
+    look = {"ha": "right", "va": "top", "fontsize": 7.5, "color": HEATING}
+    words = "below: uncertain by more than the search range"
+    axes.annotate(words, (1.0, 1.0), (-2, -3), **place, **look)
     axes.vlines(places, bottom, heights, color=FAINT, linewidth=1.2, zorder=1.5)
     for some, fill in ((heights > 2.0 * bottom, SIMULATED), (heights <= 2.0 * bottom, "white")):
-        axes.plot(
-            places[some],
-            heights[some],
-            "o",
-            color=SIMULATED,
-            markerfacecolor=fill,
-            markersize=5.0,
-            zorder=2.2,
-        )
+        dots = {"color": SIMULATED, "markerfacecolor": fill, "markersize": 5.0, "zorder": 2.2}
+        axes.plot(places[some], heights[some], "o", **dots)
     _set_decades(axes, np.asarray([bottom, 1.0, *heights]))
     axes.set_ylim(bottom, 2.5 * max([*seen, 1.0]))
     axes.set_xlim(0.4, len(found) + 0.6)

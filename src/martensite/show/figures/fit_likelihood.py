@@ -52,24 +52,12 @@ def _draw_panel(axes: Any, one: Profile, fit: Fit | None) -> None:
     )
     at = shown.values([point.at for point in one.points])
     excess = np.asarray([point.excess for point in one.points]) / one.limit
-    axes.axhline(
-        1.0,
-        color=HEATING,
-        linewidth=1.0,
-        linestyle=(0, (4, 2)),
-        zorder=1.4,
-        label=f"{100.0 * one.level:g} % limit",
-    )
-    axes.plot(at, excess, "o", color=SIMULATED, markersize=3.2, zorder=2.2)
-    axes.plot(
-        *_interpolate_root(at, excess, shown.values([one.value])[0]),
-        color=SIMULATED,
-        zorder=2.1,
-        marker="o",
-        markevery=[],
-        markersize=3.2,
-        label="refitted",
-    )
+    limit = {"color": HEATING, "linewidth": 1.0, "linestyle": (0, (4, 2)), "zorder": 1.4}
+    axes.axhline(1.0, label=f"{100.0 * one.level:g} % limit", **limit)
+    dots = {"color": SIMULATED, "marker": "o", "markersize": 3.2}
+    axes.plot(at, excess, linestyle="none", zorder=2.2, **dots)
+    curve = _interpolate_root(at, excess, shown.values([one.value])[0])
+    axes.plot(*curve, markevery=[], zorder=2.1, label="refitted", **dots)
     seen = at[excess <= TOP]
     low, high = float(seen.min()), float(seen.max())
     room = 0.06 * (high - low) or 1.0
@@ -104,15 +92,8 @@ def _draw_parabola(axes: Any, one: Profile, fit: Fit, shown: QuantityAxis) -> No
     at = np.linspace(first, last, 201)
     moved = (at * factor + offset - one.value) / error
     curve = (moved * unsure.noise) ** 2 / one.limit
-    axes.plot(
-        at,
-        np.where(curve <= TOP, curve, np.nan),
-        color=QUIET,
-        linewidth=1.0,
-        linestyle=(0, (1, 1.4)),
-        zorder=1.8,
-        label="from the Jacobian",
-    )
+    look = {"color": QUIET, "linewidth": 1.0, "linestyle": (0, (1, 1.4)), "zorder": 1.8}
+    axes.plot(at, np.where(curve <= TOP, curve, np.nan), label="from the Jacobian", **look)
 
 
 def _describe_interval(one: Profile) -> str:

@@ -15,6 +15,7 @@ from martensite.search.quantity_text import find_difference_unit
 from martensite.show.figures.fit import HELD, TIME, TINT, make_output_axis
 from martensite.show.figures.labels import QuantityAxis
 from martensite.show.figures.panels import (
+    add_panels,
     draw_autocorrelation,
     pick_evenly,
     shorten_name,
@@ -45,26 +46,15 @@ def plot_fit_residuals(fit: Fit, title: str = "") -> Figure:
     rows = pick_evenly(list_compared(fit), MOST)
     tests = {one.record: one for one in fit.whiteness}
     with use_style():
-        height = 0.55 + 1.75 * len(rows)
-        figure = make_figure(9.2, height)
-        specs = figure.add_gridspec(
-            len(rows),
-            2,
-            left=0.08,
-            right=0.985,
-            top=1.0 - 0.75 / height,
-            bottom=0.48 / height,
-            wspace=0.17,
-            hspace=0.62,
-            width_ratios=(1.7, 1.0),
-        )
+        figure = make_figure(9.2, 0.55 + 1.75 * len(rows))
         write_headline(figure, title or "Residuals: modelled less measured")
+        room, gaps = (0.74, 0.14, 0.75, 0.48), (0.65, 0.67)
+        panels = add_panels(figure, len(rows), 2, room, gaps, width_ratios=(1.7, 1.0))
         reach = _find_reach(rows)
-        for k, one in enumerate(rows):
-            last = k == len(rows) - 1
-            _draw_over_time(figure.add_subplot(specs[k, 0]), one, reach[one.output], last)
-            axes = figure.add_subplot(specs[k, 1])
-            _draw_memory(axes, tests.get(f"{one.record}, {one.output}"), last)
+        for one, (left, right) in zip(rows, panels, strict=True):
+            last = one is rows[-1]
+            _draw_over_time(left, one, reach[one.output], last)
+            _draw_memory(right, tests.get(f"{one.record}, {one.output}"), last)
         return figure
 
 

@@ -10,7 +10,7 @@ from martensite.base import units
 from martensite.design.analysis.frequency import FrequencyResponse
 from martensite.show.figures.labels import label_ratio
 from martensite.show.figures.machine import choose_colours
-from martensite.show.figures.panels import write_headline
+from martensite.show.figures.panels import add_panels, write_headline
 from martensite.show.figures.style import QUIET, make_figure, use_style
 
 if TYPE_CHECKING:
@@ -33,10 +33,7 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
     """
     with use_style():
         figure = make_figure(WIDTH, HEIGHT)
-        grid = figure.add_gridspec(
-            1, 3, left=0.075, right=0.985, top=0.77, bottom=0.145, wspace=0.28
-        )
-        axes = [figure.add_subplot(grid[0, k]) for k in range(3)]
+        (axes,) = add_panels(figure, 1, 3, (0.75, 0.15, 0.8, 0.51))
         write_headline(figure, title or f"From {found.drive} to {found.output.replace('_', ' ')}")
         unit, size = label_ratio(found.units[1], found.units[0])
         seen = np.where(found.gain > LEAST * np.max(found.gain), 1.0, np.nan)

@@ -15,12 +15,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 
 from martensite.show.figures.labels import choose_limits, describe_axis, read_column, typeset_symbol
+from martensite.show.figures.panels import draw_arrow, draw_start, measure_way
 from martensite.show.figures.record_overlays import MeasuredRecord, pair_columns
 from martensite.show.figures.style import COOLING, HEATING, INK, QUIET
 from martensite.simulate.result import Result
@@ -129,9 +130,8 @@ def draw_loop(
         if own:
             line = {"color": colour, "linewidth": width, "zorder": 2.2}
             axes.plot(*_join_points(points, own), label=label, **line)
-            _draw_arrow(axes, points, own, colour)
-    ring = {"marker": "o", "markersize": 5.0, "markerfacecolor": "white", "color": INK}
-    axes.plot(*(c[:1] for c in points), label="start", linestyle="none", zorder=3.2, **ring)
+            _mark_longest(axes, points, own, colour)
+    draw_start(axes, *points, label="start")
     axes.set_xlabel(describe_axis(result, x).label)
     axes.set_ylabel(describe_axis(result, y).label)
 
@@ -149,15 +149,8 @@ def draw_strips(axes: Any, result: Result, *, named: bool = True) -> None:
     if named and marks:
         _name_strips(axes, marks)
         mean = np.mean(read_column(result, "stress"))
-        _write_above(
-            axes,
-            1.0,
-            ROWS[2],
-            f"strips at the mean stress of {mean:.3g} MPa",
-            color=QUIET,
-            ha="right",
-            fontsize=8.0,
-        )
+        words = f"strips at the mean stress of {mean:.3g} MPa"
+        _write_above(axes, 1.0, ROWS[2], words, color=QUIET, ha="right", fontsize=8.0)
 
 
 def _join_points(points: tuple[Any, Any], own: Sequence[tuple[int, int]]) -> list[Any]:
@@ -165,23 +158,18 @@ def _join_points(points: tuple[Any, Any], own: Sequence[tuple[int, int]]) -> lis
     return [np.concatenate([np.append(c[a : b + 1], np.nan) for a, b in own]) for c in points]
 
 
-def _draw_arrow(
+def _mark_longest(
     axes: Any, points: tuple[Any, Any], own: Sequence[tuple[int, int]], colour: str
 ) -> None:
     """An arrowhead on the flank of the longest stretch, as the eye measures length."""
-    spans = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
-    scaled = np.stack([c / span for c, span in zip(points, spans, strict=True)])
-    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(scaled, axis=1)))])
+    way = measure_way(axes, *points)
     first, last = max(own, key=lambda ends: way[ends[1]] - way[ends[0]])
-    if way[last] - way[first] < SHORTEST:
-        return
-    along = way[_find_flank(scaled[:, first : last + 1]) + first]
-    tail, head = (
-        tuple(float(np.interp(w, way, c)) for c in points) for w in (along - 0.04, along + 0.02)
-    )
-    head_style = "-|>,head_width=0.24,head_length=0.7"
-    style = {"arrowstyle": head_style, "mutation_scale": 18.0, "color": colour, "lw": 0.0}
-    axes.annotate("", head, tail, arrowprops={**style, "shrinkA": 0.0, "shrinkB": 0.0}, zorder=3.0)
+    length = way[last] - way[first]
+    if length >= SHORTEST:
+        x, y = (c[first : last + 1] for c in points)
+        spans = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
+        flank = first + _find_flank(np.stack([x / spans[0], y / spans[1]]))
+        draw_arrow(axes, x, y, colour, (way[flank] - way[first]) / length)
 
 
 def _find_flank(scaled: Any) -> int:
@@ -199,27 +187,15 @@ def _name_strips(axes: Any, marks: Sequence[StripMark]) -> None:
     left, right = axes.get_xlim()
     width = _CLOSE * (right - left)
     upper, lower = marks
-    clash = min(abs(a - b) for a in _find_ends(upper) for b in _find_ends(lower)) < width
+    ends = ((one.low, one.high) for one in (upper, lower))
+    clash = min(abs(a - b) for a, b in product(*ends)) < width
     for row, mark in enumerate(marks):
         narrow = mark.high - mark.low < width
-        for place, name, side in (
-            (mark.low, mark.low_name, "right"),
-            (mark.high, mark.high_name, "left"),
-        ):
-            share = (place - left) / (right - left)
-            _write_above(
-                axes,
-                share,
-                ROWS[row if clash else 0],
-                typeset_symbol(name),
-                color=mark.colour,
-                ha=side if narrow else "center",
-                fontsize=8.5,
-            )
-
-
-def _find_ends(mark: StripMark) -> tuple[float, float]:
-    return mark.low, mark.high
+        sides = ((mark.low, mark.low_name, "right"), (mark.high, mark.high_name, "left"))
+        for place, name, side in sides:
+            share, points = (place - left) / (right - left), ROWS[row if clash else 0]
+            look = {"color": mark.colour, "ha": side if narrow else "center", "fontsize": 8.5}
+            _write_above(axes, share, points, typeset_symbol(name), **look)
 
 
 def _write_above(axes: Any, x: float, points: float, text: str, **properties: Any) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from martensite.base.formats import typeset_unit
-from martensite.show.figures.panels import make_panels
+from martensite.show.figures.panels import add_legend_above, make_panels
 from martensite.show.figures.style import MEASURED, SIMULATED, use_style
 
 if TYPE_CHECKING:
@@ -31,14 +31,13 @@ def plot_identified(found: Identified, records: Sequence[Sampled], title: str = 
     """
     shown = list(records)[:MOST_PANELS]
     with use_style():
-        figure, grid = make_panels(7.5, 1.0 + 2.0 * len(shown), len(shown), 1)
+        headline = title or f"{found.model.text()}, free run"
+        figure, grid = make_panels(7.5, 1.0 + 2.0 * len(shown), len(shown), 1, headline)
         panels = grid[:, 0]
         for panel, record in zip(panels, shown, strict=True):
             _draw_panel(panel, found, record)
         panels[-1].set_xlabel("time [s]")
-        panels[0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2)
-        headline = title or f"{found.model.text()}, free run"
-        figure.suptitle(headline, x=0.01, ha="left", fontweight="bold")
+        add_legend_above(panels[0])
         return figure
 
 

@@ -15,18 +15,21 @@ import numpy as np
 
 from martensite.base.errors import InputError
 from martensite.show.figures.labels import QuantityAxis, enclose_values
-from martensite.show.figures.phase_diagram import (
-    ARROWS,
-    STRESS,
-    TEMPERATURE,
+from martensite.show.figures.panels import (
+    add_colour_key,
+    add_panels,
     draw_arrow,
-    draw_phase_diagram,
+    draw_start,
+    make_colour_samples,
+    measure_way,
+    share_limits,
+    write_headline,
 )
+from martensite.show.figures.phase_diagram import ARROWS, STRESS, TEMPERATURE, draw_phase_diagram
 from martensite.show.figures.style import (
     COOLING,
     HEATING,
     INK,
-    QUIET,
     SIMULATED,
     make_figure,
     use_style,
@@ -57,6 +60,8 @@ AXES = {
 LOOP = ("strain", "stress")
 COLUMN, ROW, HEAD = 3.7, 2.9, 0.95
 """Width of a column, height of a row, and room for the title [inch]."""
+ROOM, GAPS = (0.75, 0.2, HEAD, 0.5), (0.8, 0.65)
+"""Around the panels, and between them [inch]."""
 
 
 def plot_point(
@@ -87,13 +92,14 @@ def plot_point(
 
 def _draw_one(results: Sequence[PointResult], title: str | None) -> Figure:
     """Four panels for one law."""
-    figure, panels = _make_panels(2, 2, 4.6, 3.1)
-    (loop, diagram), (recovery, fraction) = panels
+    figure = _make_figure(2, 2, 4.6, 3.1)
+    (loop, diagram), (recovery, fraction) = add_panels(figure, 2, 2, ROOM, GAPS)
     draw_curves(loop, results, *LOOP)
     draw_curves(recovery, results, "temperature", "strain")
     draw_fractions(fraction, results)
     draw_phase_diagram(diagram, results[0].law, results, _choose_leg_colours(results))
-    _write_header(figure, title or _join_names([results[0]]), _make_legend(results))
+    write_headline(figure, title or _join_names([results[0]]))
+    add_colour_key(figure, _make_legend(results))
     return figure
 
 
@@ -101,7 +107,8 @@ def _draw_beside(
     by_law: dict[Any, list[PointResult]], title: str | None, plane: tuple[str, str]
 ) -> Figure:
     """One column per law."""
-    figure, panels = _make_panels(3, len(by_law), COLUMN, ROW)
+    figure = _make_figure(3, len(by_law), COLUMN, ROW)
+    panels = add_panels(figure, 3, len(by_law), ROOM, GAPS)
     for column, (law, results) in enumerate(by_law.items()):
         curves, fraction, diagram = (row[column] for row in panels)
         draw_curves(curves, results, *plane)
@@ -109,14 +116,14 @@ def _draw_beside(
         draw_phase_diagram(diagram, law, results, _choose_leg_colours(results))
         curves.set_title(law.registered_name or type(law).__name__, fontweight="bold")
     for row in panels:
-        _share_axes(row)
+        share_limits(row)
     legends = [_make_legend(results) for results in by_law.values()]
     alike = all(legend == legends[0] for legend in legends)
     if not alike:  # every law has conditions of its own
         for axes, legend in zip(panels[0], legends, strict=True):
-            axes.legend(_make_samples(legend), list(legend), loc="best")
-    names = _join_names([results[0] for results in by_law.values()])
-    _write_header(figure, title or names, legends[0] if alike else {})
+            axes.legend(make_colour_samples(legend), list(legend), loc="best")
+    write_headline(figure, title or _join_names([own[0] for own in by_law.values()]))
+    add_colour_key(figure, legends[0] if alike else {})
     return figure
 
 
@@ -126,7 +133,6 @@ def draw_curves(axes: Any, results: Sequence[PointResult], x: str, y: str) -> No
     shown = [(across.values(r[x]), up.values(r[y])) for r in results]
     axes.set_xlim(*enclose_values(*(s[0] for s in shown)))
     axes.set_ylim(*enclose_values(*(s[1] for s in shown)))
-    spans = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
     for result, colour, (horizontal, vertical) in zip(
         results, _choose_colours(results), shown, strict=True
     ):
@@ -135,13 +141,10 @@ def draw_curves(axes: Any, results: Sequence[PointResult], x: str, y: str) -> No
         ):
             a, b = horizontal[first : last + 1], vertical[first : last + 1]
             axes.plot(a, b, color=own, zorder=2.2)
-            length = np.hypot(np.ptp(a) / spans[0], np.ptp(b) / spans[1])
-            if length > 0.12 and leg < ARROWS:
+            if measure_way(axes, a, b)[-1] > 0.12 and leg < ARROWS:
                 draw_arrow(axes, a, b, own)
-        start = {"marker": "o", "markersize": 5.0, "markerfacecolor": "white", "color": INK}
-        axes.plot(horizontal[:1], vertical[:1], linestyle="none", zorder=3.2, **start)
-    axes.set_xlabel(across.label)
-    axes.set_ylabel(up.label)
+        draw_start(axes, horizontal, vertical)
+    axes.set(xlabel=across.label, ylabel=up.label)
 
 
 def draw_fractions(axes: Any, results: Sequence[PointResult]) -> None:
@@ -199,52 +202,5 @@ def _join_names(results: Sequence[PointResult]) -> str:
     return ", ".join(r.law.registered_name or type(r.law).__name__ for r in results)
 
 
-def _make_panels(rows: int, columns: int, width: float, height: float) -> tuple[Figure, Any]:
-    size = 0.5 + columns * width, HEAD + rows * height
-    figure = make_figure(*size)
-    grid = figure.add_gridspec(
-        rows,
-        columns,
-        left=0.75 / size[0],
-        right=1.0 - 0.2 / size[0],
-        top=1.0 - HEAD / size[1],
-        bottom=0.5 / size[1],
-        wspace=0.9 / width,
-        hspace=0.75 / height,
-    )
-    return figure, grid.subplots(squeeze=False)
-
-
-def _share_axes(row: Any) -> None:
-    """Give all axes of a row the limits that hold all of them."""
-    for which in ("xlim", "ylim"):
-        ends = [getattr(axes, f"get_{which}")() for axes in row]
-        both = min(low for low, _ in ends), max(high for _, high in ends)
-        for axes in row:
-            getattr(axes, f"set_{which}")(*both)
-    for axes in row[1:]:
-        axes.set_ylabel("")
-
-
-def _write_header(figure: Figure, title: str, legend: dict[str, str]) -> None:
-    height = figure.get_figheight()
-    place = {"va": "center", "parse_math": False}
-    figure.text(0.02, 1.0 - 0.24 / height, title, fontsize=12.5, fontweight="bold", **place)
-    if not legend:
-        return
-    figure.legend(
-        _make_samples(legend),
-        list(legend),
-        loc="upper left",
-        ncols=min(len(legend), 7),
-        bbox_to_anchor=(0.015, 1.0 - 0.38 / height),
-        borderpad=0.0,
-        columnspacing=1.4,
-        labelcolor=QUIET,
-    )
-
-
-def _make_samples(legend: dict[str, str]) -> list[Any]:
-    from matplotlib.lines import Line2D
-
-    return [Line2D([], [], color=colour) for colour in legend.values()]
+def _make_figure(rows: int, columns: int, width: float, height: float) -> Figure:
+    return make_figure(0.5 + columns * width, HEAD + rows * height)

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.show.figures.labels import QuantityAxis, choose_limits, describe_axis, read_column
-from martensite.show.figures.style import INK, QUIET, make_figure
+from martensite.show.figures.panels import add_colour_key, add_panels, draw_start
+from martensite.show.figures.style import INK, make_figure
 from martensite.simulate.result import Result
 
 if TYPE_CHECKING:
@@ -25,8 +26,6 @@ COLOURS = ("#1f5f8b", "#d55e00", "#5a8f7b", "#8a6fa8", "#b0783c", "#6f6f6f")
 """Of actuators and coordinates; more of them go through a colour map."""
 PANELS = ("drive", "temperature", "martensite_fraction", "force")
 LOOPS = (("temperature", "martensite_fraction"), ("strain", "stress"))
-WIDE = 8
-"""Most names in one row of a key."""
 
 
 def draw_machine(result: Result) -> Figure:
@@ -35,17 +34,9 @@ def draw_machine(result: Result) -> Figure:
     rows = len(own) + (len(PANELS) if ports else 0)
     height = HEAD + FOOT + PANEL_HEIGHT * max(rows, 3)
     figure = make_figure(WIDTH, height)
-    left, right = figure.add_gridspec(
-        1,
-        2,
-        left=0.07,
-        right=0.985,
-        top=1.0 - HEAD / height,
-        bottom=FOOT / height,
-        width_ratios=(1.3, 1.0),
-        wspace=0.17,
-    )
-    over_time = left.subgridspec(rows, 1, hspace=0.42).subplots(sharex=True, squeeze=False)[:, 0]
+    over_time = add_panels(figure, rows, 1, (0.84, 5.44, HEAD, FOOT), (0.0, 0.38), sharex=True)[
+        :, 0
+    ]
     for axes, names in zip(over_time, own, strict=False):
         _draw_lines(axes, result, names, list(names), choose_colours(len(names)))
         if len(names) > 1:
@@ -53,17 +44,15 @@ def draw_machine(result: Result) -> Figure:
     for axes, name in zip(over_time[len(own) :], PANELS, strict=False):
         columns = [result.system.label(port, name) for port in ports]
         _draw_lines(axes, result, columns, ports, choose_colours(len(ports)))
-    for axes in over_time:
-        axes.tick_params(labelbottom=axes is over_time[-1])
     over_time[-1].set_xlabel(describe_axis(result, "time").label)
     loops = LOOPS if ports else ()
-    spots = right.subgridspec(len(loops) + 1, 1, hspace=0.32).subplots(squeeze=False)[:, 0]
+    spots = add_panels(figure, len(loops) + 1, 1, (7.42, 0.18, HEAD, FOOT), (0.0, 0.69))[:, 0]
     for axes, (x, y) in zip(spots, loops, strict=False):
         _draw_loops(axes, result, ports, x, y)
     _draw_path(spots[-1], result)
     figure.align_ylabels(list(over_time))
     figure.align_ylabels(list(spots))
-    _write_key(figure, ports, 1.0 - (HEAD - 0.28) / height)
+    add_colour_key(figure, dict(zip(ports, choose_colours(len(ports)), strict=True)))
     return figure
 
 
@@ -117,13 +106,11 @@ def _draw_loops(axes: Any, result: Result, ports: Sequence[str], x: str, y: str)
         look = {"color": tint, "linewidth": choose_width(i, len(ports))}
         axes.plot(read_column(result, across), read_column(result, up), **look)
     for across, up in names:
-        axes.plot(read_column(result, across)[:1], read_column(result, up)[:1], **_style_ring())
-    axes.set_xlim(
-        *choose_limits(names[0][0], *(read_column(result, across) for across, _ in names))
-    )
-    axes.set_ylim(*choose_limits(names[0][1], *(read_column(result, up) for _, up in names)))
-    axes.set_xlabel(describe_axis(result, names[0][0]).label)
-    axes.set_ylabel(describe_axis(result, names[0][1]).label)
+        draw_start(axes, read_column(result, across), read_column(result, up))
+    for k, which in enumerate("xy"):
+        limits = choose_limits(names[0][k], *(read_column(result, pair[k]) for pair in names))
+        label = describe_axis(result, names[0][k]).label
+        axes.set(**{f"{which}lim": limits, f"{which}label": label})
 
 
 def _draw_path(axes: Any, result: Result) -> None:
@@ -131,30 +118,7 @@ def _draw_path(axes: Any, result: Result) -> None:
     first, *others = result.system.of_mechanism()
     ports = list(result.system.actuators())
     across = others[0] if others or not ports else result.system.label(ports[0], "temperature")
-    axes.plot(read_column(result, across), read_column(result, first), color=INK, linewidth=1.1)
-    axes.plot(read_column(result, across)[:1], read_column(result, first)[:1], **_style_ring())
-    axes.set_xlabel(describe_axis(result, across).label)
-    axes.set_ylabel(describe_axis(result, first).label)
-
-
-def _style_ring() -> dict[str, Any]:
-    look = {"marker": "o", "markersize": 5.0, "markerfacecolor": "white", "color": INK}
-    return {**look, "linestyle": "none", "zorder": 3.2}
-
-
-def _write_key(figure: Figure, ports: Sequence[str], height: float) -> None:
-    """The names of the actuators in their colours."""
-    from matplotlib.lines import Line2D
-
-    handles = [
-        Line2D([], [], color=tint, label=port)
-        for port, tint in zip(ports, choose_colours(len(ports)), strict=True)
-    ]
-    if handles:
-        figure.legend(
-            handles=handles,
-            loc="center left",
-            bbox_to_anchor=(0.015, height),
-            ncols=min(len(handles), WIDE),
-            labelcolor=QUIET,
-        )
+    x, y = read_column(result, across), read_column(result, first)
+    axes.plot(x, y, color=INK, linewidth=1.1)
+    draw_start(axes, x, y)
+    axes.set(xlabel=describe_axis(result, across).label, ylabel=describe_axis(result, first).label)

@@ -10,7 +10,13 @@ from martensite.identify.chains.directions import find_rising
 from martensite.identify.chains.validation import Validation
 from martensite.show.figures.fit import SEEN
 from martensite.show.figures.labels import enclose_values
-from martensite.show.figures.panels import write_headline, write_title
+from martensite.show.figures.panels import (
+    add_legend_above,
+    add_panels,
+    share_limits,
+    write_headline,
+    write_title,
+)
 from martensite.show.figures.signal_labels import thin_line, write_signal_label
 from martensite.show.figures.style import (
     COOLING,
@@ -46,30 +52,16 @@ def plot_model(validation: Validation, band: OutputBand | None = None, title: st
     inputs, outputs = len(record.input_names), len(record.output_names)
     heights = [0.6] * inputs + [1.7, 0.8] * outputs
     with use_style():
-        height = 1.0 + 0.92 * sum(heights)
-        figure = make_figure(9.2, height)
-        specs = figure.add_gridspec(
-            len(heights),
-            1,
-            left=0.085,
-            right=0.985,
-            top=1.0 - 0.5 / height,
-            bottom=0.48 / height,
-            hspace=0.36,
-            height_ratios=heights,
-        )
+        figure = make_figure(9.2, 1.0 + 0.92 * sum(heights))
         write_headline(figure, title or f"{validation.chain.name} on {record.name}: free run")
-        panels: list[Any] = []
-        for place in range(len(heights)):
-            share = panels[0] if panels else None
-            panels.append(figure.add_subplot(specs[place], sharex=share))
+        how = {"sharex": True, "height_ratios": heights}
+        room = (0.78, 0.14, 0.52, 0.48)
+        panels = list(add_panels(figure, len(heights), 1, room, (0.0, 0.28), **how)[:, 0])
         for k in range(inputs):
             _draw_input(panels[k], validation, k)
         for k in range(outputs):
             _draw_output(panels[inputs + 2 * k], validation, k, band)
             _draw_error(panels[inputs + 2 * k + 1], validation, k, band)
-        for axes in panels:
-            axes.tick_params(labelbottom=axes is panels[-1])
         panels[-1].set_xlabel("$t$ [s]")
         panels[-1].set_xlim(record.times[0], record.times[-1])
         figure.align_ylabels(panels)
@@ -88,27 +80,14 @@ def plot_model_loop(validation: Validation, number: int = 0, title: str = "") ->
     outputs = len(record.output_names)
     with use_style():
         figure = make_figure(9.2, 0.75 + 3.4 * outputs)
-        height = figure.get_figheight()
-        specs = figure.add_gridspec(
-            outputs,
-            2,
-            left=0.085,
-            right=0.985,
-            top=1.0 - 0.68 / height,
-            bottom=0.55 / height,
-            hspace=0.4,
-            wspace=0.14,
-        )
-        write_headline(
-            figure, title or f"{validation.chain.name} on {record.name}: output over input"
-        )
-        for k in range(outputs):
-            left = figure.add_subplot(specs[k, 0])
-            right = figure.add_subplot(specs[k, 1], sharex=left, sharey=left)
+        headline = title or f"{validation.chain.name} on {record.name}: output over input"
+        write_headline(figure, headline)
+        panels = add_panels(figure, outputs, 2, (0.78, 0.14, 0.68, 0.55), (0.54, 0.95))
+        for k, (left, right) in enumerate(panels):
             _draw_loop(left, validation, record.outputs[:, k], number, k, "measured")
             _draw_loop(right, validation, validation.computed[:, k], number, k, "computed")
-            right.set_ylabel("")
-            right.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=2)
+            share_limits((left, right))
+            add_legend_above(right)
         return figure
 
 
@@ -133,7 +112,7 @@ def _draw_output(axes: Any, validation: Validation, k: int, band: OutputBand | N
     axes.plot(times[places], computed[places], color=SIMULATED, linewidth=1.1, label="computed")
     axes.set_ylabel(write_signal_label(name, record.units))
     axes.set_ylim(*enclose_values(measured, computed))
-    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=3)
+    add_legend_above(axes)
     fit = validation.score(name).fit_percent
     words = f"{name}: fit {fit:.2f} % (NRMSE, free run)"
     write_title(axes, words, fontweight="bold", color=INK)

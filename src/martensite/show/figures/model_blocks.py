@@ -16,7 +16,7 @@ from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.linear_system import LinearSystem
 from martensite.identify.chains.linearise import linearise_chain
 from martensite.show.figures.fit import SEEN
-from martensite.show.figures.panels import write_headline, write_title
+from martensite.show.figures.panels import add_panels, write_headline, write_title
 from martensite.show.figures.style import FAINT, INK, SIMULATED, make_figure, use_style
 from martensite.signals.sampling.sampled import Sampled
 
@@ -45,21 +45,10 @@ def plot_static_blocks(chain: Chain, record: Sampled, title: str = "") -> Figure
         raise InputError(f"Model `{chain.text()}` has no static block.")
     with use_style():
         figure = make_figure(max(3.3 * len(places), 4.6), 3.5)
-        specs = figure.add_gridspec(
-            2,
-            len(places),
-            left=0.15 / len(places) + 0.02,
-            right=0.98,
-            top=0.83,
-            bottom=0.14,
-            wspace=0.3,
-            hspace=0.08,
-            height_ratios=(4.0, 1.0),
-        )
         write_headline(figure, title or f"Static blocks of {chain.name}")
-        for i, place in enumerate(places):
-            curve = figure.add_subplot(specs[0, i])
-            counts = figure.add_subplot(specs[1, i], sharex=curve)
+        how = {"sharex": "col", "height_ratios": (4.0, 1.0)}
+        panels = add_panels(figure, 2, len(places), (0.7, 0.15, 0.65, 0.49), (0.7, 0.1), **how)
+        for place, (curve, counts) in zip(places, panels.T, strict=True):
             _draw_static(curve, counts, chain, place, record)
         return figure
 
@@ -85,25 +74,14 @@ def plot_linear(systems: list[tuple[str, LinearSystem]], title: str = "") -> Fig
         title: headline.
     """
     with use_style():
-        height = 0.85 + 2.1 * len(systems)
-        figure = make_figure(9.6, height)
-        specs = figure.add_gridspec(
-            len(systems),
-            3,
-            left=0.065,
-            right=0.985,
-            top=1.0 - 0.62 / height,
-            bottom=0.48 / height,
-            wspace=0.24,
-            hspace=0.55,
-        )
+        figure = make_figure(9.6, 0.85 + 2.1 * len(systems))
         write_headline(figure, title)
-        for row, (name, linear) in enumerate(systems):
-            axes = [figure.add_subplot(specs[row, i]) for i in range(3)]
-            _draw_step(axes[0], name, linear)
-            _draw_bode(axes[1], axes[2], linear)
-            for one in axes if row < len(systems) - 1 else ():
-                one.set_xlabel("")
+        panels = add_panels(figure, len(systems), 3, (0.62, 0.14, 0.62, 0.48), (0.62, 0.7))
+        for (name, linear), (step, gain, phase) in zip(systems, panels, strict=True):
+            _draw_step(step, name, linear)
+            _draw_bode(gain, phase, linear)
+        for axes in panels[:-1].flat:
+            axes.set_xlabel("")
         return figure
 
 
@@ -132,7 +110,6 @@ def _draw_static(curve: Any, counts: Any, chain: Chain, place: int, record: Samp
     curve.axvspan(low, high, color=FAINT, alpha=0.5, linewidth=0.0, zorder=0.5)
     curve.plot(levels, y, color=SEEN, linewidth=1.0, linestyle=(0, (4, 3)))
     curve.plot(levels[inside], y[inside], color=SIMULATED, linewidth=1.6)
-    curve.tick_params(labelbottom=False)
     curve.set_ylabel("output")
     write_title(curve, f"{place + 1}: {block.text()}", fontweight="bold", color=INK)
     counts.hist(x, bins=60, color=SEEN)

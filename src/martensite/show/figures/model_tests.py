@@ -14,7 +14,12 @@ import numpy as np
 from martensite.identify.chains.correlations import LEVELS, Crossed
 from martensite.identify.chains.validation import Validation
 from martensite.search.whiteness import Whiteness
-from martensite.show.figures.panels import draw_autocorrelation, write_headline, write_title
+from martensite.show.figures.panels import (
+    add_panels,
+    draw_autocorrelation,
+    write_headline,
+    write_title,
+)
 from martensite.show.figures.style import (
     FAINT,
     HEATING,
@@ -43,28 +48,22 @@ def plot_model_tests(validation: Validation, title: str = "") -> Figure:
     rows = [[one for one in validation.crossed if one.output == name] for name in outputs]
     columns = 1 + max((len(row) for row in rows), default=0)
     with use_style():
-        height = 0.95 + 2.3 * len(outputs)
-        figure = make_figure(3.1 * max(columns, 2), height)
-        specs = figure.add_gridspec(
-            len(outputs),
-            columns,
-            left=0.065,
-            right=0.985,
-            top=1.0 - 0.65 / height,
-            bottom=0.5 / height,
-            wspace=0.26,
-            hspace=0.6,
-        )
-        write_headline(
-            figure, title or f"Residuals of {validation.chain.name} on {validation.record.name}"
-        )
+        figure = make_figure(3.1 * max(columns, 2), 0.95 + 2.3 * len(outputs))
+        on = f"{validation.chain.name} on {validation.record.name}"
+        write_headline(figure, title or f"Residuals of {on}")
+        room = (0.7, 0.12, 0.65, 0.5)
+        panels = add_panels(figure, len(outputs), columns, room, (0.62, 0.75))
         white = {one.record: one for one in validation.whiteness}
-        for k, name in enumerate(outputs):
+        for name, (first, *others), row in zip(outputs, panels, rows, strict=True):
             test = white.get(f"{validation.record.name}, {name}")
-            if test is not None:
-                _draw_memory(figure.add_subplot(specs[k, 0]), name, test)
-            for i, one in enumerate(rows[k], start=1):
-                _draw_cross_correlation(figure.add_subplot(specs[k, i]), one)
+            if test is None:
+                first.set_axis_off()
+            else:
+                _draw_memory(first, name, test)
+            for axes, one in zip(others, row, strict=False):
+                _draw_cross_correlation(axes, one)
+            for axes in others[len(row) :]:
+                axes.set_axis_off()
         return figure
 
 

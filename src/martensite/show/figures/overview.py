@@ -7,7 +7,6 @@ and no window or figure manager has to be closed.
 from __future__ import annotations
 
 import os
-import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,8 +20,14 @@ from martensite.show.figures.files import check_format, write_figure
 from martensite.show.figures.hysteresis import LOOPS, draw_loops
 from martensite.show.figures.labels import describe_axis
 from martensite.show.figures.machine import draw_machine
+from martensite.show.figures.panels import (
+    WARNING_LINE,
+    add_panels,
+    wrap_warnings,
+    write_headline,
+)
 from martensite.show.figures.record_overlays import MeasuredRecord, check_records, draw_key
-from martensite.show.figures.style import HEATING, QUIET, make_figure, use_style
+from martensite.show.figures.style import make_figure, use_style
 from martensite.show.figures.timeseries import draw_timeseries, list_panels
 from martensite.simulate.result import Result
 
@@ -31,10 +36,8 @@ if TYPE_CHECKING:
 
 WIDTH, PANEL_HEIGHT = 12.0, 1.22
 """Width of the figure and height of one panel over time [inch]."""
-HEAD, KEY, FOOT, LINE = 0.9, 0.22, 0.55, 0.18
-"""Room for title, key of records, time axis, and each line of warnings [inch]."""
-LEFT = 0.07
-"""Left edge of the panels as a share of the width."""
+HEAD, KEY, FOOT = 0.9, 0.22, 0.55
+"""Room for title, key of records, and time axis [inch]."""
 
 
 def plot_result(
@@ -65,7 +68,9 @@ def plot_result(
     measured = check_records(result, records)
     with use_style():
         if not isinstance(result.system, System):
-            return _draw_machine(result, title)
+            figure = draw_machine(result)  # records of machines are compared in numbers only
+            _write_text(figure, result, title)
+            return figure
         return _make_figure(result, measured, title)
 
 
@@ -89,31 +94,19 @@ def save_figure(
 
 def _make_figure(result: Result, records: Sequence[MeasuredRecord], title: str | None) -> Figure:
     names = list_panels(result, records)
-    warnings = [line for text in result.warnings for line in textwrap.wrap(text, 165)]
+    warnings = wrap_warnings(result.warnings, WIDTH)
     head = HEAD + (KEY if records else 0.0)
-    foot = FOOT + LINE * len(warnings)
-    height = head + foot + PANEL_HEIGHT * len(names)
-    figure = make_figure(WIDTH, height)
-    left, right = figure.add_gridspec(
-        1,
-        2,
-        left=LEFT,
-        right=0.985,
-        top=1.0 - head / height,
-        bottom=foot / height,
-        width_ratios=(1.15, 1.0),
-        wspace=0.17,
-    )
-    stack = left.subgridspec(len(names), 1, hspace=0.42)
-    over_time = list(stack.subplots(sharex=True, squeeze=False)[:, 0])
-    stack = right.subgridspec(len(LOOPS), 1, hspace=0.3)
-    loops = list(stack.subplots(squeeze=False)[:, 0])
+    foot = FOOT + WARNING_LINE * len(warnings)
+    figure = make_figure(WIDTH, head + foot + PANEL_HEIGHT * len(names))
+    room = (0.84, 5.75, head, foot)
+    over_time = list(add_panels(figure, len(names), 1, room, (0.0, 0.36), sharex=True)[:, 0])
+    loops = list(add_panels(figure, len(LOOPS), 1, (7.11, 0.18, head, foot))[:, 0])
     draw_timeseries(over_time, result, names, records)
     draw_loops(loops, result, records)
     figure.align_ylabels(over_time)
     figure.align_ylabels(loops)
     if records:
-        draw_key(figure, 0.02, 1.0 - (HEAD - 0.22) / height, records)
+        draw_key(figure, records, below=HEAD - 0.22)
     _write_text(figure, result, title, warnings)
     return figure
 
@@ -123,18 +116,9 @@ def _draw_batch(result: Result, title: str | None) -> Figure:
     import matplotlib
 
     names = list(result.columns)
-    height = HEAD + FOOT + 2.0 * PANEL_HEIGHT * len(names)
-    figure = make_figure(0.75 * WIDTH, height)
-    grid = figure.add_gridspec(
-        len(names),
-        1,
-        left=0.1,
-        right=0.97,
-        top=1.0 - HEAD / height,
-        bottom=FOOT / height,
-        hspace=0.3,
-    )
-    panels = list(grid.subplots(sharex=True, squeeze=False)[:, 0])
+    figure = make_figure(0.75 * WIDTH, HEAD + FOOT + 2.0 * PANEL_HEIGHT * len(names))
+    room = (0.9, 0.27, HEAD, FOOT)
+    panels = add_panels(figure, len(names), 1, room, (0.0, 0.56), sharex=True)[:, 0]
     colours: Any = matplotlib.colormaps["viridis"]
     for axes, name in zip(panels, names, strict=True):
         shown = describe_axis(result, name)
@@ -145,31 +129,16 @@ def _draw_batch(result: Result, title: str | None) -> Figure:
         axes.set_ylabel(shown.label)
         axes.set_xlim(result.times[0], result.times[-1])
     panels[-1].set_xlabel(describe_axis(result, "time").label)
-    _write_text(figure, result, title, [])
+    _write_text(figure, result, title)
     return figure
 
 
-def _draw_machine(result: Result, title: str | None) -> Figure:
-    """Records of machines are compared in numbers only."""
-    figure = draw_machine(result)
-    _write_text(figure, result, title, [])
-    return figure
-
-
-def _write_text(figure: Any, result: Result, title: str | None, warnings: Sequence[str]) -> None:
-    height = figure.get_figheight()
-    top = title if title is not None else _make_title(result)
-    plain = {"va": "center", "parse_math": False}
-    figure.text(0.02, 1.0 - 0.26 / height, top, fontsize=12.5, fontweight="bold", **plain)
-    figure.text(0.02, 1.0 - 0.49 / height, _write_lead(result), color=QUIET, **plain)
-    for i, line in enumerate(reversed(warnings)):
-        place = (0.16 + LINE * i) / height
-        figure.text(0.02, place, line, color=HEATING, fontsize=8.0, **plain)
-
-
-def _make_title(result: Result) -> str:
-    text = result.system.description()
-    return text[:1].upper() + text[1:]
+def _write_text(
+    figure: Figure, result: Result, title: str | None, warnings: Sequence[str] = ()
+) -> None:
+    described = result.system.description()
+    top = described[:1].upper() + described[1:] if title is None else title
+    write_headline(figure, top, _write_lead(result), warnings)
 
 
 def _write_lead(result: Result) -> str:

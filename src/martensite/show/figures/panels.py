@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from martensite.show.figures.style import FAINT, QUIET, SIMULATED, make_figure
+from martensite.show.figures.style import FAINT, HEATING, INK, QUIET, SIMULATED, make_figure
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,6 +17,10 @@ if TYPE_CHECKING:
     from martensite.search.whiteness import Whiteness
 
 Row = TypeVar("Row")
+LETTERS = 14.0
+"""In an inch of a warning."""
+WARNING_LINE = 0.18
+"""Height of a line of a warning [inch]."""
 
 
 def pick_evenly(rows: Sequence[Row], most: int) -> list[Row]:
@@ -25,34 +30,73 @@ def pick_evenly(rows: Sequence[Row], most: int) -> list[Row]:
     return [rows[k] for k in np.linspace(0, len(rows) - 1, most).round().astype(int)]
 
 
+def add_panels(
+    figure: Figure,
+    rows: int,
+    columns: int,
+    room: tuple[float, float, float, float],
+    gaps: tuple[float, float] = (0.7, 0.6),
+    **how: Any,
+) -> Any:
+    """Panels of a figure at fixed distances from its edges, an array (rows, columns).
+
+    Args:
+        figure: where they are put.
+        rows: below one another.
+        columns: beside one another.
+        room: from the edges of the figure to the panels: left, right, above, below [inch].
+        gaps: between columns and between rows [inch].
+        how: `width_ratios`, `height_ratios`, and what `subplots` takes.
+    """
+    (width, height), (left, right, above, below) = figure.get_size_inches(), room
+    across = (width - left - right - gaps[0] * (columns - 1)) / columns
+    down = (height - above - below - gaps[1] * (rows - 1)) / rows
+    ratios = {name: how.pop(name) for name in ("width_ratios", "height_ratios") if name in how}
+    grid = figure.add_gridspec(
+        rows,
+        columns,
+        left=left / width,
+        right=1.0 - right / width,
+        top=1.0 - above / height,
+        bottom=below / height,
+        wspace=gaps[0] / across,
+        hspace=gaps[1] / down,
+        **ratios,
+    )
+    return grid.subplots(squeeze=False, **how)
+
+
 def make_grid(count: int, title: str) -> tuple[Figure, list[Any]]:
     """A figure of so many panels, with room for a headline and a key above."""
     columns = {1: 1, 2: 2, 4: 2}.get(count, 3)
     rows = math.ceil(count / columns)
     width, height = {1: 6.4, 2: 9.2, 3: 11.5}[columns], 1.0 + (2.95 if columns < 3 else 2.6) * rows
     figure = make_figure(width, height)
-    specs = figure.add_gridspec(
-        rows,
-        columns,
-        left=0.62 / width,
-        right=1.0 - 0.15 / width,
-        top=1.0 - 1.0 / height,
-        bottom=0.48 / height,
-        wspace=0.62 / (width / columns - 0.4),
-        hspace=0.42,
-    )
     write_headline(figure, title)
-    return figure, [figure.add_subplot(specs[k // columns, k % columns]) for k in range(count)]
+    panels = list(add_panels(figure, rows, columns, (0.62, 0.15, 1.0, 0.48), (0.62, 0.7)).flat)
+    for axes in panels[count:]:
+        axes.remove()
+    return figure, panels[:count]
 
 
-def write_headline(figure: Figure, title: str) -> None:
-    """The title of a figure, at the upper left."""
-    height = figure.get_size_inches()[1]
-    place = 0.2 / figure.get_size_inches()[0]
-    text = figure.text(
-        place, 1.0 - 0.22 / height, title, fontsize=11.5, fontweight="bold", va="center"
-    )
-    text.set_parse_math(False)
+def wrap_warnings(warnings: Iterable[str], width: float) -> list[str]:
+    """The lines that warnings take at the foot of a figure of a width [inch]."""
+    return [line for text in warnings for line in textwrap.wrap(text, int(LETTERS * width))]
+
+
+def write_headline(
+    figure: Figure, title: str, lead: str = "", warnings: Sequence[str] = ()
+) -> None:
+    """The title of a figure at its upper left, a line below it, and warnings at its foot."""
+    width, height = figure.get_size_inches()
+    plain = {"va": "center", "parse_math": False}
+    left, top = 0.2 / width, 1.0 - 0.24 / height
+    figure.text(left, top, title, fontsize=12.0, fontweight="bold", **plain)
+    if lead:
+        figure.text(left, top - 0.23 / height, lead, color=QUIET, **plain)
+    for i, line in enumerate(reversed(warnings)):
+        place = (0.16 + WARNING_LINE * i) / height
+        figure.text(left, place, line, color=HEATING, fontsize=8.0, **plain)
 
 
 def write_title(axes: Any, text: str, **look: Any) -> None:
@@ -68,28 +112,113 @@ def shorten_name(name: str, most: int = 34) -> str:
     return f"{name[: most - 1 - kept]}…{name[-kept:]}"
 
 
-def add_key(figure: Figure, handles: Sequence[Any], labels: Sequence[str]) -> None:
-    """What the lines are, below the headline."""
+def add_key(
+    figure: Figure, handles: Sequence[Any], labels: Sequence[str], below: float = 0.4
+) -> None:
+    """What the lines are, so far below the top of a figure [inch]; nothing if there are none."""
+    if not labels:
+        return
     width, height = figure.get_size_inches()
-    figure.legend(
+    key = figure.legend(
         list(handles),
         list(labels),
         loc="upper left",
-        ncols=len(labels),
+        ncols=min(len(labels), 7),
         borderpad=0.0,
         borderaxespad=0.0,
         columnspacing=1.6,
-        bbox_to_anchor=(0.2 / width, 1.0 - 0.4 / height),
+        bbox_to_anchor=(0.2 / width, 1.0 - below / height),
     )
+    for text in key.get_texts():
+        text.set_parse_math(False)
+
+
+def add_colour_key(figure: Figure, colours: Mapping[str, Any]) -> None:
+    """What the colours are, below the headline."""
+    add_key(figure, make_colour_samples(colours), list(colours))
+
+
+def make_colour_samples(colours: Mapping[str, Any]) -> list[Any]:
+    """Lines in these colours, for a key."""
+    from matplotlib.lines import Line2D
+
+    return [Line2D([], [], color=tint) for tint in colours.values()]
+
+
+def add_legend_above(axes: Any, columns: int = 6) -> None:
+    """What the lines of a panel are, above it on the right; nothing if no line has a name."""
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.0),
+            ncols=columns,
+            borderpad=0.0,
+            borderaxespad=0.2,
+            columnspacing=1.2,
+        )
+
+
+def share_limits(row: Sequence[Any]) -> None:
+    """Give all axes of a row the limits that hold all of them, and only the first a label."""
+    for which in ("xlim", "ylim"):
+        ends = [getattr(axes, f"get_{which}")() for axes in row]
+        both = min(low for low, _ in ends), max(high for _, high in ends)
+        for axes in row:
+            axes.set(**{which: both})
+    for axes in row[1:]:
+        axes.set_ylabel("")
+
+
+def add_colour_bar(figure: Any, drawn: Any, axes: Any, label: str, **how: Any) -> None:
+    """What the colours of a map stand for."""
+    bar = figure.colorbar(drawn, ax=axes, pad=0.02, **how)
+    bar.set_label(label, color=INK)
+    bar.outline.set_visible(False)
+
+
+def draw_start(axes: Any, x: Any, y: Any, label: str = "_start") -> None:
+    """A ring where a path begins."""
+    ring = {"marker": "o", "markersize": 5.0, "markerfacecolor": "white", "color": INK}
+    axes.plot(x[:1], y[:1], linestyle="none", zorder=3.2, label=label, **ring)
+
+
+def measure_way(axes: Any, x: Any, y: Any) -> Any:
+    """How far it is along a curve to each of its points, as shares of the axes."""
+    across, up = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
+    return np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x) / across, np.diff(y) / up))])
+
+
+def draw_arrow(axes: Any, x: Any, y: Any, colour: str, at: float = 0.66) -> None:
+    """An arrowhead at a share of the way along a curve; beyond its middle, so that ways back show.
+
+    The axes must have their limits already.
+    """
+    way = measure_way(axes, x, y)
+    if way[-1] <= 0.0:
+        return
+    size = min(float(way[-1]), 1.0)
+    ends = (at * way[-1] - 0.04 * size, at * way[-1] + 0.02 * size)
+    tail, head = (tuple(float(np.interp(w, way, c)) for c in (x, y)) for w in ends)
+    style = {"arrowstyle": "-|>,head_width=0.24,head_length=0.7", "mutation_scale": 18.0, "lw": 0.0}
+    flush = {"shrinkA": 0.0, "shrinkB": 0.0, "color": colour}
+    axes.annotate("", head, tail, arrowprops={**style, **flush}, zorder=3.0)
 
 
 def make_panels(
-    width: float, height: float, rows: int, columns: int, **how: Any
+    width: float, height: float, rows: int, columns: int, title: str = "", **how: Any
 ) -> tuple[Figure, Any]:
     """A figure [inch] whose panels, an array (rows, columns), find their places themselves."""
     figure = make_figure(width, height)
     figure.set_layout_engine("constrained")
+    write_suptitle(figure, title)
     return figure, figure.subplots(rows, columns, squeeze=False, **how)
+
+
+def write_suptitle(figure: Any, title: str) -> None:
+    """The title of a figure whose panels find their places themselves."""
+    if title:
+        look = {"ha": "left", "fontsize": 12.0, "fontweight": "bold"}
+        figure.suptitle(title, x=0.01, **look).set_parse_math(False)
 
 
 def draw_autocorrelation(axes: Any, test: Whiteness) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from martensite.design.sweep.pareto import ParetoFront
 from martensite.design.sweep.table import SweepTable, shorten_names
+from martensite.show.figures.panels import write_suptitle
 from martensite.show.figures.style import FAINT, HEATING, INK, QUIET, make_figure, use_style
 from martensite.show.figures.sweep_labels import arrange_panels, label_column, write_sweep_title
 
@@ -48,10 +49,7 @@ def plot_pareto(found: SweepTable, front: ParetoFront, title: str = "") -> Figur
         for panel in panels[len(pairs) :]:
             panel.set_axis_off()
         panels[0].legend(loc="best")
-        head = upper.suptitle(
-            title or write_sweep_title(found), x=0.01, ha="left", fontweight="bold"
-        )
-        head.set_parse_math(False)
+        write_suptitle(upper, title or write_sweep_title(found))
         _tabulate_designs(lower, found, front, named)
     return figure
 
@@ -79,41 +77,16 @@ def _draw_pair(
     usable = np.flatnonzero(found.good & np.isfinite(x) & np.isfinite(y))
     if len(usable) > MOST_POINTS:
         usable = np.random.default_rng(0).choice(usable, MOST_POINTS, replace=False)
-    axes.plot(
-        x[usable],
-        y[usable],
-        ".",
-        color=QUIET,
-        alpha=0.45,
-        ms=3.0,
-        mew=0.0,
-        label="runs",
-        rasterized=True,
-    )
-    line = "-" if len(front.goals) == 2 else "none"
-    axes.plot(
-        x[front.runs],
-        y[front.runs],
-        color=HEATING,
-        marker="o",
-        ms=3.5,
-        ls=line,
-        lw=0.8,
-        label=f"front ({len(front.runs):,})",
-    )
+    faint = {"color": QUIET, "alpha": 0.45, "ms": 3.0, "mew": 0.0, "rasterized": True}
+    axes.plot(x[usable], y[usable], ".", label="runs", **faint)
+    line = {"color": HEATING, "lw": 0.8, "marker": "o", "ms": 3.5}
+    line["ls"] = "-" if len(front.goals) == 2 else "none"
+    axes.plot(x[front.runs], y[front.runs], label=f"front ({len(front.runs):,})", **line)
     halo = withStroke(linewidth=2.0, foreground="white")
     axes.plot(x[named], y[named], "o", color=INK, ms=4.0, zorder=3.0)
     for letter, run in zip(ascii_uppercase, named, strict=False):
-        axes.annotate(
-            letter,
-            (x[run], y[run]),
-            (4.0, 4.0),
-            textcoords="offset points",
-            color=INK,
-            fontweight="bold",
-            fontsize=8.0,
-            path_effects=[halo],
-        )
+        look = {"color": INK, "fontweight": "bold", "fontsize": 8.0, "path_effects": [halo]}
+        axes.annotate(letter, (x[run], y[run]), (4.0, 4.0), textcoords="offset points", **look)
     aims = ["max" if front.most[k] else "min" for k in pair]
     axes.set(xlabel=f"{label_column(a)}, {aims[0]}", ylabel=f"{label_column(b)}, {aims[1]}")
 

@@ -22,7 +22,8 @@ import numpy as np
 
 from martensite.physics.laws.base import AbstractLaw
 from martensite.show.figures.labels import QuantityAxis, enclose_values, typeset_symbol
-from martensite.show.figures.style import COOLING, HEATING, INK, QUIET
+from martensite.show.figures.panels import draw_arrow, draw_start
+from martensite.show.figures.style import COOLING, HEATING, QUIET
 from martensite.simulate.path_layout import TWINNED
 from martensite.simulate.point import PointResult
 from martensite.simulate.transformation_points import Marks, find_isobar, find_loaded
@@ -38,13 +39,6 @@ SHIFTED = ("A_s", "A_f", "M_s", "M_f", "C_A", "C_M")
 CRITICAL = ("sigma_s", "sigma_f")
 ARROWS = 4
 """Legs that get an arrow; on more they would cover one another."""
-_ARROW = {
-    "arrowstyle": "-|>,head_width=0.22,head_length=0.6",
-    "mutation_scale": 16.0,
-    "lw": 0.0,
-    "shrinkA": 0.0,
-    "shrinkB": 0.0,
-}
 
 
 @dataclass(frozen=True)
@@ -184,10 +178,6 @@ def draw_phase_diagram(
     coldest = min(min(r.temperature) for r in results) - 8.0
     hottest = max(max(r.temperature) for r in results) + 8.0
     found = find_bands(law, highest, min(coldest, find_isobar(law).M_f - 15.0))
-    for band in found:
-        draw_band(axes, band)
-    for result, colour in zip(results, colours, strict=True):
-        draw_way(axes, result, colour)
     unloaded = [line.temperature[0] for band in found for line in (band.start, band.finish)]
     cold, hot = min([coldest, *unloaded]), max([hottest, *unloaded])
     ends = TEMPERATURE.values([cold, hot])
@@ -195,8 +185,11 @@ def draw_phase_diagram(
     lowest = min(min(r.stress) for r in results)
     low, high = STRESS.values([min(lowest, 0.0), highest])
     axes.set_ylim(low - 0.03 * (high - low), high)
-    axes.set_xlabel(TEMPERATURE.label)
-    axes.set_ylabel(STRESS.label)
+    axes.set(xlabel=TEMPERATURE.label, ylabel=STRESS.label)
+    for band in found:
+        draw_band(axes, band)
+    for result, colour in zip(results, colours, strict=True):
+        draw_way(axes, result, colour)
     _name_lines(axes, found)
 
 
@@ -216,25 +209,12 @@ def draw_band(axes: Any, band: Band) -> None:
 def draw_way(axes: Any, result: PointResult, colours: Sequence[str]) -> None:
     """Draw a path in the plane, with an arrow on its first legs and a ring at its start."""
     x, y = TEMPERATURE.values(result.temperature), STRESS.values(result.stress)
-    axes.plot(x[:1], y[:1], "o", markersize=5.0, markerfacecolor="white", color=INK, zorder=3.2)
+    draw_start(axes, x, y)
     for leg, (first, last) in enumerate(pairwise(result.ends)):
         a, b = x[first : last + 1], y[first : last + 1]
         axes.plot(a, b, color=colours[leg], linewidth=1.5, zorder=2.4)
         if leg < ARROWS:
             draw_arrow(axes, a, b, colours[leg])
-
-
-def draw_arrow(axes: Any, x: Any, y: Any, colour: str, at: float = 0.66) -> None:
-    """An arrowhead part of the way along a curve; beyond its middle, so that ways back show."""
-    spans = np.ptp(x) or 1.0, np.ptp(y) or 1.0
-    way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x) / spans[0], np.diff(y) / spans[1]))])
-    if way[-1] <= 0.0:
-        return
-    tail, head = (
-        tuple(float(np.interp(share * way[-1], way, c)) for c in (x, y))
-        for share in (at - 0.04, at + 0.02)
-    )
-    axes.annotate("", head, tail, arrowprops={**_ARROW, "color": colour}, zorder=3.0)
 
 
 def _name_lines(axes: Any, found: Sequence[Band]) -> None:
@@ -249,23 +229,13 @@ def _name_lines(axes: Any, found: Sequence[Band]) -> None:
             else:
                 level = 0.06 * top
                 place = float(np.interp(level, y, x)), level
-            if any(
-                abs(place[0] - a) < 0.05 * (right - left) and abs(place[1] - b) < 0.05 * top
-                for a, b in taken
-            ):
+            near = 0.05 * (right - left), 0.05 * top
+            if any(abs(place[0] - a) < near[0] and abs(place[1] - b) < near[1] for a, b in taken):
                 place = place[0], place[1] + 0.07 * top
             taken.append(place)
-            inside = left <= place[0] <= right and place[1] < top
-            symbol = line.name.replace("sigma", "σ")
-            if inside:
-                axes.text(
-                    *place,
-                    typeset_symbol(symbol),
-                    color=band.colour,
-                    fontsize=8.5,
-                    zorder=2.0,
-                    ha="left",
-                    va="bottom",
-                )
+            if left <= place[0] <= right and place[1] < top:
+                name = typeset_symbol(line.name.replace("sigma", "σ"))
+                look = {"color": band.colour, "fontsize": 8.5, "va": "bottom", "zorder": 2.0}
+                axes.text(*place, name, **look)
     if not found:
         axes.text(0.5, 0.95, "no band in view", color=QUIET, transform=axes.transAxes, ha="center")

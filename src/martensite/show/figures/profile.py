@@ -9,8 +9,10 @@ import numpy as np
 from martensite.actuators.assembly import PROFILES
 from martensite.base import units
 from martensite.base.errors import InputError
+from martensite.base.formats import typeset_unit
 from martensite.show.figures.labels import typeset_symbol
-from martensite.show.figures.style import INK, make_figure, use_style
+from martensite.show.figures.panels import add_colour_bar, make_panels
+from martensite.show.figures.style import use_style
 from martensite.simulate.result import Result
 
 if TYPE_CHECKING:
@@ -33,16 +35,12 @@ def plot_profile(result: Result, title: str | None = None) -> Figure:
             "A single `axial-wire` or `ribbon` has one."
         )
     with use_style():
-        figure = make_figure(10.0, 3.6)
-        figure.set_layout_engine("constrained")
-        panels = figure.subplots(1, len(PROFILES), sharex=True, sharey=True)
+        headline = title or f"Profile of a simulated {elements[0].registered_name}"
+        shared = {"sharex": True, "sharey": True}
+        figure, (panels,) = make_panels(10.0, 3.6, 1, len(PROFILES), headline, **shared)
         for panel, name in zip(panels, PROFILES, strict=True):
             _draw_map(figure, panel, result, name)
         panels[0].set_ylabel(f"{typeset_symbol('y')} [mm]")
-        element = elements[0].registered_name
-        figure.suptitle(
-            title or f"Profile of a simulated {element}", x=0.01, ha="left", fontweight="bold"
-        )
         return figure
 
 
@@ -54,19 +52,9 @@ def _draw_map(figure: Any, panel: Any, result: Result, name: str) -> None:
     low, high = (0.0, 1.0) if unit == "1" else (None, None)
     (actuator,) = result.system.actuators().values()
     places = 1e3 * np.asarray(actuator.element.places())
-    drawn = panel.pcolormesh(
-        np.asarray(result.times),
-        places,
-        values,
-        shading="nearest",
-        cmap=COLOURS[name],
-        vmin=low,
-        vmax=high,
-        rasterized=True,
-    )
-    label = {"degC": "°C", "1": "–"}.get(shown, shown)
-    bar = figure.colorbar(drawn, ax=panel, pad=0.02)
-    bar.set_label(f"{typeset_symbol(symbol)} [{label}]", color=INK)
-    bar.outline.set_visible(False)
+    look = {"cmap": COLOURS[name], "vmin": low, "vmax": high, "rasterized": True}
+    drawn = panel.pcolormesh(np.asarray(result.times), places, values, shading="nearest", **look)
+    label = f"{typeset_symbol(symbol)} [{typeset_unit(shown, '–')}]"
+    add_colour_bar(figure, drawn, panel, label)
     panel.set(title=long_name, xlabel=f"{typeset_symbol('t')} [s]")
     panel.grid(False)

@@ -14,6 +14,7 @@ import numpy as np
 
 from martensite.base.errors import DataError
 from martensite.show.figures.labels import QuantityAxis, describe_axis
+from martensite.show.figures.panels import add_key, shorten_name
 from martensite.show.figures.style import MEASURED, SIMULATED
 from martensite.simulate.result import Result
 
@@ -118,26 +119,14 @@ def draw_overlays(axes: Any, shown: QuantityAxis, found: Sequence[Overlay]) -> N
         axes.plot(overlay.times, overlay.values, label=label, **overlay.line)
 
 
-def draw_key(figure: Any, left: float, top: float, records: Sequence[MeasuredRecord]) -> None:
-    """Say once which line is simulated and which is which record, from (left, top) on."""
+def draw_key(figure: Any, records: Sequence[MeasuredRecord], below: float) -> None:
+    """Say once which line is simulated and which is which record."""
     from matplotlib.lines import Line2D
 
     looks = [{"color": SIMULATED}, *(choose_look(r, i) for i, r in enumerate(records))]
     lines = [Line2D([], [], **line) for line in looks]
-    names = ["simulated", *(_cut_name(r.name) for r in records)]
-    shown = min(len(names), KEYED)
-    key = figure.legend(
-        lines[:shown],
-        names[:shown],
-        loc="upper left",
-        bbox_to_anchor=(left, top),
-        ncols=shown,
-        borderpad=0.0,
-        borderaxespad=0.0,
-        columnspacing=1.4,
-    )
-    for text in key.get_texts():
-        text.set_parse_math(False)
+    names = ["simulated", *(shorten_name(r.name, 36) for r in records)]
+    add_key(figure, lines[:KEYED], names[:KEYED], below=below)
 
 
 def choose_look(record: MeasuredRecord, i: int) -> dict[str, Any]:
@@ -153,10 +142,6 @@ def choose_look(record: MeasuredRecord, i: int) -> dict[str, Any]:
         "markeredgewidth": 0.0,
         "zorder": 2.5,
     }
-
-
-def _cut_name(name: str, most: int = 36) -> str:
-    return name if len(name) <= most else name[: most - 1] + "…"
 
 
 def _describe_rms(shown: QuantityAxis, found: Sequence[Overlay]) -> str:

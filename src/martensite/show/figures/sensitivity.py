@@ -37,13 +37,12 @@ def plot_sensitivity(found: Sequence[SensitivityIndices], title: str = "") -> Fi
     height = names * (BAR * len(kinds) + 0.12) + HEAD
     with use_style():
         width = WIDTH * max(columns, 1.2)
-        figure, panels = make_panels(width, rows * height + 0.4, rows, columns)
+        figure, panels = make_panels(width, rows * height + 0.4, rows, columns, title)
         panels = panels.ravel()
         for panel, one in zip(panels, found, strict=False):
             _draw_bars(panel, one, kinds)
         for panel in panels[len(found) :]:
             panel.set_axis_off()
-        figure.suptitle(title, x=0.01, ha="left", fontweight="bold").set_parse_math(False)
         figure.legend(
             *panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=len(kinds)
         )

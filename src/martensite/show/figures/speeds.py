@@ -10,7 +10,7 @@ from martensite.base import units
 from martensite.design.analysis.speed import Speeds
 from martensite.show.figures.labels import label_difference
 from martensite.show.figures.machine import choose_colours
-from martensite.show.figures.panels import write_headline
+from martensite.show.figures.panels import add_panels, write_headline
 from martensite.show.figures.style import COOLING, HEATING, QUIET, make_figure, use_style
 
 if TYPE_CHECKING:
@@ -30,8 +30,7 @@ def plot_speeds(found: Speeds, title: str = "") -> Figure:
     """
     with use_style():
         figure = make_figure(WIDTH, HEIGHT)
-        grid = figure.add_gridspec(1, 3, left=0.06, right=0.985, top=0.79, bottom=0.15, wspace=0.26)
-        course, times, rates = (figure.add_subplot(grid[0, k]) for k in range(3))
+        ((course, times, rates),) = add_panels(figure, 1, 3, (0.6, 0.15, 0.71, 0.51))
         write_headline(figure, title or f"Steps of {found.drive}: heating against cooling")
         _draw_courses(course, found)
         unit, size = label_difference(found.units[1])

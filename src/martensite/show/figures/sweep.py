@@ -10,6 +10,7 @@ import numpy as np
 from martensite.base.status import Status
 from martensite.design.sweep.table import SweepColumn, SweepTable
 from martensite.search.given_data_indices import is_spread
+from martensite.show.figures.panels import add_colour_bar, write_suptitle
 from martensite.show.figures.style import FAINT, HEATING, QUIET, SIMULATED, make_figure, use_style
 from martensite.show.figures.sweep_labels import (
     arrange_panels,
@@ -56,10 +57,7 @@ def plot_sweep(found: SweepTable, measures: Sequence[str] | None = None, title: 
             draw_matrix(figure, found, chosen[0])
         else:
             _draw_panels(figure, found, chosen)
-        head = figure.suptitle(
-            title or write_sweep_title(found), x=0.01, ha="left", fontweight="bold"
-        )
-        head.set_parse_math(False)
+        write_suptitle(figure, title or write_sweep_title(found))
     return figure
 
 
@@ -109,9 +107,7 @@ def _draw_over_two(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
     axes.set(xlabel=names[0], ylabel=names[1])
     set_scales(axes, first, second)
     axes.grid(False)
-    bar: Any = axes.figure.colorbar(drawn, ax=axes, pad=0.02)
-    bar.set_label(label_column(one))
-    bar.outline.set_visible(False)
+    add_colour_bar(axes.figure, drawn, axes, label_column(one))
 
 
 def _draw_map(axes: Axes, levels: list[Any], values: Any) -> Any:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from martensite.base.status import Status
 from martensite.design.sweep.table import SweepColumn, SweepTable
+from martensite.show.figures.panels import add_colour_bar
 from martensite.show.figures.style import HEATING
 from martensite.show.figures.sweep_labels import label_column, label_varied, set_scales
 
@@ -49,40 +50,16 @@ def draw_matrix(figure: Figure, found: SweepTable, one: SweepColumn) -> None:
             continue
         x = columns[shown[j]]
         y = one if below else columns[shown[i + 1]]
-        drawn = panel.scatter(
-            x.readable()[rows],
-            y.readable()[rows],
-            c=colours[rows],
-            s=4.0,
-            lw=0.0,
-            cmap=MAP,
-            rasterized=True,
-        )
+        across, up = x.readable(), y.readable()
+        look = {"s": 4.0, "lw": 0.0, "cmap": MAP, "rasterized": True}
+        drawn = panel.scatter(across[rows], up[rows], c=colours[rows], **look)
         if not below:
-            panel.plot(x.readable()[failed], y.readable()[failed], "x", color=HEATING, ms=3.5)
+            panel.plot(across[failed], up[failed], "x", color=HEATING, ms=3.5)
         set_scales(panel, x, y)
-        _name_panel(
-            panel,
-            names[shown[j]],
-            label_column(one) if below else names[shown[i + 1]],
-            below,
-            j == 0,
-        )
-    bar = figure.colorbar(drawn, ax=panels.ravel().tolist(), pad=0.02, aspect=35)
-    bar.set_label(label_column(one))
-    bar.outline.set_visible(False)
-
-
-def _name_panel(panel: Any, x: str, y: str, below: bool, left: bool) -> None:
-    """Names at the left and below the matrix only."""
-    if below:
-        panel.set_xlabel(x)
-    else:
-        panel.tick_params(labelbottom=False)
-    if left:
-        panel.set_ylabel(y)
-    else:
-        panel.tick_params(labelleft=False)
+        name = label_column(one) if below else names[shown[i + 1]]
+        panel.set(xlabel=names[shown[j]], ylabel=name)
+        panel.label_outer()
+    add_colour_bar(figure, drawn, panels.ravel().tolist(), label_column(one), aspect=35)
 
 
 def _find_leading(

@@ -7,12 +7,12 @@ and the transformation strain over stress.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from martensite.show.figures.labels import QuantityAxis, enclose_values, typeset_symbol
+from martensite.show.figures.panels import add_panels, pick_evenly, write_headline
 from martensite.show.figures.style import (
     COOLING,
     HEATING,
@@ -55,51 +55,35 @@ def plot_tangents(found: TangentFit | TangentPoints, title: str = "") -> Figure:
     with use_style():
         if isinstance(found, TangentPoints):
             figure = make_figure(6.0, 4.4)
-            grid = figure.add_gridspec(1, 1, left=0.11, right=0.97, top=0.85, bottom=0.12)
-            _draw_cycle(figure.add_subplot(grid[0, 0]), found)
+            _draw_cycle(add_panels(figure, 1, 1, (0.66, 0.18, 0.66, 0.53))[0, 0], found)
         else:
             figure = _draw_several(found)
-        figure.text(0.02, 0.965, title or "Tangents", fontsize=11.5, fontweight="bold", va="center")
+        write_headline(figure, title or "Tangents")
         return figure
 
 
 def _draw_several(found: TangentFit) -> Figure:
     """Panels of the cycles, and beside them what they say together."""
-    shown = _pick_levels(found.levels)
+    shown = pick_evenly(found.levels, MOST_PANELS)
     columns = 1 if len(shown) < 3 else 2
     rows = -(-len(shown) // columns)
     figure = make_figure(11.5, max(2.3 * rows, 5.6))
-    whole = figure.add_gridspec(
-        1,
-        2,
-        left=0.06,
-        right=0.985,
-        top=0.89,
-        bottom=0.09,
-        wspace=0.15,
-        width_ratios=(0.85 * columns, 1.0),
-    )
-    left = whole[0, 0].subgridspec(rows, columns, hspace=0.32, wspace=0.16)
-    first: Any = None
-    for k, points in enumerate(shown):
-        axes = figure.add_subplot(left[k // columns, k % columns], sharex=first)
-        first = first or axes
+    wide = 10.64 * 0.85 * columns / (0.85 * columns + 1.0)  # of the cycles [inch]
+    room = (0.69, 10.81 - wide, 0.64, 0.5)
+    cycles = list(add_panels(figure, rows, columns, room, (0.45, 0.4), sharex=True).flat)
+    for k, (axes, points) in enumerate(zip(cycles, shown, strict=False)):
         _draw_cycle(axes, points)
         bottom, edge = k + columns >= len(shown), k % columns == 0
         axes.tick_params(labelbottom=bottom)
         axes.set_xlabel(TEMPERATURE.label if bottom else "")
         axes.set_ylabel(STRAIN.label if edge else "")
-    right = whole[0, 1].subgridspec(2, 1, hspace=0.32, height_ratios=(1.5, 1.0))
-    _draw_diagram(figure.add_subplot(right[0, 0]), found)
-    _draw_strain(figure.add_subplot(right[1, 0]), found)
+    for axes in cycles[len(shown) :]:
+        axes.remove()
+    room = (1.3 + wide, 0.17, 0.64, 0.5)
+    (diagram,), (strain,) = add_panels(figure, 2, 1, room, (0.0, 0.65), height_ratios=(1.5, 1.0))
+    _draw_diagram(diagram, found)
+    _draw_strain(strain, found)
     return figure
-
-
-def _pick_levels(levels: Sequence[TangentPoints]) -> list[TangentPoints]:
-    if len(levels) <= MOST_PANELS:
-        return list(levels)
-    places = np.linspace(0, len(levels) - 1, MOST_PANELS).round().astype(int)
-    return [levels[k] for k in places]
 
 
 # ---------------------------------------------------------------- one cycle
@@ -131,13 +115,8 @@ def _draw_branch(
     )
     for line, begin, end in pieces:
         at = [begin, end]
-        axes.plot(
-            TEMPERATURE.values(at),
-            STRAIN.values([line.value(t) for t in at]),
-            color=INK,
-            linewidth=0.7,
-            zorder=2.2,
-        )
+        strain = STRAIN.values([line.value(t) for t in at])
+        axes.plot(TEMPERATURE.values(at), strain, color=INK, linewidth=0.7, zorder=2.2)
     for name, at, line in zip(names, (low, high), (found.cold, found.hot), strict=True):
         _mark_point(axes, name, at, float(line.value(at)), colour)
 
@@ -145,28 +124,13 @@ def _draw_branch(
 def _mark_point(axes: Any, name: str, kelvin: float, strain: float, colour: str) -> None:
     """A mark where two lines meet, named on the side away from the rows."""
     x, y = TEMPERATURE.values([kelvin])[0], STRAIN.values([strain])[0]
-    axes.plot(
-        [x],
-        [y],
-        _MARKS[name],
-        color=colour,
-        markersize=4.2,
-        markeredgecolor="white",
-        markeredgewidth=0.6,
-        zorder=3.0,
-    )
+    look = {"markersize": 4.2, "markeredgecolor": "white", "markeredgewidth": 0.6}
+    axes.plot([x], [y], _MARKS[name], color=colour, zorder=3.0, **look)
     right, above = name.startswith("A"), name in ("A_s", "M_f")
-    axes.annotate(
-        typeset_symbol(name),
-        (x, y),
-        (5 if right else -5, 4 if above else -4),
-        textcoords="offset points",
-        color=colour,
-        fontsize=8.0,
-        ha="left" if right else "right",
-        va="bottom" if above else "top",
-        zorder=3.0,
-    )
+    beside = 5 if right else -5, 4 if above else -4
+    sides = {"ha": "left" if right else "right", "va": "bottom" if above else "top"}
+    look = {"textcoords": "offset points", "color": colour, "fontsize": 8.0, "zorder": 3.0}
+    axes.annotate(typeset_symbol(name), (x, y), beside, **sides, **look)
 
 
 # ---------------------------------------------------------------- over stress
@@ -181,16 +145,8 @@ def _draw_diagram(axes: Any, found: TangentFit) -> None:
             x = TEMPERATURE.values([getattr(points, name) for points in found.levels])
             y = STRESS.values([points.stress for points in found.levels])
             filled = colour if name in ("A_f", "M_f") else "white"
-            axes.plot(
-                x,
-                y,
-                _MARKS[name],
-                color=colour,
-                markerfacecolor=filled,
-                markersize=4.4,
-                linestyle="none",
-                zorder=3.0,
-            )
+            look = {"color": colour, "markerfacecolor": filled, "markersize": 4.4}
+            axes.plot(x, y, _MARKS[name], linestyle="none", zorder=3.0, **look)
     low, high = axes.get_xlim()
     axes.set_xlim(low - 0.05 * (high - low), high)
     axes.set_ylim(0.0, STRESS.values([top])[0])
@@ -222,15 +178,9 @@ def _draw_lines(axes: Any, found: TangentFit, one: Direction, top: float, colour
         style = "-" if name in ("A_f", "M_f") else "--"
         axes.plot(x, y, style, color=colour, linewidth=1.0, zorder=1.5)
         left = name in ("A_s", "M_f")
-        axes.annotate(
-            typeset_symbol(name),
-            (x[0], y[0]),
-            (-4 if left else 8, 4),
-            textcoords="offset points",
-            ha="right" if left else "left",
-            color=colour,
-            fontsize=8.5,
-        )
+        beside, side = (-4 if left else 8, 4), "right" if left else "left"
+        look = {"textcoords": "offset points", "color": colour, "fontsize": 8.5, "ha": side}
+        axes.annotate(typeset_symbol(name), (x[0], y[0]), beside, **look)
 
 
 def _draw_strain(axes: Any, found: TangentFit) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from martensite.show.figures.labels import choose_limits, describe_axis, read_column
+from martensite.show.figures.panels import add_legend_above
 from martensite.show.figures.record_overlays import (
     MeasuredRecord,
     draw_overlays,
@@ -53,7 +54,6 @@ def draw_timeseries(
     """Draw one quantity per axes, measured records over it; only the last names the time."""
     for axes, name in zip(panels, names, strict=True):
         draw_panel(axes, result, name, records)
-        axes.tick_params(labelbottom=axes is panels[-1])
     panels[-1].set_xlabel(describe_axis(result, "time").label)
 
 
@@ -70,12 +70,4 @@ def draw_panel(
     axes.set_xlim(result.times[0], result.times[-1])
     axes.set_ylim(*choose_limits(name, values, *(overlay.values for overlay in found)))
     axes.locator_params(axis="y", nbins=4)
-    if found:
-        axes.legend(
-            loc="lower right",
-            bbox_to_anchor=(1.0, 1.03),
-            ncols=3,
-            borderpad=0.0,
-            borderaxespad=0.0,
-            columnspacing=1.2,
-        )
+    add_legend_above(axes)

@@ -40,7 +40,7 @@ def plot_tuning(found: TunedBench, drive: str, title: str = "") -> Figure:
     runs = ((found.seen_before, BEFORE), (found.seen, AFTER))
     with use_style():
         ratios = (2.0, 1.0, 1.2)
-        figure, panels = make_panels(WIDTH, HEIGHT, 3, 1, sharex=True, height_ratios=ratios)
+        figure, panels = make_panels(WIDTH, HEIGHT, 3, 1, title, sharex=True, height_ratios=ratios)
         panels = panels[:, 0]
         for seen, look in runs:
             values = [units.from_si(v, shown, output.unit) for v in seen.output.tolist()]
@@ -50,7 +50,7 @@ def plot_tuning(found: TunedBench, drive: str, title: str = "") -> Figure:
         wanted = [units.from_si(v, shown, output.unit) for v in found.seen.reference.tolist()]
         panels[0].plot(found.times, wanted, drawstyle="steps-post", **WANTED)
         panels[0].legend(loc="best")
-        panels[0].set(title=title, ylabel=f"{output.long_name}{label.replace('[K]', '[°C]')}")
+        panels[0].set(ylabel=f"{output.long_name}{label.replace('[K]', '[°C]')}")
         panels[1].set(ylabel=f"error{label}")
         panels[2].set(ylabel=f"signal of {drive}", xlabel="time [s]")
     return figure

@@ -16,6 +16,7 @@ from martensite.actuators.mechanics.platform_kinematics import compute_lengths
 from martensite.actuators.mechanics.platform_workspace import QUARTER, Workspace
 from martensite.base.errors import InputError
 from martensite.kernels.arrays import ArrayNamespace
+from martensite.show.figures.panels import add_panels, write_headline
 from martensite.show.figures.style import HEATING, INK, QUIET, make_figure, use_style
 
 if TYPE_CHECKING:
@@ -50,15 +51,8 @@ def plot_workspace(workspace: Workspace, title: str = "") -> Figure:
         )
     with use_style():
         figure = make_figure(6.4, 6.9)
-        axes = figure.add_axes((0.115, 0.075, 0.865, 0.79))
-        figure.text(
-            0.02,
-            0.968,
-            title or "Reachable angles of the platform",
-            fontsize=11.5,
-            fontweight="bold",
-            va="center",
-        )
+        axes = add_panels(figure, 1, 1, (0.74, 0.13, 0.93, 0.52))[0, 0]
+        write_headline(figure, title or "Reachable angles of the platform")
         _set_frame(axes, workspace)
         _draw_contours(axes, workspace, _draw_region(axes, workspace))
         _draw_rays(axes, workspace)
@@ -156,12 +150,8 @@ def _draw_contours(axes: Any, workspace: Workspace, outline: Any) -> None:
 
     x, y = (np.linspace(low, high, 241) for low, high in (axes.get_xlim(), axes.get_ylim()))
     grid = np.array(np.meshgrid(x, y))
-    length = (
-        1e3
-        * np.asarray(compute_lengths(ArrayNamespace(np), workspace.legs.plates, *np.radians(grid)))[
-            0
-        ]
-    )
+    lengths = compute_lengths(ArrayNamespace(np), workspace.legs.plates, *np.radians(grid))
+    length = 1e3 * np.asarray(lengths[0])
     inside = outline.contains_points(grid.reshape(2, -1).T).reshape(length.shape)
     low, high = length[inside].min(), length[inside].max()
     levels = MaxNLocator(LINES, steps=[1, 2, 5, 10]).tick_values(low, high)
@@ -173,17 +163,9 @@ def _draw_contours(axes: Any, workspace: Workspace, outline: Any) -> None:
     along = np.where(inside[row], length[row], np.nan)
     for level in levels:
         for place in _find_crossings(x, along - level):
-            axes.text(
-                place,
-                y[row],
-                f"{level:g}",
-                color=QUIET,
-                fontsize=7.5,
-                ha="center",
-                va="center",
-                bbox={"facecolor": REGION, "linewidth": 0.0, "pad": 1.2},
-                zorder=1.3,
-            )
+            box = {"facecolor": REGION, "linewidth": 0.0, "pad": 1.2}
+            middle = {"ha": "center", "va": "center", "fontsize": 7.5, "zorder": 1.3}
+            axes.text(place, y[row], f"{level:g}", color=QUIET, bbox=box, **middle)
     axes.plot([], [], color=QUIET, linewidth=0.7, label="length of leg 0 [mm]")
 
 
@@ -211,16 +193,7 @@ def _draw_rays(axes: Any, workspace: Workspace) -> None:
         way = points[-1] - points[-2]
         way = 13.0 * way / max(float(np.hypot(*way)), 1e-300)
         sides = {"ha": "left" if way[0] > 0 else "right", "va": "center"}
-        axes.annotate(
-            f"leg {leg}",
-            points[-1],
-            way,
-            textcoords="offset points",
-            color=HEATING,
-            fontsize=8.0,
-            zorder=2.9,
-            path_effects=halo,
-            **sides,
-        )
+        look = {"color": HEATING, "fontsize": 8.0, "zorder": 2.9, "path_effects": halo}
+        axes.annotate(f"leg {leg}", points[-1], way, textcoords="offset points", **look, **sides)
         label = None
     axes.plot([0.0], [0.0], "o", color=INK, markersize=4.5, zorder=2.8)
