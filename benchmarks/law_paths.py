@@ -19,8 +19,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from martensite.base.parameters import REQUIRED
-from martensite.kernels.c99 import c_source, load_library
+from martensite.kernels.c99 import c_source
 from martensite.kernels.c99_lanes import BLOCK, lanes_source
+from martensite.kernels.compiler import load_library
 from martensite.kernels.jax_setup import WIDE_VECTORS, jax_namespace, make_storing_namespace
 from martensite.physics.laws.base import LAWS, AbstractLaw
 from martensite.physics.materials.base import load_material

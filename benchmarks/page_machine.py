@@ -13,7 +13,7 @@ from typing import Any
 
 from benchmarks.engines import available
 from benchmarks.peers import simcoon_path, sma_react_path
-from martensite.kernels.c99 import FLAGS, WIDE, find_compiler
+from martensite.kernels.compiler import FLAGS, WIDE, find_compiler
 from martensite.simulate.devices import devices_of
 
 PACKAGES = ("martensite", "numpy", "scipy", "jax", "diffrax", "scikit-sundae", "zarr")

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from martensite.kernels.c99 import load_library
+from martensite.kernels.compiler import load_library
 from martensite.simulate.compiled import Compiled
 
 FREE = frozenset({"input", "constant", "item", "result", "detach", "store", "solved", "eps"})

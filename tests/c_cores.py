@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from martensite.export.c_core import CCore
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 
 STRICT = (
     "-std=c99",

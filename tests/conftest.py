@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 
 # measured data may lie in a folder `shared/data` beside the checkout; else such tests skip
 BESIDE = Path(__file__).resolve().parents[2] / "shared" / "data"

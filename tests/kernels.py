@@ -6,7 +6,6 @@ called by one of the kernels below (a test in `meta` checks that).
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable, Mapping
 from copy import copy
 from dataclasses import dataclass
@@ -27,8 +26,9 @@ from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
 from martensite.kernels.arrays import ArrayNamespace
-from martensite.kernels.c99 import c_source, load_library
+from martensite.kernels.c99 import c_source
 from martensite.kernels.c99_lanes import lanes_source
+from martensite.kernels.compiler import call_compiled, load_library
 from martensite.kernels.jax_setup import jax_namespace
 from martensite.kernels.nested import flatten_numbers
 from martensite.kernels.program import Program
@@ -522,12 +522,12 @@ def on_c(
 ) -> np.ndarray:
     program = traced(thing, kernel)
     lanes = inputs.shape[1]
-    entry = _ENTRY.format(constants=max(1, len(program.hoisted_nodes)), lanes=lanes)
+    entry = _ENTRY.format(constants=program.constants, lanes=lanes)
     library = load_library(write(program, program.functions.values()) + entry)
     parameters = np.array([[v] * lanes for v in values(thing)] or [[0.0] * lanes])
     outputs = np.empty((len(program.functions["kernel"].outputs), lanes))
     arrays = (parameters, np.ascontiguousarray(inputs), outputs)
-    library.run(*(a.ctypes.data_as(ctypes.c_void_p) for a in arrays))
+    call_compiled(library.run, *arrays)
     return outputs
 
 

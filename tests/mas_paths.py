@@ -15,7 +15,8 @@ import numpy as np
 
 from martensite.base.parameters import describe_structure
 from martensite.kernels import floats
-from martensite.kernels.c99 import c_source, find_compiler, load_library
+from martensite.kernels.c99 import c_source
+from martensite.kernels.compiler import find_compiler, load_library
 from martensite.kernels.nested import flatten_numbers
 from martensite.kernels.program import Program
 from martensite.physics.laws.base import Fractions

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from claim_checks import check_complete, check_decides, settle_some, verdict_of, with_verdict
 
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import load_study
 from martensite_studies.finger_calibration import (

@@ -12,7 +12,7 @@ from dataclasses import replace
 import pytest
 from claim_checks import check_decides, settle_some
 
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import Claim, load_study
 from martensite_studies.finger import (

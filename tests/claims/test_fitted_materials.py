@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from martensite.fit.api import fit_logs
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.physics.materials.base import load_material
 from martensite.scenario import datasets
 from martensite.scenario.scenario import read_scenario

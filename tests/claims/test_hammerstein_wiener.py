@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.studies.base import Claim, load_study
 from martensite_studies.hammerstein_wiener import comparisons, loop, loops, models
 from martensite_studies.hammerstein_wiener.bench import INTERVAL

@@ -21,7 +21,7 @@ from scipy import integrate, optimize
 from martensite.actuators.assembly import Machine
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.base.errors import DataError
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.scenario.citations import read_bibliography
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step

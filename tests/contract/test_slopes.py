@@ -12,7 +12,7 @@ import pytest
 from builders import example, law_a
 from slope_cases import Case, cases, in_machine, under_weight
 
-from martensite.kernels import c99
+from martensite.kernels import compiler
 from martensite.physics.laws.brinson import Brinson
 from martensite.simulate.batch import compute_sensitivity
 from martensite.simulate.compiled import compile_march
@@ -28,8 +28,8 @@ EXACT = ["A_s", "C_A", "E_M", "diameter", "initial_fraction"]
 @pytest.fixture
 def unoptimised(c_compiler, monkeypatch):
     """Compile quickly."""
-    quick = tuple("-O0" if flag == "-O3" else flag for flag in c99.FLAGS)
-    monkeypatch.setattr(c99, "FLAGS", quick)
+    quick = tuple("-O0" if flag == "-O3" else flag for flag in compiler.FLAGS)
+    monkeypatch.setattr(compiler, "FLAGS", quick)
 
 
 def listed(case: Case, usual: bool):

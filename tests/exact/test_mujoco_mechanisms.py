@@ -32,7 +32,7 @@ from martensite.export.mjcf import bridge_of, start_forces, tendon_signals, to_m
 from martensite.export.mujoco_bridge import read_model
 from martensite.export.mujoco_result import MujocoResult
 from martensite.kernels import floats
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.kernels.dual import compute_jacobian
 from martensite.physics.electrical.power import PowerSource
 from martensite.physics.thermal.base import Environment

@@ -13,7 +13,7 @@ from benchmarks.problem_b import Wire, stiff, system, waveform
 from mas_paths import follow, table_1
 
 from martensite.kernels import floats
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.simulate.api import simulate
 
 STEPS = (20e-3, 10e-3, 5e-3, 2.5e-3)

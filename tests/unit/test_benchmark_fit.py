@@ -5,7 +5,7 @@ from benchmarks import sections_fit
 from benchmarks.engines import available
 from benchmarks.sections import Options
 
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 
 OURS = Options(available(["ours"]), repeats=1)
 

@@ -10,7 +10,7 @@ from benchmarks.peers import mas_ode, simcoon_path
 from benchmarks.problem_b import Wire
 from benchmarks.sections import Options
 
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.physics.laws.base import LAWS
 
 OURS = Options(available(["ours"]), repeats=1, sizes=(8,))

@@ -20,7 +20,7 @@ from benchmarks.process import Usage
 from benchmarks.report import Table
 from benchmarks.sections import SECTIONS, Options
 
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 
 needs_c = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 ENGINES = [

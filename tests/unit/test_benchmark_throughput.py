@@ -7,7 +7,7 @@ from benchmarks.inputs import sine
 from benchmarks.roofline import Peaks
 from benchmarks.sections import Options
 
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
 OPTIONS = Options([], repeats=1, sizes=(3,))

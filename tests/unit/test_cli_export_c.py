@@ -17,7 +17,7 @@ from typer.testing import CliRunner, Result
 from martensite.cli import app
 from martensite.export.c_core import build_c_core
 from martensite.export.c_loop import build_c_loop
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.scenario.scenario import load
 
 HELD = f"""{THIN_WIRE}

@@ -10,7 +10,6 @@ fits: printed by `slopes_source`, in four directions beside the values.
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -20,12 +19,12 @@ import pytest
 from martensite.kernels import floats
 from martensite.kernels.arrays import ArrayNamespace
 from martensite.kernels.bracketed_newton import solve_bracketed
-from martensite.kernels.c99 import load_library
-from martensite.kernels.c99_slopes import count_constants, slopes_source
+from martensite.kernels.c99_slopes import slopes_source
+from martensite.kernels.compiler import call_compiled, load_library
 from martensite.kernels.dual import DualNamespace, value_and_slope, values_and_slopes
 from martensite.kernels.jax_setup import jax_namespace, make_storing_namespace
 from martensite.kernels.program import Program
-from martensite.kernels.tangent import differentiate_program
+from martensite.kernels.slopes import differentiate_program
 
 TURNS = 24
 Kernel = Callable[..., Sequence[Any]]
@@ -147,15 +146,14 @@ def on_c(kernel: Kernel, a: float, b: float) -> tuple[np.ndarray, np.ndarray]:
     node = program.parameter("a")
     program.add("kernel", ["b"], lambda xp, b: kernel(xp, node, b))
     twin = differentiate_program(program, [0], {"kernel": 1}, ())
-    count, slopes = count_constants(twin)
-    entry = _ENTRY.format(max(count, 1), max(slopes, 1))
+    entry = _ENTRY.format(twin.constants, twin.constant_slopes)
     functions = list(twin.functions.values())
     library = load_library(slopes_source(twin, functions, [0], WIDTH) + entry)
     outputs = len(program.functions["kernel"].outputs)
     y, dy = np.empty(outputs), np.empty((outputs, WIDTH))
     directions = np.eye(2, WIDTH)
     arrays = (np.array([a]), directions[:1].copy(), np.array([b]), directions[1:].copy(), y, dy)
-    library.run(*(x.ctypes.data_as(ctypes.c_void_p) for x in arrays))
+    call_compiled(library.run, *arrays)
     return y, dy[:, :2]
 
 

@@ -31,7 +31,7 @@ from martensite.export.mjcf import bridge_of, tendon_signals, to_mjcf
 from martensite.export.mjcf_snippet import to_mjcf_snippet
 from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
 from martensite.export.mujoco_driver import driver_text
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.scenario.scenario import Scenario, load
 from martensite.simulate.api import simulate
 from martensite_studies.platform.bench import SCENARIO as PLATFORM

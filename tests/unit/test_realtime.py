@@ -24,7 +24,7 @@ from martensite.control.loop.run import simulate_bench
 from martensite.control.loop.supervisor import AbstractSupervisor, Column, Named, SupervisorVerdict
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.pwm import PwmVoltage
 from martensite.signals.sine import Sine

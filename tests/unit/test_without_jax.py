@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from fences import ROOT
 
-from martensite.kernels import c99
+from martensite.kernels import compiler
 
 HIDDEN = """
 import sys
@@ -58,20 +58,20 @@ def test_a_packaged_compiler_is_taken_where_the_machine_has_none(
     monkeypatch.syspath_prepend(str(tmp_path))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr("shutil.which", lambda name: None)
-    c99._find_zig.cache_clear()
+    compiler._find_zig.cache_clear()
     try:
-        found = c99.find_compiler()
+        found = compiler.find_compiler()
         assert found is not None
         words = [found, "-O3", "-fno-tree-pre", "-o", "a b.so"]
         said = subprocess.run(words, capture_output=True, text=True, check=True).stdout
         assert said.strip() == "cc -O3 -o a b.so"
     finally:
-        c99._find_zig.cache_clear()
+        compiler._find_zig.cache_clear()
 
 
 def test_without_any_compiler_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("shutil.which", lambda name: None)
-    monkeypatch.setattr(c99, "find_spec", lambda name: None)
-    c99._find_zig.cache_clear()
-    assert c99.find_compiler() is None
-    c99._find_zig.cache_clear()
+    monkeypatch.setattr(compiler, "find_spec", lambda name: None)
+    compiler._find_zig.cache_clear()
+    assert compiler.find_compiler() is None
+    compiler._find_zig.cache_clear()

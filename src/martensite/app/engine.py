@@ -19,7 +19,7 @@ from pathlib import Path
 from martensite.base.errors import MartensiteError
 from martensite.base.files import cache_folder
 from martensite.base.parameters import describe_structure
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.kernels.c99 import LoopCondition, scalar_dialect
-from martensite.kernels.graph import Expr
-from martensite.kernels.printer import Dialect, Printer
+from martensite.kernels.kernel_printer import KernelPrinter, Statements
+from martensite.kernels.printer import Dialect
 from martensite.kernels.program import Function, Program
 from martensite.simulate.march import SOLVED
 
@@ -150,47 +150,32 @@ def kernels_text(
 
     `kept` are the places in the program of the parameters that p holds.
     """
-    printer = Printer(program.graph, precision.dialect(prefix))
-    taken = [program.graph.input(f"p{i}", 0) for i in kept]
-    printer.share(taken, lambda place: f"p[{place}]")
-    parts = [
-        _print_function(
-            printer, f"{prefix}kernel_prepare", ("p",), "c", program.hoisted_nodes, precision
-        )
-    ]
-    flags = [printer.is_flag(node.index) for node in program.hoisted_nodes]
-    zero = precision.literal(0.0)
-    printer.share(program.hoisted_nodes, lambda i: f"(c[{i}] != {zero})" if flags[i] else f"c[{i}]")
+    dialect, zero = precision.dialect(prefix), precision.literal(0.0)
+    printer = KernelPrinter(program, dialect, test=f"({{}} != {zero})", kept=kept)
+    parts = [_print_function(f"{prefix}kernel_prepare", ("p",), "c", printer.prepare, precision)]
     for kernel in kernels:
-        for name, place in zip(kernel.function.inputs, kernel.inputs, strict=True):
-            printer.share([program.graph.input(name, 0)], lambda _, place=place: place)
-        name, outputs = f"{prefix}kernel_{kernel.function.name}", kernel.function.outputs
-        parts.append(_print_function(printer, name, ("c", "x", "u", "dt"), "y", outputs, precision))
+        name, taken = f"{prefix}kernel_{kernel.function.name}", ("c", "x", "u", "dt")
+        made = printer.print_function(kernel.function, kernel.inputs)
+        parts.append(_print_function(name, taken, "y", made, precision))
     text = "\n".join(parts)
     return (_print_erfcx(precision, prefix) + text) if "erfcx(" in text else text
 
 
 def _print_function(
-    printer: Printer,
-    name: str,
-    taken: Sequence[str],
-    made: str,
-    outputs: Sequence[Expr],
-    precision: Precision,
+    name: str, taken: Sequence[str], given: str, made: Statements, precision: Precision
 ) -> str:
-    number, (lines, values) = precision.number, printer.block(outputs)
+    number, lines = precision.number, list(made.lines)
     one, zero = precision.literal(1.0), precision.literal(0.0)
-    for i, (node, value) in enumerate(zip(outputs, values, strict=True)):
-        flag = printer.is_flag(node.index)
-        lines.append(f"{made}[{i}] = {f'({value}) ? {one} : {zero}' if flag else value};")
+    for i, (value, flag) in enumerate(zip(made.results, made.flags, strict=True)):
+        lines.append(f"{given}[{i}] = {f'({value}) ? {one} : {zero}' if flag else value};")
     body = "".join(f"    {line}\n" for line in lines)
-    given = ", ".join(
+    arguments = ", ".join(
         f"{number} {a}" if a == "dt" else f"const {number} *restrict {a}" for a in taken
     )
     unused = [a for a in taken if (a if a == "dt" else f"{a}[") not in body]
-    unused += [] if outputs else [made]
+    unused += [] if made.results else [given]
     idle = "".join(f"    (void){a};\n" for a in unused)
-    return f"static void {name}({given}, {number} *restrict {made}) {{\n{idle}{body}}}\n"
+    return f"static void {name}({arguments}, {number} *restrict {given}) {{\n{idle}{body}}}\n"
 
 
 def _print_erfcx(precision: Precision, prefix: str) -> str:

@@ -1,4 +1,4 @@
-"""C99: the traced kernels as C source, compiled on the spot with the system's compiler.
+"""C99: the traced kernels as C source, which `martensite.kernels.compiler` compiles on the spot.
 
 No allocation, no library beyond libm, no second physics: the source is printed from the same
 graph as the Python. Arrays of a batch are laid out [variable][lane], so that the compiler can
@@ -7,25 +7,13 @@ turn the loop over lanes into SIMD instructions.
 
 from __future__ import annotations
 
-import ctypes
-import hashlib
-import os
 import re
-import shutil
-import subprocess
-import sys
-import tempfile
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
-from importlib.util import find_spec
-from pathlib import Path
-from typing import Any
+from functools import partial
 
-from martensite.base.errors import MartensiteError
-from martensite.base.files import cache_folder
 from martensite.kernels.floats import LARGEST
-from martensite.kernels.graph import Expr
+from martensite.kernels.kernel_printer import KernelPrinter, Statements
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, evaluate_estrin
 from martensite.kernels.printer import (
     FLAG,
@@ -34,25 +22,9 @@ from martensite.kernels.printer import (
     SLOPES,
     Dialect,
     LoopText,
-    Printer,
     RepeatText,
 )
 from martensite.kernels.program import Function, Program
-
-FLAGS = (
-    "-std=c99",
-    "-O3",
-    "-march=native",
-    "-fno-math-errno",
-    "-fno-trapping-math",
-    "-ffp-contract=off",
-    "-fno-tree-pre",
-    "-fopenmp-simd",
-    "-fPIC",
-    "-shared",
-)
-WIDE = ("-mprefer-vector-width=512",)
-"""For processors with AVX-512: compilers prefer half the width, which costs a batch a third."""
 
 
 def _print_constant(value: float | bool) -> str:
@@ -215,31 +187,16 @@ def c_source(program: Program, functions: Iterable[Function], shares_inverses: b
 
     Divisions by one number may share its inverse, which is quicker and rounds differently.
     """
-    printer = Printer(program.graph, replace(C_DIALECT, shares_inverses=shares_inverses))
-    for i in range(len(program.parameters)):
-        printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"p[{i} * n + l]")
-    parts = [write_prelude(), _print_function(printer, "prepare", "p", (), program.hoisted_nodes)]
-    flags = [printer.is_flag(node.index) for node in program.hoisted_nodes]
-
-    def constant(i: int) -> str:
-        return f"(c[{i} * n + l] != 0.0)" if flags[i] else f"c[{i} * n + l]"
-
-    printer.share(program.hoisted_nodes, constant)
-    parts += [_print_traced(printer, function) for function in functions]
+    dialect = replace(C_DIALECT, shares_inverses=shares_inverses)
+    kernels = KernelPrinter(program, dialect, "{}[{} * n + l]")
+    parts = [write_prelude(), _print_function("prepare", "p", (), kernels.prepare)]
+    for one in functions:
+        parts.append(_print_function(one.name, "c", ("x",), kernels.print_function(one)))
     return "\n".join(parts)
 
 
-def _print_traced(printer: Printer, function: Function) -> str:
-    for i, name in enumerate(function.inputs):
-        printer.share([printer.graph.input(name, 0)], lambda _, i=i: f"x[{i} * n + l]")
-    return _print_function(printer, function.name, "c", ("x",), function.outputs)
-
-
-def _print_function(
-    printer: Printer, name: str, constants: str, inputs: Sequence[str], outputs: Sequence[Expr]
-) -> str:
-    lines, values = printer.block(outputs)
-    lines += [f"y[{i} * n + l] = {value};" for i, value in enumerate(values)]
+def _print_function(name: str, constants: str, inputs: Sequence[str], made: Statements) -> str:
+    lines = [*made.lines, *(f"y[{i} * n + l] = {text};" for i, text in enumerate(made.results))]
     arguments = ", ".join(f"const double *restrict {a}" for a in (constants, *inputs))
     body = "".join(f"        {line}\n" for line in lines)
     return (
@@ -293,103 +250,3 @@ def _print_polynomial(coefficients: list[float]) -> str:
     """A polynomial in z, with the powers that it needs."""
     powers, text = evaluate_estrin(coefficients)
     return "".join(f", {name} = {power}" for name, power in powers) + f";\n    return {text}"
-
-
-def find_compiler() -> str | None:
-    """The C compiler that would be used, or None.
-
-    That of the machine: the one that `CC` names, `cc` or `gcc`; else the one of the package
-    `ziglang`, which the extra `cc` installs.
-    """
-    return shutil.which(os.environ.get("CC", "cc")) or shutil.which("gcc") or _find_zig()
-
-
-_ZIG = """#!/bin/sh
-for word; do shift; [ "$word" = -fno-tree-pre ] || set -- "$@" "$word"; done
-exec "{python}" -m ziglang cc "$@"
-"""
-
-
-@cache
-def _find_zig() -> str | None:
-    """A program that calls the C compiler of the package `ziglang`; None without it, or Windows."""
-    if find_spec("ziglang") is None or os.name != "posix":
-        return None
-    text = _ZIG.format(python=sys.executable)
-    path = cache_folder() / "c" / f"zig-cc-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
-    if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-        path.chmod(0o755)
-    return str(path)
-
-
-def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
-    """Compile C source to a shared library in the cache (by hash) and load it.
-
-    The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler.
-
-    Args:
-        source: the C.
-        more: further flags of the compiler.
-
-    Raises:
-        MartensiteError: there is no compiler, or it failed.
-    """
-    command = _build_command(more)
-    path = _kept_as(command, source)
-    if not path.exists():
-        _compile_source(command, source, path)
-    return ctypes.CDLL(str(path))
-
-
-def is_compiled(source: str, more: tuple[str, ...] = ()) -> bool:
-    """Whether `load_library` would find what it needs, so that nothing is compiled."""
-    return find_compiler() is not None and _kept_as(_build_command(more), source).exists()
-
-
-def _build_command(more: tuple[str, ...]) -> tuple[str, ...]:
-    """The compiler and its flags."""
-    cc = find_compiler()
-    if cc is None:
-        raise MartensiteError(
-            "The C runtime needs a C compiler and none was found; install gcc or clang, "
-            "or use the runtime `floats`."
-        )
-    wide = WIDE if "avx512f" in _describe_machine() else ()
-    return (cc, *FLAGS, *wide, *more, *os.environ.get("MARTENSITE_CFLAGS", "").split())
-
-
-def _kept_as(command: Sequence[str], source: str) -> Path:
-    """Where a library is kept."""
-    key = hashlib.sha256(" ".join((*command, _describe_machine(), source)).encode()).hexdigest()[
-        :24
-    ]
-    return cache_folder() / "c" / f"{key}.so"
-
-
-def _describe_machine() -> str:
-    """What -march=native depends on, so that a shared cache folder never misleads."""
-    try:
-        text = Path("/proc/cpuinfo").read_text()
-    except OSError:
-        return ""
-    return next((line for line in text.splitlines() if line.startswith("flags")), "")
-
-
-def _compile_source(command: Sequence[str], source: str, path: Path) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-        code, library = Path(folder) / "kernel.c", Path(folder) / "kernel.so"
-        code.write_text(source)
-        done = subprocess.run(
-            [*command, str(code), "-o", str(library), "-lm"],
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        if done.returncode != 0:
-            raise MartensiteError(
-                f"The C compiler `{command[0]}` failed: {done.stderr.strip()[:500]}"
-            )
-        library.replace(path)

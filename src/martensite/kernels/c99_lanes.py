@@ -19,9 +19,9 @@ from textwrap import dedent
 
 from martensite.kernels.c99 import C_DIALECT, LoopCondition, c_number, scalar_dialect, vector_math
 from martensite.kernels.floats import LARGEST
-from martensite.kernels.graph import Expr
+from martensite.kernels.kernel_printer import KernelPrinter, Statements
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, evaluate_estrin
-from martensite.kernels.printer import Dialect, Printer
+from martensite.kernels.printer import Dialect
 from martensite.kernels.program import Function, Program
 
 BLOCK = 16
@@ -184,17 +184,10 @@ def lanes_source(program: Program, functions: Iterable[Function]) -> str:
 
     Same functions and layout as of `martensite.kernels.c99.c_source`.
     """
-    printer = Printer(program.graph, _build_dialect())
-    for i in range(len(program.parameters)):
-        printer.share([program.graph.input(f"p{i}", 0)], lambda _, i=i: f"AT(p, {i})")
-    parts = [_write_prelude(), _print_function(printer, "prepare", "p", (), program.hoisted_nodes)]
-    flags = [printer.is_flag(node.index) for node in program.hoisted_nodes]
-
-    def constant(i: int) -> str:
-        return f"differs(AT(c, {i}), all(0.0))" if flags[i] else f"AT(c, {i})"
-
-    printer.share(program.hoisted_nodes, constant)
-    parts += [_print_traced(printer, function) for function in functions]
+    kernels = KernelPrinter(program, _build_dialect(), "AT({}, {})", "differs({}, all(0.0))")
+    parts = [_write_prelude(), _print_function("prepare", "p", (), kernels.prepare)]
+    for one in functions:
+        parts.append(_print_function(one.name, "c", ("x",), kernels.print_function(one)))
     return "\n".join(parts)
 
 
@@ -213,18 +206,9 @@ def _print_constant(value: float | bool) -> str:
     return f"all({c_number(value)})"
 
 
-def _print_traced(printer: Printer, function: Function) -> str:
-    for i, name in enumerate(function.inputs):
-        printer.share([printer.graph.input(name, 0)], lambda _, i=i: f"AT(x, {i})")
-    return _print_function(printer, function.name, "c", ("x",), function.outputs)
-
-
-def _print_function(
-    printer: Printer, name: str, constants: str, inputs: Sequence[str], outputs: Sequence[Expr]
-) -> str:
-    lines, values = printer.block(outputs)
-    for i, (node, value) in enumerate(zip(outputs, values, strict=True)):
-        flag = printer.is_flag(node.index)
+def _print_function(name: str, constants: str, inputs: Sequence[str], made: Statements) -> str:
+    lines = list(made.lines)
+    for i, (value, flag) in enumerate(zip(made.results, made.flags, strict=True)):
         lines.append(f"PUT(y, {i}, {f'pick({value}, all(1.0), all(0.0))' if flag else value});")
     arguments = ", ".join(f"const double *restrict {a}" for a in (constants, *inputs))
     body = "".join(f"        {line}\n" for line in lines)

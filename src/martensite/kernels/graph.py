@@ -22,7 +22,7 @@ PARAMETER, VARYING, LOOP = 1, 2, 4
 """What a node may depend on. The nodes inside the body of a loop have its bit: LOOP, or
 LOOP << 1 in a loop inside another, and so on."""
 SLOPE = 1 << 32
-"""What a derivative depends on besides (`martensite.kernels.tangent`)."""
+"""What a derivative depends on besides (`martensite.kernels.slopes`)."""
 
 
 FLAGS = frozenset({"lt", "le", "gt", "ge", "both", "either", "negate"})

@@ -14,7 +14,7 @@ from typing import Any
 
 from martensite.kernels import floats
 from martensite.kernels.arrays import ArrayNamespace
-from martensite.kernels.graph import PARAMETER, VARYING, Expr, Graph, GraphNamespace
+from martensite.kernels.graph import PARAMETER, SLOPE, VARYING, Expr, Graph, GraphNamespace
 from martensite.kernels.printer import (
     ARRAY_DIALECT,
     FLOAT_DIALECT,
@@ -70,8 +70,12 @@ class Program:
         """Trace `kernel(xp, *inputs)`, which returns a flat sequence of numbers."""
         nodes = [self.graph.input(f"{name}_{i}", VARYING) for i in inputs]
         results = kernel(self.xp, *nodes)
-        outputs = tuple(r if isinstance(r, Expr) else self.graph.constant(r) for r in results)
+        outputs = tuple(map(self.as_node, results))
         self.functions[name] = Function(name, tuple(f"{name}_{i}" for i in inputs), outputs)
+
+    def as_node(self, result: Any) -> Expr:
+        """What a kernel returned, as a node: it may be a number that is known."""
+        return result if isinstance(result, Expr) else self.graph.constant(result)
 
     def needs(self, outputs: Sequence[Expr], inputs: Iterable[str]) -> bool:
         """Whether outputs depend on any of some inputs, by their full names."""
@@ -93,6 +97,19 @@ class Program:
         return parameter_nodes(
             self.graph, [node for f in self.functions.values() for node in f.outputs]
         )
+
+    @property
+    def constants(self) -> int:
+        """Length of the array of what depends on parameters alone; C has none of length 0."""
+        return max(1, len(self.hoisted_nodes) - self._count_slopes())
+
+    @property
+    def constant_slopes(self) -> int:
+        """The same of their derivatives."""
+        return max(1, self._count_slopes())
+
+    def _count_slopes(self) -> int:
+        return sum(bool(self.graph.depends[node.index] & SLOPE) for node in self.hoisted_nodes)
 
     @cached_property
     def bind_floats(self) -> Callable[..., Mapping[str, Callable[..., tuple[float, ...]]]]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.grid import TimeGrid
 from martensite.simulate.march import SOLVED, march_floats

@@ -19,7 +19,7 @@ from martensite.base.errors import (
     suggest_name,
 )
 from martensite.base.status import Status
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.kernels.jax_setup import has_jax
 from martensite.simulate.api import RUNTIMES, check_run
 from martensite.simulate.arrays import build_schedule, jitted_jacobian, jitted_march

@@ -53,7 +53,7 @@ class RunEngine:
 
     def _quickest(self, plan: MarchPlan) -> Marched:
         """On floats if it is over soon, else in C, if there is a compiler."""
-        from martensite.kernels.c99 import find_compiler
+        from martensite.kernels.compiler import find_compiler
 
         if find_compiler() is None:
             return self._on_floats(plan, hasty=False)

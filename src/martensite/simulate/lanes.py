@@ -19,7 +19,7 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, suggest_name
 from martensite.base.status import Status
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.lanes_native import NativeLanes, Numbers
 from martensite.simulate.lanes_plain import PlainLanes

@@ -8,8 +8,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.kernels.c99 import c_source, load_library
+from martensite.kernels.c99 import c_source
 from martensite.kernels.c99_lanes import BLOCK, lanes_source
+from martensite.kernels.compiler import load_library
 from martensite.kernels.compute_once import cache_answers
 from martensite.simulate.compiled import Compiled
 
@@ -104,7 +105,7 @@ class NativeLanes:
 
     def _prepare_parameters(self, compiled: Compiled, library: Any) -> Numbers:
         """What depends on parameters alone."""
-        found = np.empty((max(1, len(compiled.program.hoisted_nodes)), self._filled_to))
+        found = np.empty((compiled.program.constants, self._filled_to))
         library.prepare(self._filled_to, _get_address(self._table), _get_address(found))
         return found
 

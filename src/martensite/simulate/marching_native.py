@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 
 from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.base.status import Status
-from martensite.kernels.c99 import c_source, is_compiled, load_library
+from martensite.kernels.c99 import c_source
 from martensite.kernels.c99_lanes import lanes_source
+from martensite.kernels.compiler import is_compiled, load_library
 from martensite.kernels.compute_once import cache_answers
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
@@ -396,7 +397,7 @@ class MarchKernel:
             "JUDGED": len(compiled.convergence_scales),
             "ENVELOPE": len(compiled.envelope),
             "HEATED": len(compiled.heated),
-            "CONSTANTS": max(1, len(compiled.program.hoisted_nodes)),
+            "CONSTANTS": compiled.program.constants,
             "PARAMETERS": len(compiled.paths),
             "ORDER": self.order,
             "TONES": self.tones,

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from martensite.kernels.c99 import c_source, load_library
+from martensite.kernels.c99 import c_source
 from martensite.kernels.c99_lanes import BLOCK, lanes_source
+from martensite.kernels.compiler import call_compiled, load_library
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.program import Function
 from martensite.simulate.compiled import CompiledMarch
@@ -103,7 +103,7 @@ def march_source(
     observe = replace(observe, outputs=tuple(observe.outputs[i] for i in outputs))
     loop = _MARCH.format(
         lanes=lanes,
-        constants=max(1, len(compiled.program.hoisted_nodes)),
+        constants=compiled.program.constants,
         inputs=compiled.inputs,
         results=compiled.size + len(compiled.report),
         size=compiled.size,
@@ -187,8 +187,7 @@ def march_inside(
     left = np.empty(lanes)
     bounds = spread_limits(limits, lanes) if bounded else np.empty(0)
     arrays = (parameters, *grid.arrays, rows, worst, bounds, left)
-    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
-    library.march(ctypes.c_long(lanes), ctypes.c_long(len(grid.counts)), *pointers)
+    call_compiled(library.march, lanes, len(grid.counts), *arrays)
     return rows, worst, left
 
 

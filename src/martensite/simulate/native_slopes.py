@@ -5,16 +5,15 @@ Values are those of a run without derivatives.
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.kernels.c99 import load_library
-from martensite.kernels.c99_slopes import WIDTHS, count_constants, slopes_source
+from martensite.kernels.c99_slopes import WIDTHS, slopes_source
+from martensite.kernels.compiler import call_compiled, load_library
 from martensite.kernels.compute_once import cache_answers
-from martensite.kernels.tangent import differentiate_program
+from martensite.kernels.slopes import differentiate_program
 from martensite.physics.laws.coupling import StepReport
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import TimeGrid
@@ -117,8 +116,7 @@ def _march_library(
         np.empty(len(StepReport._fields)),
     )
     arrays = (np.array([*values, 0.0]), seeds, *grid.arrays, rows, drows, worst)
-    pointers = [a.ctypes.data_as(ctypes.c_void_p) for a in arrays]
-    library.march(ctypes.c_long(len(grid.counts)), *pointers)
+    call_compiled(library.march, len(grid.counts), *arrays)
     return OutputSlopes(rows, drows, float(worst[0]), float(worst[1]))
 
 
@@ -129,10 +127,9 @@ def _load_library(
     size = compiled.size
     states = {"init": 0, "step": size, "observe": size}
     program = differentiate_program(compiled.program, moving, states, outputs)
-    count, slopes = count_constants(program)
     loop = _MARCH.format(
-        constants=max(1, count),
-        dconstants=max(1, slopes),
+        constants=program.constants,
+        dconstants=program.constant_slopes,
         size=size,
         inputs=compiled.inputs,
         results=size + len(compiled.report),

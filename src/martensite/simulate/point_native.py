@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import ctypes
 from typing import Any
 
 import numpy as np
 
-from martensite.kernels.c99 import c_source, load_library
+from martensite.kernels.c99 import c_source
+from martensite.kernels.compiler import call_compiled, load_library
 from martensite.kernels.compute_once import cache_answers
 from martensite.physics.laws.base import AbstractLaw
 from martensite.simulate.compiled_law import ROW, CompiledLaw
@@ -51,7 +51,7 @@ def _load_library(compiled: CompiledLaw, step: str) -> Any:
     """One library per kind of step: compiling what is not used takes seconds."""
     program = compiled.program
     loop = _RIDE.format(
-        constants=max(1, len(program.hoisted_nodes)),
+        constants=program.constants,
         inputs=max(compiled.size + 3, 4),
         results=compiled.size + len(ROW),
         size=compiled.size,
@@ -59,10 +59,6 @@ def _load_library(compiled: CompiledLaw, step: str) -> Any:
         step=step,
     )
     return load_library(c_source(program, [program.functions[n] for n in ("init", step)]) + loop)
-
-
-def _get_pointer(array: Any) -> Any:
-    return array.ctypes.data_as(ctypes.c_void_p)
 
 
 class NativeRider:
@@ -77,7 +73,7 @@ class NativeRider:
         found = np.empty(self._compiled.size + len(ROW))
         given = np.array(numbers, float)
         library = _load_library(self._compiled, "stress_step")
-        library.start(*map(_get_pointer, (self._parameters, given, found)))
+        call_compiled(library.start, self._parameters, given, found)
         return tuple(found.tolist())
 
     def ride(self, memory: tuple[float, ...], ramp: RampSection) -> Ridden:
@@ -87,6 +83,6 @@ class NativeRider:
         line = np.array([ramp.begin, ramp.end, ramp.first, ramp.last, ramp.dt], float)
         arrays = (self._parameters, line, state, rows, worst, where)
         ride = _load_library(self._compiled, f"{ramp.control}_step").ride
-        ride(ctypes.c_long(ramp.samples), ctypes.c_long(ramp.finer), *map(_get_pointer, arrays))
+        call_compiled(ride, ramp.samples, ramp.finer, *arrays)
         found = [tuple(row) for row in rows.tolist()]
         return Ridden((*state.tolist(), *found[-1]), found, float(worst[0]), int(where[0]))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 
 
 def choose_runtime() -> str:

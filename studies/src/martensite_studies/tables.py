@@ -48,7 +48,7 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from martensite.base.errors import DataError, suggest_name
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.studies.base import AbstractStudy, Claim
 
 FOLDER = Path(__file__).parent

@@ -26,7 +26,7 @@ from martensite.control.loop.realtime_program import (
     list_reads,
     trace_loop,
 )
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 
 
 class RealtimeStep:

@@ -13,7 +13,8 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE, list_references
 from martensite.control.loop.parts import Controlling, Inputs, Named, ObserverState
 from martensite.control.observers.base import ESTIMATED
-from martensite.kernels.c99 import c_source, load_library
+from martensite.kernels.c99 import c_source
+from martensite.kernels.compiler import load_library
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
@@ -192,4 +193,4 @@ class FloatLoop:
 def _load_library(traced: TracedLoop) -> tuple[Any, int]:
     program = traced.program
     source = c_source(program, list(program.functions.values())) + _STEP.format(size=traced.size)
-    return load_library(source), max(1, len(program.hoisted_nodes))
+    return load_library(source), program.constants

@@ -32,7 +32,7 @@ from martensite.control.loop.names import (
 )
 from martensite.control.loop.parts import Controllers
 from martensite.control.observers.base import ESTIMATED
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
 from martensite.simulate.api import simulate

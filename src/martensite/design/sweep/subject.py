@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import InputError
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.scenario.assemble import waveform_path
 from martensite.scenario.place_units import PlaceUnits
 from martensite.search.free_numbers import Target

@@ -19,7 +19,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from martensite.base.errors import InputError, MartensiteError, suggest_name
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 
 FLAGS = (
     "-std=c99",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.native_columns import TILE, count_room
 from martensite.identify.chains.native_source import Taps, chain_source
 from martensite.identify.chains.plan import ChainPlan
-from martensite.kernels.c99 import load_library
+from martensite.kernels.compiler import call_compiled, load_library
 from martensite.kernels.compute_once import cache_answers
 
 FLAGS = ("-O2",)
@@ -29,23 +28,11 @@ class CompiledChain:
     def rest(self, p: Numbers, x: Numbers, s: Numbers, ds: Numbers) -> None:
         """State at rest under constant inputs x, with its derivatives (states, columns)."""
         scratch = _allocate_aligned(scratch_size(self._plan, self._plan.columns))
-        self._library.rest(
-            _get_address(p),
-            _get_address(x),
-            _get_address(s),
-            _get_address(ds),
-            _get_address(scratch),
-        )
+        call_compiled(self._library.rest, p, x, s, ds, scratch)
 
     def run(self, p: Numbers, u: Numbers, s: Numbers, y: Numbers) -> None:
         """Simulate inputs u (samples, inputs) from a state, into y (samples, outputs)."""
-        self._library.run(
-            ctypes.c_long(len(u)),
-            _get_address(p),
-            _get_address(u),
-            _get_address(s),
-            _get_address(y),
-        )
+        call_compiled(self._library.run, len(u), p, u, s, y)
 
     def slopes(
         self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers
@@ -62,17 +49,7 @@ class CompiledChain:
             self._with_slopes[columns] = library.slopes, scratch_size(self._plan, columns)
         slopes, size = self._with_slopes[columns]
         scratch = _allocate_aligned(size)
-        slopes(
-            ctypes.c_long(len(u)),
-            _get_address(p),
-            _get_address(u),
-            _get_address(s),
-            _get_address(ds),
-            _get_address(scratch),
-            _get_address(y),
-            _get_address(dy),
-            ctypes.c_long(dy.strides[2] // 8),
-        )
+        call_compiled(slopes, len(u), p, u, s, ds, scratch, y, dy, dy.strides[2] // 8)
 
 
 def _allocate_aligned(count: int) -> Numbers:
@@ -86,10 +63,6 @@ def scratch_size(plan: ChainPlan, columns: int) -> int:
     """Numbers that `slopes` needs room for: one tile of signals, and what blocks need beside."""
     beside = sum(count_room(piece, columns - plan.columns) for piece in plan.pieces)
     return plan.width * TILE * columns + beside
-
-
-def _get_address(array: Numbers) -> ctypes.c_void_p:
-    return ctypes.c_void_p(array.ctypes.data)
 
 
 @cache_answers(64)

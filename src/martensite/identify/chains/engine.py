@@ -14,7 +14,7 @@ from martensite.identify.chains.float_chain import FloatChain
 from martensite.identify.chains.native_columns import TILE, pad_count
 from martensite.identify.chains.native_source import Taps
 from martensite.identify.chains.plan import ChainPlan, plan_blocks
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 
 CHUNK = 4032
 """Samples whose derivatives are held at a time; no power of 2, whose columns share cache lines."""

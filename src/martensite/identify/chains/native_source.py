@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from martensite.identify.chains.native_columns import TILE, at_once, count_room, in_sequence
-from martensite.identify.chains.native_kernels import Kernels
 from martensite.identify.chains.plan import ChainPiece, ChainPlan
-from martensite.kernels.c99 import write_prelude
+from martensite.kernels.c99 import C_DIALECT, write_prelude
+from martensite.kernels.kernel_printer import KernelPrinter, Statements
 
 Taps = tuple[tuple[int, int], ...]
 """What is given out: numbers of blocks, and of their outputs."""
@@ -23,8 +23,8 @@ Taps = tuple[tuple[int, int], ...]
 def chain_source(plan: ChainPlan, taps: Taps, extra: bool) -> str:
     """C of `rest`, `run` and `slopes`; of `slopes` alone with `extra` columns for the state."""
     columns = plan.columns + plan.states * extra
-    writer = _Writer(plan, taps, columns, Kernels(plan.program))
-    parts = [write_prelude(), f"enum {{ TILE = {TILE}, M = {columns} }};\n", writer.kernels.prepare]
+    writer = _Writer(plan, taps, columns, KernelPrinter(plan.program, C_DIALECT))
+    parts = [write_prelude(), f"enum {{ TILE = {TILE}, M = {columns} }};\n", writer.prepare()]
     numbers = range(len(plan.pieces))
     if not extra:
         parts += [*(writer.block(k, False) for k in numbers), writer.march(False)]
@@ -39,7 +39,7 @@ class _Writer:
     plan: ChainPlan
     taps: Taps
     columns: int
-    kernels: Kernels
+    kernels: KernelPrinter
 
     @property
     def direct(self) -> bool:
@@ -47,10 +47,24 @@ class _Writer:
         last = len(self.plan.pieces) - 1
         return self.taps == tuple((last, i) for i in range(self.plan.pieces[last].block.outputs))
 
+    def prepare(self) -> str:
+        """`prepare(p, c)`. A long list of assignments: inlined, it would be compiled twice."""
+        made = self.kernels.prepare
+        return _print_function(
+            "static __attribute__((noinline)) void prepare(\n"
+            "    const double *restrict p, double *restrict c)",
+            [*made.lines, *(f"c[{i}] = {value};" for i, value in enumerate(made.results))],
+        )
+
+    def statements(self, name: str) -> Statements:
+        """A function over its inputs x0, x1, … and its state s0, s1, …, declared around it."""
+        function = self.plan.program.functions[name]
+        return self.kernels.print_function(function, function.inputs)
+
     def block(self, k: int, slopes: bool) -> str:
         """One block over a tile: signals w[signal][TILE] are replaced."""
         piece = self.plan.pieces[k]
-        named = self.kernels.statements(piece.step.name if slopes else f"v{piece.step.name}")
+        named = self.statements(piece.step.name if slopes else f"v{piece.step.name}")
         before, inside, after = list[str](), list[str](), list[str]()
         if slopes:
             make = in_sequence if piece.block.states() else at_once
@@ -95,7 +109,7 @@ class _Writer:
         zeros = f"memset(dw + i * M * TILE, 0, sizeof(double) * TILE * (M - {plan.columns}));"
         scratch = [f"double *restrict z = dw + {plan.width} * TILE * M;"] if slopes else []
         lines = [
-            f"double c[{self.kernels.constants}], w[{plan.width} * TILE] = {{0.0}};",
+            f"double c[{self.plan.program.constants}], w[{plan.width} * TILE] = {{0.0}};",
             *scratch,
             "prepare(p, c);",
             "for (long done = 0; done < samples; done += TILE) {",
@@ -137,7 +151,7 @@ class _Writer:
         """The chain at rest: each block under what the block before gives at rest."""
         plan, inputs = self.plan, self.plan.pieces[0].block.inputs
         lines = [
-            f"double c[{self.kernels.constants}], w[{plan.width} * TILE] = {{0.0}};",
+            f"double c[{self.plan.program.constants}], w[{plan.width} * TILE] = {{0.0}};",
             f"double s1[{plan.states + 1}], ds1[{plan.states} * M + 1];",
             f"double *restrict z = dw + {plan.width} * TILE * M;",
             "(void)s1; (void)ds1; (void)z;",
@@ -167,7 +181,7 @@ class _Writer:
     def _write_rest(self, piece: ChainPiece, state: int) -> list[str]:
         """State of one block with its columns, from its inputs and theirs."""
         inputs, first = piece.block.inputs, piece.first
-        named = self.kernels.statements(piece.rest.name)
+        named = self.statements(piece.rest.name)
         lines = [*(f"const double x{i} = w[{i} * TILE];" for i in range(inputs))]
         lines += ["(void)x0;", *named.lines]
         lines += [f"s[{state + i}] = {named.results[i]};" for i in range(piece.rest.rows)]

@@ -16,11 +16,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.identify.blocks.base import AbstractBlock
-from martensite.kernels.adjoint import compute_gradient
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.graph import VARYING
-from martensite.kernels.partials import compute_partials
 from martensite.kernels.program import Function, Program
+from martensite.kernels.slopes import compute_gradient, compute_partials
 
 
 @dataclass(frozen=True)
@@ -168,7 +167,8 @@ def _differentiate_block(
     program: Program, kernel: Callable[[Any, Sequence[Any]], Sequence[Any]], moving: Sequence[Any]
 ) -> tuple[list[Any], list[dict[int, Any]]]:
     """Values and derivatives: of a single value backwards, if that takes less."""
-    values, rows = compute_partials(program.xp, kernel, moving)
+    traced = [program.as_node(value) for value in kernel(program.xp, moving)]
+    values, rows = compute_partials(traced, moving)
     if len(values) == 1:
         back = compute_gradient(values[0], moving)
         ahead = rows[0]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.show.figures.labels import typeset_symbol
 from martensite.show.figures.style import (
     HEATING,

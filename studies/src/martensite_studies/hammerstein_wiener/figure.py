@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.kernels.c99 import find_compiler
+from martensite.kernels.compiler import find_compiler
 from martensite.show.figures.style import HEATING, INK, QUIET, SIMULATED, make_figure, use_style
 from martensite_studies.figures import write_heading
 from martensite_studies.hammerstein_wiener import comparisons, loops, models
