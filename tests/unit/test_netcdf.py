@@ -149,22 +149,33 @@ def test_a_failed_replacement_leaves_the_old_file(
     assert list(tmp_path.iterdir()) == [target]
 
 
-def test_a_failure_in_the_middle_leaves_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    create, calls = h5netcdf.File.create_variable, []
+FULL_DISK = """
+import resource, signal, sys
+sys.path[:0] = {path!r}
+from test_netcdf import DataError, make_result, save_result
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, ({limit}, {limit}))
+try:
+    save_result(make_result(), {file!r}, "# scenario" * 3000)
+except DataError as error:
+    print(error)
+"""
 
-    def fail_at_third(self: h5netcdf.File, *args: object, **options: object) -> object:
-        calls.append(list(tmp_path.iterdir()))
-        if len(calls) == 3:
-            raise OSError(5, "Input/output error")
-        return create(self, *args, **options)
 
-    monkeypatch.setattr(h5netcdf.File, "create_variable", fail_at_third)
-    with pytest.raises(DataError, match="Input/output error"):
-        save_result(make_result(), tmp_path / "a.nc")
-    assert len(calls[-1]) == 1  # a file was begun
-    assert not list(tmp_path.iterdir())
+@pytest.mark.skipif(sys.platform == "win32", reason="limits the size of files as POSIX does")
+@pytest.mark.parametrize("limit", [1, 4096, 30_000, 10_000_000])
+def test_a_disk_that_fills_is_a_sentence(tmp_path: Path, limit: int) -> None:
+    """HDF5 would end the process with a segmentation fault when it cannot finish its file."""
+    path, file = [str(Path(__file__).parent), *sys.path], str(tmp_path / "a.nc")
+    code = FULL_DISK.format(path=path, limit=limit, file=file)
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    fits = limit > 1_000_000
+    said = "" if fits else f"The file `{file}` could not be written: File too large.\n"
+    assert done.stdout == said
+    assert [one.name for one in tmp_path.iterdir()] == (["a.nc"] if fits else [])
 
 
 def test_saving_replaces_an_older_file(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ is that of UDUNITS. Numbers that are not known (an accuracy that was not estimat
 
 from __future__ import annotations
 
+import io
 import json
 import os
 from collections.abc import Iterable, Mapping
@@ -133,7 +134,8 @@ def save_result(
     import h5netcdf
 
     description = describe_result(result, scenario_text, material, citations)
-    with replace_file(Path(path)) as part, h5netcdf.File(part, "w") as file:
+    whole = io.BytesIO()  # HDF5 ends the process if it cannot finish a file on a full disk
+    with h5netcdf.File(whole, "w") as file:
         file.attrs.update(description.attributes)
         for variable in description.variables:
             for name, size in zip(variable.dims, variable.data.shape, strict=True):
@@ -147,6 +149,8 @@ def save_result(
                 dtype=h5netcdf.core.h5py.string_dtype() if text else None,
             )
             written.attrs.update(variable.attributes())
+    with replace_file(Path(path)) as part:
+        part.write_bytes(whole.getbuffer())
 
 
 def open_result(path: str | os.PathLike[str]) -> xarray.Dataset:
