@@ -389,7 +389,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], str]] = {
     "unknown record": ((*SMALL, "--hold-out", "lag"), "Did you mean `log`"),
     "unknown profile": ((*SMALL, "--profile", "M_s"), "No free parameter named `M_s`"),
     "unknown column": ((*SMALL, "--column", "strain=gauge"), "no column `gauge`"),
-    "unknown output": ((*SMALL, "--column", "elongation=strain"), "no output `elongation`"),
+    "unknown output": ((*SMALL, "--column", "elongation=strain"), "No output named `elongation`"),
     "no noise": ((*SMALL, "--noise", "strain"), "is no noise"),
     "no draws": ((*SMALL, "--posterior", "0"), "must be at least 1"),
     "no starts": ((*SMALL, "--starts", "-1"), "must be at least 0"),

@@ -17,8 +17,13 @@ from fit_cases import HEATED, ISOBARIC, TRUE, cycle, heated, isobaric, pulse, wr
 
 from martensite.base.errors import DataError, InputError, UnitError
 from martensite.fit.api import fit_logs, read_problem
-from martensite.fit.column_matching import list_echoes, match_columns
-from martensite.fit.columns import ComparedColumn, read_columns, read_noise
+from martensite.fit.column_matching import (
+    ComparedColumn,
+    list_echoes,
+    match_columns,
+    read_columns,
+    read_noise,
+)
 from martensite.fit.fit_file import read_fit_file
 from martensite.fit.free_parameters import read_ranges
 from martensite.fit.hold_out import ALL, choose_held_out

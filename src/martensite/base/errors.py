@@ -7,7 +7,7 @@ was started and failed (exit code 1).
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from difflib import get_close_matches
 
 
@@ -28,6 +28,12 @@ class UnknownNameError(InputError):
 
     def __init__(self, kind: str, name: str, valid: Iterable[str]) -> None:
         super().__init__(f"No {kind} named `{name}`. {suggest_name(name, valid)}")
+
+
+def require_known(kind: str, name: str, valid: Collection[str]) -> None:
+    """Raise `UnknownNameError` unless a name is one of the valid ones."""
+    if name not in valid:
+        raise UnknownNameError(kind, name, valid)
 
 
 class MissingMethodError(InputError, NotImplementedError):

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from martensite.base.errors import DataError
+from martensite.base.errors import DataError, suggest_name
 
 
 @contextmanager
@@ -31,6 +31,22 @@ def replace_file(path: Path) -> Generator[Path]:
         raise DataError(f"The file `{path}` could not be written: {reason}.") from error
     finally:
         part.unlink(missing_ok=True)
+
+
+def read_text_file(path: Path, what: str) -> str:
+    """The text of a UTF-8 file; `what` says in an error which kind of file it is.
+
+    Raises:
+        DataError: it is missing, with the nearest name beside it, or cannot be read.
+    """
+    try:
+        return path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        beside = [other.name for other in sorted(path.parent.glob(f"*{path.suffix}"))[:10]]
+        nearest = suggest_name(path.name, beside) if path.suffix and beside else ""
+        raise DataError(f"There is no {what} file `{path}`. {nearest}".strip()) from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"Cannot read the {what} file `{path}`: {error}.") from None
 
 
 def toml_document(text: str, name: str = "The scenario") -> dict[str, Any]:

@@ -39,10 +39,10 @@ def write_quantity(value: float, unit: str, digits: int = 6) -> str:
     return number if shown == "1" else f"{number} {shown}"
 
 
-def write_difference(value: float, unit: str) -> str:
+def write_difference(value: float, unit: str, digits: int = 4) -> str:
     """A difference of two quantities given in the SI `unit`, in a readable one."""
     shown, factor = choose_difference_unit(unit)
-    return f"{value / factor:.4g}" + (f" {shown}" if shown != "1" else "")
+    return f"{value / factor:.{digits}g}" + (f" {shown}" if shown != "1" else "")
 
 
 def choose_difference_unit(unit: str) -> tuple[str, float]:

@@ -1,7 +1,8 @@
 """Which columns of a log are compared with which outputs, and what drives instead.
 
 Without a word every column is compared that is an output of the system, but for those that say
-what drives it, and those that never change.
+what drives it, and those that never change. Otherwise they are named: `position=laser*0.5` says
+that the output `position` is half the column `laser`.
 """
 
 from __future__ import annotations
@@ -9,15 +10,33 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import DataError, suggest_name
-from martensite.fit.columns import ComparedColumn
+from martensite.base.errors import (
+    DataError,
+    InputError,
+    ParameterError,
+    UnitError,
+    require_known,
+    suggest_name,
+)
+from martensite.fit.free_parameters import read_difference, split_list
 from martensite.signals.records import Record
 
+_COLUMN = re.compile(r"^\s*([^=*]+?)\s*(?:=\s*([^*]+?)\s*(?:\*\s*(.+?)\s*)?)?$")
 ECHOES = {"K": ("temperature", "hottest"), "V": ("voltage",), "A": ("current",), "W": ("power",)}
 """Unit of a drive -> outputs that only say what drives."""
+
+
+@dataclass(frozen=True)
+class ComparedColumn:
+    """An output that is to be compared with a column."""
+
+    output: str
+    column: str
+    factor: float = 1.0
+    """From the column in SI to the output in SI."""
 
 
 def list_echoes(system: AbstractSystem) -> set[str]:
@@ -53,12 +72,12 @@ def match_columns(
     if not common:
         raise DataError(_refuse_nothing(record, system, driven))
     varied = [name for name in common if not _is_constant(record[name])]
-    notes = [
-        f"Column `{name}` of record `{record.name}` {_explain_mismatch(record[name])} and is not "
-        "compared."
-        for name in common
-        if name not in varied and varied
-    ]
+    notes: list[str] = []
+    for name in common if varied else ():
+        if name in varied:
+            continue
+        why = "never changes" if any(map(math.isfinite, record[name])) else "holds no numbers"
+        notes.append(f"Column `{name}` of record `{record.name}` {why} and is not compared.")
     return {name: name for name in varied or common}, record, notes
 
 
@@ -101,10 +120,6 @@ def _is_constant(numbers: Sequence[float]) -> bool:
     return not known or max(known) == min(known)
 
 
-def _explain_mismatch(numbers: Sequence[float]) -> str:
-    return "never changes" if any(map(math.isfinite, numbers)) else "holds no numbers"
-
-
 def _refuse_nothing(record: Record, system: AbstractSystem, driven: set[str]) -> str:
     held = [name for name in record.columns if name != "time"]
     listed = ", ".join(f"`{name}`" for name in held) or "none but `time`"
@@ -114,4 +129,64 @@ def _refuse_nothing(record: Record, system: AbstractSystem, driven: set[str]) ->
         f"Record `{record.name}` has no column to compare: it holds {listed}{why}; the system "
         f"gives {', '.join(f'`{n}`' for n in system.outputs() if n not in driven)}. For a column "
         "of another name write `OUTPUT=COLUMN` (--column)."
+    )
+
+
+def read_noise(
+    noise: Mapping[str, str | float], systems: Sequence[AbstractSystem]
+) -> dict[str, float]:
+    """Standard deviations of measured outputs in SI; numbers are in SI already.
+
+    Raises:
+        InputError: an output is unknown, or an amount is not above 0.
+    """
+    known = systems[0].outputs()
+    found: dict[str, float] = {}
+    for name, given in noise.items():
+        require_known("output", name, known)
+        try:
+            amount = float(given)
+        except ValueError:
+            amount = _read_noise(str(given), name, known[name].unit)
+        if not amount > 0.0:
+            raise ParameterError(f"The noise of `{name}` must be above 0, but is {given}.")
+        found[name] = amount
+    return found
+
+
+def _read_noise(text: str, name: str, unit: str) -> float:
+    try:
+        return read_difference(text, unit)
+    except UnitError as error:
+        raise UnitError(f"Noise of `{name}`: {error}") from None
+
+
+def read_columns(columns: str | Sequence[str] | Mapping[str, str] | None) -> list[ComparedColumn]:
+    """Outputs and the columns they are compared with; empty where none are named.
+
+    Raises:
+        InputError: an entry cannot be read.
+    """
+    if columns is None:
+        return []
+    if isinstance(columns, Mapping):
+        columns = [f"{output}={column}" for output, column in columns.items()]
+    found = [_read_column(text) for text in split_list(columns)]
+    names = [one.output for one in found]
+    double = next((name for name in names if names.count(name) > 1), None)
+    if double is not None:
+        raise InputError(f"Output `{double}` is compared with two columns; name one.")
+    return found
+
+
+def _read_column(text: str) -> ComparedColumn:
+    found = _COLUMN.match(text)
+    if found is not None:
+        try:
+            return ComparedColumn(found[1], found[2] or found[1], float(found[3] or 1.0))
+        except ValueError:
+            pass
+    raise ParameterError(
+        f"`{text}` is not a column to compare; write `OUTPUT`, `OUTPUT=COLUMN`, or "
+        "`OUTPUT=COLUMN*FACTOR`."
     )

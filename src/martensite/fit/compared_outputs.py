@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.fit.experiment import Experiment
-from martensite.fit.fit import Fit
+from martensite.search.model_score import Score, score_model
+
+if TYPE_CHECKING:
+    from martensite.fit.fit import Fit
 
 TRAINING, HELD_OUT = "training", "held-out"
 COVERED = ("temperature", "stress")
@@ -59,6 +62,20 @@ class ComparedOutput:
     def missing(self) -> int:
         """Rows without a measured number."""
         return int(np.sum(~np.isfinite(self.measured)))
+
+    def score(self) -> Iterator[Score]:
+        """Errors of `training` rows, and of `held-out` ones, where there are any."""
+        for part, rows in ((TRAINING, self.used), (HELD_OUT, self.held)):
+            if rows.any():
+                yield score_model(
+                    self.times[rows],
+                    self.measured[rows],
+                    self.model[rows],
+                    record=self.record,
+                    output=self.output,
+                    part=part,
+                    unit=self.description.unit,
+                )
 
     def rms(self, part: str) -> float:
         """Root-mean-square error of `training` or `held-out` rows; NaN if there are none."""

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import DataError, suggest_name
+from martensite.base.errors import DataError, require_known
 from martensite.search.batch_runner import BatchRunner
 from martensite.signals.records import Record
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
@@ -129,8 +129,7 @@ def check_experiment(experiment: Experiment) -> None:
             f"{-experiment.lead:.6g} s."
         )
     for output, column in experiment.columns.items():
-        if output not in known:
-            raise DataError(f"There is no output `{output}`. {suggest_name(output, known)}")
+        require_known("output", output, known)
         numbers = record[column]
         if record.units[column] != known[output].unit:
             raise DataError(

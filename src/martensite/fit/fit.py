@@ -8,12 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from martensite.fit.compared_outputs import list_compared
 from martensite.fit.experiment import Experiment
 from martensite.fit.losses import estimate_scale, find_loss
 from martensite.fit.problem import Evaluation, Problem
 from martensite.scenario.scenario import Scenario
 from martensite.search.identifiability import Identifiability, assess_identifiability
-from martensite.search.model_score import Score, score_model
+from martensite.search.model_score import Score
 from martensite.search.uncertainty import Uncertainty, estimate_uncertainty
 from martensite.search.whiteness import FEWEST, Whiteness, assess_whiteness
 
@@ -85,14 +86,7 @@ class Fit:
     @cached_property
     def scores(self) -> tuple[Score, ...]:
         """Errors per record and output, those of held-out rows apart."""
-        found: list[Score] = []
-        for one, fitted, used in self._rows():
-            found += _score_experiment(one, fitted.model, used)
-        for kept in self.kept:
-            found += _score_experiment(
-                kept.experiment, kept.model, np.zeros(kept.model.shape, bool)
-            )
-        return tuple(found)
+        return tuple(score for one in list_compared(self) for score in one.score())
 
     @cached_property
     def uncertainty(self) -> Uncertainty:
@@ -132,37 +126,12 @@ class Fit:
     def whiteness(self) -> tuple[Whiteness, ...]:
         """Whether the residuals of every record and output look like noise."""
         return tuple(
-            assess_whiteness(fitted.residuals[used[:, k], k], f"{one.name}, {output}")
-            for one, fitted, used in self._rows()
-            for k, output in enumerate(one.outputs)
-            if used[:, k].sum() >= FEWEST
+            assess_whiteness(one.residuals[one.used], f"{one.record}, {one.output}")
+            for one in list_compared(self)
+            if one.used.sum() >= FEWEST
         )
 
     @property
     def _scales(self) -> list[float]:
         pairs = zip(self.problem.free, self.values, strict=True)
         return [free.slope(u) for free, u in pairs]
-
-    def _rows(self) -> Any:
-        """Experiment, what was found there, and which rows the fit saw."""
-        problem = self.problem
-        return zip(problem.experiments, self.evaluation.fitted, problem.used, strict=True)
-
-
-def _score_experiment(one: Experiment, model: Any, used: Any) -> list[Score]:
-    """Errors of a model in an experiment; `used` says what the fit saw."""
-    seen, outputs = np.isfinite(one.measured), one.system.outputs()
-    return [
-        score_model(
-            one.times[rows],
-            one.measured[rows, k],
-            model[rows, k],
-            record=one.name,
-            output=output,
-            part=part,
-            unit=outputs[output].unit,
-        )
-        for k, output in enumerate(one.outputs)
-        for part, rows in (("training", used[:, k]), ("held-out", seen[:, k] & ~used[:, k]))
-        if rows.any()
-    ]

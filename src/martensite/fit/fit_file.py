@@ -22,8 +22,8 @@ from pathlib import Path
 from typing import Any, cast
 
 from martensite.base import units
-from martensite.base.errors import DataError, ParameterError, UnitError, suggest_name
-from martensite.base.files import toml_document
+from martensite.base.errors import DataError, ParameterError, UnitError
+from martensite.base.files import read_text_file, toml_document
 from martensite.fit.fit_task import FitSearch, FitTask
 from martensite.fit.hold_out import AUTO
 from martensite.fit.logs import Log
@@ -61,7 +61,8 @@ def read_fit_file(path: str | Path) -> FitTask:
         InputError: the file is missing or malformed, a key is unknown, a value has no unit.
     """
     path = Path(path)
-    document, where = _read_document(path), f"Fit file `{path.name}`"
+    where, text = f"Fit file `{path.name}`", read_text_file(path, "fit")
+    document = toml_document(text, f"`{path}`")
     refuse_unknown(document, KEYS, where)
     for name in ("free", "record"):
         if not document.get(name):
@@ -79,19 +80,6 @@ def read_fit_file(path: str | Path) -> FitTask:
         step=_read_seconds(document, "step", where),
         search=_read_search(document, where),
     )
-
-
-def _read_document(path: Path) -> dict[str, Any]:
-    try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        beside = [other.name for other in sorted(path.parent.glob("*.toml"))[:10]]
-        raise DataError(
-            f"There is no fit file `{path}`. {suggest_name(path.name, beside)}"
-        ) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise DataError(f"Cannot read the fit file `{path}`: {error}.") from None
-    return toml_document(text, f"`{path}`")
 
 
 def _read_log(document: Mapping[str, Any], entry: Any, path: Path) -> Log:

@@ -1,4 +1,9 @@
-"""A task: logs, the scenarios that are to explain them, what is free, and how to search."""
+"""A task: logs, the scenarios that are to explain them, what is free, and how to search.
+
+It becomes a problem in steps. Every log gets a scenario of its own, built with it where the
+scenario follows a log. Then what drives is told from what is compared, parts are kept back, steps
+are chosen, and the whole is looked at (`start_checks`) before anything is searched for.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +12,18 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from martensite.base.errors import InputError
+from martensite.fit.column_matching import ComparedColumn, match_columns, read_columns, read_noise
+from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
-from martensite.fit.hold_out import AUTO
-from martensite.fit.logs import Log
-from martensite.fit.problem import Problem
+from martensite.fit.free_parameters import is_nuisance, read_ranges
+from martensite.fit.hold_out import ALL, AUTO, NONE, choose_held_out
+from martensite.fit.logs import LoadedLog, Log, describe_gaps, describe_untimed, read_logs
+from martensite.fit.problem import Problem, build_problem
 from martensite.fit.search_monitor import Tell
 from martensite.fit.solve import MOST_EVALUATIONS, solve_problem
-from martensite.fit.step_choice import describe_step_error
+from martensite.fit.start_checks import check_start, find_silent_outputs
+from martensite.fit.step_choice import choose_step, describe_step_error
 from martensite.fit.swapped_columns import refuse_swapped
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
@@ -56,9 +66,22 @@ class FitTask:
             InputError: logs, scenario and free parameters do not fit each other.
             SolveError: a run that is to show the step fails.
         """
-        from martensite.fit.arrangement import arrange_task
-
-        return arrange_task(self)
+        if not self.logs:
+            raise InputError("A fit needs at least one log; none given.")
+        found = read_logs(self.logs)
+        systems = [one.scenario.system for one in found]
+        free, each = read_ranges(self.free, systems), read_ranges(self.each, systems, own=True)
+        noise, wanted = read_noise(self.noise, systems), read_columns(self.columns)
+        made, notes = _build_experiments(found, self, wanted)
+        if not wanted:
+            made, more = _drop_silent_outputs(made, free, each)
+            notes += more
+        stepped, more = _choose_steps(made, found, self.step)
+        whole = build_problem(stepped, free, each=each, noise=noise)
+        follows = list(dict.fromkeys(found[0].scenario.follows.values()))
+        notes += [*more, *check_start(whole.training, follows)]
+        models = {one.name: (one.scenario, one.log.model) for one in found}
+        return ArrangedFit(whole, models, self.search, tuple(notes))
 
     def with_changes(
         self,
@@ -109,3 +132,76 @@ class ArrangedFit:
         first, _ = next(iter(self.models.values()))
         cautions = tuple(describe_step_error(fit))
         return replace(fit, scenario=first, notes=self.notes, cautions=cautions)
+
+
+def _choose_steps(
+    made: Sequence[Experiment], found: Sequence[LoadedLog], step: float | None
+) -> tuple[list[Experiment], list[str]]:
+    """Experiments with their steps: as asked for, of the scenario, or to its tolerance."""
+    stepped: list[Experiment] = []
+    notes: list[str] = []
+    for one, source in zip(made, found, strict=True):
+        given = source.scenario.step if step is None else step
+        if given is None:
+            one, more = choose_step(one, source.scenario.tolerance)
+            notes += more
+        else:
+            one = replace(one, step=given)
+        stepped.append(one)
+    return stepped, notes
+
+
+def _build_experiments(
+    found: Sequence[LoadedLog], task: FitTask, wanted: Sequence[ComparedColumn]
+) -> tuple[list[Experiment], list[str]]:
+    """One experiment per record, without steps, and what to say of its columns."""
+    held = _choose_held_out(found, task.hold_out)
+    made: list[Experiment] = []
+    notes: list[str] = []
+    for one, stretches in zip(found, held, strict=True):
+        system, follows = one.scenario.system, one.scenario.follows
+        columns, record, more = match_columns(one.record, system, wanted, follows)
+        notes += [*more, *describe_gaps(one, columns.values())]
+        made.append(
+            Experiment(
+                one.name,
+                system,
+                one.scenario.waveform,
+                record,
+                columns,
+                held=stretches,
+                weights=dict.fromkeys(columns, one.log.weight),
+                lead=one.scenario.lead,
+            )
+        )
+    return made, [*notes, *describe_untimed(found)]
+
+
+def _choose_held_out(found: Sequence[LoadedLog], hold_out: str | Sequence[str]) -> list[Any]:
+    names, flags = [one.name for one in found], [one.log.held for one in found]
+    if all(flags):
+        raise InputError("All records are held out, and none is left to be fitted.")
+    rule = NONE if any(flags) and hold_out == AUTO else hold_out
+    held = choose_held_out(rule, names, [one.record.times for one in found])
+    return [ALL if flag else one for flag, one in zip(flags, held, strict=True)]
+
+
+def _drop_silent_outputs(
+    made: list[Experiment], free: Sequence[SearchRange], each: Sequence[SearchRange]
+) -> tuple[list[Experiment], list[str]]:
+    """Experiments without the outputs that no free parameter moves in any record."""
+    own = [one for one in each if not is_nuisance(one.name)]
+    training = build_problem(made, free, each=own).training
+    quiet = find_silent_outputs(training)
+    heard = {
+        output
+        for one in training.experiments
+        for output in one.outputs
+        if (one.name, output) not in quiet
+    }
+    lost = [name for name in dict.fromkeys(name for _, name in quiet) if name not in heard]
+    kept = [{n: c for n, c in one.columns.items() if n not in lost} for one in made]
+    if not lost or not all(kept):
+        return made, []
+    notes = [f"Nothing that is free moves `{name}`, which is not compared." for name in lost]
+    return [replace(one, columns=c) for one, c in zip(made, kept, strict=True)], notes

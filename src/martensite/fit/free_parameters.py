@@ -12,7 +12,8 @@ from dataclasses import replace
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base import units
-from martensite.base.errors import ParameterError, UnknownNameError, suggest_name
+from martensite.base.errors import ParameterError, require_known, suggest_name
+from martensite.base.formats import write_quantity
 from martensite.search.free_numbers import (
     FreeNumber,
     SearchRange,
@@ -74,8 +75,7 @@ def _find_own_unit(name: str, system: AbstractSystem) -> str:
         raise ParameterError(
             "Bounds of `offset` need the output they are for, such as `offset.strain=-0.1..0.1 %`."
         )
-    if output not in known:
-        raise UnknownNameError("output", output, known)
+    require_known("output", output, known)
     return known[output].unit
 
 
@@ -121,7 +121,8 @@ def _build_one(wanted: SearchRange, known: Sequence[Target], record: str | None)
         )
     free = build_free(wanted, found, name if record is None else f"{name}@{record}", record)
     if not free.low <= free.start <= free.high:
-        start, low, high = map(found[0].describe_value, (free.start, free.low, free.high))
+        ends = (free.start, free.low, free.high)
+        start, low, high = (write_quantity(end, free.unit) for end in ends)
         raise ParameterError(
             f"The fit starts with `{name}` = {start}, outside of its bounds {low} to {high}; move "
             "the bounds or the start."

@@ -23,7 +23,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.base.errors import DataError, ParameterError, UnknownNameError
+from martensite.base.errors import DataError, ParameterError, require_known
 
 Vector: TypeAlias = NDArray[np.float64]
 NORMAL = 1.4826022185056018
@@ -74,8 +74,7 @@ def find_loss(name: str) -> Loss:
     Raises:
         UnknownNameError: there is none.
     """
-    if name not in LOSSES:
-        raise UnknownNameError("loss", name, LOSSES)
+    require_known("loss", name, LOSSES)
     return LOSSES[name]
 
 

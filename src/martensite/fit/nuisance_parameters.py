@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.errors import UnknownNameError
+from martensite.base.errors import require_known
 from martensite.fit.experiment import Experiment
 from martensite.fit.free_parameters import DELAY, OFFSET, build_free_numbers
 from martensite.search.free_numbers import FreeNumber, SearchRange
@@ -56,8 +56,7 @@ def _list_own(wanted: SearchRange, experiment: Experiment) -> list[FreeNumber]:
 
 
 def _build_offset(wanted: SearchRange, output: str, experiment: Experiment) -> FreeNumber:
-    if output not in experiment.outputs:
-        raise UnknownNameError("compared output", output, experiment.outputs)
+    require_known("compared output", output, experiment.outputs)
     column = experiment.measured[:, experiment.outputs.index(output)]
     reach = LARGEST_OFFSET * float(np.nanmax(column) - np.nanmin(column))
     unit = experiment.system.outputs()[output].unit

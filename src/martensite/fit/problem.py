@@ -19,11 +19,10 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.errors import InputError
+from martensite.base.errors import InputError, ParameterError
 from martensite.fit.experiment import Experiment
 from martensite.fit.free_parameters import DELAY, OFFSET, build_free_numbers, is_nuisance
 from martensite.fit.nuisance_parameters import build_own_parameters, delay_model
-from martensite.fit.problem_checks import check_problem
 from martensite.search.batch_runner import BatchRunner
 from martensite.search.free_numbers import FreeNumber, SearchRange
 
@@ -71,7 +70,22 @@ class Problem:
     """What records that are kept back have for themselves: fitted to them afterwards."""
 
     def __post_init__(self) -> None:
-        check_problem(self)
+        """Raise `ParameterError` for a problem that has no solution."""
+        if not self.experiments:
+            raise ParameterError("A fit needs at least one record; none given.")
+        if not self.free:
+            raise ParameterError("A fit needs at least one free parameter; none given.")
+        for kind, names in (
+            ("record", [one.name for one in self.experiments]),
+            ("free parameter", list(self.names)),
+        ):
+            double = next((name for name in names if names.count(name) > 1), None)
+            if double is not None:
+                raise ParameterError(f"There are two of {kind} `{double}`; give each its own name.")
+        if all(one.held_out for one in self.experiments):
+            raise ParameterError("All records are kept back, and none is left to be fitted.")
+        for one in self.experiments:
+            _refuse_double(one, self.free)
 
     def __getstate__(self) -> dict[str, Any]:
         """What was declared; what is made of it, such as threads, is made anew elsewhere."""
@@ -247,6 +261,18 @@ class Problem:
         residuals = (model - one.measured) * sizes
         jacobian = None if slopes is None else slopes * np.array(sizes)[:, None]
         return FittedRecord(model, residuals, jacobian)
+
+
+def _refuse_double(one: Experiment, free: Sequence[FreeNumber]) -> None:
+    """Refuse two free parameters that move the same number of an experiment."""
+    own = [x for x in free if x.record in (None, one.name) and not is_nuisance(x.path)]
+    for leaf in one.system.leaves():
+        movers = [x.name for x in own if x.moves(leaf.path)]
+        if len(movers) > 1:
+            raise ParameterError(
+                f"Free parameters `{movers[0]}` and `{movers[1]}` both move `{leaf.path}` of "
+                f"record `{one.name}`; leave one of them out."
+            )
 
 
 def build_problem(

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from martensite.base.confidence import LEVEL
-from martensite.base.errors import DataError, SolveError, UnknownNameError
+from martensite.base.errors import DataError, SolveError, require_known
 from martensite.fit.fit import Fit
 from martensite.search.least_squares import descend_squares
 from martensite.search.profile import MOST_REFITS, Profile, walk_profile
@@ -37,8 +37,7 @@ def profile_likelihood(
         DataError: there are no more independent samples than parameters.
     """
     names = list(fit.problem.names)
-    if name not in names:
-        raise UnknownNameError("free parameter", name, names)
+    require_known("free parameter", name, names)
     place, unsure = names.index(name), fit.uncertainty
     freedom = min(int(unsure.effective) - unsure.rank, unsure.freedom)
     if freedom < 1:

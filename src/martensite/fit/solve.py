@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.errors import InputError, SolveError, UnknownNameError
+from martensite.base.errors import InputError, SolveError, require_known
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit, HeldOutRecord
 from martensite.fit.losses import Loss, estimate_scale, find_loss
@@ -67,8 +67,7 @@ def solve_problem(
         InputError: an unknown method or loss, or a state of another problem.
         SolveError: the runs fail at the start, and at every point tried.
     """
-    if method not in METHODS:
-        raise UnknownNameError("method", method, METHODS)
+    require_known("method", method, METHODS)
     if starts < 0:
         raise InputError(f"Argument `starts` must be at least 0, but is {starts}.")
     training = problem.training

@@ -18,7 +18,7 @@ from typing import Any
 from urllib.error import HTTPError
 from urllib.request import urlopen
 
-from martensite.base.errors import DataError, UnknownNameError
+from martensite.base.errors import DataError, require_known
 from martensite.base.files import cache_folder, replace_file
 from martensite.scenario.layout import Layout
 
@@ -71,8 +71,7 @@ def describe_dataset(name: str) -> DataSet:
     Raises:
         UnknownNameError: there is none of that name.
     """
-    if name not in dataset_names():
-        raise UnknownNameError("data set", name, dataset_names())
+    require_known("data set", name, dataset_names())
     text = (_LISTED / f"{name}.toml").read_text(encoding="utf-8")
     document: dict[str, Any] = tomllib.loads(text)
     shared: dict[str, Any] = document.pop("layout", {})
@@ -146,8 +145,7 @@ def fetch_dataset(
 def _find_entry(key: str) -> tuple[DataSet, DataFile]:
     name, _, file = key.partition("/")
     dataset = describe_dataset(name)
-    if file not in dataset.files:
-        raise UnknownNameError(f"file of data set `{name}`", file, dataset.files)
+    require_known(f"file of data set `{name}`", file, dataset.files)
     return dataset, dataset.files[file]
 
 

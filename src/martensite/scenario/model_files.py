@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from martensite.base.errors import DataError, InputError, MartensiteError, suggest_name
-from martensite.base.files import replace_file
+from martensite.base.errors import DataError, InputError, MartensiteError
+from martensite.base.files import read_text_file, replace_file
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.scores import compute_rms, fit_percent
@@ -167,15 +167,9 @@ def _describe_program() -> str:
 
 
 def _read_document(path: Path) -> dict[str, Any]:
+    text = read_text_file(path, "model")
     try:
-        document = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refuse_word)
-    except FileNotFoundError:
-        beside = [other.name for other in sorted(path.parent.glob("*.json"))[:10]]
-        raise DataError(
-            f"There is no model file `{path}`. {suggest_name(path.name, beside)}"
-        ) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise DataError(f"Cannot read the model file `{path}`: {error}.") from None
+        document = json.loads(text, parse_constant=_refuse_word)
     except (ValueError, RecursionError) as error:
         raise DataError(f"The model file `{path}` is not valid JSON: {error}.") from None
     if not isinstance(document, dict) or cast("Any", document).get("format") != FORMAT:

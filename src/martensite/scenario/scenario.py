@@ -18,8 +18,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import AbstractSystem, System
-from martensite.base.errors import DataError, InputError, ParameterError, suggest_name
-from martensite.base.files import toml_document
+from martensite.base.errors import InputError, ParameterError
+from martensite.base.files import read_text_file, toml_document
 from martensite.base.parameters import Leaf, Parametrised, param
 from martensite.kernels.namespace import Scalar
 from martensite.physics.materials.base import Material
@@ -241,16 +241,7 @@ def load(
         InputError: the file is missing or malformed, or a value is.
     """
     path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        beside = [other.name for other in sorted(path.parent.glob("*.toml"))[:10]]
-        raise DataError(
-            f"There is no scenario file `{path}`. {suggest_name(path.name, beside)}"
-        ) from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise DataError(f"Cannot read the scenario file `{path}`: {error}.") from None
-    return read_scenario(text, path, overrides, log=log)
+    return read_scenario(read_text_file(path, "scenario"), path, overrides, log=log)
 
 
 def read_scenario(

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, overload
 
 from martensite.base import units
 from martensite.base.errors import ParameterError, UnitError
+from martensite.base.formats import write_quantity
 from martensite.base.parameters import Leaf, find_paths
 
 if TYPE_CHECKING:
@@ -84,12 +85,6 @@ class Target:
             bounds=declared.bounds,
             allowed=declared.allowed(),
         )
-
-    def describe_value(self, value: float) -> str:
-        """A value [SI] in the unit that a person would rather read."""
-        unit = units.choose_readable_unit(self.unit)
-        number = f"{units.from_si(value, unit, self.unit):.6g}"
-        return number if unit == "1" else f"{number} {unit}"
 
 
 @dataclass(frozen=True)
@@ -258,18 +253,18 @@ def build_free(
     """
     first = targets[0]
     start = first.value if wanted.start is None else wanted.start
-    low, high = _choose_bounds(wanted, first, start)
+    low, high = choose_bounds(wanted, first, [start])
     least, most = first.bounds
+    ends = " and ".join(write_quantity(end, first.unit) for end in (low, high))
     if not (low < high and least <= low and high <= most):
         raise ParameterError(
             f"Bounds of the free number `{wanted.name}` must rise and lie within what is allowed "
-            f"({first.allowed}), but are {first.describe_value(low)} and "
-            f"{first.describe_value(high)}."
+            f"({first.allowed}), but are {ends}."
         )
     if wanted.scale == "log" and not low * high > 0.0:
         raise ParameterError(
             f"Bounds of the free number `{wanted.name}` on a logarithmic scale must be on one side "
-            f"of 0, but are {first.describe_value(low)} and {first.describe_value(high)}."
+            f"of 0, but are {ends}."
         )
     wide = low > 0.0 and high / low >= LOG_RATIO and first.unit != "K"
     return FreeNumber(
@@ -287,25 +282,41 @@ def build_free(
     )
 
 
-def _choose_bounds(wanted: SearchRange, target: Target, start: float) -> tuple[float, float]:
-    """Bounds as asked for, and a box around the start where they are not."""
+def choose_bounds(
+    wanted: SearchRange, target: Target, starts: Sequence[float], factor: float = BOX_FACTOR
+) -> tuple[float, float]:
+    """Bounds as asked for, and a box around starts where they are not.
+
+    Args:
+        wanted: what is asked for.
+        target: gives the unit and what is allowed.
+        starts: where searches begin [SI]; the last of them gives the sign.
+        factor: of the box of a number of one sign.
+
+    Raises:
+        ParameterError: all starts are 0, and the declaration sets no bounds.
+    """
     low, high = wanted.low, wanted.high
     if low is None or high is None:
-        box = _choose_box(wanted.name, target, start)
+        box = _choose_box(wanted.name, target, starts, factor)
         low, high = box[0] if low is None else low, box[1] if high is None else high
     return low, high
 
 
-def _choose_box(name: str, target: Target, start: float) -> tuple[float, float]:
+def _choose_box(
+    name: str, target: Target, starts: Sequence[float], factor: float
+) -> tuple[float, float]:
     least, most = target.bounds
-    if target.unit == "K" and math.isfinite(start):
-        return max(start - BOX_TEMPERATURE, least), min(start + BOX_TEMPERATURE, most)
-    if start != 0.0 and math.isfinite(start):
-        ends = sorted((start / BOX_FACTOR, start * BOX_FACTOR))
-        return max(ends[0], least), min(ends[1], most)
+    known = [start for start in starts if math.isfinite(start)]
+    if target.unit == "K" and known:
+        return max(min(known) - BOX_TEMPERATURE, least), min(max(known) + BOX_TEMPERATURE, most)
+    sizes = [start for start in known if start != 0.0]
+    if sizes:
+        ends = [e for one in sizes if one * sizes[-1] > 0.0 for e in (one / factor, one * factor)]
+        return max(min(ends), least), min(max(ends), most)
     if not (math.isfinite(least) and math.isfinite(most)):
         raise ParameterError(
-            f"The free number `{name}` is {start:g} and its declaration sets no bounds; "
+            f"The free number `{name}` is {starts[0]:g} and its declaration sets no bounds; "
             f"write them, such as `{name}=low..high`."
         )
     return least, most

@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from typing import TypeAlias
 
 import numpy as np
@@ -160,10 +161,7 @@ def _split_classes(x: Numbers, y: Numbers) -> list[Numbers]:
 
 def rank_columns(values: Numbers) -> Numbers:
     """Places in the order of size, of every column; equal ones share the mean of theirs."""
-    if values.ndim > 1:
-        return np.stack([rank_columns(one) for one in values.T], axis=1)
-    _, places, counts = np.unique(values, return_inverse=True, return_counts=True)
-    return (np.cumsum(counts) - 0.5 * (counts - 1))[places]
+    return import_module("scipy.stats").rankdata(values, axis=0)
 
 
 def fit_slopes(x: Numbers, y: Numbers) -> tuple[SensitivityIndex, float]:

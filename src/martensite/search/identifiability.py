@@ -24,12 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError
-from martensite.search.quantity_text import (
-    find_difference_unit,
-    format_number,
-    list_names,
-    round_below,
-)
+from martensite.base.formats import choose_difference_unit
+from martensite.search.quantity_text import format_number, list_names, round_below
 from martensite.search.scaled_jacobian import (
     ScaledParameters,
     balance_columns,
@@ -199,5 +195,5 @@ def _choose_stretch(free: ScaledParameters, direction: Vector, order: Sequence[i
         return abs(free.scales[first]) / rise
     if is_gauge([free.relative(i, direction) for i in order]):
         return _TENTH / free.relative(first, direction)
-    factor, _ = find_difference_unit(free.units[first])
+    _, factor = choose_difference_unit(free.units[first])
     return round_below(0.5 * abs(free.scales[first]) / factor) * factor / rise

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from martensite.base.units import choose_readable_unit, find_conversion, from_si
+from martensite.base.formats import choose_difference_unit
+from martensite.base.units import choose_readable_unit, from_si
 
 
 def format_number(value: float, digits: int = 4) -> str:
@@ -21,14 +22,8 @@ def format_quantity(value: float, unit: str) -> str:
 
 def format_change(amount: float, unit: str, digits: int = 4) -> str:
     """A difference given in the SI `unit`: `5 K`, where the value itself is read in degC."""
-    factor, spelling = find_difference_unit(unit)
+    spelling, factor = choose_difference_unit(unit)
     return _append_unit(amount / factor, spelling, digits)
-
-
-def find_difference_unit(unit: str) -> tuple[float, str]:
-    """Factor to the SI `unit`, and name, of the unit in which a difference is read."""
-    factor, offset = find_conversion(choose_readable_unit(unit), unit)
-    return (1.0, unit) if offset else (factor, choose_readable_unit(unit))
 
 
 def format_quotient(above: str, below: str) -> str:

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.confidence import EVERYTHING, LEVEL, Interval, student_quantile
-from martensite.base.errors import DataError, UnknownNameError
+from martensite.base.errors import DataError, require_known
 from martensite.search.autocorrelation import count_effective_samples
 from martensite.search.identifiability import PRECISION
 from martensite.search.quantity_text import format_number, list_names
@@ -139,8 +139,7 @@ class Uncertainty:
         }
 
     def _about(self, name: str, level: float, freedom: int, factor: float) -> Interval:
-        if name not in self.names:
-            raise UnknownNameError("free parameter", name, self.names)
+        require_known("free parameter", name, self.names)
         place = self.names.index(name)
         value, error = self.values[place], self.errors[place]
         if freedom < 1 or not math.isfinite(error):

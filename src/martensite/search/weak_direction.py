@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from martensite.base.formats import choose_difference_unit
 from martensite.search.quantity_text import (
-    find_difference_unit,
     format_change,
     format_number,
     format_quotient,
@@ -75,7 +75,7 @@ class WeakDirection:
                 else f"product of {list_names(self.names)}"
             )
             return f"Only the {kind} is determined"
-        (one, top), (other, bottom) = map(find_difference_unit, self.units)
+        (top, one), (bottom, other) = map(choose_difference_unit, self.units)
         slope = -(self.changes[0] / one) / (self.changes[1] / other)
         factor = f"{format_number(abs(slope))} {format_quotient(top, bottom)}".strip()
         sign = "+" if slope > 0.0 else "-"

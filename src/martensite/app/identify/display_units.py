@@ -5,7 +5,7 @@ from __future__ import annotations
 from martensite.app.messages import JsonTable
 from martensite.app.views.columns import describe_conversion
 from martensite.base import units
-from martensite.search.quantity_text import find_difference_unit
+from martensite.base.formats import choose_difference_unit
 
 
 def describe_display(name: str, unit: str) -> JsonTable:
@@ -22,7 +22,7 @@ def describe_difference(name: str, unit: str) -> JsonTable:
     """How an error or an offset is shown, which has no zero to be shifted."""
     if units.of_column(name, unit) == "%":
         return describe_conversion(unit, "%")
-    factor, spelling = find_difference_unit(unit)
+    spelling, factor = choose_difference_unit(unit)
     return {
         "unit": unit,
         "shown": "" if spelling == "1" else spelling,

@@ -22,14 +22,8 @@ from pathlib import Path
 from typing import Any, cast
 
 from martensite.base import units
-from martensite.base.errors import (
-    DataError,
-    ParameterError,
-    UnitError,
-    UnknownNameError,
-    suggest_name,
-)
-from martensite.base.files import toml_document
+from martensite.base.errors import ParameterError, UnitError, UnknownNameError, suggest_name
+from martensite.base.files import read_text_file, toml_document
 from martensite.physics.materials.names import NAMES
 
 KINDS = ("datasheet", "measured", "fitted", "assumed", "recalled")
@@ -115,15 +109,7 @@ def load_material(name: str | Path, folder: Path | None = None) -> Material:
 
 def read_toml(path: Path, what: str) -> dict[str, Any]:
     """The document in a TOML file; `what` says in an error which kind of file it is."""
-    try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise DataError(f"There is no {what} file `{path}`.") from None
-    except OSError as error:
-        raise DataError(f"Cannot read {what} file `{path}`: {error.strerror}.") from None
-    except UnicodeDecodeError as error:
-        raise DataError(f"Cannot read {what} file `{path}`: it is not UTF-8 ({error}).") from None
-    return toml_document(text, f"{what.capitalize()} file `{path}`")
+    return toml_document(read_text_file(path, what), f"{what.capitalize()} file `{path}`")
 
 
 def _read_material(name: str, document: Mapping[str, Any], file: str) -> Material:

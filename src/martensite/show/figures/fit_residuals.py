@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from martensite.base.formats import choose_difference_unit
 from martensite.fit.compared_outputs import ComparedOutput, list_compared
-from martensite.search.quantity_text import find_difference_unit
 from martensite.show.figures.fit import HELD, TIME, TINT, make_output_axis
 from martensite.show.figures.labels import QuantityAxis
 from martensite.show.figures.panels import (
@@ -88,7 +88,7 @@ def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) ->
 
 def _find_factor(shown: QuantityAxis) -> float:
     """SI per unit of a difference."""
-    return 0.01 if shown.shown == "%" else find_difference_unit(shown.unit)[0]
+    return 0.01 if shown.shown == "%" else choose_difference_unit(shown.unit)[1]
 
 
 def _draw_memory(axes: Any, test: Whiteness | None, last: bool) -> None:

@@ -6,7 +6,7 @@ import math
 
 from martensite.base import units
 from martensite.base.confidence import Interval
-from martensite.base.formats import typeset_unit
+from martensite.base.formats import choose_difference_unit, typeset_unit
 from martensite.base.summary import DataTable
 from martensite.fit.compared_outputs import HELD_OUT, ComparedOutput, list_compared
 from martensite.fit.fit import Fit
@@ -16,7 +16,7 @@ from martensite.fit.free_parameters import is_nuisance
 from martensite.scenario.exact_text import format_quantity
 from martensite.search.free_numbers import FreeNumber
 from martensite.search.model_score import Score
-from martensite.search.quantity_text import find_difference_unit, format_number
+from martensite.search.quantity_text import format_number
 
 DIGITS = 4
 """Digits of a number without an error."""
@@ -95,7 +95,7 @@ def _write_parameter(fit: Fit, free: FreeNumber) -> tuple[str, ...]:
 def choose_parameter_unit(free: FreeNumber, value: float) -> str:
     """The unit in which a parameter is read: an offset is a difference."""
     if is_nuisance(free.path):
-        return find_difference_unit(free.unit)[1]
+        return choose_difference_unit(free.unit)[0]
     return units.choose_familiar_unit(value, free.unit)
 
 
