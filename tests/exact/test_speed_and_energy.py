@@ -107,9 +107,9 @@ def test_frequencies_that_are_none() -> None:
         measure_frequency_response(plant, [0.5], 0.1, [9.0])
     with pytest.raises(InputError, match="amplitude"):
         measure_frequency_response(plant, [0.5], 0.0, [0.1])
-    with pytest.raises(InputError, match="no drive `refrence`"):
+    with pytest.raises(InputError, match="No drive named `refrence`"):
         measure_frequency_response(linear_bench(), [1.5], 0.1, [0.1], drive="refrence")
-    with pytest.raises(InputError, match="no output `yy`"):
+    with pytest.raises(InputError, match="No output named `yy`"):
         measure_frequency_response(plant, [0.5], 0.1, [0.1], output="yy")
 
 
@@ -196,7 +196,7 @@ def test_a_bench_holds_its_power_for_a_period() -> None:
 def test_what_has_no_cycle_or_no_columns() -> None:
     with pytest.raises(InputError, match="no whole cycle"):
         compute_cycle_energies(cycles(), 100.0)
-    with pytest.raises(InputError, match="no column `torqe`"):
+    with pytest.raises(InputError, match="No column named `torqe`"):
         compute_cycle_energies(cycles(), CYCLE, pairs=[("torqe", "position")])
     named = compute_cycle_energies(cycles(), CYCLE, pairs=[("force", "position")])
     assert named.work.tolist() == compute_cycle_energies(cycles(), CYCLE).work.tolist()

@@ -275,7 +275,7 @@ def test_signs_are_kept_and_starts_without_one_begin_at_a_bound() -> None:
     [
         ([], "Nothing is free"),
         (["Kq"], "There is no parameter `Kq`"),
-        (["Kd"], "has no bounds"),
+        (["Kd"], "sets no bounds"),
         (["Kp=2..1"], "must rise"),
         (["Kp=-1..1 log"], "on one side of 0"),
     ],

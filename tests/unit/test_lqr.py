@@ -89,14 +89,14 @@ def test_hysteresis_has_two_signals_for_one_level():
 def test_what_is_not_there_is_refused():
     with pytest.raises(ParameterError, match=r"never at 0\.5"):
         find_operating_level(PLANT, 0.5, "position", 0.0, 3.0)
-    with pytest.raises(InputError, match=r"no output `positon`.*`position`"):
+    with pytest.raises(InputError, match=r"No output named `positon`.*`position`"):
         find_operating_level(PLANT, 0.5, "positon", 0.0, 3.0)
     with pytest.raises(InputError, match="needs `high`"):
         find_operating_point(PLANT, 1.0, direction="cooling")
-    with pytest.raises(InputError, match="Direction is `up`"):
+    with pytest.raises(InputError, match="No direction named `up`"):
         wrong: Any = "up"
         find_operating_point(PLANT, 1.0, direction=wrong)
-    with pytest.raises(InputError, match="no drive `current`"):
+    with pytest.raises(InputError, match="No drive named `current`"):
         find_operating_point(PLANT, 1.0, drive="current")
     with pytest.raises(InputError, match="period above 0 s"):
         linearise_plant(point("heating"))
@@ -135,7 +135,7 @@ def test_readings_that_are_no_states_are_told():
     """The position says all that moves; the drop of a current is no state at all."""
     with pytest.raises(InputError, match="`current` jumps with the signal"):
         readings("heating", "current")
-    with pytest.raises(InputError, match="no output `speed`"):
+    with pytest.raises(InputError, match="No output named `speed`"):
         readings("heating", "speed")
 
 

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from sweep_tables import table, with_status, with_value
 
 from martensite.base.errors import DataError, ParameterError, UnknownNameError
-from martensite.design.sweep.pareto import find_pareto_front
+from martensite.design.sweep.pareto import BLOCK, find_pareto_front, find_unbeaten
 from martensite.design.sweep.table import SweepTable
-from martensite.search.pareto import BLOCK, find_unbeaten
 
 
 def by_definition(values: np.ndarray) -> list[int]:

@@ -374,7 +374,6 @@ def test_summaries_in_stretches_are_those_of_the_whole(
     monkeypatch.setattr(stores, "STRETCH", 90)
     assert len(list(store.stretches())) > 10
     assert summary.compute_spread(store, "stroke") == expected
-    assert summary.compute_spread(store, "stroke", most=4) == pytest.approx(expected, abs=1e-12)
     assert summary.count_statuses(store, 2) == (counts, first)
     assert (counts[0], counts[5]) == (len(kept), made.size - 41 - len(kept))
     assert len(first[5]) == 2

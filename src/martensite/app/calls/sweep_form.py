@@ -14,8 +14,8 @@ from martensite.base.errors import MartensiteError
 from martensite.base.parameters import Declared
 from martensite.design.backends.processes import count_cores
 from martensite.design.sampling.base import DESIGNS
-from martensite.design.sweep.extra_packages import import_extra
 from martensite.design.sweep.job import MEASURES as USUAL
+from martensite.design.sweep.store import import_zarr
 from martensite.design.sweep.subject import list_targets, list_waveforms
 from martensite.scenario.catalogue import summarise_class
 from martensite.scenario.exact_text import exact_text
@@ -56,7 +56,7 @@ def _find_missing_extra() -> str:
     if find_spec("zarr") is not None:
         return ""
     try:
-        import_extra("zarr")
+        import_zarr()
     except MartensiteError as error:
         return str(error)
     return ""

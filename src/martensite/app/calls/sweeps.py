@@ -28,12 +28,11 @@ from martensite.base.errors import DataError
 from martensite.design.backends.base import StoppedError
 from martensite.design.backends.processes import count_cores
 from martensite.design.sweep.api import begin_sweep
-from martensite.design.sweep.extra_packages import import_extra
 from martensite.design.sweep.indices import compute_sensitivity
 from martensite.design.sweep.job import SweepRequest, build_plan, prepare_plan
 from martensite.design.sweep.pareto import find_pareto_front
 from martensite.design.sweep.reading import read_sweep
-from martensite.design.sweep.store import Store
+from martensite.design.sweep.store import Store, import_zarr
 from martensite.design.sweep.summary import count_statuses
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario
@@ -97,7 +96,7 @@ def run_sweep(request: Request, desk: Desk) -> JsonTable:
     Notes have a number, the state, and the runs made since the last one
     (`sweeping.sweep_progress`). Cancelled, it keeps what was made.
     """
-    import_extra("zarr")
+    import_zarr()
     desk.tell({"phase": "preparing", "number": 0})
     key, path, scenario, asked = _find_store(request, desk)
     if desk.stop.is_set():

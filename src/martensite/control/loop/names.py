@@ -25,6 +25,15 @@ def list_references(bench: Bench) -> list[str]:
     return [REFERENCE] if len(names) == 1 else [f"{REFERENCE}.{name}" for name in names]
 
 
+def name_loop_columns(bench: Bench, drive: str) -> tuple[str, str, str]:
+    """Outputs of a run that are reference, wanted signal and reading of a controller."""
+    members = bench.controllers.members()
+    reference = list_references(bench)[list(members).index(drive)]
+    measured = members[drive].measured
+    reading = MEASURED + measured if measured in bench.sensors.members() else measured
+    return reference, wanted_name(reference), reading
+
+
 def outside_references(bench: Bench, outside: Iterable[str]) -> dict[str, str]:
     """Names of the references of drives that run outside of a bench, by drive.
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, SolveError, suggest_name
+from martensite.base.errors import InputError, SolveError, require_known
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
 from martensite.simulate.lanes import Lanes
@@ -50,14 +50,10 @@ class DrivenLanes:
         if not names:
             raise InputError("A system without drives cannot be driven.")
         self.drive = drive or names[0]
-        if self.drive not in names:
-            raise InputError(f"There is no drive `{self.drive}`. {suggest_name(self.drive, names)}")
+        require_known("drive", self.drive, names)
         known = system.outputs()
         self.output = output or next(iter(system.mechanism.outputs()))
-        if self.output not in known:
-            raise InputError(
-                f"There is no output `{self.output}`. {suggest_name(self.output, known)}"
-            )
+        require_known("output", self.output, known)
         self.system, self.count = system, count
         self.lanes = Lanes(system, count, values, native)
         self._drive = names.index(self.drive)
@@ -75,7 +71,7 @@ class DrivenLanes:
 
     def reset(self, levels: Any) -> Numbers:
         """All lanes at rest under first levels, which spread to (lanes,); the output there."""
-        signals = self._signals(levels)
+        signals = self._spread(np.broadcast_to(np.asarray(levels, float), self.count)[None])[0]
         self.lanes.reset(signals)
         return self.lanes.observe(signals)[self._output]
 
@@ -90,14 +86,14 @@ class DrivenLanes:
         Raises:
             SolveError: a lane failed.
         """
-        rows = self._sampled(levels, dt) if self.interval else self._continuous(levels, dt)
+        if self.interval:
+            rows = self._sampled(levels, dt)
+        else:
+            rows = self.lanes.advance(self._spread(levels), dt)[:, self._output]
         if not ((self.lanes.worst[0] <= SOLVED).all() and np.isfinite(rows).all()):
             worst = next(one for one in self.lanes.status if one.failed)
             raise SolveError(f"A lane of `{self.drive}` failed. {worst.sentence}")
         return rows
-
-    def _continuous(self, levels: Numbers, dt: float) -> Numbers:
-        return self.lanes.advance(self._spread(levels), dt)[:, self._output]
 
     def _sampled(self, levels: Numbers, dt: float) -> Numbers:
         """A drive that is read ahead counts at the end of a sample, others at its start."""
@@ -109,10 +105,6 @@ class DrivenLanes:
             self.lanes.advance(now[None], dt, shown=False)
             found[k] = self.lanes.observe(signals[k + 1])[self._output]
         return found
-
-    def _signals(self, levels: Any) -> Numbers:
-        """Signals of all drives at one moment."""
-        return self._spread(np.broadcast_to(np.asarray(levels, float), self.count)[None])[0]
 
     def _spread(self, levels: Numbers) -> Numbers:
         """Signals of all drives, shape (steps, drives, lanes)."""

@@ -25,43 +25,11 @@ from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.elements.rows import AbstractRow
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine
-from martensite.base.errors import InputError, suggest_name
+from martensite.base.errors import InputError, require_known
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.result import Result
 
 Pair = tuple[str, str]
-
-
-@dataclass(frozen=True, eq=False)
-class CycleEnergies:
-    """One number per cycle, shape (cycles,) [J]."""
-
-    period: float
-    """[s]"""
-    electrical: Numbers
-    """Into all elements."""
-    lost: Numbers
-    """As heat to the surroundings."""
-    work: Numbers
-    """That the elements gave while they pulled."""
-    returned: Numbers
-    """That they took while they were stretched again."""
-
-    @property
-    def net_work(self) -> Numbers:
-        """Work less what was returned."""
-        return self.work - self.returned
-
-    @property
-    def kept(self) -> Numbers:
-        """Electrical less heat: what is left in the elements at the end of a cycle."""
-        return self.electrical - self.lost
-
-    @property
-    def efficiency(self) -> Numbers:
-        """Work over electrical energy; NaN without any."""
-        given = np.where(self.electrical > 0.0, self.electrical, np.nan)
-        return self.work / given
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +50,24 @@ class EnergyCourses:
         """Work over electrical energy; NaN without any."""
         nothing = np.full(len(self.work), np.nan)
         return np.divide(self.work, self.electrical, where=self.electrical > 0.0, out=nothing)
+
+
+@dataclass(frozen=True, eq=False)
+class CycleEnergies(EnergyCourses):
+    """Energies of every cycle, shape (cycles,) [J]."""
+
+    period: float
+    """[s]"""
+
+    @property
+    def net_work(self) -> Numbers:
+        """Work less what was returned."""
+        return self.work - self.returned
+
+    @property
+    def kept(self) -> Numbers:
+        """Electrical less heat: what is left in the elements at the end of a cycle."""
+        return self.electrical - self.lost
 
 
 def find_ways(result: Result) -> list[tuple[Numbers, Numbers]] | None:
@@ -158,7 +144,7 @@ def compute_cycle_energies(
     over = integrate_energies(result, ways)
     totals = over.electrical, over.lost, over.work, over.returned
     found = [np.diff(np.interp(ends, times, total)) for total in totals]
-    return CycleEnergies(period, *found)
+    return CycleEnergies(found[0], found[1], found[2], found[3], period)
 
 
 def _add_columns(result: Result, name: str) -> Numbers:
@@ -184,6 +170,5 @@ def _find_columns(result: Result, pairs: Sequence[Pair] | None) -> Sequence[Pair
         (port,) = result.system.actuators()
         return [(result.system.label(port, "force"), result.coordinate)]
     for name in (one for pair in pairs for one in pair):
-        if name not in result.columns:
-            raise InputError(f"There is no column `{name}`. {suggest_name(name, result.columns)}")
+        require_known("column", name, result.columns)
     return pairs

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.base import units
+from martensite.base.formats import write_difference
 from martensite.design.optimise.evaluate import DesignEvaluator
 from martensite.search.free_numbers import BOX_TEMPERATURE
 
@@ -70,8 +70,8 @@ class ActiveConstraint:
             return f"`{label}` is met, but relaxing it gains nothing."
         way = "more" if self.more else "less"
         return (
-            f"`{label}` holds it: {_format_difference(self.step, self.unit)} {way} would gain "
-            f"{_format_difference(self.gain, goal_unit)} ({100.0 * self.share:.3g} %)."
+            f"`{label}` holds it: {write_difference(self.step, self.unit, 3)} {way} would gain "
+            f"{write_difference(self.gain, goal_unit, 3)} ({100.0 * self.share:.3g} %)."
         )
 
 
@@ -146,10 +146,3 @@ def _list_active(
             )
         )
     return found
-
-
-def _format_difference(value: float, unit: str) -> str:
-    """A difference in a unit that people read; of temperatures in kelvin."""
-    shown = "K" if unit == "K" else units.choose_readable_unit(unit)
-    factor = 1.0 if unit == "K" else units.find_conversion(shown, unit)[0]
-    return f"{value / factor:.3g}{'' if shown == '1' else f' {shown}'}"

@@ -24,7 +24,8 @@ r"""Tuning rules: PI and PID gains from a model of first order with dead time.
 
 with x = L/T. The time wanted of the closed loop is τ_c of SIMC (L by default, L/2 for PID) or λ
 (T by default). Rules for an integrating plant are their limits for a large T with K/T = k', where
-the sources have one. A gain of the plant below 0 gives gains below 0.
+the sources have one: written in L and x they hold for both. A gain of the plant below 0 gives gains
+below 0.
 
 A sampled controller holds its signal, which is late by half a period on average: give it to
 `gains_by_rule` as part of the dead time.
@@ -99,16 +100,18 @@ class IdealGains(NamedTuple):
 
 
 Model = FirstOrder | Integrating
+Formula = Callable[[float, float, float | None], IdealGains]
+"""Gains of (dead time L [s], x = L/T, time wanted of the loop [s]) for K/T = 1."""
 
 
 class Rule(NamedTuple):
-    """A rule; its functions take the form, the plant, and the time wanted of the loop."""
+    """A rule."""
 
     cites: tuple[str, ...]
-    first_order: Callable[[str, float, float, float | None], IdealGains]
-    """Of (form, T, L, time wanted [s]), for K = 1."""
-    integrating: Callable[[str, float, float | None], IdealGains] | None = None
-    """Of (form, L, time wanted [s]), for k' = 1; None if the source has none."""
+    pi: Formula
+    pid: Formula
+    integrating: bool = False
+    """Whether the source has it for an integrating plant."""
     aimed: bool = False
     """Whether a time can be wanted of the loop."""
 
@@ -119,86 +122,68 @@ def convert_series(Kp: float, Ti: float, Td: float) -> IdealGains:
     return IdealGains(Kp * both, Ti * both, Td / both)
 
 
-def _ziegler_nichols(form: str, L: float, aim: float | None) -> IdealGains:
-    return IdealGains(0.9 / L, L / 0.3) if form == "pi" else IdealGains(1.2 / L, 2.0 * L, 0.5 * L)
-
-
-def _ziegler_first(form: str, T: float, L: float, aim: float | None) -> IdealGains:
-    found = _ziegler_nichols(form, L, aim)
-    return found._replace(Kp=T * found.Kp)
-
-
-def _chien_hrones(form: str, T: float, L: float, aim: float | None) -> IdealGains:
-    return (
-        IdealGains(0.35 * T / L, 1.2 * T) if form == "pi" else IdealGains(0.6 * T / L, T, 0.5 * L)
-    )
-
-
-def _chien_20(form: str, T: float, L: float, aim: float | None) -> IdealGains:
-    return (
-        IdealGains(0.6 * T / L, T) if form == "pi" else IdealGains(0.95 * T / L, 1.4 * T, 0.47 * L)
-    )
-
-
-def _cohen_coon(form: str, T: float, L: float, aim: float | None) -> IdealGains:
-    x = L / T
-    if form == "pi":
-        return IdealGains((0.9 + x / 12.0) / x, L * (30.0 + 3.0 * x) / (9.0 + 20.0 * x))
-    return IdealGains(
-        (4.0 / 3.0 + x / 4.0) / x,
-        L * (32.0 + 6.0 * x) / (13.0 + 8.0 * x),
-        4.0 * L / (11.0 + 2.0 * x),
-    )
-
-
-def _simc_aim(form: str, L: float, aim: float | None) -> float:
-    return (L if form == "pi" else 0.5 * L) if aim is None else aim
-
-
-def _simc(form: str, T: float, L: float, aim: float | None) -> IdealGains:
-    late = _simc_aim(form, L, aim) + L
-    Kp, Ti = T / late, min(T, 4.0 * late)
-    return IdealGains(Kp, Ti) if form == "pi" else convert_series(Kp, Ti, L / 3.0)
-
-
-def _simc_integrating(form: str, L: float, aim: float | None) -> IdealGains:
-    late = _simc_aim(form, L, aim) + L
-    return (
-        IdealGains(1.0 / late, 4.0 * late)
-        if form == "pi"
-        else convert_series(1.0 / late, 4.0 * late, L / 3)
-    )
-
-
-def _amigo(form: str, T: float, L: float, aim: float | None) -> IdealGains:
-    if form == "pi":
-        Kp = 0.15 + (0.35 - L * T / (L + T) ** 2) * T / L
-        return IdealGains(Kp, 0.35 * L + 13.0 * L * T**2 / (T**2 + 12.0 * L * T + 7.0 * L**2))
-    Ti = L * (0.4 * L + 0.8 * T) / (L + 0.1 * T)
-    return IdealGains(0.2 + 0.45 * T / L, Ti, 0.5 * L * T / (0.3 * L + T))
-
-
-def _amigo_integrating(form: str, L: float, aim: float | None) -> IdealGains:
-    return (
-        IdealGains(0.35 / L, 13.35 * L) if form == "pi" else IdealGains(0.45 / L, 8.0 * L, 0.5 * L)
-    )
-
-
-def _lambda(form: str, T: float, L: float, aim: float | None) -> IdealGains:
-    wanted = T if aim is None else aim
-    if form == "pi":
-        return IdealGains(T / (wanted + L), T)
-    return IdealGains((T + 0.5 * L) / (wanted + 0.5 * L), T + 0.5 * L, L * T / (2.0 * T + L))
+def _apply_simc(L: float, x: float, aim: float) -> tuple[float, float]:
+    """K_p and T_i of the controller, for PID in series."""
+    late = aim + L
+    return 1.0 / late, min(L / x, 4.0 * late) if x else 4.0 * late
 
 
 RULES: Mapping[str, Rule] = {
-    "ziegler-nichols": Rule(("ziegler1942",), _ziegler_first, _ziegler_nichols),
-    "chien-hrones-reswick": Rule(("chien1952",), _chien_hrones),
-    "chien-hrones-reswick-20": Rule(("chien1952",), _chien_20),
-    "cohen-coon": Rule(("cohen1953",), _cohen_coon),
-    "simc": Rule(("skogestad2003", "grimholt2018"), _simc, _simc_integrating, aimed=True),
-    "amigo": Rule(("astrom2004",), _amigo, _amigo_integrating),
-    "lambda": Rule(("dahlin1968", "rivera1986"), _lambda, aimed=True),
+    "ziegler-nichols": Rule(
+        ("ziegler1942",),
+        lambda L, x, aim: IdealGains(0.9 / L, L / 0.3),
+        lambda L, x, aim: IdealGains(1.2 / L, 2.0 * L, 0.5 * L),
+        integrating=True,
+    ),
+    "chien-hrones-reswick": Rule(
+        ("chien1952",),
+        lambda L, x, aim: IdealGains(0.35 / L, 1.2 * L / x),
+        lambda L, x, aim: IdealGains(0.6 / L, L / x, 0.5 * L),
+    ),
+    "chien-hrones-reswick-20": Rule(
+        ("chien1952",),
+        lambda L, x, aim: IdealGains(0.6 / L, L / x),
+        lambda L, x, aim: IdealGains(0.95 / L, 1.4 * L / x, 0.47 * L),
+    ),
+    "cohen-coon": Rule(
+        ("cohen1953",),
+        lambda L, x, aim: IdealGains((0.9 + x / 12.0) / L, L * (30.0 + 3.0 * x) / (9.0 + 20.0 * x)),
+        lambda L, x, aim: IdealGains(
+            (4.0 / 3.0 + x / 4.0) / L,
+            L * (32.0 + 6.0 * x) / (13.0 + 8.0 * x),
+            4.0 * L / (11.0 + 2.0 * x),
+        ),
+    ),
+    "simc": Rule(
+        ("skogestad2003", "grimholt2018"),
+        lambda L, x, aim: IdealGains(*_apply_simc(L, x, L if aim is None else aim)),
+        lambda L, x, aim: convert_series(
+            *_apply_simc(L, x, 0.5 * L if aim is None else aim), L / 3.0
+        ),
+        integrating=True,
+        aimed=True,
+    ),
+    "amigo": Rule(
+        ("astrom2004",),
+        lambda L, x, aim: IdealGains(
+            (0.15 * x + 0.35 - x / (1.0 + x) ** 2) / L,
+            0.35 * L + 13.0 * L / (1.0 + 12.0 * x + 7.0 * x**2),
+        ),
+        lambda L, x, aim: IdealGains(
+            (0.2 * x + 0.45) / L, L * (0.4 * x + 0.8) / (x + 0.1), 0.5 * L / (0.3 * x + 1.0)
+        ),
+        integrating=True,
+    ),
+    "lambda": Rule(
+        ("dahlin1968", "rivera1986"),
+        lambda L, x, aim: IdealGains(1.0 / ((L / x if aim is None else aim) + L), L / x),
+        lambda L, x, aim: IdealGains(
+            (1.0 + 0.5 * x) / ((L / x if aim is None else aim) + 0.5 * L),
+            L / x + 0.5 * L,
+            L / (2.0 + x),
+        ),
+        aimed=True,
+    ),
 }
 """Rules by name."""
 
@@ -231,22 +216,15 @@ def gains_by_rule(
             f"{aim:g} s for `{rule}`."
         )
     late = model.dead_time + 0.5 * period
-    _require_rule(model, late)
-    if isinstance(model, FirstOrder):
-        found = RULES[rule].first_order(form, model.time_constant, late, aim)
-        return found._replace(Kp=found.Kp / model.gain)
-    law = RULES[rule].integrating
-    if law is None:
-        raise ParameterError(f"Rule `{rule}` is not for an integrating plant.")
-    found = law(form, late, aim)
-    return found._replace(Kp=found.Kp / model.rate)
-
-
-def _require_rule(model: Model, late: float) -> None:
-    """Raise `ParameterError` for a plant that no rule is for."""
-    sizes = (model.rate,) if isinstance(model, Integrating) else (model.gain, model.time_constant)
+    first_order = isinstance(model, FirstOrder)
+    sizes = (model.gain, model.time_constant) if first_order else (model.rate,)
     if not (late > 0.0 and all(math.isfinite(size) and size != 0.0 for size in sizes)):
         raise ParameterError(
             "A tuning rule needs a plant with a gain, a time constant and a dead time above 0 s; "
             "give the period of the controller, half of which counts as dead time."
         )
+    if not (first_order or RULES[rule].integrating):
+        raise ParameterError(f"Rule `{rule}` is not for an integrating plant.")
+    x = late / model.time_constant if first_order else 0.0
+    found = getattr(RULES[rule], form)(late, x, aim)
+    return found._replace(Kp=found.Kp / model.rate)

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.control.controllers.on_off import OnOff
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import MEASURED, REFERENCE, WANTED, list_references
+from martensite.control.loop.names import name_loop_columns
 from martensite.control.loop.parts import Controllers
 from martensite.control.loop.run import simulate_bench
 from martensite.design.rules.formulas import FORMS, IdealGains
@@ -196,11 +196,7 @@ def _run_relay(
 ) -> tuple[Numbers, Numbers, Numbers]:
     """Times, signals and readings."""
     run = simulate_bench(bench, duration, waveforms=waveforms, seed=seed).require()
-    members = bench.controllers.members()
-    measured = members[drive].measured
-    reading = MEASURED + measured if measured in bench.sensors.members() else measured
-    reference = list_references(bench)[list(members).index(drive)]
-    wanted = reference.replace(REFERENCE, WANTED)
+    _, wanted, reading = name_loop_columns(bench, drive)
     return np.array(run.times), np.array(run[wanted]), np.array(run[reading])
 
 

@@ -26,7 +26,7 @@ from martensite.design.rules.step_test import (
     run_step_test,
 )
 from martensite.design.tuning.goals import Course
-from martensite.design.tuning.loop_runs import LoopRuns, Seen, find_loop
+from martensite.design.tuning.loop_runs import LoopRuns, find_loop
 from martensite.design.tuning.measures import compute_itae
 
 BEYOND, SWING, BAND = 0.3, 0.75, 0.02
@@ -162,7 +162,6 @@ def choose_best_rules(runs: LoopRuns, found: LoopTests, count: int) -> list[Mapp
     tried = [convert_to_pid(runs.bench, one, runs.drive) for one in gains]
     table = runs.table({p: [numbers[p] for numbers in tried] for p in tried[0]}, len(tried))
     seen = runs.run(table)
-    nominal = Seen(*(column[0] for column in seen))
-    spent = np.asarray(compute_itae(seen, Course(nominal, runs.bench.period)))
+    spent = np.asarray(compute_itae(seen, Course(seen.one(0), runs.bench.period)))
     order = np.argsort(np.where(np.isfinite(spent), spent, np.inf), kind="stable")
     return [tried[int(k)] for k in order[:count]]

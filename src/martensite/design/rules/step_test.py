@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import MEASURED
+from martensite.control.loop.names import name_loop_columns
 from martensite.control.loop.run import open_loop, simulate_bench
 from martensite.design.rules.first_order_fit import Response, fit_first_order
 from martensite.design.rules.formulas import FirstOrder
@@ -201,9 +201,7 @@ def _simulate_reading(
     waveforms: Waveforms | None,
 ) -> tuple[Numbers, Numbers]:
     """Times and the reading of the controller, with the loop open."""
-    free, controller = open_loop(bench, drive)
+    free, _ = open_loop(bench, drive)
     played = {**(waveforms or {}), drive: wave}
     run = simulate_bench(free, duration, waveforms=played, seed=seed).require()
-    name = controller.measured
-    column = MEASURED + name if name in bench.sensors.members() else name
-    return np.array(run.times), np.array(run.columns[column])
+    return np.array(run.times), np.array(run.columns[name_loop_columns(bench, drive)[2]])

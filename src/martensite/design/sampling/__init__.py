@@ -1,1 +1,1 @@
-"""How the space of a sweep is filled: on a grid, or by samples; one file each."""
+"""How the space of a sweep is filled: on a grid, or by samples."""

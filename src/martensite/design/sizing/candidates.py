@@ -9,7 +9,7 @@ goes. What fails is said as a reason; nothing is left out in silence.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -190,12 +190,8 @@ def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candida
         tuple(reasons),
         tuple(remarks.list_warnings(request, static, driven, hot, limits)),
         remarks.describe_life(static.hot_stress),
-        _recall_limits(size, USED_CELLS),
+        tuple(name for name in USED_CELLS if size.cells()[name].kind in DOUBTFUL),
     )
-
-
-def _recall_limits(size: WireSize, columns: Iterable[str]) -> tuple[str, ...]:
-    return tuple(name for name in columns if size.cells()[name].kind in DOUBTFUL)
 
 
 def _find_drive(request: WireRequest, static: Statics) -> tuple[Wiring, PulseCycle | None]:

@@ -18,9 +18,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
-from martensite.actuators.assembly import System
+import numpy as np
+
 from martensite.actuators.mechanisms.dead_weight import DeadWeight
 from martensite.base.errors import SolveError
 from martensite.design.sizing.cycle import STEPS, find_current, simulate_cooling
@@ -131,31 +131,11 @@ def _check_row(size: WireSize, strand: Strand, stress: float) -> CheckRow:
         system, LEFT * strand.length, current, PULSE, strand.time_constant()
     )
     cell = size.cooling_70 if strand.alloy == "70" else size.cooling_90
-    return CheckRow(
-        size.name,
-        strand.alloy,
-        current,
-        size.current,
-        cooling,
-        cell,
-        _compute_loss_share(system, current),
-        _compute_stored_share(size, strand),
-    )
-
-
-def _compute_loss_share(system: System, current: float) -> float:
     run = simulate(system, Step(high=current), PULSE, step=PULSE / STEPS, samples=STEPS + 1)
-    return _integrate_loss(run.times, run.columns["heat_loss"]) / _integrate_loss(
-        run.times, run.columns["power"]
-    )
-
-
-def _integrate_loss(times: Sequence[float], values: Sequence[float]) -> float:
-    pairs = zip(pairwise(times), pairwise(values), strict=True)
-    return math.fsum(0.5 * (b - a) * (u + v) for (a, b), (u, v) in pairs)
-
-
-def _compute_stored_share(size: WireSize, strand: Strand) -> float:
+    lost, given = (float(np.trapezoid(run[name], run.times)) for name in ("heat_loss", "power"))
     numbers = list_alloy_numbers(strand.alloy)
     taken = strand.mass * (65.0 * numbers["heat_capacity"] + numbers["latent_heat"])
-    return size.current.value**2 * strand.resistance * PULSE / taken
+    stored = size.current.value**2 * strand.resistance * PULSE / taken
+    return CheckRow(
+        size.name, strand.alloy, current, size.current, cooling, cell, lost / given, stored
+    )

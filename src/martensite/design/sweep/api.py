@@ -7,7 +7,7 @@ import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from martensite.base import units
 from martensite.base.errors import InputError
@@ -103,7 +103,12 @@ def begin_sweep(
     old = Store(path) if path.exists() else None
     if old:
         known = old.spec  # nothing but a sweep is opened, or removed
-        wanted = wanted if how.force else _keep_runtime(wanted, known)
+        if not how.force:  # the step and the runtime that it was begun with
+            wanted = replace(
+                wanted,
+                step=wanted.step or known["step"],
+                runtime=wanted.runtime or known["runtime"],
+            )
     plan, wanted = prepare_plan(scenario, wanted)
     spec = build_spec(scenario, wanted, how.modules)
     if old and how.force:
@@ -112,13 +117,6 @@ def begin_sweep(
     job, part = SweepJob(path.resolve(), json.dumps(spec)), parse_share(plan.chunks, how.part)
     backend = how.made(len(set(part) - store.made()), wanted.runtime)
     return PlannedSweep(plan, store, job, part, backend)
-
-
-def _keep_runtime(wanted: SweepRequest, known: dict[str, Any]) -> SweepRequest:
-    """With the step and the runtime that a store was begun with, where none are asked for."""
-    return replace(
-        wanted, step=wanted.step or known["step"], runtime=wanted.runtime or known["runtime"]
-    )
 
 
 def run_sweep(

@@ -48,14 +48,13 @@ def keep_runs(
         return halved(range(rows.start, middle)) + halved(range(middle, rows.stop))
 
     pieces = halved(job.rows(chunk))
-    remarks = begin, _describe_lost(lost) if lost else ""
-    return SweepPiece.joined(pieces), tuple(filter(None, remarks))
-
-
-def _describe_lost(lost: dict[int, str]) -> str:
-    """Which runs are lost, and why the first of them is."""
-    reason = next(iter(lost.values())).rstrip(".")
-    return f"Lost: run {_name_run(lost)} ({reason}). The others of its chunk were made."
+    remarks = [begin] if begin else []
+    if lost:
+        reason = next(iter(lost.values())).rstrip(".")
+        remarks.append(
+            f"Lost: run {_name_run(lost)} ({reason}). The others of its chunk were made."
+        )
+    return SweepPiece.joined(pieces), tuple(remarks)
 
 
 def _name_run(lost: dict[int, str]) -> str:

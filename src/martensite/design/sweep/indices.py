@@ -4,7 +4,8 @@ First order: the share of the variance that vanishes on average if the number is
 share that remains if all others are known; total minus first is what comes of acting together.
 Which estimate is made follows from the design:
 
-    saltelli       SALib's estimators (Saltelli et al. (2010)) with bootstrap intervals
+    saltelli       estimators of Saltelli et al. (2010), Comput. Phys. Commun. 181, table 2 b and f,
+                   as in SciPy and SALib, with bootstrap intervals
     whole grid     sums of squares over its levels, which count as equally likely; no interval
     other samples  `martensite.search.given_data_indices`
 
@@ -20,11 +21,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import DataError
-from martensite.design.sampling.saltelli import count_block_runs
+from martensite.design.sampling.samples import count_block_runs
 from martensite.design.sweep.axes import Numbers
-from martensite.design.sweep.extra_packages import import_extra
 from martensite.design.sweep.table import SweepColumn, SweepTable
-from martensite.search.given_data_indices import SensitivityIndex, estimate_indices, is_spread
+from martensite.search.given_data_indices import (
+    NORMAL_95,
+    SensitivityIndex,
+    estimate_indices,
+    is_spread,
+)
 
 LEAST_BLOCKS = 8
 LEAST_RUNS = 32
@@ -72,7 +77,6 @@ def compute_sensitivity(
     Raises:
         UnknownNameError: there is no such measure.
         DataError: too few runs are there.
-        InputError: SALib is needed and not installed.
     """
     return [
         _analyse_measure(found, one)
@@ -85,7 +89,8 @@ def _analyse_measure(found: SweepTable, one: SweepColumn) -> SensitivityIndices:
     if found.design == "saltelli":
         return _analyse_blocks(found, one, usable)
     if found.shape is not None and usable.all():
-        return _analyse_grid(found, one, found.shape)
+        indices = estimate_grid_indices(one.values.reshape(found.shape))
+        return _build_result(found, one, "grid", indices, one.values, [])
     remarks = _describe_left_out(found, one, usable)
     if found.shape is not None:
         remarks.append("The grid is not whole: its runs are taken as a sample.")
@@ -169,37 +174,26 @@ def estimate_block_indices(y: Numbers, width: int, seed: int = 0) -> dict[str, S
         y: a measure of all runs in the order of the design, (blocks (width + 2),).
         width: number of axes.
         seed: of the bootstrap.
-
-    Raises:
-        InputError: SALib is not installed.
     """
-    sobol = import_extra("SALib.analyze.sobol")
     if not is_spread(y):
         return {name: SensitivityIndex.unknown(width) for name in ("first", "total")}
-    problem = {"num_vars": width, "names": [f"x{k}" for k in range(width)]}
-    draws = int(np.clip(BOOTSTRAP * count_block_runs(width) // y.size, 20, 200))
-    made = sobol.analyze(
-        problem,
-        y,
-        calc_second_order=False,
-        num_resamples=draws,
-        seed=seed + 1,  # 0 would be none
-    )
-    return {
-        name: SensitivityIndex(np.asarray(made[key], float), np.asarray(made[f"{key}_conf"], float))
-        for name, key in (("first", "S1"), ("total", "ST"))
-    }
+    blocks = y.reshape(-1, count_block_runs(width)) - np.mean(y)
+    draws, rng = int(np.clip(BOOTSTRAP / y.size, 20, 200)), np.random.default_rng(seed)
+    rows = (rng.integers(len(blocks), size=len(blocks)) for _ in range(draws))
+    wide = NORMAL_95 * np.std([_estimate_orders(blocks[drawn]) for drawn in rows], 0, ddof=1)
+    pairs = zip(("first", "total"), _estimate_orders(blocks), wide, strict=True)
+    return {name: SensitivityIndex(values, half) for name, values, half in pairs}
+
+
+def _estimate_orders(blocks: Numbers) -> tuple[Numbers, Numbers]:
+    """First and total order, of blocks of mean 0."""
+    a, mixed, b = blocks[:, :1], blocks[:, 1:-1], blocks[:, -1:]
+    variance = np.var(blocks[:, [0, -1]])
+    first = np.mean(b * (mixed - a), axis=0) / variance
+    return first, 0.5 * np.mean((a - mixed) ** 2, axis=0) / variance
 
 
 # ---------------------------------------------------------------- grid
-
-
-def _analyse_grid(
-    found: SweepTable, one: SweepColumn, shape: tuple[int, ...]
-) -> SensitivityIndices:
-    return _build_result(
-        found, one, "grid", estimate_grid_indices(one.values.reshape(shape)), one.values, []
-    )
 
 
 def estimate_grid_indices(y: Numbers) -> dict[str, SensitivityIndex]:

@@ -13,15 +13,14 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from martensite.base.errors import InputError, MartensiteError, UnknownNameError
+from martensite.base.errors import InputError, MartensiteError, require_known
 from martensite.base.registry import import_modules
 from martensite.design.backends.base import Report, StoppedError
 from martensite.design.sampling.base import parse_sampling
 from martensite.design.sweep.axes import parse_axis
 from martensite.design.sweep.failed_runs import keep_runs
 from martensite.design.sweep.plan import CHUNK, SweepPiece, SweepPlan, SweepTrace
-from martensite.design.sweep.spec_differences import list_differences
-from martensite.design.sweep.store import Store
+from martensite.design.sweep.store import Store, list_differences
 from martensite.design.sweep.subject import build_course, list_targets, list_waveforms
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.measures.base import parse_measure
@@ -75,8 +74,7 @@ def build_plan(scenario: Scenario, wanted: SweepRequest) -> SweepPlan:
     course = build_course(scenario, wanted.step, wanted.runtime, wanted.precision)
     outputs = course.system.outputs()
     for name, _ in wanted.traces:
-        if name not in outputs:
-            raise UnknownNameError("output", name, outputs)
+        require_known("output", name, outputs)
     return SweepPlan(
         course,
         tuple(parse_axis(words, targets) for words in wanted.over),
@@ -111,16 +109,11 @@ def build_spec(
         "scenario": scenario.text,
         "title": scenario.title,
         "folder": str(folder),
-        "modules": [_resolve_module(name) for name in modules],
+        "modules": [str(Path(one).resolve()) if one.endswith(".py") else one for one in modules],
         "version": version("martensite"),
         "numbers": _digest_numbers(scenario),
         **wanted.to_dict(),
     }
-
-
-def _resolve_module(module: str) -> str:
-    """A module that is a file by its whole path."""
-    return str(Path(module).resolve()) if module.endswith(".py") else module
 
 
 def _digest_numbers(scenario: Scenario) -> str:

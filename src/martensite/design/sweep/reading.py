@@ -59,8 +59,11 @@ def read_axes(store: Store) -> list[SweepAxis]:
 
     The scenario is not read again: it may need parts of the user's own.
     """
-    arrays = {name: array for name, array in store.group.arrays() if _read_role(array) == "varied"}
-    targets = {str(n): Target(str(n), str(n), a.attrs["units"], 1.0) for n, a in arrays.items()}
+    targets = {
+        str(name): Target(str(name), str(name), array.attrs["units"], 1.0)
+        for name, array in store.group.arrays()
+        if array.attrs.get("role") == "varied"
+    }
     return [parse_axis(words, targets) for words in store.spec["over"]]
 
 
@@ -69,10 +72,6 @@ def read_levels(store: Store, axes: list[SweepAxis]) -> tuple[Any, ...] | None:
     if store.spec["sample"].strip() != "grid":
         return None
     return tuple(one.levels() for one in axes)
-
-
-def _read_role(array: Any) -> str:
-    return str(array.attrs.get("role", ""))
 
 
 def _read_column(store: Store, name: str, gone: NDArray[np.bool_], log: bool) -> SweepColumn:

@@ -23,17 +23,17 @@ import shutil
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from importlib import import_module
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from martensite.base.errors import DataError, MartensiteError
+from martensite.base.errors import DataError, InputError
 from martensite.base.status import Status
 from martensite.design.backends.base import StoppedError
-from martensite.design.sweep.extra_packages import import_extra
 from martensite.design.sweep.plan import DETAILS, SweepPiece, SweepPlan
-from martensite.design.sweep.spec_differences import list_differences
 
 RUN, CHUNK, MADE, STATUS = "run", "chunk", "made", "status"
 TIME = "time of {}"
@@ -41,8 +41,33 @@ SPEC = "martensite_sweep"
 NUMBER = "f8"
 FULL = (errno.ENOSPC, errno.EDQUOT)
 """Numbers of the errors that say that there is no room left."""
+MAY_DIFFER = ("folder", "modules", "title")
+"""What may differ: where the scenario lies, and what it is called."""
+LONGEST = 60
+"""Characters of a value that is shown."""
+WORDS = {
+    "over": "axes",
+    "traces": "traces",
+    "chunk": "runs in a chunk",
+    "version": "version of martensite",
+    "numbers": "numbers in files that the scenario names",
+}
 STRETCH = 1 << 20
 """Runs that are read at a time where all are looked at."""
+
+
+def import_zarr() -> Any:
+    """The package that stores are written by.
+
+    Raises:
+        InputError: it is not installed.
+    """
+    try:
+        return import_module("zarr")
+    except ImportError:
+        raise InputError(
+            "This needs Zarr, which is not installed; run `pip install martensite[sweep]`."
+        ) from None
 
 
 def create_store(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> Store:
@@ -61,9 +86,8 @@ def create_store(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> Store:
             part.rename(path)
         except OSError as error:
             if not path.exists():  # nobody else was faster
-                raise _build_refusal(
-                    f"`{path}` could not be made: {_describe_reason(error)}.", error
-                ) from None
+                kind = StoppedError if error.errno in FULL else DataError
+                raise kind(f"`{path}` could not be made: {_describe_reason(error)}.") from None
         finally:
             shutil.rmtree(part, ignore_errors=True)
     store = Store(path)
@@ -81,14 +105,9 @@ def _describe_reason(error: OSError) -> str:
     return "the disk is full" if error.errno in FULL else error.strerror or str(error)
 
 
-def _build_refusal(sentence: str, error: OSError) -> MartensiteError:
-    """Bad input, or a disk that is full."""
-    return StoppedError(sentence) if error.errno in FULL else DataError(sentence)
-
-
 def _create_group(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> None:
     """An empty group for a plan."""
-    group = import_extra("zarr").create_group(str(path), attributes={SPEC: json.dumps(dict(spec))})
+    group = import_zarr().create_group(str(path), attributes={SPEC: json.dumps(dict(spec))})
     for name, (kind, dims, sizes, attributes) in _lay_out_arrays(plan).items():
         shape, chunks = zip(*sizes, strict=True)
         group.create_array(
@@ -146,7 +165,7 @@ class Store:
             DataError: there is none.
         """
         try:
-            found = import_extra("zarr").open_group(str(self.path), mode="r+")
+            found = import_zarr().open_group(str(self.path), mode="r+")
             json.loads(found.attrs[SPEC])
         except (OSError, KeyError, ValueError) as error:
             raise DataError(f"`{self.path}` holds no sweep ({error}).") from None
@@ -176,9 +195,8 @@ class Store:
         except OSError as error:
             raise StoppedError(
                 f"Chunk {chunk} of `{self.path}` could not be written: {_describe_reason(error)}. "
-                "What was "
-                "written before is kept; mend this and give the same command again: it goes on "
-                "from there."
+                "What was written before is kept; mend this and give the same command again: it "
+                "goes on from there."
             ) from None
 
     def stretches(self) -> Iterator[tuple[slice, np.ndarray]]:
@@ -190,3 +208,33 @@ class Store:
             there = np.repeat(made[first : first + stride], chunk)
             stop = min(first * chunk + len(there), size)
             yield slice(first * chunk, stop), there[: stop - first * chunk]
+
+
+def list_differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
+    """Words for everything that is not the same in two specifications of a sweep.
+
+    The scenario stands for its numbers: where its text differs, they are not named as well.
+    """
+    known = json.loads(json.dumps(dict(here)))
+    names = [n for n in dict.fromkeys((*known, *there)) if n not in MAY_DIFFER]
+    apart = [name for name in names if known.get(name) != there.get(name)]
+    if "scenario" in apart and "numbers" in apart:
+        apart.remove("numbers")
+    return [_describe_difference(name, there.get(name), known.get(name)) for name in apart]
+
+
+def _describe_difference(name: str, there: Any, here: Any) -> str:
+    """One difference, with both values if they are short."""
+    if name == "scenario":
+        there, here = _find_changed_lines(str(there), str(here))
+    label = WORDS.get(name, name)
+    both = [one if isinstance(one, str) else json.dumps(one) for one in (there, here)]
+    if name == "numbers" or max(map(len, both)) > LONGEST:
+        return f"{label} differ" if name in WORDS else f"{label} differs"
+    return f"{label} `{both[0]}` there, `{both[1]}` here"
+
+
+def _find_changed_lines(there: str, here: str) -> tuple[str, str]:
+    """The first lines of two texts that are not the same."""
+    pairs = zip_longest(there.splitlines(), here.splitlines(), fillvalue="")
+    return next(((a.strip(), b.strip()) for a, b in pairs if a.strip() != b.strip()), ("", ""))

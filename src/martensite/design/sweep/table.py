@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base import units
-from martensite.base.errors import DataError, UnknownNameError
+from martensite.base.errors import DataError, UnknownNameError, require_known
 from martensite.base.status import Status
 from martensite.design.sweep.axes import Numbers
 
@@ -130,8 +130,7 @@ class SweepTable:
             DataError: only traces were kept.
         """
         for name in names or ():
-            if name not in self.measures:
-                raise UnknownNameError("measure in this sweep", name, self.measures)
+            require_known("measure in this sweep", name, self.measures)
         if not self.measures:
             raise DataError("This sweep kept traces only; run it with `--output` as well.")
         return [self.measures[name] for name in names or self.measures]

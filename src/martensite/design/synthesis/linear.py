@@ -20,13 +20,13 @@ and what is left over, the residual, is 0 if the chosen outputs say all that mat
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem, advance_steps
-from martensite.base.errors import InputError, suggest_name
+from martensite.base.errors import InputError, require_known
 from martensite.design.synthesis.operating_point import SteadyPoint
 from martensite.identify.chains.linear_system import LinearSystem
 from martensite.kernels import floats
@@ -66,8 +66,7 @@ def linearise_plant(
     names = [drive.name for drive in system.drives()]
     chosen = list(inputs or (point.drive,))
     for name in chosen:
-        if name not in names:
-            raise InputError(f"There is no drive `{name}`. {suggest_name(name, names)}")
+        require_known("drive", name, names)
     interval = system.sample_time() or period
     if not interval or interval <= 0.0:
         raise InputError("A plant in continuous time is linearised for a period above 0 s.")
@@ -163,8 +162,7 @@ def _compute_reached(linear: LinearSystem, seen: Numbers) -> Numbers:
 
 
 def _find_output(linear: LinearSystem, name: str) -> int:
-    if name not in linear.output_names:
-        raise InputError(f"There is no output `{name}`. {suggest_name(name, linear.output_names)}")
+    require_known("output", name, linear.output_names)
     return linear.output_names.index(name)
 
 
@@ -175,17 +173,5 @@ def average_plants(parts: Sequence[Readings]) -> Readings:
     def mean(name: str) -> Any:
         return np.mean([getattr(one, name) for one in each], axis=0)
 
-    first = each[0]
-    linear = LinearSystem(
-        mean("a"),
-        mean("b"),
-        first.c,
-        first.d,
-        first.interval,
-        mean("inputs"),
-        mean("state"),
-        mean("outputs"),
-        first.input_names,
-        first.output_names,
-    )
-    return Readings(linear, max(part.residual for part in parts))
+    means = {name: mean(name) for name in ("a", "b", "inputs", "state", "outputs")}
+    return Readings(replace(each[0], **means), max(part.residual for part in parts))

@@ -14,7 +14,7 @@ from typing import Literal, TypeAlias, cast
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, ParameterError, SolveError, suggest_name
+from martensite.base.errors import InputError, ParameterError, SolveError, require_known
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
 from martensite.simulate.lanes import Lanes
@@ -45,7 +45,7 @@ class SteadyPoint:
     @property
     def signal(self) -> float:
         """Of the drive that is varied."""
-        return self.signals[_find_place(self.system, self.drive)]
+        return self.signals[[one.name for one in self.system.drives()].index(self.drive)]
 
 
 def find_operating_point(
@@ -71,10 +71,9 @@ def find_operating_point(
         InputError: a name does not fit, or `high` is missing.
         SolveError: the system does not come to rest.
     """
-    name, base = _begin_drive(system, drive, others)
+    rest = _RestingLanes(system, drive, others, direction, high)
     row = np.array([float(signal)])
-    lanes = _rest_lanes(system, base, name, row, _approach_point(direction, high))
-    return _build_point(lanes, base, name, row, 0, direction)
+    return rest.point(rest.settle(row), row, 0)
 
 
 def find_operating_level(
@@ -105,15 +104,13 @@ def find_operating_level(
         ParameterError: no signal between the two leads there.
         SolveError: the system does not come to rest.
     """
-    name, base = _begin_drive(system, drive, others)
-    known = list(system.outputs())
-    if output not in known:
-        raise InputError(f"There is no output `{output}`. {suggest_name(output, known)}")
+    rest, known = _RestingLanes(system, drive, others, direction, high), list(system.outputs())
+    require_known("output", output, known)
     place, ends = known.index(output), (low, high)
     for number in range(ROUNDS):
         row = np.linspace(*ends, SIGNALS)
-        lanes = _rest_lanes(system, base, name, row, _approach_point(direction, high))
-        beyond = lanes.observe(_set_signals(system, base, name, row))[place] - level
+        lanes = rest.settle(row)
+        beyond = lanes.observe(rest.signals(row))[place] - level
         turns = np.flatnonzero(beyond[:-1] * beyond[1:] <= 0.0)
         if not len(turns):
             reached = beyond + level
@@ -123,57 +120,66 @@ def find_operating_level(
             )
         k = int(turns[0])
         if number == ROUNDS - 1:
-            nearest = k if abs(beyond[k]) < abs(beyond[k + 1]) else k + 1
-            return _build_point(lanes, base, name, row, nearest, direction)
+            return rest.point(lanes, row, k if abs(beyond[k]) < abs(beyond[k + 1]) else k + 1)
         ends = (float(row[k]), float(row[k + 1]))
     raise SolveError(f"No signal was found at which `{output}` rests at {level:.6g}.")
 
 
-def _approach_point(direction: str, high: float | None) -> float | None:
-    if direction not in DIRECTIONS:
-        raise InputError(f"Direction is `{direction}`. {suggest_name(direction, DIRECTIONS)}")
-    if direction == "heating":
-        return None
-    if high is None:
-        raise InputError("The cooling branch needs `high`, the signal under which it begins.")
-    return high
+class _RestingLanes:
+    """Lanes of a system that come to rest on a branch, one drive of which is varied."""
 
+    def __init__(
+        self,
+        system: AbstractSystem,
+        drive: str | None,
+        others: Mapping[str, float] | None,
+        direction: Direction,
+        high: float | None,
+    ) -> None:
+        names = [one.name for one in system.drives()]
+        if not names:
+            raise InputError("A system without drives has no operating point to choose.")
+        require_known("direction", direction, DIRECTIONS)
+        if direction == "cooling" and high is None:
+            raise InputError("The cooling branch needs `high`, the signal under which it begins.")
+        self.system, self.drive = system, drive or names[0]
+        self.direction: Direction = direction
+        for name in (self.drive, *(others or {})):
+            require_known("drive", name, names)
+        self._base = np.array([float((others or {}).get(name, 0.0)) for name in names])
+        self._place = names.index(self.drive)
+        self._before = high if direction == "cooling" else None
 
-def _begin_drive(
-    system: AbstractSystem, drive: str | None, others: Mapping[str, float] | None
-) -> tuple[str, Numbers]:
-    """The drive that is varied, and the signals of all."""
-    names = [one.name for one in system.drives()]
-    if not names:
-        raise InputError("A system without drives has no operating point to choose.")
-    chosen = drive or names[0]
-    for name in (chosen, *(others or {})):
-        if name not in names:
-            raise InputError(f"There is no drive `{name}`. {suggest_name(name, names)}")
-    return chosen, np.array([float((others or {}).get(name, 0.0)) for name in names])
+    def signals(self, row: Numbers) -> Numbers:
+        """Signals of all drives in all lanes, shape (drives, lanes)."""
+        table = np.repeat(self._base[:, None], len(row), axis=1)
+        table[self._place] = row
+        return table
 
+    def settle(self, row: Numbers) -> Lanes:
+        """Lanes at rest under the signals of a row."""
+        lanes = Lanes(self.system, len(row))
+        lanes.reset(self._base[:, None])
+        if self._before is not None:
+            _settle_lanes(lanes, self.signals(np.full(len(row), self._before)))
+        _settle_lanes(lanes, self.signals(row))
+        return lanes
 
-def _find_place(system: AbstractSystem, drive: str) -> int:
-    return [one.name for one in system.drives()].index(drive)
-
-
-def _set_signals(system: AbstractSystem, base: Numbers, drive: str, row: Numbers) -> Numbers:
-    """Signals of all drives in all lanes, shape (drives, lanes)."""
-    table = np.repeat(base[:, None], len(row), axis=1)
-    table[_find_place(system, drive)] = row
-    return table
-
-
-def _rest_lanes(
-    system: AbstractSystem, base: Numbers, drive: str, row: Numbers, before: float | None
-) -> Lanes:
-    """Lanes at rest under the signals of a row."""
-    lanes = Lanes(system, len(row))
-    lanes.reset(base[:, None])
-    if before is not None:
-        _settle_lanes(lanes, _set_signals(system, base, drive, np.full(len(row), before)))
-    _settle_lanes(lanes, _set_signals(system, base, drive, row))
-    return lanes
+    def point(self, lanes: Lanes, row: Numbers, lane: int) -> SteadyPoint:
+        """What one lane has come to under the signals of a row."""
+        failed = lanes.status[lane]
+        if failed.failed:
+            raise SolveError(f"The plant failed on its way to rest. {failed.sentence}")
+        signals = self.signals(row)
+        seen = cast("list[float]", lanes.observe(signals)[:, lane].tolist())
+        return SteadyPoint(
+            self.system,
+            tuple(signals[:, lane].tolist()),
+            self.drive,
+            lanes.state[:, lane].copy(),
+            dict(zip(lanes.names, seen, strict=True)),
+            self.direction,
+        )
 
 
 def _settle_lanes(lanes: Lanes, signals: Numbers) -> None:
@@ -193,23 +199,4 @@ def _settle_lanes(lanes: Lanes, signals: Numbers) -> None:
         last, stretch = now, stretch * 2
     raise SolveError(
         f"The plant does not come to rest within {stretch * dt:.3g} s under constant signals."
-    )
-
-
-def _build_point(
-    lanes: Lanes, base: Numbers, drive: str, row: Numbers, lane: int, direction: Direction
-) -> SteadyPoint:
-    """What one lane has come to."""
-    failed = lanes.status[lane]
-    if failed.failed:
-        raise SolveError(f"The plant failed on its way to rest. {failed.sentence}")
-    signals = _set_signals(lanes.system, base, drive, row)
-    seen = cast("list[float]", lanes.observe(signals)[:, lane].tolist())
-    return SteadyPoint(
-        lanes.system,
-        tuple(signals[:, lane].tolist()),
-        drive,
-        lanes.state[:, lane].copy(),
-        dict(zip(lanes.names, seen, strict=True)),
-        direction,
     )

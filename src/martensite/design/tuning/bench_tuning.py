@@ -105,9 +105,7 @@ def tune_bench(
     freed = build_free_gains(bench, free, starts)
     before = {one.path: own[one.path] for one in freed}
     first = runs.run(runs.table({}, 1))
-    course = (
-        Course(_run_of(first, 0), bench.period) if _is_finite(first) else _find_scales(runs, starts)
-    )
+    course = Course(first.one(0), bench.period) if _is_finite(first) else _find_scales(runs, starts)
     how = search or TuningSearch()
     costs = GainCosts(runs, Cost(goal or TuningGoal(), course), freed, plants, how.slopes)
     cost, best, ends = search_gains(
@@ -139,7 +137,7 @@ def compare_gains(
     """
     before = {path: float(runs.base[runs.place(path)]) for path in after}
     both = runs.run(runs.table({p: [before[p], after[p]] for p in after}, 2))
-    begun, ended = _run_of(both, 0), _run_of(both, 1)
+    begun, ended = both.one(0), both.one(1)
     course = course or Course(begun, runs.bench.period)
     costs = Cost(TuningGoal(), course)(both)
     return TunedBench(
@@ -163,16 +161,12 @@ def _is_finite(seen: Seen) -> bool:
     return bool(np.isfinite(seen.output[0]).all())
 
 
-def _run_of(seen: Seen, k: int) -> Seen:
-    return Seen(*(column[k] for column in seen))
-
-
 def _find_scales(runs: LoopRuns, starts: Sequence[Mapping[str, float]]) -> Course:
     """Scales from the first start that runs, where the bench itself does not."""
     for start in starts:
         found = runs.run(runs.table(start, 1))
         if _is_finite(found):
-            return Course(_run_of(found, 0), runs.bench.period)
+            return Course(found.one(0), runs.bench.period)
     raise SolveError("The loop cannot be run with its own numbers, nor with those of any start.")
 
 

@@ -90,7 +90,9 @@ class Course:
         self.change = np.diff(reference, prepend=start)
         self.steps = np.abs(self.change) > STEP * self.span
         self.steps[0] = True
-        self.clock = _count_since(self.steps) * period
+        places = np.arange(len(self.steps))
+        last = np.maximum.accumulate(np.where(self.steps, places, 0))
+        self.clock = (places - last) * period
         self.way = self._way()
 
     def _way(self) -> Numbers:
@@ -104,12 +106,6 @@ class Course:
                 way = 0.0
             found[k] = way
         return found
-
-
-def _count_since(marks: Any) -> Numbers:
-    """Samples since the last mark."""
-    places = np.arange(len(marks))
-    return (places - np.maximum.accumulate(np.where(marks, places, 0))).astype(float)
 
 
 class Cost:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import MEASURED, REFERENCE, WANTED, list_references
+from martensite.control.loop.names import MEASURED, name_loop_columns
 from martensite.control.loop.run import noise_waveforms, reference_waveforms
 from martensite.control.observers.base import ESTIMATED
 from martensite.search.batch_runner import BatchRunner
@@ -41,6 +41,10 @@ class Seen(NamedTuple):
     """Electrical power of all elements [W]."""
     hottest: Numbers
     """Highest temperature of any element [K]."""
+
+    def one(self, k: int) -> Seen:
+        """Of one run of many."""
+        return Seen(*(column[k] for column in self))
 
 
 class LoopRuns:
@@ -114,13 +118,12 @@ class LoopRuns:
     def _name_columns(self) -> Seen:
         """Names of what is judged; several where they are put together."""
         plant = self.bench.plant
-        row = list(self.bench.controllers.members()).index(self.drive)
-        reference = list_references(self.bench)[row]
+        reference, wanted, _ = name_loop_columns(self.bench, self.drive)
         ports = list(plant.actuators())
         names: list[Any] = [
             (self.output,),
             (reference,),
-            (reference.replace(REFERENCE, WANTED),),
+            (wanted,),
             tuple(plant.label(port, "power") for port in ports),
             tuple(plant.label(port, "hottest") for port in ports),
         ]

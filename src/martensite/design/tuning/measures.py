@@ -85,19 +85,10 @@ def compute_itae(seen: Seen, course: Course) -> Any:
 
 def _measure_settling(e: Numbers, course: Course) -> float:
     """Longest settling of all steps after which the reference stands [s]."""
-    starts = np.flatnonzero(course.steps & (course.way != 0.0))
-    found = 0.0
-    for first in starts:
-        gone = np.flatnonzero((course.way[first:] == 0.0) | _find_next_step(course, int(first)))
-        last = int(first) + (int(gone[0]) if len(gone) else len(e) - int(first))
+    found, ends = 0.0, np.flatnonzero((course.way == 0.0) | course.steps).tolist()
+    for first in np.flatnonzero(course.steps & (course.way != 0.0)).tolist():
+        last = next((place for place in ends if place > first), len(e))
         outside = np.abs(e[first:last]) > BAND * abs(course.change[first])
         late = int(np.flatnonzero(outside)[-1]) + 1 if outside.any() else 0
         found = max(found, late * course.period if late < last - first else np.inf)
     return found
-
-
-def _find_next_step(course: Course, first: int) -> Any:
-    """Where the next step is, from a step on."""
-    later = course.steps[first:].copy()
-    later[0] = False
-    return later

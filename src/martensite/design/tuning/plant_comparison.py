@@ -9,7 +9,7 @@ import numpy as np
 
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.design.tuning.goals import Course, Numbers
-from martensite.design.tuning.loop_runs import LoopRuns, Seen
+from martensite.design.tuning.loop_runs import LoopRuns
 from martensite.design.tuning.measures import compute_itae
 from martensite.design.tuning.plant_spread import Plants
 
@@ -59,7 +59,7 @@ def compare_over_plants(
         ParameterError: the reference asks for nothing.
     """
     nominal = runs.run(runs.table({}, 1))
-    course = Course(Seen(*(column[0] for column in nominal)), runs.bench.period)
+    course = Course(nominal.one(0), runs.bench.period)
     found: dict[str, Numbers] = {}
     for name, numbers in sets.items():
         seen = runs.run(runs.table({**plants.values, **numbers}, plants.count))

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import Leaf
 from martensite.control.loop.bench import Bench
+from martensite.search.starts import draw_points
 
 PLANT = "plant."
 METHODS = ("sobol", "latin-hypercube")
@@ -82,13 +83,10 @@ def draw_plants(
 
 def _draw_unit(width: int, count: int, seed: int, method: str) -> NDArray[np.float64]:
     """Numbers in [-1, 1], shape (count, width)."""
-    qmc: Any = import_module("scipy.stats.qmc")
     if method == "sobol":
-        power = math.ceil(math.log2(count)) if count > 1 else 0
-        found = qmc.Sobol(width, seed=seed).random_base2(power)[:count]
-    else:
-        found = qmc.LatinHypercube(width, seed=seed).random(count)
-    return np.asarray(2.0 * found - 1.0, np.float64)
+        return 2.0 * draw_points(width, count, seed) - 1.0
+    qmc: Any = import_module("scipy.stats.qmc")
+    return 2.0 * qmc.LatinHypercube(width, seed=seed).random(count) - 1.0
 
 
 def _draw_parameter(

@@ -95,22 +95,18 @@ def compute_cost(run: Trajectory, gains: Gains, tuning: ModelTuning) -> float:
     if not np.all(np.isfinite(run.output)):
         return np.inf
     scale, weights = tuning.scale, tuning.weights
+    steps = measure_steps(run.reference, run.output, run.interval)
+    beyond = max((one.overshoot * abs(one.after - one.before) for one in steps), default=0.0)
     unit = scale.output / scale.signal
     error = float(np.mean(np.abs(run.reference - run.output))) / scale.output
     activity = float(np.mean(np.abs(np.diff(run.signal)))) / scale.signal
     return (
         error
-        + weights.overshoot * _find_overshoot(run) / scale.output
+        + weights.overshoot * beyond / scale.output
         + weights.activity * activity
         + weights.proportional * unit * abs(gains.Kp)
         + weights.derivative * unit * abs(gains.Kd)
     )
-
-
-def _find_overshoot(run: Trajectory) -> float:
-    """Largest excess over the new level of any step."""
-    found = measure_steps(run.reference, run.output, run.interval)
-    return max((step.overshoot * abs(step.after - step.before) for step in found), default=0.0)
 
 
 def tune_model(
