@@ -365,7 +365,7 @@ def test_follow_is_monotone(rule):
 # ---------------------------------------------------------------- work, thermal strain, advice
 
 
-def loop(law, celsius, top, steps=2000):
+def loop(law, celsius, top, steps=500):
     """Stress, strain and compliance along a full isothermal loop from austenite."""
     memory = law.init(floats, Fractions(0.0, 0.0), 0.0, celsius + ZERO)
     rows = []

@@ -14,10 +14,10 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "pwm_bias_spring.toml"
 PULSE = ms.Step(high=2.5, at=1.0, until=8.0)
 
 
-def test_a_file_a_scenario_and_its_system_give_the_same() -> None:
+def test_a_file_a_scenario_and_its_system_give_the_same(c_compiler: str) -> None:
     scenario = ms.load(EXAMPLE)
-    by_file, by_scenario = ms.run(EXAMPLE, runtime="floats"), ms.run(scenario, runtime="floats")
-    assert by_file.columns == by_scenario.columns == scenario.run(runtime="floats").columns
+    by_file, by_scenario = ms.run(EXAMPLE, runtime="c"), ms.run(scenario, runtime="c")
+    assert by_file.columns == by_scenario.columns == scenario.run(runtime="c").columns
     again = ms.run(
         scenario.system,
         scenario.waveform,
