@@ -21,7 +21,8 @@ from martensite.base.status import Status
 from martensite.design.sweep.subject import list_waveforms
 from martensite.scenario.scenario import load
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.variants import Ran, VariantSetup
+from martensite.simulate.ensembles import Ensemble
+from martensite.simulate.variants import VariantSetup
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 SAMPLES = 101
@@ -37,7 +38,7 @@ def run_lanes(
     values: Mapping[str, Any],
     signals: Mapping[str, Any] | None = None,
     runtime: str = "c",
-) -> Ran:
+) -> Ensemble:
     judged = tuple(whole.convergence_scales())
     course = VariantSetup(whole, waves, duration, SAMPLES, None, judged, runtime)
     found = course.run({p: np.asarray(v) for p, v in values.items()}, signals)
@@ -46,7 +47,7 @@ def run_lanes(
 
 
 def check_run(
-    found: Ran,
+    found: Ensemble,
     row: int,
     whole: AbstractSystem,
     waves: Mapping[str, AbstractWaveform],

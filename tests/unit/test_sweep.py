@@ -26,7 +26,7 @@ from martensite.design.sweep.job import MEASURES, SweepJob, SweepRequest, build_
 from martensite.design.sweep.plan import SweepPiece, SweepPlan
 from martensite.design.sweep.running import parse_share
 from martensite.design.sweep.store import Store, create_store
-from martensite.simulate.variants import Ran
+from martensite.simulate.ensembles import Ensemble
 
 SERIAL = SweepExecution("serial")
 TRACES = (("position", 6), ("temperature", 3))
@@ -119,7 +119,7 @@ def test_failed_runs_keep_their_status_and_no_numbers() -> None:
     good = known.compute(range(3))
     columns = {n: np.ones((3, 11)) for n in known.outputs}
     status = np.array([0, Status.UNSOLVED, 1], np.int8)
-    kept = known._kept(good.values, Ran(columns, status, np.zeros(3), np.zeros(3)))
+    kept = known._kept(good.values, Ensemble(columns, status, np.zeros(3), np.zeros(3)))
     for words in MEASURES:
         assert np.isfinite(kept.scalars[words]).tolist() == [True, False, True]
     lost = known.lost(range(5, 7))

@@ -16,7 +16,8 @@ from martensite.base.errors import InputError
 from martensite.base.status import Status
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.api import simulate
-from martensite.simulate.variants import Ran, VariantSetup
+from martensite.simulate.ensembles import Ensemble
+from martensite.simulate.variants import VariantSetup
 
 SYSTEM = problem_a()
 PWM = PulseWidthModulation(high=3.0, frequency=2.0, duty=0.5)
@@ -49,7 +50,7 @@ def single(
     return [np.asarray(found[name]) for name in course.outputs]
 
 
-def same(first: Ran, second: Ran, rows: Any = slice(None)) -> None:
+def same(first: Ensemble, second: Ensemble, rows: Any = slice(None)) -> None:
     """Both must be the same, bit for bit."""
     assert np.array_equal(first.status[rows], second.status[rows])
     for name, column in first.columns.items():
@@ -96,7 +97,9 @@ def test_a_run_does_not_depend_on_those_beside_it(
         own = {"drive": {p: v[first:stop] for p, v in SIGNALS["drive"].items()}}
         expected = {name: c[first:stop] for name, c in together.columns.items()}
         ended, accuracy = together.ended[first:stop], together.accuracy[first:stop]
-        same(course.run(part, own), Ran(expected, together.status[first:stop], ended, accuracy))
+        same(
+            course.run(part, own), Ensemble(expected, together.status[first:stop], ended, accuracy)
+        )
 
 
 def test_a_run_does_not_depend_on_how_many_march_together(c_compiler: str) -> None:

@@ -15,6 +15,7 @@ import numpy as np
 from martensite.kernels.jax_setup import WIDE_VECTORS, jax_namespace, make_storing_namespace
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import TimeGrid
+from martensite.simulate.lane_grid import LaneGrid
 from martensite.simulate.marching import RunLimits
 
 
@@ -26,7 +27,7 @@ class ArrayGrid(NamedTuple):
     sampled: Any
     """Signals at the end of every interval, an array (intervals,) per drive."""
     drives: Any
-    """Signals of every step, an array (intervals, steps) per drive."""
+    """What the drives bring in every step, an array (intervals, steps) per input."""
     lengths: Any
     """Length of every step [s], 0 for padding, (intervals, steps)."""
     one: Any
@@ -36,24 +37,31 @@ class ArrayGrid(NamedTuple):
 
 
 def build_schedule(
-    grid: TimeGrid, dtype: str = "float64", limits: RunLimits | None = None
+    grid: TimeGrid | LaneGrid, dtype: str = "float64", limits: RunLimits | None = None
 ) -> tuple[ArrayGrid, bool]:
-    """The grid as padded arrays, and whether padding was needed."""
-    counts = np.asarray(grid.counts)
-    shape = (len(counts), int(counts.max()))
-    used = np.arange(shape[1]) < counts[:, None]
+    """The grid as padded arrays, and whether padding was needed.
+
+    Signals and lengths of a `LaneGrid` have an axis of lanes behind the others.
+    """
+    first, rest, counts, drives, lengths = grid.arrays
+    used = np.arange(int(counts.max())) < counts[:, None]
 
     def padded(values: Any) -> Any:
-        made = np.zeros(shape, dtype)
+        made = np.zeros((*used.shape, *values.shape[1:]), dtype)
         made[used] = values
         return made
 
-    drives = tuple(padded(signal) for signal in zip(*grid.drives, strict=True))
-    sampled = [np.asarray(signal, dtype) for signal in zip(*grid.sampled, strict=True)]
-    first, rest = tuple(s[0] for s in sampled), tuple(s[1:] for s in sampled)
+    signals = range(first.shape[1])
     bounds = None if limits is None else np.array(limits, dtype)
-    plan = ArrayGrid(first, rest, drives, padded(grid.lengths), np.ones((), dtype), bounds)
-    return plan, not bool(used.all())
+    schedule = ArrayGrid(
+        tuple(first[0, d].astype(dtype) for d in signals),
+        tuple(rest[:, d].astype(dtype) for d in signals),
+        tuple(padded(drives[:, d]) for d in range(drives.shape[1])),
+        padded(lengths),
+        np.ones((), dtype),
+        bounds,
+    )
+    return schedule, isinstance(grid, LaneGrid) or not bool(used.all())
 
 
 class BatchRows(NamedTuple):

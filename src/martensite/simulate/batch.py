@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
@@ -24,15 +23,15 @@ from martensite.kernels.jax_setup import has_jax
 from martensite.simulate.api import RUNTIMES, check_run
 from martensite.simulate.arrays import build_schedule, jitted_jacobian, jitted_march
 from martensite.simulate.compiled import CompiledMarch, compile_march
-from martensite.simulate.devices import chunk_for, devices_of, march_chunks
+from martensite.simulate.devices import chunk_for, devices_of
 from martensite.simulate.drive_waveforms import Waveforms, by_name, grid_of
-from martensite.simulate.envelope import envelope_of, varied_stops
+from martensite.simulate.ensembles import Ensemble
 from martensite.simulate.grid import TimeGrid
 from martensite.simulate.march import Track, classify_step, track_of
 from martensite.simulate.marching import RunLimits
 from martensite.simulate.native_slopes import march_slopes
 from martensite.simulate.result import Result, Variants
-from martensite.simulate.variants import Ran, VariantSetup
+from martensite.simulate.variants import VariantSetup
 
 PRECISIONS = ("float64", "float32")
 
@@ -99,16 +98,6 @@ def simulate_batch(
     _check_batch(system, duration, tolerance, step, samples, runtime, precision, devices)
     varied = _convert_varied(system, over)
     chosen = _choose_runtime(runtime, step)
-    if chosen == "jax":
-        return _on_jax(
-            system,
-            (waveform, duration, samples, step or 0.0),
-            varied,
-            outputs,
-            chunk,
-            precision,
-            devices,
-        )
     _find_indices(compile_march(system), outputs)
     course = VariantSetup(
         system,
@@ -118,9 +107,13 @@ def simulate_batch(
         step,
         tuple(outputs),
         chosen,
+        precision,
         tolerance=tolerance,
-        threads=(os.cpu_count() or 1) if devices is None else devices,
+        devices=devices,
     )
+    if chosen == "jax":
+        count = len(next(iter(varied.values())))
+        course = replace(course, lanes=count, chunk=chunk or chunk_for(devices_of(devices)))
     ran = course.run(varied)
     return _build_result(system, waveform, course.times, ran, varied, course.controlled, chosen)
 
@@ -129,7 +122,7 @@ def _build_result(
     system: AbstractSystem,
     waveform: Waveforms,
     times: Sequence[float],
-    ran: Ran,
+    ran: Ensemble,
     varied: Mapping[str, Any],
     controlled: bool,
     runtime: str,
@@ -190,43 +183,6 @@ def _check_batch(
         raise InputError(
             'Argument `precision` may be float32 on JAX only: give a `step` and `runtime="jax"`.'
         )
-
-
-def _on_jax(
-    system: AbstractSystem,
-    run: tuple[Waveforms, float, int, float],
-    varied: Mapping[str, Any],
-    outputs: Sequence[str],
-    chunk: int | None,
-    precision: str,
-    devices: int | None,
-) -> Result:
-    """A batch on JAX."""
-    stops = varied_stops(varied)
-    if stops:
-        raise InputError(f"`{stops[0]}` cannot be varied on JAX.")
-    compiled = compile_march(system)
-    count = len(next(iter(varied.values())))
-    waveform, duration, samples, step = run
-    grid = grid_of(system, waveform, duration, samples, step)
-    plan, padded = build_schedule(grid, precision, envelope_of(system))
-    march = jitted_march(compiled, _find_indices(compiled, outputs), padded)
-    values = dict(zip(compiled.paths, compiled.values(system), strict=True))
-    taken = devices_of(devices)
-    size = chunk or chunk_for(taken)
-    chunks = (
-        _arrange_values(values, varied, slice(first, first + size), size, precision)
-        for first in range(0, count, size)
-    )
-    pieces = list(march_chunks(march, chunks, plan, taken))
-    columns = {
-        name: np.concatenate([p.outputs[i].T for p in pieces])[:count]
-        for i, name in enumerate(outputs)
-    }
-    reports = np.stack([np.concatenate([p.reports[k] for p in pieces])[:count] for k in range(3)])
-    left = np.concatenate([p.left for p in pieces])[:count]
-    ran = Ran.on_steps(columns, reports, left, grid.times)
-    return _build_result(system, waveform, grid.times, ran, varied, False, "jax")
 
 
 def compute_sensitivity(
@@ -336,19 +292,3 @@ def _convert_varied(system: AbstractSystem, over: Mapping[str, Sequence[float]])
         for extreme in (float(values.min()), float(values.max())):
             leaves[path].declared.convert(leaves[path].owner, path, extreme)
     return varied
-
-
-def _arrange_values(
-    values: Mapping[str, float],
-    varied: Mapping[str, Any],
-    window: slice,
-    chunk: int,
-    precision: str,
-) -> list[Any]:
-    """All parameter values of one chunk, padded to its size by the last variant."""
-
-    def piece(path: str) -> Any:
-        part = varied[path][window]
-        return np.pad(part, (0, chunk - part.size), mode="edge").astype(precision)
-
-    return [piece(p) if p in varied else np.asarray(v, precision) for p, v in values.items()]

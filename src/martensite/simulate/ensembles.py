@@ -29,40 +29,86 @@ from martensite.simulate.accuracy import (
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
-from martensite.simulate.marching import Marched, MarchPlan
+from martensite.simulate.march import classify_step
+from martensite.simulate.marching import HAIR, MarchPlan
 from martensite.simulate.marching_native import RANGES, MarchRows, Runs, march_runs
 
 Numbers: TypeAlias = NDArray[np.float64]
+Flags: TypeAlias = NDArray[np.bool_]
 RIPPLE, RESIDUAL = 7, 8
 
 
 @dataclass(frozen=True, eq=False)
 class Ensemble:
-    """What runs did."""
+    """What some runs of one system did."""
 
-    outputs: Numbers
-    """(runs, samples, outputs), in SI; NaN after the end of a run that stopped."""
+    columns: dict[str, Numbers]
+    """One array (runs, samples) per output, in SI units; NaN for runs that were refused, and after
+    the end of runs that stopped."""
     status: NDArray[np.int8]
-    """(runs,)"""
+    """Worst status of every run, (runs,)."""
     ended: Numbers
-    """Time [s] at which each ended, (runs,)."""
+    """Time [s] at which every run ended, (runs,); NaN where that is not known."""
     accuracy: Numbers
-    """How far what is judged may be off, as a share of its range, (runs,); NaN of a run that failed
-    otherwise than by leaving the envelope."""
+    """How far what is judged may be off, as a share of its range, (runs,); NaN where nothing is
+    estimated, or a run failed otherwise than by leaving the envelope."""
 
     @staticmethod
-    def empty(runs: int, samples: int, outputs: int, status: Status) -> Ensemble:
+    def empty(names: Iterable[str], runs: int, samples: int, status: Status) -> Ensemble:
         """Runs of which nothing is known but a status."""
-        rows = np.full((runs, samples, outputs), np.nan)
+        columns = {name: np.full((runs, samples), np.nan) for name in names}
         nothing = np.full(runs, np.nan)
-        return Ensemble(rows, np.full(runs, status, np.int8), nothing, nothing.copy())
+        return Ensemble(columns, np.full(runs, status, np.int8), nothing, nothing.copy())
+
+    @staticmethod
+    def on_steps(
+        columns: dict[str, Numbers], reports: Numbers, left: Numbers, times: Sequence[float]
+    ) -> Ensemble:
+        """Runs on given steps: from their worst reports, and when they left the envelope [s].
+
+        It is infinite for runs that stayed inside; what comes after it is struck out.
+        """
+        status = np.array([classify_step(float(r), float(c)) for r, c, *_ in reports.T], np.int8)
+        gone = (left < np.inf) & (status < Status.UNSOLVED)
+        known = np.asarray(times) < np.where(gone, (1.0 - HAIR) * left, np.inf)[:, None]
+        broken = [(~np.isfinite(column) & known).any(axis=1) for column in columns.values()]
+        status[gone] = Status.OUT_OF_ENVELOPE
+        status[np.logical_or.reduce(broken)] = Status.NOT_FINITE
+        ended = np.where(status < Status.UNSOLVED, times[-1], np.where(gone, left, np.nan))
+        kept = {name: np.where(known, column, np.nan) for name, column in columns.items()}
+        return Ensemble(kept, status, ended, np.full(len(left), np.nan))
+
+    def struck_out(self, bad: Flags) -> Ensemble:
+        """With nothing of some runs but that they were refused."""
+        columns = {name: np.where(bad[:, None], np.nan, c) for name, c in self.columns.items()}
+        status = np.where(bad, np.int8(Status.REFUSED), self.status)
+        return Ensemble(columns, status, np.where(bad, np.nan, self.ended), self.accuracy)
+
+    def place_runs(self, places: Any, made: Ensemble) -> None:
+        """Put other runs to their places."""
+        for name, column in made.columns.items():
+            self.columns[name][places] = column
+        self.status[places], self.ended[places] = made.status, made.ended
+        self.accuracy[places] = made.accuracy
+
+    @staticmethod
+    def concatenate(pieces: Sequence[Ensemble]) -> Ensemble:
+        """Some after others."""
+        names = pieces[0].columns
+        columns = {name: np.concatenate([p.columns[name] for p in pieces]) for name in names}
+        status, ended, accuracy = (
+            np.concatenate([getattr(p, name) for p in pieces])
+            for name in ("status", "ended", "accuracy")
+        )
+        return Ensemble(columns, status, ended, accuracy)
 
 
-def march_in_lanes(runs: Runs, tolerance: float) -> Ensemble:
+def march_in_lanes(runs: Runs, names: Sequence[str], tolerance: float) -> Ensemble:
     """Make runs in C, each to a tolerance.
 
     Args:
         runs: the runs; the tolerance of their plan does not count.
+        names: of their outputs.
         tolerance: what accuracy is wanted, as a share of ranges.
     """
     plan, compiled = runs.plan, runs.plan.compiled
@@ -74,7 +120,7 @@ def march_in_lanes(runs: Runs, tolerance: float) -> Ensemble:
     whole = replace(runs, outputs=outputs)
     before = march_runs(replace(whole, plan=some))
     rows, numbers = before.outputs, before.numbers
-    found = Ensemble.empty(runs.count, len(plan.times), len(runs.outputs), Status.OK)
+    found = Ensemble.empty(names, runs.count, len(plan.times), Status.OK)
     left = np.arange(runs.count)
     for _ in range(MOST):
         local /= FINER
@@ -83,7 +129,7 @@ def march_in_lanes(runs: Runs, tolerance: float) -> Ensemble:
         now = made.outputs[:, compared]
         apart = np.abs(rows[:, :, seen] - now[:, :, seen])
         accuracy = np.maximum(_bound_errors(compiled, apart, made), FLOOR * tolerance)
-        _place_runs(found, made, left, accuracy)
+        found.place_runs(left, _judge_runs(made, names, accuracy))
         rest = accuracy > tolerance
         left, rows, numbers = left[rest], now[rest], made.numbers[rest]
         if not len(left):
@@ -103,23 +149,22 @@ def _bound_errors(compiled: CompiledMarch, apart: Numbers, made: MarchRows) -> N
     return np.where(sure, np.maximum(total, LEAST), np.inf)
 
 
-def _place_runs(found: Ensemble, made: MarchRows, places: Any, accuracy: Numbers) -> None:
-    """Put runs to their places."""
-    outputs = made.outputs[:, :, : found.outputs.shape[2]]
+def _judge_runs(made: MarchRows, names: Sequence[str], accuracy: Numbers) -> Ensemble:
+    """What runs did, with a status that says whether their numbers are any."""
+    outputs = made.outputs[:, :, : len(names)]
     status = made.numbers[:, 0].astype(np.int8)
     lost = (status < Status.UNSOLVED) & ~np.isfinite(outputs).all(axis=(1, 2))
     status[lost] = Status.NOT_FINITE
-    found.outputs[places], found.status[places] = outputs, status
-    found.ended[places] = made.numbers[:, 1]
     failed = (status >= Status.UNSOLVED) & (status != Status.OUT_OF_ENVELOPE)
-    found.accuracy[places] = np.where(failed, np.nan, accuracy)
+    columns = {name: outputs[:, :, k] for k, name in enumerate(names)}
+    return Ensemble(columns, status, made.numbers[:, 1], np.where(failed, np.nan, accuracy))
 
 
 def march_one_by_one(
     plan: MarchPlan,
     systems: Iterable[tuple[AbstractSystem, Sequence[Any]]],
     count: int,
-    outputs: Sequence[int],
+    names: Sequence[str],
     tolerance: float,
 ) -> Ensemble:
     """Make runs on plain floats, each to a tolerance.
@@ -128,10 +173,10 @@ def march_one_by_one(
         plan: what they have in common.
         systems: the system and the waveforms of every run.
         count: number of runs.
-        outputs: places of the outputs that are kept.
+        names: of the outputs that are kept.
         tolerance: what accuracy is wanted, as a share of ranges.
     """
-    found = Ensemble.empty(count, len(plan.times), len(outputs), Status.NOT_FINITE)
+    found = Ensemble.empty(names, count, len(plan.times), Status.NOT_FINITE)
     found.ended[:] = 0.0
     for run, (system, waveforms) in enumerate(systems):
         own = replace(plan, waveforms=waveforms, limits=envelope_of(system))
@@ -142,21 +187,10 @@ def march_one_by_one(
             )
         except ArithmeticError:  # what follows from parameters alone is no number
             continue
-        _keep_one(found, run, system, one, accuracy, outputs)
+        rows = np.asarray(list(rows_inside(system, one.rows)))
+        for name, column in found.columns.items():
+            column[run, : len(rows)] = rows[:, plan.compiled.outputs.index(name)]
+        found.status[run], found.ended[run] = one.status, one.time
+        inside = one.status is Status.OUT_OF_ENVELOPE or not one.status.failed
+        found.accuracy[run] = accuracy if inside else np.nan
     return found
-
-
-def _keep_one(
-    found: Ensemble,
-    run: int,
-    system: AbstractSystem,
-    one: Marched,
-    accuracy: float,
-    outputs: Sequence[int],
-) -> None:
-    """Put a run to its place."""
-    rows = list(rows_inside(system, one.rows))
-    found.outputs[run, : len(rows)] = np.asarray(rows)[:, list(outputs)]
-    found.status[run], found.ended[run] = one.status, one.time
-    inside = one.status is Status.OUT_OF_ENVELOPE or not one.status.failed
-    found.accuracy[run] = accuracy if inside else np.nan

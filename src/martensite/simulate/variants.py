@@ -12,7 +12,8 @@ marched.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+import os
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -27,21 +28,23 @@ from martensite.base.status import Status
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import first_step
-from martensite.simulate.clock import Edges, edges_of, play_waveforms, steps_of
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.drive_waveforms import arrange_waveforms, grid_of
-from martensite.simulate.ensembles import Ensemble, march_in_lanes, march_one_by_one
+from martensite.simulate.ensembles import (
+    Ensemble,
+    Flags,
+    Numbers,
+    march_in_lanes,
+    march_one_by_one,
+)
 from martensite.simulate.envelope import envelope_of, varied_stops
-from martensite.simulate.grid import Steps, TimeGrid
+from martensite.simulate.grid import Steps, TimeGrid, cut_steps
 from martensite.simulate.lane_grid import LaneGrid, lane_grid
-from martensite.simulate.march import classify_step
-from martensite.simulate.marching import HAIR, MarchPlan
+from martensite.simulate.marching import MarchPlan
 from martensite.simulate.marching_native import Runs
 from martensite.simulate.refusals import find_refused
 
-Numbers: TypeAlias = NDArray[np.float64]
 Places: TypeAlias = NDArray[np.intp]
-Flags: TypeAlias = NDArray[np.bool_]
 Values: TypeAlias = Mapping[str, Numbers]
 """Path of a parameter -> one number per run."""
 OnSteps: TypeAlias = tuple[list[Numbers], Numbers, Numbers]
@@ -53,64 +56,6 @@ TOGETHER = 256
 """Runs with an error control that are made before others are begun: samples are held twice."""
 CLOCKS = 64
 """Sets of edges whose steps are kept."""
-
-
-@dataclass(frozen=True, eq=False)
-class Ran:
-    """What some variants did."""
-
-    columns: dict[str, Numbers]
-    """One array (runs, samples) per output, in SI units; NaN for runs that were refused, and after
-    the end of runs that stopped."""
-    status: NDArray[np.int8]
-    """Worst status of every run, (runs,)."""
-    ended: Numbers
-    """Time [s] at which every run ended, (runs,); NaN where that is not known."""
-    accuracy: Numbers
-    """How far what is judged may be off, as a share of its range, (runs,); NaN where nothing is
-    estimated, or a run failed otherwise than by leaving the envelope."""
-
-    @staticmethod
-    def empty(names: Iterable[str], runs: int, samples: int, status: Status) -> Ran:
-        """Runs of which nothing is known but a status."""
-        columns = {name: np.full((runs, samples), np.nan) for name in names}
-        nothing = np.full(runs, np.nan)
-        return Ran(columns, np.full(runs, status, np.int8), nothing, nothing.copy())
-
-    @staticmethod
-    def on_steps(
-        columns: dict[str, Numbers], reports: Numbers, left: Numbers, times: Sequence[float]
-    ) -> Ran:
-        """Runs on given steps: from their worst reports, and when they left the envelope [s].
-
-        It is infinite for runs that stayed inside; what comes after it is struck out.
-        """
-        status = np.array([classify_step(float(r), float(c)) for r, c, *_ in reports.T], np.int8)
-        gone = (left < np.inf) & (status < Status.UNSOLVED)
-        known = np.asarray(times) < np.where(gone, (1.0 - HAIR) * left, np.inf)[:, None]
-        broken = [(~np.isfinite(column) & known).any(axis=1) for column in columns.values()]
-        status[gone] = Status.OUT_OF_ENVELOPE
-        status[np.logical_or.reduce(broken)] = Status.NOT_FINITE
-        ended = np.where(status < Status.UNSOLVED, times[-1], np.where(gone, left, np.nan))
-        kept = {name: np.where(known, column, np.nan) for name, column in columns.items()}
-        return Ran(kept, status, ended, np.full(len(left), np.nan))
-
-    def struck_out(self, bad: Flags) -> Ran:
-        """With nothing of some runs but that they were refused."""
-        columns = {name: np.where(bad[:, None], np.nan, c) for name, c in self.columns.items()}
-        status = np.where(bad, np.int8(Status.REFUSED), self.status)
-        return Ran(columns, status, np.where(bad, np.nan, self.ended), self.accuracy)
-
-    @staticmethod
-    def concatenate(pieces: Sequence[Ran]) -> Ran:
-        """Some after others."""
-        names = pieces[0].columns
-        columns = {name: np.concatenate([p.columns[name] for p in pieces]) for name in names}
-        status, ended, accuracy = (
-            np.concatenate([getattr(p, name) for p in pieces])
-            for name in ("status", "ended", "accuracy")
-        )
-        return Ran(columns, status, ended, accuracy)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,8 +78,10 @@ class VariantSetup:
     """Runs on given steps that march together; by default what suits the runtime."""
     tolerance: float = 1e-4
     """Accepted error of what is judged, as a share of its range, if no step is given."""
-    threads: int = 1
-    """Threads that make runs in C to a tolerance."""
+    chunk: int | None = None
+    """Runs of those that a device of JAX marches at a time; by default an even share of them."""
+    devices: int | None = 1
+    """Devices of JAX, or threads of C, that share the runs; all if None."""
 
     def __post_init__(self) -> None:
         """Raise `ParameterError` for a runtime or a precision that there is not."""
@@ -151,7 +98,7 @@ class VariantSetup:
         if self.runtime == "jax" and self.controlled:
             raise ParameterError("Runs on JAX need a `step`, for they have no error control.")
 
-    def run(self, values: Values, signals: Mapping[str, Values] | None = None) -> Ran:
+    def run(self, values: Values, signals: Mapping[str, Values] | None = None) -> Ensemble:
         """Run variants.
 
         Args:
@@ -169,22 +116,23 @@ class VariantSetup:
         size, rows = TOGETHER if self.controlled else self._together(), np.arange(count)
         make = self._to_tolerance if self.controlled else self._block
 
-        def made(first: int) -> Ran:
+        def made(first: int) -> Ensemble:
             return make(values, own, rows[first : first + size], refusal, size)
 
         firsts = range(0, count, size)
-        if self.threads == 1:
-            return Ran.concatenate([made(first) for first in firsts])
-        with ThreadPoolExecutor(self.threads) as pool:
-            return Ran.concatenate(list(pool.map(made, firsts)))
+        threads = (os.cpu_count() or 1) if self.devices is None else self.devices
+        if threads == 1 or self.runtime == "jax":
+            return Ensemble.concatenate([made(first) for first in firsts])
+        with ThreadPoolExecutor(threads) as pool:
+            return Ensemble.concatenate(list(pool.map(made, firsts)))
 
     # ---------------------------------------------------------------- runs to a tolerance
 
     def _to_tolerance(
         self, values: Values, signals: Mapping[str, Values], rows: Places, refusal: Flags, size: int
-    ) -> Ran:
+    ) -> Ensemble:
         """Runs with an error control; refused ones are not made."""
-        found = Ran.empty(self.outputs, len(rows), self.samples, Status.REFUSED)
+        found = Ensemble.empty(self.outputs, len(rows), self.samples, Status.REFUSED)
         good = np.flatnonzero(~refusal[rows])
         if not len(good):
             return found
@@ -192,10 +140,7 @@ class VariantSetup:
         made = march(
             {path: column[rows[good]] for path, column in values.items()}, signals, rows[good]
         )
-        for k, name in enumerate(self.outputs):
-            found.columns[name][good] = made.outputs[:, :, k]
-        found.status[good], found.ended[good] = made.status, made.ended
-        found.accuracy[good] = made.accuracy
+        found.place_runs(good, made)
         return found
 
     def _ensemble_in_c(
@@ -211,7 +156,7 @@ class VariantSetup:
             own=own,
             limits=self._limits(values, len(rows)),
         )
-        return march_in_lanes(runs, self.tolerance)
+        return march_in_lanes(runs, self.outputs, self.tolerance)
 
     def _ensemble_on_floats(
         self, values: Values, signals: Mapping[str, Values], rows: Places
@@ -223,7 +168,7 @@ class VariantSetup:
             )
             for k, row in enumerate(rows)
         )
-        return march_one_by_one(self._plan, systems, len(rows), self.places, self.tolerance)
+        return march_one_by_one(self._plan, systems, len(rows), self.outputs, self.tolerance)
 
     @cached_property
     def _plan(self) -> MarchPlan:
@@ -261,23 +206,23 @@ class VariantSetup:
         if self.lanes is None and self.runtime == "jax":
             from martensite.simulate.variants_jax import count_block
 
-            return count_block()
+            return count_block(self.devices)
         return self.lanes or LANES[self.runtime]
 
     def _block(
         self, values: Values, signals: Mapping[str, Values], rows: Places, refusal: Flags, size: int
-    ) -> Ran:
+    ) -> Ensemble:
         """Runs that march together; missing and refused ones are nominal, and struck out."""
         bad = refusal[rows]
         good: Places = rows[~bad]
         if not len(good):
-            return Ran.empty(self.outputs, len(rows), self.samples, Status.REFUSED)
+            return Ensemble.empty(self.outputs, len(rows), self.samples, Status.REFUSED)
         marched: Places = np.pad(np.where(bad, good[0], rows), (0, size - len(rows)), mode="edge")
         table = {path: column[marched] for path, column in values.items()}
         grid = self._grid(signals, marched)
         columns, reports, left = self.engine(table, grid, size)
         named = {n: c[: len(rows)] for n, c in zip(self.outputs, columns, strict=True)}
-        found = Ran.on_steps(named, reports[:, : len(rows)], left[: len(rows)], self.times)
+        found = Ensemble.on_steps(named, reports[:, : len(rows)], left[: len(rows)], self.times)
         return found.struck_out(bad)
 
     @property
@@ -318,9 +263,7 @@ class VariantSetup:
         if self.runtime == "c":
             return self._march_c
         if self.runtime == "jax":
-            from martensite.simulate.variants_jax import JaxMarch
-
-            return JaxMarch(self)
+            return self._march_jax
         return self._march_floats
 
     def _march_c(self, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
@@ -332,6 +275,11 @@ class VariantSetup:
             self.compiled, self.table(values), grid, runs, self.places, limits
         )
         return [rows[:, k].T for k in range(len(self.outputs))], worst, left
+
+    def _march_jax(self, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
+        from martensite.simulate.variants_jax import march_on_jax
+
+        return march_on_jax(self, values, grid, runs)
 
     def _march_floats(self, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
         from martensite.simulate.variants_floats import march_on_steps
@@ -360,18 +308,18 @@ class VariantSetup:
         if self.system.sample_time():
             shape = self.duration, self.samples, self._longest
             return grid_of(self.system, waveforms, *shape)
-        edges = edges_of(waveforms, self.duration)
+        edges = tuple(sorted({e for one in waveforms.values() for e in one.edges(self.duration)}))
         steps = self._clocks.get(edges)
         if steps is None:
             if len(self._clocks) >= CLOCKS:
                 self._clocks.clear()
-            steps = steps_of(edges, self.duration, self.samples, self._longest)
+            steps = cut_steps(edges, self._common.times, self._longest)
             self._clocks[edges] = steps
-        drives = [waveforms.get(drive.name) for drive in self.system.drives()]
-        return play_waveforms(self.system, steps, drives)
+        at_end = [drive.at_end for drive in self.system.drives()]
+        return steps.grid(arrange_waveforms(self.system, waveforms), at_end)
 
     @cached_property
-    def _clocks(self) -> dict[Edges, Steps]:
+    def _clocks(self) -> dict[tuple[float, ...], Steps]:
         return {}
 
     def _waveforms(self, signals: Mapping[str, Values], row: int) -> dict[str, AbstractWaveform]:

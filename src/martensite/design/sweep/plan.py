@@ -18,9 +18,10 @@ from martensite.base.parameters import Parametrised, describe_structure
 from martensite.base.status import Status
 from martensite.design.sampling.base import AbstractDesign
 from martensite.design.sweep.axes import SweepAxis
+from martensite.simulate.ensembles import Ensemble, Numbers
 from martensite.simulate.measures.base import AbstractMeasure, judge_runs, list_needed
 from martensite.simulate.measures.means import Integral, RootMeanSquare
-from martensite.simulate.variants import Numbers, Ran, VariantSetup
+from martensite.simulate.variants import VariantSetup
 
 Kind = TypeVar("Kind")
 ENDED, ACCURACY = "ended", "accuracy"
@@ -175,14 +176,14 @@ class SweepPlan:
 
     def lost(self, rows: range) -> SweepPiece:
         """What is kept of runs that cannot be made."""
-        lost = Ran.empty(self.outputs, len(rows), len(self.times), Status.LOST)
+        lost = Ensemble.empty(self.outputs, len(rows), len(self.times), Status.LOST)
         return self._kept(self.values(rows), lost)
 
     @cached_property
     def _ready(self) -> VariantSetup:
         return replace(self.course, outputs=self.outputs)
 
-    def _kept(self, values: Numbers, ran: Ran) -> SweepPiece:
+    def _kept(self, values: Numbers, ran: Ensemble) -> SweepPiece:
         """Measures and traces; a run that failed has no measures."""
         bad = ran.status >= Status.UNSOLVED
         with np.errstate(all="ignore"):  # of failed runs

@@ -65,6 +65,7 @@ def build_course(
         chosen,
         precision,
         tolerance=scenario.tolerance,
+        devices=None if chosen == "jax" else 1,
     )
 
 
