@@ -45,7 +45,7 @@ class Function:
     outputs: tuple[Expr, ...]
 
 
-@dataclass
+@dataclass(eq=False)
 class Program:
     """Functions of one graph over the same parameters.
 

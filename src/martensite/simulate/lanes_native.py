@@ -8,22 +8,13 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from martensite.kernels.c99 import c_source
-from martensite.kernels.c99_lanes import BLOCK, lanes_source
-from martensite.kernels.compiler import load_library
-from martensite.kernels.compute_once import cache_answers
+from martensite.kernels.c99_lanes import BLOCK
+from martensite.kernels.compiled_program import CompiledProgram, get_address
 from martensite.simulate.compiled import Compiled
 
 Numbers: TypeAlias = NDArray[np.float64]
 
 _ADVANCE = """
-void prepare(long n, const double *restrict p, double *restrict c) {{ k_prepare(n, p, c); }}
-void begin(long n, const double *restrict c, const double *restrict x, double *restrict y) {{
-    k_init(n, c, x, y);
-}}
-void read_outputs(long n, const double *restrict c, const double *restrict x, double *restrict y) {{
-    k_observe(n, c, x, y);
-}}
 void advance(long n, long steps, const double *restrict c, double *restrict x,
              double *restrict y, double *restrict worst,
              const double *restrict drives, double *restrict rows) {{
@@ -45,13 +36,7 @@ void advance(long n, long steps, const double *restrict c, double *restrict x,
 }}
 """
 
-_COUNT, _ARRAY = ctypes.c_long, ctypes.c_void_p
-_ARGUMENTS = {
-    "prepare": (_COUNT, _ARRAY, _ARRAY),
-    "begin": (_COUNT, _ARRAY, _ARRAY, _ARRAY),
-    "read_outputs": (_COUNT, _ARRAY, _ARRAY, _ARRAY),
-    "advance": (_COUNT, _COUNT, *(_ARRAY,) * 6),
-}
+FUNCTIONS = ("init", "step", "observe")
 
 
 class NativeLanes:
@@ -66,14 +51,17 @@ class NativeLanes:
         self.compiled = compiled
         size, outputs, self.n = compiled.size, len(compiled.outputs), table.shape[1]
         self._filled_to = n = self.n if self.n < BLOCK else -(-self.n // BLOCK) * BLOCK
-        self.library, self._table = _load_library(compiled, n >= BLOCK), self._fill_block(table)
-        self.constants = self._prepare_parameters(compiled, self.library)
+        self._table = self._fill_block(table)
+        added = _ADVANCE.format(size=size, drives=compiled.drives, outputs=outputs)
+        self.program = CompiledProgram(compiled.program, FUNCTIONS, self._table, added)
         self.x = np.empty((size + compiled.drives + 1, n))
         self.y, self._worst = np.empty((size + len(compiled.report), n)), np.zeros((2, n))
         self._state, self._signals, self._dt = self.x[:size], self.x[size:-1], self.x[-1]
         self._drives, self._rows = np.empty((compiled.drives, n)), np.empty((1, outputs, n))
-        self._at_drives, self._at_rows = _get_address(self._drives), _get_address(self._rows)
-        self._held = tuple(map(_get_address, (self.constants, self.x, self.y, self._worst)))
+        self._at_drives, self._at_rows = get_address(self._drives), get_address(self._rows)
+        held = (self.program.constants, self.x, self.y, self._worst)
+        self._held = tuple(map(get_address, held))
+        self._observe = self.program.bind("observe", self.x, self._rows)
 
     @property
     def table(self) -> Numbers:
@@ -99,22 +87,12 @@ class NativeLanes:
     def set_table(self, table: Numbers) -> None:
         """Other parameters, shape (parameters, lanes); what was compiled stays."""
         self._spread(self._table, table)
-        self.library.prepare(
-            self._filled_to, _get_address(self._table), _get_address(self.constants)
-        )
-
-    def _prepare_parameters(self, compiled: Compiled, library: Any) -> Numbers:
-        """What depends on parameters alone."""
-        found = np.empty((compiled.program.constants, self._filled_to))
-        library.prepare(self._filled_to, _get_address(self._table), _get_address(found))
-        return found
+        self.program.set_table(self._table)
 
     def begin(self, signals: Numbers) -> Numbers:
         """The state at rest."""
         found, given = np.empty((self.compiled.size, self._filled_to)), self._fill_block(signals)
-        self.library.begin(
-            self._filled_to, _get_address(self.constants), _get_address(given), _get_address(found)
-        )
+        self.program.bind("init", given, found)()
         return found[:, : self.n].copy()
 
     def advance(
@@ -132,36 +110,17 @@ class NativeLanes:
         spread = np.empty((steps, *self._drives.shape))
         self._spread(spread, signals)
         found = np.empty((steps if shown else 0, *self._rows.shape[1:]))
-        self._go(steps, _get_address(spread), _get_address(found) if shown else None)
+        self._go(steps, get_address(spread), get_address(found) if shown else None)
         return self._state[:, :n].copy(), found[..., :n]
 
-    def _go(self, steps: int, drives: int, rows: int | None) -> None:
+    def _go(self, steps: int, drives: Any, rows: Any) -> None:
         """Steps from `x` to `x`."""
-        self.library.advance(self._filled_to, steps, *self._held, drives, rows)
+        counts = ctypes.c_long(self._filled_to), ctypes.c_long(steps)
+        self.program.library.advance(*counts, *self._held, drives, rows)
 
     def read_outputs(self, state: Numbers, signals: Numbers) -> Numbers:
         """Outputs in a state."""
         self._spread(self._state, state)
         self._spread(self._signals, signals)
-        self.library.read_outputs(self._filled_to, *self._held[:2], self._at_rows)
+        self._observe()
         return self._rows[0, :, : self.n].copy()
-
-
-def _get_address(array: Numbers) -> int:
-    """Address of a contiguous array."""
-    return array.ctypes.data
-
-
-@cache_answers(64)
-def _load_library(compiled: Compiled, full: bool) -> Any:
-    """For any number of lanes, or for `full` blocks of them, as vectors."""
-    loop = _ADVANCE.format(
-        size=compiled.size, drives=compiled.drives, outputs=len(compiled.outputs)
-    )
-    functions = list(compiled.program.functions.values())
-    write = lanes_source if full else c_source
-    library = load_library(write(compiled.program, functions) + loop)
-    for name, arguments in _ARGUMENTS.items():
-        function = getattr(library, name)
-        function.argtypes, function.restype = arguments, None
-    return library

@@ -2,29 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from martensite.kernels.c99 import c_source
-from martensite.kernels.compiler import call_compiled, load_library
-from martensite.kernels.compute_once import cache_answers
+from martensite.kernels.compiled_program import CompiledProgram
+from martensite.kernels.compiler import call_compiled
 from martensite.physics.laws.base import AbstractLaw
 from martensite.simulate.compiled_law import ROW, CompiledLaw
 from martensite.simulate.point_march import RampSection, Ridden
 
 _RIDE = """
-void start(const double *restrict p, const double *restrict x, double *restrict y) {{
-    double c[{constants}];
-    k_prepare(1, p, c);
-    k_init(1, c, x, y);
-}}
-void ride(long samples, long finer, const double *restrict p, const double *restrict ramp,
+void ride(long samples, long finer, const double *restrict c, const double *restrict ramp,
           double *restrict memory, double *restrict rows, double *restrict worst,
           long *restrict where) {{
-    double c[{constants}], x[{inputs}], y[{results}];
+    double x[{inputs}], y[{results}];
     const long n = samples * finer;
-    k_prepare(1, p, c);
     memcpy(x, memory, sizeof(double) * {size});
     worst[0] = 0.0;
     where[0] = 0;
@@ -46,34 +37,29 @@ void ride(long samples, long finer, const double *restrict p, const double *rest
 """
 
 
-@cache_answers(16)
-def _load_library(compiled: CompiledLaw, step: str) -> Any:
-    """One library per kind of step: compiling what is not used takes seconds."""
-    program = compiled.program
-    loop = _RIDE.format(
-        constants=program.constants,
-        inputs=max(compiled.size + 3, 4),
-        results=compiled.size + len(ROW),
-        size=compiled.size,
-        row=len(ROW),
-        step=step,
-    )
-    return load_library(c_source(program, [program.functions[n] for n in ("init", step)]) + loop)
-
-
 class NativeRider:
     """Traced functions in C."""
 
     def __init__(self, compiled: CompiledLaw, law: AbstractLaw) -> None:
         self._compiled = compiled
-        self._parameters = np.array([*compiled.values(law), 0.0], float)
+        self._table = np.array([*compiled.values(law), 0.0], float)[:, None]
+        self._programs: dict[str, CompiledProgram] = {}
+
+    def _load(self, step: str) -> CompiledProgram:
+        """One library per kind of step: compiling what is not used takes seconds."""
+        if step in self._programs:
+            return self._programs[step]
+        size = self._compiled.size
+        added = _RIDE.format(
+            inputs=max(size + 3, 4), results=size + len(ROW), size=size, row=len(ROW), step=step
+        )
+        made = CompiledProgram(self._compiled.program, ("init", step), self._table, added)
+        return self._programs.setdefault(step, made)
 
     def start(self, *numbers: float) -> tuple[float, ...]:
         """Memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
-        found = np.empty(self._compiled.size + len(ROW))
-        given = np.array(numbers, float)
-        library = _load_library(self._compiled, "stress_step")
-        call_compiled(library.start, self._parameters, given, found)
+        found, given = np.empty(self._compiled.size + len(ROW)), np.array(numbers, float)
+        self._load("stress_step").bind("init", given, found)()
         return tuple(found.tolist())
 
     def ride(self, memory: tuple[float, ...], ramp: RampSection) -> Ridden:
@@ -81,8 +67,8 @@ class NativeRider:
         state, worst = np.array(memory, float), np.empty(1)
         rows, where = np.empty((ramp.samples, len(ROW))), np.empty(1, np.int_)
         line = np.array([ramp.begin, ramp.end, ramp.first, ramp.last, ramp.dt], float)
-        arrays = (self._parameters, line, state, rows, worst, where)
-        ride = _load_library(self._compiled, f"{ramp.control}_step").ride
-        call_compiled(ride, ramp.samples, ramp.finer, *arrays)
+        program = self._load(f"{ramp.control}_step")
+        arrays = (program.constants, line, state, rows, worst, where)
+        call_compiled(program.library.ride, ramp.samples, ramp.finer, *arrays)
         found = [tuple(row) for row in rows.tolist()]
         return Ridden((*state.tolist(), *found[-1]), found, float(worst[0]), int(where[0]))

@@ -7,30 +7,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from martensite.base.parameters import Keyed
 from martensite.control.loop import period
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE, list_references
 from martensite.control.loop.parts import Controlling, Inputs, Named, ObserverState
 from martensite.control.observers.base import ESTIMATED
-from martensite.kernels.c99 import c_source
-from martensite.kernels.compiler import load_library
+from martensite.kernels.compiled_program import CompiledProgram
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.kernels.program import Program
-
-_STEP = """
-void prepare(const double *p, double *c) {{ k_prepare(1, p, c); }}
-void begin(const double *c, double *x, double *y) {{
-    k_begin(1, c, x + {size}, y);
-    memcpy(x, y, sizeof(double) * {size});
-}}
-void step(const double *c, double *x, double *y) {{
-    k_step(1, c, x, y);
-    memcpy(x, y, sizeof(double) * {size});
-}}
-"""
 
 
 class LoopState(NamedTuple):
@@ -153,22 +142,29 @@ class CompiledLoop:
 
     def __init__(self, traced: TracedLoop, values: Sequence[float]) -> None:
         self.size, number = traced.size, ctypes.c_double
-        library, constants = _load_library(traced)
-        self.c, self.x = (number * constants)(), (number * (traced.size + traced.inputs))()
-        self.y = (number * traced.size)()
-        library.prepare((number * max(1, len(values)))(*values), self.c)
-        held = tuple(ctypes.c_void_p(ctypes.addressof(one)) for one in (self.c, self.x, self.y))
-        self.held, self.functions = held, {"begin": library.begin, "step": library.step}
+        table = np.array([*values, 0.0], float)[:, None]
+        program = CompiledProgram(traced.program, ("begin", "step"), table)
+        self.rooms = [(number * (traced.size + traced.inputs))() for _ in range(2)]
+        """A sample goes from the state in one, with the inputs behind it, to that in the other."""
+        one, other = map(np.frombuffer, self.rooms)
+        pairs = (one, other), (other, one)
+        self.functions = {
+            "begin": [program.bind("begin", x[traced.size :], y) for x, y in pairs],
+            "step": [program.bind("step", x, y) for x, y in pairs],
+        }
+        self.now = 0
 
     def run(self, name: str, inputs: Sequence[float]) -> list[float]:
         """State after a sample."""
-        self.x[self.size :] = inputs
-        self.functions[name](*self.held)
-        return self.y[:]
+        now = self.now
+        self.rooms[now][self.size :] = inputs
+        self.functions[name][now]()
+        self.now = 1 - now
+        return self.rooms[1 - now][: self.size]
 
     def state(self) -> list[float]:
         """State after the last sample."""
-        return self.y[:]
+        return self.rooms[self.now][: self.size]
 
 
 class FloatLoop:
@@ -187,10 +183,3 @@ class FloatLoop:
     def state(self) -> Sequence[float]:
         """State after the last sample."""
         return self.now
-
-
-@cache_answers(32)
-def _load_library(traced: TracedLoop) -> tuple[Any, int]:
-    program = traced.program
-    source = c_source(program, list(program.functions.values())) + _STEP.format(size=traced.size)
-    return load_library(source), program.constants
