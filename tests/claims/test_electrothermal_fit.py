@@ -14,11 +14,15 @@ import pytest
 
 from martensite.fit.profiling import profile_likelihood
 from martensite.studies.base import Claim
+from martensite_studies.electrothermal import (
+    ElectrothermalStaircase,
+    model,
+    record,
+    resistance_numbers,
+)
 from martensite_studies.electrothermal import heating_fit as heating
-from martensite_studies.electrothermal import model, record, resistance_numbers
 from martensite_studies.electrothermal import resistance_fit as fitting
 from martensite_studies.electrothermal.record import RecordStaircase
-from martensite_studies.electrothermal.study import ElectrothermalStaircase
 from martensite_studies.tables import printed_numbers
 
 STATED = printed_numbers("electrothermal")

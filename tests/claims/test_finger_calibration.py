@@ -18,9 +18,10 @@ from martensite.kernels.compiler import find_compiler
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import load_study
 from martensite_studies.finger_calibration import (
+    FingerCalibration,
     bench,
-    data_numbers,
     gauge_numbers,
+    record_numbers,
     search_numbers,
 )
 from martensite_studies.finger_calibration.bench import EVERY, FAR, JOINT, NEAR
@@ -34,11 +35,10 @@ from martensite_studies.finger_calibration.searches import (
     moving_starts,
     run_search,
 )
-from martensite_studies.finger_calibration.study import FingerCalibration
 from martensite_studies.tables import PrintedRows, printed_numbers
 
 PRINTED = printed_numbers("finger_calibration")
-TABLE = data_numbers.table_numbers(PRINTED)
+TABLE = record_numbers.table_numbers(PRINTED)
 
 needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="needs a C compiler")
 
@@ -89,48 +89,48 @@ class TestData:
         ids=("8mm", "16mm", "joint"),
     )
     def test_smallest_errors(self, data, slope, E_M, ratio):
-        found = data_numbers.parameter_errors(data, PRINTED)
+        found = record_numbers.parameter_errors(data, PRINTED)
         assert found.numbers["dsigma_dT"] / 1e6 == pytest.approx(slope, rel=0.06)
         assert found.numbers["E_M"] / 1e9 == pytest.approx(E_M, rel=0.04)
         if ratio is not None:
             assert found.ratio == pytest.approx(ratio, abs=0.007)
 
     def test_correlations(self):
-        near = data_numbers.parameter_errors(NEAR, PRINTED).correlation
+        near = record_numbers.parameter_errors(NEAR, PRINTED).correlation
         assert near["T_L", "dsigma_dT"] == pytest.approx(0.996, abs=0.001)
         assert near["Delta_sigma", "dsigma_dT"] == pytest.approx(0.994, abs=0.002)
 
     def test_errors_are_those_of_the_normal_equations(self):
         begin = bench.table_problem(NEAR, PRINTED)
-        places = [begin.names.index(name) for name in data_numbers.CHOSEN_ELSE]
+        places = [begin.names.index(name) for name in record_numbers.CHOSEN_ELSE]
         scales = [begin.free[i].slope(float(begin.start[i])) for i in places]
         jacobian = bench.at_table(NEAR, PRINTED).jacobian[:, places] / scales
         size = np.linalg.norm(jacobian, axis=0)
         spread = np.linalg.inv((jacobian / size).T @ (jacobian / size)) / np.outer(size, size)
-        found = data_numbers.parameter_errors(NEAR, PRINTED)
+        found = record_numbers.parameter_errors(NEAR, PRINTED)
         assert np.sqrt(np.diag(spread)) == pytest.approx(list(found.numbers.values()), rel=1e-6)
         step = 1e-4 * TABLE["dsigma_dT"]
         width, slope = TABLE["Delta_sigma"], TABLE["dsigma_dT"]
         turn = np.zeros(len(places))
-        turn[data_numbers.CHOSEN_ELSE.index("Delta_sigma")] = 1.0 / slope
-        turn[data_numbers.CHOSEN_ELSE.index("dsigma_dT")] = (
+        turn[record_numbers.CHOSEN_ELSE.index("Delta_sigma")] = 1.0 / slope
+        turn[record_numbers.CHOSEN_ELSE.index("dsigma_dT")] = (
             width / (slope + step) - width / (slope - step)
         ) / (2.0 * step)
         assert math.sqrt(turn @ spread @ turn) == pytest.approx(found.ratio, rel=1e-5)
 
     @pytest.mark.parametrize("data", EVERY, ids=lambda data: data.key)
     def test_five_parameters_hold_one_exact_redundancy(self, data):
-        (lost,) = data_numbers.assess_records(data, PRINTED).weak
+        (lost,) = record_numbers.assess_records(data, PRINTED).weak
         assert lost.exact
         assert set(lost.names) == {"T_L", "sigma_L"}
         change = dict(zip(lost.names, lost.changes, strict=True))
         assert change["sigma_L"] / change["T_L"] == pytest.approx(TABLE["dsigma_dT"], rel=1e-6)
 
     def test_four_parameters_hold_none(self):
-        found = data_numbers.of_columns(NEAR, data_numbers.CHOSEN_ELSE, PRINTED)
-        assert found.rank == len(data_numbers.CHOSEN_ELSE)
+        found = record_numbers.of_columns(NEAR, record_numbers.CHOSEN_ELSE, PRINTED)
+        assert found.rank == len(record_numbers.CHOSEN_ELSE)
         assert all(map(math.isfinite, found.errors))
-        five = data_numbers.of_columns(NEAR, PRINTED.searched.column("name"), PRINTED)
+        five = record_numbers.of_columns(NEAR, PRINTED.searched.column("name"), PRINTED)
         assert five.rank == 4
         assert [math.isinf(e) for e in five.errors] == [False, True, False, True, False]
 
@@ -157,8 +157,8 @@ class TestLeastSquares:
         fit = best_fit(JOINT, PRINTED).fit
         assert fit["dsigma_dT"] / 1e6 == pytest.approx(4.01, abs=0.01)
         assert fit["E_M"] / 1e9 == pytest.approx(30.9, abs=0.1)
-        assert data_numbers.cold_temperature(fit.numbers) == pytest.approx(319.75, abs=0.3)
-        assert data_numbers.temperature_width(fit.numbers) == pytest.approx(13.0, abs=0.3)
+        assert record_numbers.cold_temperature(fit.numbers) == pytest.approx(319.75, abs=0.3)
+        assert record_numbers.temperature_width(fit.numbers) == pytest.approx(13.0, abs=0.3)
 
     def test_stays_where_nothing_moves_unless_it_starts_elsewhere_too(self):
         caught = run_search(FAR, STILL, SQUARES, PRINTED)
@@ -276,7 +276,7 @@ class TestWhole:
 
     def test_readme_has_the_computed_numbers(self, listed):
         text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
-        errors = [data_numbers.parameter_errors(data, PRINTED) for data in EVERY]
+        errors = [record_numbers.parameter_errors(data, PRINTED) for data in EVERY]
         rows = [f"{found.numbers['dsigma_dT'] / 1e6:.3f} (0." for found in errors]
         rows += [f"| {found.numbers['E_M'] / 1e9:.1f} (" for found in errors]
         rows += [f"| {found.ratio:.3f} " for found in errors]
@@ -335,6 +335,6 @@ def test_a_wrong_number_is_noticed():
         for one in PRINTED.searched
     ]
     wrong = PRINTED.with_numbers(searched=PrintedRows(other))
-    numbers = {"again": data_numbers.list_again(NEAR, wrong)}
-    found = settle_some(FingerCalibration(wrong), "test", numbers, "{name}-{key}")
+    numbers = {"again": record_numbers.list_again(NEAR, wrong)}
+    found = settle_some(FingerCalibration(wrong), "record", numbers, "{name}-{key}")
     assert {id for id, verdict in found.items() if verdict == "not reproduced"} == {"ratio-8mm"}

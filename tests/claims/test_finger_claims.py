@@ -16,13 +16,13 @@ from martensite.kernels.compiler import find_compiler
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import Claim, load_study
 from martensite_studies.finger import (
+    FingerStudy,
     bench,
     bending_numbers,
     crystal_numbers,
     loop_numbers,
     wire_numbers,
 )
-from martensite_studies.finger.study import FingerStudy
 from martensite_studies.tables import printed_numbers
 
 PRINTED = printed_numbers("finger")

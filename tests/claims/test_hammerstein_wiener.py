@@ -12,10 +12,15 @@ from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 
 from martensite.kernels.compiler import find_compiler
 from martensite.studies.base import Claim, load_study
-from martensite_studies.hammerstein_wiener import comparisons, loop, loops, models
+from martensite_studies.hammerstein_wiener import (
+    HammersteinWiener,
+    comparisons,
+    loop,
+    loops,
+    models,
+)
 from martensite_studies.hammerstein_wiener.bench import INTERVAL
 from martensite_studies.hammerstein_wiener.fit_numbers import BETTER, PAPER, WHOLE
-from martensite_studies.hammerstein_wiener.study import HammersteinWiener
 
 pytestmark = pytest.mark.skipif(find_compiler() is None, reason="needs a C compiler")
 

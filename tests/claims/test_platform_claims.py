@@ -23,6 +23,7 @@ from martensite.simulate.result import Result
 from martensite.studies.base import Claim, load_study, study_names
 from martensite_studies import readings
 from martensite_studies.platform import (
+    Platform,
     bench,
     control_numbers,
     equation_numbers,
@@ -30,7 +31,6 @@ from martensite_studies.platform import (
     response_numbers,
 )
 from martensite_studies.platform.bench import AS_PRINTED, CASES, IN_SERIES, VARIANTS, Case
-from martensite_studies.platform.study import Platform
 from martensite_studies.tables import printed_numbers
 
 PRINTED = printed_numbers("platform")

@@ -29,6 +29,7 @@ from martensite.simulate.api import simulate
 from martensite.studies.base import Claim, load_study, study_names
 from martensite_studies.readings import choose_runtime
 from martensite_studies.sommerfeld import (
+    Sommerfeld,
     actuator,
     averages,
     beam_numbers,
@@ -38,7 +39,6 @@ from martensite_studies.sommerfeld import (
     runs,
     wire,
 )
-from martensite_studies.sommerfeld.study import Sommerfeld
 from martensite_studies.tables import printed_numbers
 
 PRINTED = printed_numbers("sommerfeld")
@@ -56,7 +56,7 @@ def by_id(claims: list[Claim]) -> dict[str, Claim]:
 @cache
 def of_motor() -> dict[str, Claim]:
     return by_id(
-        [*Sommerfeld(PRINTED).part_claims("beam"), *Sommerfeld(PRINTED).part_claims("ramps")]
+        [*Sommerfeld(PRINTED).part_claims("beam"), *Sommerfeld(PRINTED).part_claims("ramp")]
     )
 
 
@@ -136,7 +136,7 @@ def test_other_printed_numbers_would_change_the_verdicts() -> None:
     assert stiffness == {"stiffness": "not reproduced"}
     earlier = PRINTED.with_numbers(jump_with_wire=4.4)
     numbers = ramp_numbers.compare_jumps(earlier)
-    found = settle_some(Sommerfeld(earlier), "ramps", numbers, "earlier")
+    found = settle_some(Sommerfeld(earlier), "ramp", numbers, "earlier")
     assert found == {"earlier": "reproduced"}
 
 

@@ -19,8 +19,7 @@ from martensite.scenario.citations import read_bibliography
 from martensite.simulate.result import Result
 from martensite.studies.base import Claim, load_study, study_names
 from martensite_studies.tables import Printed, printed_numbers
-from martensite_studies.wire_heating import bench, closures, numbers
-from martensite_studies.wire_heating.study import WireHeating
+from martensite_studies.wire_heating import WireHeating, bench, closures, steady_numbers
 
 PRINTED = printed_numbers("wire_heating")
 D, L = 375e-6, 0.1
@@ -222,8 +221,8 @@ def test_scenarios_are_the_closures(closure: str) -> None:
 
 def test_simulated_closures(listed: dict[str, Claim]) -> None:
     fit = closures.closure_a(PRINTED)
-    assert numbers.simulated_errors("a", PRINTED) == pytest.approx(fit.errors, abs=0.05)
-    errors = numbers.simulated_errors("b", PRINTED)
+    assert steady_numbers.simulated_errors("a", PRINTED) == pytest.approx(fit.errors, abs=0.05)
+    errors = steady_numbers.simulated_errors("b", PRINTED)
     for volts, at, error in zip(VOLTS, AT, errors, strict=True):
         hot, cold = (22.0 + volts**2 / (ohm * SURFACE * 128.6) for ohm in (1.3, 1.5))
         assert cold - 0.1 < at + error < hot + 0.1  # the resistance lies between both phases'

@@ -69,7 +69,6 @@ def printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Printed:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "printed.toml").write_text(PRINTED, encoding="utf-8")
     monkeypatch.setattr(tables, "FOLDER", tmp_path)
-    tables.printed_numbers.cache_clear()
     return tables.printed_numbers("mine")
 
 
@@ -102,7 +101,6 @@ def test_printed_numbers_that_are_refused(
     (tmp_path / "bad").mkdir()
     (tmp_path / "bad" / "printed.toml").write_text(text, encoding="utf-8")
     monkeypatch.setattr(tables, "FOLDER", tmp_path)
-    tables.printed_numbers.cache_clear()
     with pytest.raises(DataError, match=sentence):
         tables.printed_numbers("bad")
 
@@ -162,7 +160,6 @@ def shipped() -> list[str]:
 def test_units_of_shipped_numbers_are_units(study: str) -> None:
     import tomllib
 
-    tables.printed_numbers.cache_clear()
     text = (tables.FOLDER / study / "printed.toml").read_text(encoding="utf-8")
     places = [entries for entries in tomllib.loads(text).values() if isinstance(entries, dict)]
     for entry in (entry for entries in places for entry in entries.values()):

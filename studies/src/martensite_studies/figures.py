@@ -1,23 +1,31 @@
-"""What the figures of studies share: a heading above the panels, and labelled axes."""
+"""What the figures of studies share: a page with a heading, and labelled axes."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
 
-from martensite.show.figures.style import QUIET
+from martensite.show.figures.style import QUIET, make_figure, use_style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 LEFT, TITLE, LINE = 0.02, 0.24, 0.2
 """Left edge of a heading as a share of the width; its first line below the top, and further ones
 below that [inch]."""
 
 
-def write_heading(figure: Any, title: str, *remarks: str) -> None:
-    """Write a title above the panels of a figure, and remarks below it."""
-    height = figure.get_size_inches()[1]
-    top = 1.0 - TITLE / height
-    figure.text(LEFT, top, title, fontsize=12.5, fontweight="bold", va="center")
-    for k, remark in enumerate(remarks, start=1):
-        figure.text(LEFT, top - k * LINE / height, remark, color=QUIET, va="center")
+@contextmanager
+def draw_page(width: float, height: float, title: str, *remarks: str) -> Iterator[Figure]:
+    """Give a figure [inch] to draw panels on, with a title above them, and remarks below it."""
+    with use_style():
+        figure = make_figure(width, height)
+        top = 1.0 - TITLE / height
+        figure.text(LEFT, top, title, fontsize=12.5, fontweight="bold", va="center")
+        for k, remark in enumerate(remarks, start=1):
+            figure.text(LEFT, top - k * LINE / height, remark, color=QUIET, va="center")
+        yield figure
 
 
 def label_axes(axes: Any, title: str, x: str, y: str, legend: str = "") -> None:
@@ -27,3 +35,13 @@ def label_axes(axes: Any, title: str, x: str, y: str, legend: str = "") -> None:
     axes.set_ylabel(y)
     if legend:
         axes.legend(loc=legend)
+
+
+def add_right_axis(axes: Any, label: str, low: float, high: float, colour: str) -> Any:
+    """A second axis of a panel, on its right and without a grid."""
+    other = axes.twinx()
+    other.set_ylabel(label, color=colour)
+    other.set_ylim(low, high)
+    other.grid(False)
+    other.spines["right"].set_visible(True)
+    return other

@@ -44,7 +44,7 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import cache, reduce
 from importlib import import_module
 from pathlib import Path
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any, ClassVar
 
 from martensite.base.errors import DataError, suggest_name
@@ -98,7 +98,11 @@ class PrintedRows(tuple[Printed, ...]):
 
 
 class TableStudy(AbstractStudy):
-    """A study with tables beside it; a subclass gives the computations."""
+    """A study with tables beside it, in the folder of its class.
+
+    The numbers of a part `wire` are computed by `compute_wire(printed)` of the module
+    `wire_numbers`, and the figure is drawn by `draw_figure(printed)` of the module `figure`.
+    """
 
     table: ClassVar[Mapping[str, Any]] = {}
     """`claims.toml`."""
@@ -106,21 +110,24 @@ class TableStudy(AbstractStudy):
     def __init_subclass__(cls) -> None:
         """Read the tables, and check them."""
         super().__init_subclass__()
-        file = getattr(sys.modules.get(cls.__module__), "__file__", None)
-        if file is None:  # typed into a console: the tables are those of its base
-            return
-        cls.table = table = read_claims(Path(file).parent / "claims.toml")
+        if not hasattr(sys.modules.get(cls.__module__), "__file__"):
+            return  # typed into a console: the tables are those of its base
+        cls.table = table = read_claims(cls._folder() / "claims.toml")
         cls.title, cls.guide, cls.caption = table["title"], table["guide"], table["caption"]
         cls.cites, cls.data = tuple(table["cites"]), tuple(table.get("data", ()))
         cls.scenario_files = tuple(table.get("scenarios", cls.scenario_files))
 
-    def __init__(self, printed: Printed | None = None) -> None:
-        """Take the numbers as printed, or others in their place."""
-        self.printed = printed or printed_numbers(self._package().rpartition(".")[2])
+    def __init__(self, printed: Printed | None = None, *, full: bool = False) -> None:
+        """Take the numbers as printed, or others in their place.
 
-    def computations(self) -> dict[str, Callable[[], Mapping[str, Any]]]:
-        """What computes the numbers of each part, by the key of the part."""
-        raise NotImplementedError
+        With `full` a study that leaves out what takes long does not.
+        """
+        self.full = full
+        self.printed = printed or read_printed(self._folder() / "printed.toml")
+
+    def compute_part(self, key: str) -> Mapping[str, Any]:
+        """The numbers of a part, computed now."""
+        return getattr(self._import_module(f"{key}_numbers"), f"compute_{key}")(self.printed)
 
     def parts(self) -> dict[str, Callable[[], list[Claim]]]:
         """Every claim with its verdict, part by part."""
@@ -131,15 +138,13 @@ class TableStudy(AbstractStudy):
 
     def part_claims(self, key: str) -> list[Claim]:
         """The claims of one part, computed now."""
-        return list(settle_claims(self.table, key, self.computations()[key](), self.printed))
+        return list(settle_claims(self.table, key, self.compute_part(key), self.printed))
 
     def figure(self, path: Path) -> None:
         """Write the figure that a reader of the source recognises (png, svg or pdf)."""
         from martensite.show.figures.files import write_figure
 
-        write_figure(
-            import_module(f"{self._package()}.figure").draw_figure(self.printed), Path(path)
-        )
+        write_figure(self._import_module("figure").draw_figure(self.printed), Path(path))
 
     def _without_compiler(self) -> Claim:
         """What takes the place of all claims where they cannot be computed."""
@@ -148,21 +153,30 @@ class TableStudy(AbstractStudy):
         words = "compiler", "all of this study", source
         return Claim(*words, None, None, "1", None, "not checkable", why)
 
-    def _package(self) -> str:
-        return type(self).__module__.rpartition(".")[0]
+    @classmethod
+    def _folder(cls) -> Path:
+        return Path(str(sys.modules[cls.__module__].__file__)).parent
+
+    def _import_module(self, name: str) -> ModuleType:
+        """A module beside that of the class."""
+        return import_module(f"{sys.modules[type(self).__module__].__package__}.{name}")
 
 
 # ---------------------------------------------------------------- printed numbers
 
 
-@cache
 def printed_numbers(study: str) -> Printed:
-    """The numbers that a study's source prints, by the folder of the study.
+    """The numbers that the source of a study of this package prints, by the folder of the study."""
+    return read_printed(FOLDER / study / "printed.toml")
+
+
+@cache
+def read_printed(path: Path) -> Printed:
+    """A file of printed numbers.
 
     Raises:
         DataError: a number stands at no place, or its keys are not those of one.
     """
-    path = FOLDER / study / "printed.toml"
     table = tomllib.loads(path.read_text("utf-8"))
     numbers: dict[str, Any] = {"source": table.pop("source")}
     for place, entries in table.items():

@@ -2,6 +2,14 @@
 
 from __future__ import annotations
 
-from martensite_studies.electrothermal.study import ElectrothermalStaircase
+from martensite.studies.base import STUDIES
+from martensite_studies.tables import TableStudy
 
-__all__ = ["ElectrothermalStaircase"]
+
+@STUDIES.register("electrothermal-staircase")
+class ElectrothermalStaircase(TableStudy):
+    """Resistance against current of a Flexinol wire under a staircase of voltage.
+
+    The record is not part of the package. Without it the claims that need it are `not
+    checkable`, and the figure shows the model alone; both say how to fetch it.
+    """

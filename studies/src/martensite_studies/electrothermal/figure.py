@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from martensite.show.figures.style import INK, MEASURED, QUIET, SIMULATED, make_figure, use_style
-from martensite_studies.electrothermal import model, record
+from martensite.show.figures.style import INK, MEASURED, QUIET, SIMULATED
+from martensite_studies.electrothermal import ElectrothermalStaircase, model, record
 from martensite_studies.electrothermal.model_numbers import KEPT, calibrate_numbers
 from martensite_studies.electrothermal.record import RecordStaircase
 from martensite_studies.electrothermal.resistance_figure import over_offset, over_temperature
-from martensite_studies.electrothermal.study import ElectrothermalStaircase
-from martensite_studies.figures import label_axes, write_heading
+from martensite_studies.figures import draw_page, label_axes
 from martensite_studies.tables import Printed
 
 if TYPE_CHECKING:
@@ -32,8 +31,14 @@ LOOKS = {
 def draw_figure(stated: Printed) -> Figure:
     """Draw the figure."""
     run = RecordStaircase(stated) if record.has_files(record.UNTRAINED, record.WARMTH) else None
-    with use_style():
-        figure = make_figure(11.0, 4.6 if run is None else 8.6)
+    below = "Points: Leal 2016, run 5 (MIT). All curves but the maker's were chosen or fitted "
+    below += "on these points; hollow ones below were kept back."
+    with draw_page(
+        11.0,
+        4.6 if run is None else 8.6,
+        "Flexinol wire, 0.381 mm × 190 mm, no load: resistance on a staircase of voltage",
+        ElectrothermalStaircase.table["absent"] if run is None else below,
+    ) as figure:
         grid = figure.add_gridspec(
             1 if run is None else 2,
             2,
@@ -51,22 +56,11 @@ def draw_figure(stated: Printed) -> Figure:
             _draw_measured(axes, run)
             over_offset(figure.add_subplot(grid[0, 1]), stated)
             over_temperature(figure.add_subplot(grid[1, :]), stated)
-        _set_titles(figure, axes, run)
+        label_axes(axes, "resistance against current", "$I$ [A]", "$R$ [Ω]")
+        axes.set_xlim(0.4, 3.2)
+        axes.set_ylim(1.25, 1.82)
+        axes.legend(loc="upper right", ncols=2)
         return figure
-
-
-def _set_titles(figure: Any, axes: Any, run: RecordStaircase | None) -> None:
-    below = "Points: Leal 2016, run 5 (MIT). All curves but the maker's were chosen or fitted "
-    below += "on these points; hollow ones below were kept back."
-    write_heading(
-        figure,
-        "Flexinol wire, 0.381 mm × 190 mm, no load: resistance on a staircase of voltage",
-        ElectrothermalStaircase.table["absent"] if run is None else below,
-    )
-    label_axes(axes, "resistance against current", "$I$ [A]", "$R$ [Ω]")
-    axes.set_xlim(0.4, 3.2)
-    axes.set_ylim(1.25, 1.82)
-    axes.legend(loc="upper right", ncols=2)
 
 
 def _draw_simulated(axes: Any, stated: Printed, run: RecordStaircase | None) -> None:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
-from martensite_studies.finger.study import FingerStudy
+from martensite.studies.base import STUDIES
+from martensite_studies.tables import TableStudy
 
-__all__ = ["FingerStudy"]
+
+@STUDIES.register("finger")
+class FingerStudy(TableStudy):
+    """The finger rebuilt: heat and law, bending at two powers, a slow loop, other crystals."""

@@ -17,7 +17,7 @@ OUTER_ARM = 12e-3
 """A place of the spring at which intermediate powers lie between those of the paper [m]."""
 
 
-def compute_crystals(printed: Printed) -> dict[str, Any]:
+def compute_crystal(printed: Printed) -> dict[str, Any]:
     """Angles of a polycrystal, then both crystals at intermediate powers."""
     return {
         "middle_r": 1e3 * printed.offsets[1],

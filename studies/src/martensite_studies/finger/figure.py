@@ -18,10 +18,8 @@ from martensite.show.figures.style import (
     MEASURED,
     QUIET,
     SIMULATED,
-    make_figure,
-    use_style,
 )
-from martensite_studies.figures import label_axes, write_heading
+from martensite_studies.figures import add_right_axis, draw_page, label_axes
 from martensite_studies.finger import bench, bending_numbers, crystal_numbers, loop_numbers
 from martensite_studies.tables import Printed
 
@@ -37,8 +35,12 @@ DASHED = (0, (4, 1.6))
 
 def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
-    with use_style():
-        figure = make_figure(12.0, 7.2)
+    with draw_page(
+        12.0,
+        7.2,
+        "Robotic finger: what follows from the published numbers",
+        "quasi-static, power in the whole wire; place of spring and brackets are assumed",
+    ) as figure:
         left, right = figure.add_gridspec(
             1,
             2,
@@ -60,11 +62,6 @@ def draw_figure(printed: Printed) -> Figure:
         _draw_loop(figure.add_subplot(cells[0, :]), printed)
         _draw_crystals(figure.add_subplot(cells[1, 0]), printed)
         _draw_places(figure.add_subplot(cells[1, 1]), printed)
-        write_heading(
-            figure,
-            "Robotic finger: what follows from the published numbers",
-            "quasi-static, power in the whole wire; place of spring and brackets are assumed",
-        )
         return figure
 
 
@@ -87,7 +84,8 @@ def _draw_bending(axes: Any, watts: float, printed: Printed) -> None:
 
 
 def _draw_power(axes: Any, printed: Printed) -> None:
-    warm, r = axes.twinx(), printed.offsets[1]
+    warm = add_right_axis(axes, f"{typeset_symbol('T')} [°C]", 16.0, 104.0, HEATING)
+    r = printed.offsets[1]
     for watts, style in zip(printed.powers, (DASHED, "solid"), strict=True):
         wave, run = bench.power_trapezoid(watts, printed), bench.run_bending(watts, r, printed)
         label = f"{watts:.1f} W"
@@ -103,10 +101,6 @@ def _draw_power(axes: Any, printed: Printed) -> None:
         f"{typeset_symbol('P')} [W]",
         "upper right",
     )
-    warm.set_ylabel(f"{typeset_symbol('T')} [°C]", color=HEATING)
-    warm.set_ylim(16.0, 104.0)
-    warm.grid(False)
-    warm.spines["right"].set_visible(True)
 
 
 def _draw_loop(axes: Any, printed: Printed) -> None:

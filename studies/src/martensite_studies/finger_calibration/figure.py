@@ -21,14 +21,12 @@ from martensite.show.figures.style import (
     MEASURED,
     QUIET,
     SIMULATED,
-    make_figure,
-    use_style,
 )
-from martensite_studies.figures import label_axes, write_heading
+from martensite_studies.figures import draw_page, label_axes
 from martensite_studies.finger_calibration import bench
 from martensite_studies.finger_calibration.bench import EVERY, FAR, NEAR, Data
-from martensite_studies.finger_calibration.data_numbers import parameter_errors
 from martensite_studies.finger_calibration.gauge_numbers import WRONG_ARMS, refit_finger
+from martensite_studies.finger_calibration.record_numbers import parameter_errors
 from martensite_studies.finger_calibration.searches import (
     COORDINATE,
     SQUARES,
@@ -55,18 +53,17 @@ PATH = {"marker": "o", "markersize": 2.2, "linewidth": 0.9}
 
 def draw_figure(printed: Printed, *, full: bool = False) -> Figure:
     """Draw the figure; without a C compiler one that says so."""
-    with use_style():
-        figure = make_figure(12.0, 7.2)
-        title = "Calibration of the finger: two searches, and what the test can tell"
-        if find_compiler() is None:
-            write_heading(figure, title, "needs a C compiler: a search takes thousands of runs")
+    title = "Calibration of the finger: two searches, and what the test can tell"
+    known = find_compiler() is not None
+    line = (
+        "synthetic records made with Table 1, 201 samples of a sine at 0.015 Hz with white "
+        "noise of 1°; five free parameters within the paper's ranges"
+    )
+    without = "needs a C compiler: a search takes thousands of runs"
+    with draw_page(12.0, 7.2, title, line if known else without) as figure:
+        if not known:
             return figure
         prepare_searches(printed, full=full)
-        line = (
-            "synthetic records made with Table 1, 201 samples of a sine at 0.015 Hz with white "
-            "noise of 1°; five free parameters within the paper's ranges"
-        )
-        write_heading(figure, title, line)
         left, right = figure.add_gridspec(
             1,
             2,

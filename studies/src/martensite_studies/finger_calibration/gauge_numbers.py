@@ -20,7 +20,7 @@ from martensite.search.free_numbers import SearchRange
 from martensite.search.identifiability import Identifiability, assess_identifiability
 from martensite_studies.finger_calibration import bench
 from martensite_studies.finger_calibration.bench import NEAR
-from martensite_studies.finger_calibration.data_numbers import (
+from martensite_studies.finger_calibration.record_numbers import (
     SURE,
     parameter_errors,
     table_numbers,
@@ -42,7 +42,7 @@ WRONG_ARMS = 9e-3, 7e-3
 TENTH = 0.1
 
 
-def compute_gauges(printed: Printed) -> dict[str, Any]:
+def compute_gauge(printed: Printed) -> dict[str, Any]:
     """The two gauges, what follows for the table, and which numbers move the finger."""
     without = [name for name in FORCE if name not in ("E_A", "E_M", "layer_volume")]
     exact = [one for one in assess_test(FORCE, printed).weak if one.exact]

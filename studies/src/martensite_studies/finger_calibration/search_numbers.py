@@ -23,7 +23,7 @@ MORE = 2
 """Further starts that cure one without motion."""
 
 
-def compute_searches(printed: Printed, *, full: bool) -> dict[str, Any]:
+def compute_search(printed: Printed, *, full: bool) -> dict[str, Any]:
     """Coordinate search, least squares, and the start without motion."""
     prepare_searches(printed, full=full)
     return {

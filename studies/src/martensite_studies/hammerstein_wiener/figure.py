@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.kernels.compiler import find_compiler
-from martensite.show.figures.style import HEATING, INK, QUIET, SIMULATED, make_figure, use_style
-from martensite_studies.figures import write_heading
+from martensite.show.figures.style import HEATING, INK, QUIET, SIMULATED
+from martensite_studies.figures import draw_page
 from martensite_studies.hammerstein_wiener import comparisons, loops, models
 from martensite_studies.hammerstein_wiener.bench import INTERVAL
 from martensite_studies.hammerstein_wiener.fit_numbers import BETTER, PAPER, WHOLE
@@ -32,17 +32,16 @@ COLOURS = {PAPER: HEATING, BETTER: SIMULATED, WHOLE: SIMULATED, "stage 1": HEATI
 
 def draw_figure(printed: Printed) -> Figure:
     """Draw the figure; without a C compiler one that says so."""
-    with use_style():
-        figure = make_figure(13.0, 7.4)
-        title = "A wire identified in two stages, and what that is worth"
-        if find_compiler() is None:
-            write_heading(figure, title, "needs a C compiler: a search takes hundreds of runs")
+    title = "A wire identified in two stages, and what that is worth"
+    known = find_compiler() is not None
+    line = (
+        "simulated bench of the paper's kind: 0.51 mm × 230 mm, 1 kg, PWM at 500 Hz; models "
+        "fitted to one record of pulses, run free on records they have not seen"
+    )
+    without = "needs a C compiler: a search takes hundreds of runs"
+    with draw_page(13.0, 7.4, title, line if known else without) as figure:
+        if not known:
             return figure
-        line = (
-            "simulated bench of the paper's kind: 0.51 mm × 230 mm, 1 kg, PWM at 500 Hz; models "
-            "fitted to one record of pulses, run free on records they have not seen"
-        )
-        write_heading(figure, title, line)
         left, middle, right = figure.add_gridspec(
             1,
             3,

@@ -16,12 +16,15 @@ from martensite_studies.hammerstein_wiener.comparisons import (
 PAPER, BETTER, WHOLE = "stage 2", "stage 2, hysteresis", "whole"
 KEYS = {PAPER: "paper", BETTER: "hysteresis", WHOLE: "whole"}
 """Models, and what they are called in names of claims."""
+SEALED = (101, 102, 103, 104, 105)
+"""Seeds of records that nothing was chosen with."""
 FEW = ("fan", "5 K warmer", "load +20 %")
 """Other benches of the short study."""
 
 
-def compute_fits(seeds: tuple[int, ...], *, full: bool) -> dict[str, Any]:
+def compute_fit(*, full: bool) -> dict[str, Any]:
     """Everything that is open loop."""
+    seeds = SEALED if full else SEALED[:2]
     return {
         "stage_1": compare_position("stage 1", "validation"),
         "stage_2": compare_position(PAPER, "validation"),

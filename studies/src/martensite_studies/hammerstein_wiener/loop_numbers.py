@@ -16,7 +16,7 @@ BEGIN = LEVELS[0][1]
 """When the first step comes [s]."""
 
 
-def compute_loops(*, full: bool) -> dict[str, Any]:
+def compute_loop(*, full: bool) -> dict[str, Any]:
     """Steps and sine; in full also other models, and the trap of a model without a rest."""
     both, sine = loops.compare_steps(WHOLE), loops.compare_sines(WHOLE)
     pairs, (heating, cooling) = both.responses(), sine.branches

@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
-from martensite_studies.migaone.study import MigaOne
+from martensite.studies.base import STUDIES
+from martensite_studies.migaone.bench import SCENARIO
+from martensite_studies.tables import TableStudy
 
-__all__ = ["MigaOne"]
+
+@STUDIES.register("migaone")
+class MigaOne(TableStudy):
+    """The MigaOne-15 paper rebuilt: geometry, h(T), steady states, sine response, speed."""
+
+    scenario_files = (str(SCENARIO),)

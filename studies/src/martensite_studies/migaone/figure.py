@@ -20,10 +20,8 @@ from martensite.show.figures.style import (
     MEASURED,
     QUIET,
     SIMULATED,
-    make_figure,
-    use_style,
 )
-from martensite_studies.figures import label_axes, write_heading
+from martensite_studies.figures import add_right_axis, draw_page, label_axes
 from martensite_studies.migaone import bench, film_numbers
 from martensite_studies.tables import Printed
 
@@ -42,8 +40,13 @@ OTHERS = (
 
 def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
-    with use_style():
-        figure = make_figure(11.5, 6.6)
+    with draw_page(
+        11.5,
+        6.6,
+        "MigaOne-15 wire under 400 g: stroke at 0.005 Hz, and h(T)",
+        "Simulated for this project; points from the paper's Table 2. "
+        "Assumed: 0 to 2.5 V, 90 °C alloy.",
+    ) as figure:
         grid = figure.add_gridspec(
             2,
             2,
@@ -61,12 +64,6 @@ def draw_figure(printed: Printed) -> Figure:
         _draw_heat(figure.add_subplot(grid[1, 0], sharex=stroke), printed)
         _draw_film(figure.add_subplot(grid[0, 1]), printed)
         _draw_steady(figure.add_subplot(grid[1, 1]), printed)
-        write_heading(
-            figure,
-            "MigaOne-15 wire under 400 g: stroke at 0.005 Hz, and h(T)",
-            "Simulated for this project; points from the paper's Table 2. "
-            "Assumed: 0 to 2.5 V, 90 °C alloy.",
-        )
         return figure
 
 
@@ -130,7 +127,7 @@ def _draw_heat(axes: Any, printed: Printed) -> None:
     )
     axes.set_ylim(30.0, 90.0)
     start = bench.load_scenario().duration / 2.0
-    volts = axes.twinx()
+    volts = add_right_axis(axes, "$V$ [V]", 0.0, 3.0, QUIET)
     volts.plot(
         times,
         [bench.load_scenario().single_waveform.value(start + t) for t in times],
@@ -138,10 +135,6 @@ def _draw_heat(axes: Any, printed: Printed) -> None:
         linestyle=(0, (3, 1.5)),
         linewidth=1.0,
     )
-    volts.set_ylim(0.0, 3.0)
-    volts.set_ylabel("$V$ [V]", color=QUIET)
-    volts.grid(False)
-    volts.spines["right"].set_visible(True)
 
 
 def _draw_film(axes: Any, printed: Printed) -> None:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
-from martensite_studies.platform.study import Platform
+from martensite.studies.base import STUDIES
+from martensite_studies.tables import TableStudy
 
-__all__ = ["Platform"]
+
+@STUDIES.register("platform")
+class Platform(TableStudy):
+    """The parallel platform rebuilt: kinematics, stroke, response times, ON/OFF control."""

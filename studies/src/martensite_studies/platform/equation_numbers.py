@@ -8,7 +8,7 @@ from martensite_studies.platform import bench
 from martensite_studies.tables import Printed
 
 
-def compute_equations(printed: Printed) -> dict[str, float]:
+def compute_equation(printed: Printed) -> dict[str, float]:
     """Kinetics, then resistance."""
     spring = bench.build_spring(bench.AS_PRINTED, printed)
     shape = spring.section() / spring.wire_length()

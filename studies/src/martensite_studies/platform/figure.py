@@ -23,11 +23,9 @@ from martensite.show.figures.style import (
     MEASURED,
     QUIET,
     SIMULATED,
-    make_figure,
-    use_style,
 )
 from martensite.simulate.result import Result
-from martensite_studies.figures import write_heading
+from martensite_studies.figures import draw_page
 from martensite_studies.platform import bench, geometry_numbers, loop
 from martensite_studies.platform.bench import CASES, FINE, LATE, LIMITED, step_of
 from martensite_studies.platform.loop import CYCLES, DELAY, LAGGING, QUICK, Sampling
@@ -52,8 +50,13 @@ DELAYS = (0.0, 0.15, DELAY, 0.45)
 
 def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
-    with use_style():
-        figure = make_figure(11.5, 7.4)
+    with draw_page(
+        11.5,
+        7.4,
+        "Parallel platform on three shape-memory springs, one of them hot",
+        "Simulated for this project; circles are the paper's two response times. The sets A, "
+        "A' and C were calibrated to them.",
+    ) as figure:
         grid = figure.add_gridspec(
             2,
             3,
@@ -70,12 +73,6 @@ def draw_figure(printed: Printed) -> Figure:
         _draw_control(figure.add_subplot(grid[1, 0]), printed)
         _draw_overshoot(figure.add_subplot(grid[1, 1]), printed)
         _draw_hysteresis(figure.add_subplot(grid[1, 2]), printed)
-        write_heading(
-            figure,
-            "Parallel platform on three shape-memory springs, one of them hot",
-            "Simulated for this project; circles are the paper's two response times. The sets A, "
-            "A' and C were calibrated to them.",
-        )
         return figure
 
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
-from martensite_studies.sommerfeld.study import Sommerfeld
+from martensite.studies.base import STUDIES
+from martensite_studies.tables import TableStudy
 
-__all__ = ["Sommerfeld"]
+
+@STUDIES.register("sommerfeld")
+class Sommerfeld(TableStudy):
+    """Chapters 4 and 5 of Kossoski's thesis rebuilt: the Sommerfeld effect, and a hot wire."""

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from martensite.show.figures.style import make_figure, use_style
-from martensite_studies.figures import write_heading
+from martensite_studies.figures import draw_page
 from martensite_studies.sommerfeld import beam_panels, ramp_panels, wire_panels
 from martensite_studies.tables import Printed
 
@@ -21,8 +20,15 @@ if TYPE_CHECKING:
 
 def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
-    with use_style():
-        figure = make_figure(15.0, 9.2)
+    with draw_page(
+        15.0,
+        9.2,
+        "Motor with an unbalance on a beam: the Sommerfeld effect, and a hot wire against it",
+        "Simulated for this project. First row: Table 3 of the thesis. Second row: resistance, "
+        "damping and mass calibrated to the measured ramp, slack of the wire fitted to both "
+        "numbers that the thesis gives with it;",
+        "alloy, length of the wire and rate of the ramp are assumed. Dotted lines: printed values.",
+    ) as figure:
         grid = figure.add_gridspec(
             3, 4, left=0.038, right=0.962, top=0.885, bottom=0.055, wspace=0.34, hspace=0.38
         )
@@ -37,13 +43,4 @@ def draw_figure(printed: Printed) -> Figure:
         wire_panels.draw_loops(figure.add_subplot(grid[2, 1]), printed)
         wire_panels.draw_bench(figure.add_subplot(grid[2, 2]), printed, "strain")
         wire_panels.draw_bench(figure.add_subplot(grid[2, 3]), printed, "current")
-        write_heading(
-            figure,
-            "Motor with an unbalance on a beam: the Sommerfeld effect, and a hot wire against it",
-            "Simulated for this project. First row: Table 3 of the thesis. Second row: resistance, "
-            "damping and mass calibrated to the measured ramp, slack of the wire fitted to both "
-            "numbers that the thesis gives with it;",
-            "alloy, length of the wire and rate of the ramp are assumed. Dotted lines: printed "
-            "values.",
-        )
         return figure

@@ -15,7 +15,7 @@ LAST = 12.0
 """End of the ramps with changed stiffness or damping [V]."""
 
 
-def compute_ramps(printed: Printed) -> dict[str, Any]:
+def compute_ramp(printed: Printed) -> dict[str, Any]:
     """Table 3 in a ramp, calibration, rates, what the change requires."""
     without, motor = wire.run_without_wire(printed), machines.calibrated_motor()
     stiff, damped = averages.required_changes(printed)

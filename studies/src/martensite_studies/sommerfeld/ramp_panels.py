@@ -9,7 +9,7 @@ import numpy as np
 from martensite.show.figures.style import HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite.signals.ramp import Ramp
 from martensite.simulate.result import Result
-from martensite_studies.figures import label_axes
+from martensite_studies.figures import add_right_axis, label_axes
 from martensite_studies.sommerfeld import machines, runs, wire
 from martensite_studies.sommerfeld.runs import Windows
 from martensite_studies.tables import Printed
@@ -128,7 +128,7 @@ def draw_fit(axes: Any, printed: Printed) -> None:
     axes.axhline(printed.jump_with_wire, color=SIMULATED, linestyle=DOTTED, linewidth=1.0)
     axes.set_ylabel("jump [V]", color=SIMULATED)
     axes.set_ylim(4.2, 6.2)
-    other = axes.twinx()
+    other = add_right_axis(axes, "reduction [%]", 20.0, 60.0, HEATING)
     other.plot(
         slacks,
         [100.0 * one.reduction for one in found],
@@ -138,10 +138,6 @@ def draw_fit(axes: Any, printed: Printed) -> None:
         label="reduction of the amplitude (right)",
     )
     other.axhline(100.0 * printed.reduction, color=HEATING, linestyle=DOTTED, linewidth=1.0)
-    other.set_ylabel("reduction [%]", color=HEATING)
-    other.set_ylim(20.0, 60.0)
-    other.grid(False)
-    other.spines["right"].set_visible(True)
     axes.axvline(100.0 * wire.best_trial(printed).slack, color=QUIET, linewidth=0.8)
     handles = [*axes.get_lines()[:1], *other.get_lines()[:1]]
     axes.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.55, 0.0))

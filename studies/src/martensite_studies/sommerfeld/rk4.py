@@ -17,7 +17,7 @@ from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.kernels import floats
 from martensite.kernels.program import Program
 from martensite_studies.sommerfeld.machines import natural_frequency
-from martensite_studies.sommerfeld.runs import CAPTURED, GRID
+from martensite_studies.sommerfeld.runs import CAPTURED, find_last
 
 INTERVAL = 2.785293563
 """Root of 1 - z + z²/2 - z³/6 + z⁴/24 = 1 other than 0."""
@@ -71,10 +71,8 @@ def mean_speed(motor: BeamMotor, volts: float) -> float:
 @cache
 def last_captured(motor: BeamMotor, first: float) -> float:
     """The last voltage [V] of a grid of 0.1 V, from `first` on, before one that is not captured."""
-    number = round(first / GRID)
-    while mean_speed(motor, round(number * GRID, 10)) < CAPTURED * natural_frequency(motor):
-        number += 1
-    return round((number - 1) * GRID, 10)
+    limit = CAPTURED * natural_frequency(motor)
+    return find_last(lambda volts: mean_speed(motor, volts) < limit, first)
 
 
 def is_stable(motor: BeamMotor, h: float, volts: float = 5.0, steps: int = 4000) -> bool:

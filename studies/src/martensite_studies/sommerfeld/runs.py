@@ -8,6 +8,7 @@ the extremes in a window.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -71,8 +72,13 @@ def from_rest(motor: BeamMotor, volts: float) -> Settled:
 @cache
 def last_captured(motor: BeamMotor, first: float = 6.0) -> float:
     """The last voltage [V] of a grid of 0.1 V, from `first` on, before one that is not captured."""
+    return find_last(lambda volts: from_rest(motor, volts).captured, first)
+
+
+def find_last(captured: Callable[[float], bool], first: float) -> float:
+    """The last voltage [V] of a grid of 0.1 V, from `first` on, before one that is not captured."""
     number = round(first / GRID)
-    while from_rest(motor, round(number * GRID, 10)).captured:
+    while captured(round(number * GRID, 10)):
         number += 1
     return round((number - 1) * GRID, 10)
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from martensite.show.figures.style import COOLING, HEATING, QUIET, SIMULATED
-from martensite_studies.figures import label_axes
+from martensite_studies.figures import add_right_axis, label_axes
 from martensite_studies.sommerfeld import actuator, machines, wire
 from martensite_studies.tables import Printed
 
@@ -28,14 +28,10 @@ def draw_control(axes: Any, printed: Printed) -> None:
     )
     axes.set_ylabel("$T$ [°C]", color=HEATING)
     axes.set_ylim(15.0, 115.0)
-    other = axes.twinx()
+    other = add_right_axis(axes, "$I$ [A]", -0.05, 1.6, QUIET)
     other.plot(
         volts, found["current"], color=QUIET, linewidth=1.4, label="current of the wire (right)"
     )
-    other.set_ylabel("$I$ [A]", color=QUIET)
-    other.set_ylim(-0.05, 1.6)
-    other.grid(False)
-    other.spines["right"].set_visible(True)
     handles = [*axes.get_lines(), *other.get_lines()]
     axes.legend(handles=handles, loc="upper right")
     axes.set_title("wire: on at 3 Hz, off at 30 % of the peak")

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
-from martensite_studies.wire_heating.study import WireHeating
+from martensite.studies.base import STUDIES
+from martensite_studies.tables import TableStudy
 
-__all__ = ["WireHeating"]
+
+@STUDIES.register("wire-heating")
+class WireHeating(TableStudy):
+    """Chapter 3 of Kossoski's thesis rebuilt: film coefficient, heat balance, two closures."""

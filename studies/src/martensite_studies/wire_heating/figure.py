@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.show.figures.style import HEATING, INK, MEASURED, SIMULATED, make_figure, use_style
-from martensite_studies.figures import label_axes, write_heading
+from martensite.show.figures.style import HEATING, INK, MEASURED, SIMULATED
+from martensite_studies.figures import draw_page, label_axes
 from martensite_studies.tables import Printed
 from martensite_studies.wire_heating import bench, closures
 
@@ -28,8 +28,13 @@ NAMES = {
 
 def draw_figure(printed: Printed) -> Figure:
     """Draw the figure."""
-    with use_style():
-        figure = make_figure(11.0, 5.6)
+    with draw_page(
+        11.0,
+        5.6,
+        "Wire of 0.375 mm heated by a voltage: a balance that does not close",
+        "Computed for this project; points from the thesis's Table 2. Assumed: an "
+        f"ambient of {bench.AMBIENT:g} °C, and which alloy it is.",
+    ) as figure:
         grid = figure.add_gridspec(
             2,
             2,
@@ -44,12 +49,6 @@ def draw_figure(printed: Printed) -> Figure:
         _draw_steady(figure.add_subplot(grid[:, 0]), printed)
         _draw_film(figure.add_subplot(grid[0, 1]), printed)
         _draw_course(figure.add_subplot(grid[1, 1]))
-        write_heading(
-            figure,
-            "Wire of 0.375 mm heated by a voltage: a balance that does not close",
-            "Computed for this project; points from the thesis's Table 2. Assumed: an "
-            f"ambient of {bench.AMBIENT:g} °C, and which alloy it is.",
-        )
         return figure
 
 

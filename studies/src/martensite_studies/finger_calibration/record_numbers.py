@@ -20,7 +20,7 @@ CHOSEN_ELSE = ("E_M", "T_L", "Delta_sigma", "dsigma_dT")
 """The parameters that are left with σ_L fixed."""
 
 
-def compute_data(printed: Printed) -> dict[str, Any]:
+def compute_record(printed: Printed) -> dict[str, Any]:
     """How many numbers the test holds, whether they are found again, and how well."""
     weak, count = assess_records(NEAR, printed).weak, len(printed.searched)
     near, joint = (parameter_errors(data, printed) for data in (NEAR, JOINT))
