@@ -16,7 +16,7 @@ from scipy.signal import lfilter
 
 from martensite.base.errors import InputError, ParameterError
 from martensite.control.controllers.pid import Gains, Pid, PidLaw, PidMemory, per_sample
-from martensite.design.tuning.response import build_steps, compute_rms_error, measure_steps
+from martensite.design.tuning.response import build_steps, measure_steps
 from martensite.kernels import floats
 from martensite.physics.electrical.power import PowerSource
 from martensite.signals.constant import Constant
@@ -257,7 +257,6 @@ def test_overshoot_error_and_what_never_happens() -> None:
     assert found.settling == math.inf
     (never,) = measure_steps(reference, 0.5 * reference, 0.1)
     assert never.rise == never.settling == math.inf
-    assert compute_rms_error(reference, 0.5 * reference, 10) == pytest.approx(1.0)
 
 
 def test_a_level_shorter_than_a_sample_is_refused() -> None:

@@ -8,8 +8,8 @@ derivatives are central differences.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TypeAlias
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +56,17 @@ class BatchRunner:
         """The numbers of the system, (parameters,)."""
         self.outputs = tuple(outputs)
         self._places = [self.compiled.outputs.index(name) for name in self.outputs]
+
+    def place(self, path: str) -> int:
+        """Where a parameter is in a row of numbers."""
+        return self.paths.index(path)
+
+    def table(self, values: Mapping[str, Any], count: int) -> Numbers:
+        """Numbers of runs (count, parameters): those of the system but for some by path."""
+        found = np.repeat(self.base[None, :], count, axis=0)
+        for path, column in values.items():
+            found[:, self.place(path)] = column
+        return found
 
     def run_many(self, table: Numbers) -> Numbers:
         """Outputs (runs, samples, outputs) of a table (runs, parameters); NaN where a run fails."""

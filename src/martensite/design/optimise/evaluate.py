@@ -222,12 +222,12 @@ class DesignEvaluator:
     def _find_row(self, path: str, level: Level | None) -> int:
         steering = self.steering
         whole = steering.path(path) if level is None else steering.level_path(level)
-        return self.runner.paths.index(whole)
+        return self.runner.place(whole)
 
     def _fill_table(self, numbers: Numbers) -> Numbers:
         """Parameters of every design in every case, (designs * cases, parameters)."""
         cases = self.question.cases
-        found = np.repeat(self.runner.base[None, :], len(numbers) * len(cases), axis=0)
+        found = self.runner.table({}, len(numbers) * len(cases))
         for rows, column in zip(self._rows, numbers.T, strict=True):
             for row in rows:
                 found[:, row] = np.repeat(column, len(cases))

@@ -47,7 +47,7 @@ class Seen(NamedTuple):
         return Seen(*(column[k] for column in self))
 
 
-class LoopRuns:
+class LoopRuns(BatchRunner):
     """A bench, ready to be run with any numbers."""
 
     def __init__(
@@ -77,32 +77,16 @@ class LoopRuns:
         played = {**(waveforms or {}), **reference_waveforms(bench)}
         played |= noise_waveforms(bench, duration, seed)
         samples = int(duration / bench.period + 1e-6) + 1
-        self.grid = grid_of(bench, played, duration, samples, bench.period)
-        self.times = np.array(self.grid.times)
+        grid = grid_of(bench, played, duration, samples, bench.period)
+        self.times = np.array(grid.times)
         self.output = find_judged_output(bench, self.drive)
         self._groups = self._name_columns()
         self._names = list(dict.fromkeys(name for group in self._groups for name in group))
-        self.runner = BatchRunner(bench, self.grid, self._names, native=native)
-        self.paths, self.base, self.native = (
-            self.runner.paths,
-            self.runner.base,
-            self.runner.native,
-        )
-
-    def place(self, path: str) -> int:
-        """Where a parameter is in a row of numbers."""
-        return self.paths.index(path)
-
-    def table(self, values: Mapping[str, Any], count: int) -> Numbers:
-        """Numbers of runs, shape (count, parameters): those of the bench but for some by path."""
-        found = np.repeat(self.base[None, :], count, axis=0)
-        for path, column in values.items():
-            found[:, self.place(path)] = column
-        return found
+        super().__init__(bench, grid, self._names, native=native)
 
     def run(self, table: Numbers) -> Seen:
         """Runs of a table of numbers, shape (runs, samples); NaN where a run fails."""
-        return self._sort_columns(self.runner.run_many(table))
+        return self._sort_columns(self.run_many(table))
 
     def slopes(self, values: Numbers, moving: Sequence[str]) -> tuple[Seen, Seen] | None:
         """One run, and its derivatives with respect to parameters; None if it fails.
@@ -112,7 +96,7 @@ class LoopRuns:
         seeds = np.zeros((len(values), len(moving)))
         for k, path in enumerate(moving):
             seeds[self.place(path), k] = 1.0
-        found = self.runner.run_slopes(values, seeds)
+        found = self.run_slopes(values, seeds)
         return found and (self._sort_columns(found[0]), self._sort_columns(found[1], axis=1))
 
     def _name_columns(self) -> Seen:

@@ -85,8 +85,3 @@ def _measure_step(before: float, after: float, output: Numbers, interval: float)
         overshoot=max(float(gone.max()) - 1.0, 0.0),
         error=after - float(tail.mean()),
     )
-
-
-def compute_rms_error(reference: Numbers, output: Numbers, skip: int = 0) -> float:
-    """Root mean square of reference less output after some samples."""
-    return float(np.sqrt(np.mean((reference - output)[skip:] ** 2)))
