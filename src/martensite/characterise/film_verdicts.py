@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 from martensite.base.confidence import LEVEL, Interval, interval_contains
@@ -39,38 +40,30 @@ def judge_curvature(
     points: FilmPoints, fits: Mapping[str, FilmFit], free: Mapping[str, FreeAmbient], level: float
 ) -> FilmVerdict:
     """Whether the points bear a square beside a linear term."""
+    verdict = partial(FilmVerdict, "curvature")
     fit = fits.get("quadratic")
     if fit is None or not fit.linear.freedom:
-        return FilmVerdict(
-            "curvature",
-            False,
-            "Curvature is not tested: that takes at least four points at three temperatures.",
+        return verdict(
+            False, "Curvature is not tested: that takes at least four points at three temperatures."
         )
     given, line = fit.interval(2, level), fits["linear"]
     number = f"beside a linear term {_word_coefficient(2, fit.coefficients[2], given, level)}"
     change = "falls" if fit.adjusted < line.adjusted else "rises"
     compared = f"adjusted R² {change} from {line.adjusted:.3f} to {fit.adjusted:.3f}"
     if interval_contains(given):
-        return FilmVerdict(
-            "curvature",
-            False,
-            f"Curvature is not supported: {number}, includes 0; {compared}.",
-        )
+        return verdict(False, f"Curvature is not supported: {number}, includes 0; {compared}.")
     beside = free.get("quadratic")
     at = _word_ambient(points)
     if points.ambient_degC is None:
-        return FilmVerdict(
-            "curvature", False, f"Curvature is supported only {NOT_GIVEN}: {number}; {compared}."
-        )
+        return verdict(False, f"Curvature is supported only {NOT_GIVEN}: {number}; {compared}.")
     if beside is not None and interval_contains(interval := beside.leading_interval(level)):
-        return FilmVerdict(
-            "curvature",
+        return verdict(
             False,
             f"Curvature rests on the ambient temperature: {at}{number}, {compared}, but with the "
             f"ambient free it is {_word_coefficient(2, beside.leading, interval, level)}, and "
             "includes 0.",
         )
-    return FilmVerdict("curvature", True, f"Curvature is supported: {at}{number}; {compared}.")
+    return verdict(True, f"Curvature is supported: {at}{number}; {compared}.")
 
 
 def judge_slope(
@@ -82,57 +75,50 @@ def judge_slope(
     level: float,
 ) -> FilmVerdict:
     """Whether the points bear a film coefficient that rises or falls with temperature."""
+    verdict = partial(FilmVerdict, "slope")
     line = fits["linear"]
     given, at = line.interval(1, level), _word_ambient(points)
     number = _word_coefficient(1, line.coefficients[1], given, level)
     if bent:
-        return FilmVerdict(
-            "slope", True, f"h depends on temperature, since it bends: {at}mean {number}."
-        )
+        return verdict(True, f"h depends on temperature, since it bends: {at}mean {number}.")
     if not line.linear.freedom:
-        return FilmVerdict("slope", False, "A slope of h is not tested: that takes three points.")
+        return verdict(False, "A slope of h is not tested: that takes three points.")
     if interval_contains(given):
-        return FilmVerdict(
-            "slope", False, f"A slope of h is not supported: {at}{number}, includes 0."
-        )
+        return verdict(False, f"A slope of h is not supported: {at}{number}, includes 0.")
     if points.ambient_degC is None:
-        return FilmVerdict("slope", False, f"A slope of h is supported only {NOT_GIVEN}: {number}.")
+        return verdict(False, f"A slope of h is supported only {NOT_GIVEN}: {number}.")
     beside = free.get("linear")
     against = "" if beside is None else _contradict_slope(beside, line.coefficients[1], level)
     if against:
-        return FilmVerdict(
-            "slope",
+        return verdict(
             False,
             f"The slope of h rests on the ambient temperature: {at}{number}"
             f"{_word_level(points, without)}; with the ambient free it is {against}.",
         )
-    return FilmVerdict("slope", True, f"A slope of h is supported: {at}{number}.")
+    return verdict(True, f"A slope of h is supported: {at}{number}.")
 
 
 def judge_ambient(
     free: Mapping[str, FreeAmbient], form: str, confounding: Confounding, level: float
 ) -> FilmVerdict:
     """Whether the points hold the ambient temperature, were it not known."""
+    verdict = partial(FilmVerdict, "ambient")
     fit, beside = free.get(form), "a slope" if form == "linear" else "a bend"
     if fit is None or not fit.flux.freedom:
-        return FilmVerdict(
-            "ambient",
-            False,
-            "The ambient temperature is not tested: that takes at least four points.",
+        return verdict(
+            False, "The ambient temperature is not tested: that takes at least four points."
         )
     span = _word_span(fit.ambient_interval(level), fit.coldest)
     share = f"{100.0 * level:g} %"
     if fit.bounded(level):
-        return FilmVerdict(
-            "ambient",
+        return verdict(
             True,
             f"The points determine the ambient temperature beside {beside} of h: "
             f"{fit.ambient:.1f} degC, {share} interval {span}.",
         )
     best = f"best {fit.ambient:.1f} degC, " if math.isfinite(fit.ambient) else "none fits best, "
     constant = free["constant"]
-    return FilmVerdict(
-        "ambient",
+    return verdict(
         False,
         f"The points do not determine the ambient temperature beside {beside} of h: {best}{share} "
         f"interval {span} (correlation {confounding.correlation:.3f}, condition number "
