@@ -1,5 +1,6 @@
 """Shared fixtures; the plain constructors live in `builders.py` and `kernels.py`."""
 
+import gc
 import os
 from pathlib import Path
 
@@ -13,6 +14,9 @@ BESIDE = Path(__file__).resolve().parents[2] / "shared" / "data"
 if "MARTENSITE_DATA" not in os.environ and BESIDE.is_dir():
     os.environ["MARTENSITE_DATA"] = str(BESIDE)
 
+# traced graphs are full of cycles: looked for as often as usual, they take an eighth of the time
+gc.set_threshold(20_000, 20, 25)
+
 settings.register_profile("reproducible", deadline=None, derandomize=True, database=None)
 settings.load_profile("reproducible")
 
@@ -24,3 +28,9 @@ def c_compiler() -> str:
     if found is None:
         pytest.skip("no C compiler on this machine (install gcc or clang)")
     return found
+
+
+def pytest_collection_finish() -> None:
+    """What was collected stays until the end: it need not be looked through for garbage."""
+    gc.collect()
+    gc.freeze()

@@ -29,7 +29,7 @@ import pytest
 
 ROOT = Path.cwd()
 SOURCE = ROOT / "src" / "martensite"
-FOLDERS = ("contract", "exact", "order", "reference", "recover", "property", "laboratory", "meta")
+FOLDERS = ("contract", "exact", "order", "reference", "recover", "faults", "property", "meta")
 BUDGET = 15.0
 """CPU time of the files of tests for one mutant [s], as the map says it; the cheapest go first."""
 WALL_LIMIT = 180.0

@@ -1,4 +1,4 @@
-"""What single sensors do; what all promise is in `test_sensor_contract`.
+"""What single sensors do; what all promise is in their suite.
 
 Sources of truth: closed forms, numbers worked out by hand, and statistics.
 """
