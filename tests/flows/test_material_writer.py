@@ -25,8 +25,8 @@ from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.base import units
 from martensite.base.errors import InputError
-from martensite.fit.canonical_names import find_law, name_canonically
 from martensite.fit.material_files import write_material
+from martensite.fit.material_numbers import find_law, name_canonically
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.materials.base import load_material
 from martensite.physics.materials.names import NAMES

@@ -65,9 +65,7 @@ def test_rows_are_single_runs(whole: Path) -> None:
 def test_a_store_holds_all_that_is_needed(whole: Path) -> None:
     store = Store(whole)
     assert store.spec["scenario"] == WIRE
-    assert SweepRequest.from_dict(
-        {n: store.spec[n] for n in SweepRequest.__dataclass_fields__}
-    ) == replace(wanted(traces=TRACES), step=0.1)
+    assert SweepRequest.of_spec(store.spec) == replace(wanted(traces=TRACES), step=0.1)
     array: Any = store.group["element.diameter"]
     assert (array.attrs["units"], array.metadata.dimension_names) == ("m", ("run",))
     assert store.group["time of position"][:] == pytest.approx(np.linspace(0.0, 2.0, 6))

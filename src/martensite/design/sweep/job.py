@@ -52,16 +52,12 @@ class SweepRequest:
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
     @classmethod
-    def from_dict(cls, known: Mapping[str, Any]) -> SweepRequest:
-        """From JSON."""
+    def of_spec(cls, spec: Mapping[str, Any]) -> SweepRequest:
+        """What the spec of a store, from JSON, says of it, among other things."""
+        known = {name: spec[name] for name in cls.__dataclass_fields__}
         lists = {"over": tuple(known["over"]), "measures": tuple(known["measures"])}
         traces = tuple((str(name), int(count)) for name, count in known["traces"])
         return cls(**{**known, **lists, "traces": traces})
-
-    @classmethod
-    def of_spec(cls, spec: Mapping[str, Any]) -> SweepRequest:
-        """What the spec of a store says of it, among other things."""
-        return cls.from_dict({name: spec[name] for name in cls.__dataclass_fields__})
 
 
 def build_plan(scenario: Scenario, wanted: SweepRequest) -> SweepPlan:
