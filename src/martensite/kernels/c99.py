@@ -205,8 +205,7 @@ def _print_function(name: str, constants: str, inputs: Sequence[str], made: Stat
     )
 
 
-# glibc has these over vectors; without it gcc calls them lane by lane
-_VECTOR_MATH = """
+VECTOR_MATH = """
 #if defined(__GLIBC__) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #pragma omp declare simd notinbranch
 double exp(double);
@@ -224,17 +223,13 @@ double tanh(double);
 #endif
 #endif
 """
-
-
-def vector_math() -> str:
-    """Declarations after which a loop over lanes calls functions of vectors, where there are."""
-    return _VECTOR_MATH
+"""Declarations after which a loop over lanes calls functions of vectors, where glibc has them."""
 
 
 def write_prelude() -> str:
     """What every source begins with."""
     return (
-        f"#include <math.h>\n#include <string.h>\n{_VECTOR_MATH}\n"
+        f"#include <math.h>\n#include <string.h>\n{VECTOR_MATH}\n"
         "static inline double power_of(double base, double exponent) {\n"
         "    const double y = pow(base > 0.0 ? base : 1.0, exponent);\n"
         f"    return base > 0.0 ? (y < {LARGEST!r} ? y : {LARGEST!r}) : 0.0;\n}}\n"

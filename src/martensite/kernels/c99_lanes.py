@@ -17,7 +17,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from textwrap import dedent
 
-from martensite.kernels.c99 import C_DIALECT, LoopCondition, c_number, scalar_dialect, vector_math
+from martensite.kernels.c99 import C_DIALECT, VECTOR_MATH, LoopCondition, c_number, scalar_dialect
 from martensite.kernels.floats import LARGEST
 from martensite.kernels.kernel_printer import KernelPrinter, Statements
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, evaluate_estrin
@@ -221,7 +221,7 @@ def _print_function(name: str, constants: str, inputs: Sequence[str], made: Stat
 def _write_prelude() -> str:
     centre = f"all({ERFCX_CENTRE!r})"
     return (
-        f"#include <math.h>\n#include <string.h>\n{vector_math()}{dedent(_PRELUDE)}"
+        f"#include <math.h>\n#include <string.h>\n{VECTOR_MATH}{dedent(_PRELUDE)}"
         "INLINE number power_of(number x, number y) {\n"
         "    const flags positive = above(x, all(0.0));\n"
         f"    const number z = least(pow_1(pick(positive, x, all(1.0)), y), all({LARGEST!r}));\n"

@@ -24,10 +24,11 @@ from martensite.base.status import Status
 from martensite.signals.base import AbstractDrive
 from martensite.simulate.api import first_step
 from martensite.simulate.compiled import bind_system
-from martensite.simulate.envelope import Envelope, Exit, describe_exit
+from martensite.simulate.envelope import Envelope, describe_exit
 from martensite.simulate.grid import MOST_STEPS
 from martensite.simulate.loop_plan import LoopPlan, check_loop, whole_periods
 from martensite.simulate.march import Track, WorstStep, check_track
+from martensite.simulate.marching import Exit
 from martensite.simulate.result import Result
 from martensite.simulate.warnings import add_warnings
 

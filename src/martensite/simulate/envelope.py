@@ -9,12 +9,11 @@ stops, and says when, where and how far.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base import units
 from martensite.simulate.compiled import ENVELOPE
-from martensite.simulate.marching import Row, RunLimits
+from martensite.simulate.marching import Exit, Row, RunLimits
 
 STOPS = ("temperature_stop", "stress_stop", "strain_stop")
 """Numbers of an element that bound it more tightly."""
@@ -58,21 +57,7 @@ class Envelope:
 
     def find_exit(self, row: Row) -> Exit | None:
         """Where a row of outputs is outside; None if it is not."""
-        values = [row[place] for place in self.places]
-        rows = zip(self.limits.low, values, self.limits.high, strict=True)
-        for place, (low, value, high) in enumerate(rows):
-            if not low <= value <= high:
-                return Exit(place, value)
-        return None
-
-
-class Exit(NamedTuple):
-    """Where the envelope is left."""
-
-    place: int
-    """Which of its bounds is passed."""
-    value: float
-    """What came there, in SI."""
+        return self.limits.find_exit([row[place] for place in self.places])
 
 
 def rows_inside(system: AbstractSystem, rows: Iterable[Row]) -> Iterator[Row]:

@@ -26,6 +26,21 @@ class RunLimits(NamedTuple):
     high: tuple[float, ...]
     """One pair for each of `CompiledMarch.envelope`."""
 
+    def find_exit(self, values: Sequence[float]) -> Exit | None:
+        """The first of some values that is outside, or no number; None if there is none."""
+        rows = zip(self.low, values, self.high, strict=True)
+        outside = (Exit(k, v) for k, (low, v, high) in enumerate(rows) if not low <= v <= high)
+        return next(outside, None)
+
+
+class Exit(NamedTuple):
+    """Where the envelope is left."""
+
+    place: int
+    """Which of its bounds is passed."""
+    value: float
+    """What came there, in SI."""
+
 
 @dataclass(frozen=True)
 class MarchPlan:
@@ -143,8 +158,8 @@ class AbstractMarch:
         """Stop where the envelope is left."""
         found, limits = self.found, self.plan.limits
         values = self.seen[self.convergence_scales : self.convergence_scales + len(limits.low)]
-        rows = zip(limits.low, values, limits.high, strict=True)
-        for place, (low, value, high) in enumerate(rows):
-            if not low <= value <= high and not found.status.failed:
-                found.status = Status.OUT_OF_ENVELOPE if math.isfinite(value) else Status.NOT_FINITE
-                found.place, found.value = place, value
+        gone = limits.find_exit(values)
+        if gone is not None and not found.status.failed:
+            finite = math.isfinite(gone.value)
+            found.status = Status.OUT_OF_ENVELOPE if finite else Status.NOT_FINITE
+            found.place, found.value = gone

@@ -10,22 +10,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from martensite.simulate.point import PointResult
+from martensite.simulate.transformation_points import PlanePoint
 
 LEAST = 0.005
 """Change of a fraction on a leg below which it does not count as a transformation."""
 SHARES = (0.01, 0.5, 0.99)
 STILL = {"temperature": 0.01, "stress": 1e3, "strain": 1e-7}
 """Changes below which a column does not change on a leg, in SI."""
-
-
-@dataclass(frozen=True)
-class StagePoint:
-    """A point of a path."""
-
-    stress: float
-    """[Pa]"""
-    temperature: float
-    """[K]"""
 
 
 @dataclass(frozen=True)
@@ -40,11 +31,11 @@ class PathStage:
     """Change of the martensite fraction [-]."""
     oriented: float
     """Change of the oriented fraction [-]."""
-    spots: tuple[StagePoint, StagePoint, StagePoint] | None
+    spots: tuple[PlanePoint, PlanePoint, PlanePoint] | None
     """Where the transformation starts, is half done and ends."""
     varies: tuple[str, ...]
     """Which of stress and temperature change on the leg."""
-    end: StagePoint
+    end: PlanePoint
     strain: float
     """At the end [-]."""
 
@@ -79,7 +70,7 @@ def _build_stage(result: PointResult, leg: int, first: int, last: int) -> PathSt
         oriented=oriented,
         spots=_find_spots(result, getattr(result, name), first, last) if acts else None,
         varies=varies,
-        end=StagePoint(result.stress[last], result.temperature[last]),
+        end=PlanePoint(result.stress[last], result.temperature[last]),
         strain=result.strain[last],
     )
 
@@ -100,24 +91,24 @@ def _describe_kind(result: PointResult, leg: int, changes: dict[str, float]) -> 
 
 def _find_spots(
     result: PointResult, fractions: list[float], first: int, last: int
-) -> tuple[StagePoint, StagePoint, StagePoint]:
+) -> tuple[PlanePoint, PlanePoint, PlanePoint]:
     start, half, end = (_find_spot(result, fractions, first, last, share) for share in SHARES)
     return start, half, end
 
 
 def _find_spot(
     result: PointResult, fractions: list[float], first: int, last: int, share: float
-) -> StagePoint:
+) -> PlanePoint:
     """Where a share of the change on a leg is done."""
     begin, change = fractions[first], fractions[last] - fractions[first]
     done = [(fractions[i] - begin) / change for i in range(first, last + 1)]
     k = next(i for i, value in enumerate(done) if value >= share)
     if k == 0:
-        return StagePoint(result.stress[first], result.temperature[first])
+        return PlanePoint(result.stress[first], result.temperature[first])
     part = (share - done[k - 1]) / (done[k] - done[k - 1])
     i = first + k
 
     def between(column: list[float]) -> float:
         return column[i - 1] + part * (column[i] - column[i - 1])
 
-    return StagePoint(between(result.stress), between(result.temperature))
+    return PlanePoint(between(result.stress), between(result.temperature))

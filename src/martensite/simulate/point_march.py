@@ -9,12 +9,15 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple
 
 from martensite.base.status import Status
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
 from martensite.simulate.march import SOLVED, classify_step
+
+if TYPE_CHECKING:
+    from martensite.simulate.point_native import NativeRider
 
 SPLITS = 4
 """How often a step that stays unsolved is halved, on floats."""
@@ -71,18 +74,6 @@ class Ridden(NamedTuple):
     """The first step with this residual."""
 
 
-class Rider(Protocol):
-    """A way to march."""
-
-    def start(self, *numbers: float) -> tuple[float, ...]:
-        """Memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
-        ...
-
-    def ride(self, memory: tuple[float, ...], ramp: RampSection) -> Ridden:
-        """Along one section."""
-        ...
-
-
 @dataclass(frozen=True)
 class PointTrack:
     """Rows at the samples, and how the steps ended."""
@@ -115,7 +106,7 @@ class PathDriver:
         return sum(section.samples for section in self.sections)
 
     @cached_property
-    def rider(self) -> Rider:
+    def rider(self) -> FloatRider | NativeRider:
         """The runtime, with the parameters bound."""
         if self.runtime == "c":
             from martensite.simulate.point_native import NativeRider

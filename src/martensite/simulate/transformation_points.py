@@ -50,10 +50,12 @@ class LoadingPoint(NamedTuple):
 
 
 class PlanePoint(NamedTuple):
-    """A point of the plane."""
+    """A point of the plane of stress and temperature."""
 
     stress: float
+    """[Pa]"""
     temperature: float
+    """[K]"""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ where a response is computed, which is exact and keeps their eigenvalue 1 out of
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -60,17 +60,12 @@ class LinearSystem:
     def reduce_states(self) -> LinearSystem:
         """The same system with its active states alone."""
         kept = self.active
-        return LinearSystem(
-            self.a[np.ix_(kept, kept)],
-            self.b[kept],
-            self.c[:, kept],
-            self.d,
-            self.interval,
-            self.inputs,
-            self.state[kept],
-            self.outputs,
-            self.input_names,
-            self.output_names,
+        return replace(
+            self,
+            a=self.a[np.ix_(kept, kept)],
+            b=self.b[kept],
+            c=self.c[:, kept],
+            state=self.state[kept],
         )
 
     def poles(self) -> Numbers:

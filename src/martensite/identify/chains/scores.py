@@ -1,10 +1,41 @@
-"""How well a model reproduces a record."""
+"""Scores of a chain on records: always of free runs, in which no measured output is fed back.
+
+A fit on the records that the chain was estimated from is no proof: a slow linear block can stand
+for hysteresis at one cadence and fail at any other. `role` says what a record was used for.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
 from martensite.identify.blocks.base import Numbers
+from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.residuals import RecordResidual, ResidualSquares, settle_states
+from martensite.signals.sampling.resampling import resample_record
+from martensite.signals.sampling.sampled import Sampled
+
+ROLES = ("estimation", "validation", "other")
+"""What a record was used for: to fit, to choose, or for nothing yet."""
+
+
+@dataclass(frozen=True)
+class OutputScore:
+    """How one output of one record is reproduced in free run."""
+
+    model: str
+    role: str
+    record: str
+    output: str
+    unit: str
+    fit: float
+    """NRMSE fit [%]."""
+    rms: float
+    """Root mean square of the error, in the unit of the output."""
+    worst: float
+    """Largest error."""
 
 
 def fit_percent(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
@@ -17,3 +48,67 @@ def fit_percent(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
 def compute_rms(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
     """Root mean square of the error of every output."""
     return np.sqrt(np.nanmean((measured - computed)[skip:] ** 2, axis=0))
+
+
+def free_run(chain: Chain, record: Sampled, start: str = "rest", skip: int = 0) -> Numbers:
+    """Outputs of a free run over a record, shape (samples, outputs).
+
+    Args:
+        chain: the model.
+        record: its inputs are what the model is given.
+        start: state at the first sample: `rest` under the first input, `zero`, or `estimate`, the
+            one that fits the record best.
+        skip: samples at the start that do not count for that.
+
+    Raises:
+        InputError: record and model do not fit.
+    """
+    states = chain.engine.plan.states
+    if start == "rest" or not states:
+        return chain.simulate(record)
+    if start == "zero":
+        return chain.simulate(record, np.zeros(states))
+    squares = ResidualSquares(chain.engine, [RecordResidual(record, skip, start=start)])
+    found = settle_states(squares, chain.theta, 20)
+    return chain.simulate(record, squares.initial(found.theta)[0])
+
+
+def score_chain(
+    chain: Chain,
+    records: Iterable[Sampled],
+    role: str,
+    start: str = "rest",
+    skip: int = 0,
+    model: str = "model",
+) -> list[OutputScore]:
+    """Scores of all outputs over records, at their full rate.
+
+    A record of another sample time is brought to that of the model first.
+    """
+    found: list[OutputScore] = []
+    for record in records:
+        if abs(record.interval / chain.interval - 1.0) > 1e-6:
+            record = resample_record(record, chain.interval)
+        computed = free_run(chain, record, start, skip)
+        fits, errors = (f(record.outputs, computed, skip) for f in (fit_percent, compute_rms))
+        worst = np.nanmax(np.abs(record.outputs - computed)[skip:], axis=0)
+        found += [
+            OutputScore(
+                model,
+                role,
+                record.name,
+                name,
+                record.units.get(name, "1"),
+                float(fits[k]),
+                float(errors[k]),
+                float(worst[k]),
+            )
+            for k, name in enumerate(record.output_names)
+        ]
+    return found
+
+
+def mean_fit(scores: Iterable[OutputScore]) -> float:
+    """Mean fit [%]; NaN of none."""
+    fits = [score.fit for score in scores]
+    return float(np.mean(fits)) if fits else float("nan")

@@ -21,8 +21,7 @@ from martensite.identify.chains.chain import build_untrained
 from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.checks import check_informative, check_records
 from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
-from martensite.identify.chains.free_run_scores import free_run, mean_fit, score_chain
-from martensite.identify.chains.scores import fit_percent
+from martensite.identify.chains.scores import fit_percent, free_run, mean_fit, score_chain
 from martensite.identify.chains.structure_patterns import expand_pattern
 from martensite.signals.sampling.sampled import Sampled
 

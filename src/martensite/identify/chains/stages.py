@@ -14,7 +14,7 @@ from martensite.base.errors import InputError
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
-from martensite.identify.chains.free_run_scores import ROLES, OutputScore, score_chain
+from martensite.identify.chains.scores import ROLES, OutputScore, score_chain
 from martensite.identify.chains.search import Searched, search_structures
 from martensite.signals.sampling.resampling import collect_experiments, select_signals
 from martensite.signals.sampling.sampled import Sampled

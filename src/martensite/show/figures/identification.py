@@ -42,8 +42,7 @@ def plot_identified(found: Identified, records: Sequence[Sampled], title: str = 
 
 
 def _draw_panel(panel: Any, found: Identified, record: Sampled) -> None:
-    from martensite.identify.chains.free_run_scores import free_run
-    from martensite.identify.chains.scores import fit_percent
+    from martensite.identify.chains.scores import fit_percent, free_run
     from martensite.signals.sampling.resampling import select_signals
 
     names = found.stages[-1].outputs
