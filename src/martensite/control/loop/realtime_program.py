@@ -144,9 +144,9 @@ class CompiledLoop:
         self.size, number = traced.size, ctypes.c_double
         table = np.array([*values, 0.0], float)[:, None]
         program = CompiledProgram(traced.program, ("begin", "step"), table)
-        self.rooms = [(number * (traced.size + traced.inputs))() for _ in range(2)]
+        one, other = np.zeros((2, traced.size + traced.inputs))
+        self.rooms = [(number * len(room)).from_buffer(room.data) for room in (one, other)]
         """A sample goes from the state in one, with the inputs behind it, to that in the other."""
-        one, other = map(np.frombuffer, self.rooms)
         pairs = (one, other), (other, one)
         self.functions = {
             "begin": [program.bind("begin", x[traced.size :], y) for x, y in pairs],
