@@ -1,9 +1,12 @@
-"""Derivatives backwards through a graph are those that dual numbers give forwards."""
+"""Derivatives of a traced graph, in both directions, are those of dual numbers on floats."""
 
 import numpy as np
 import pytest
 
 from martensite.identify.blocks.polynomial import Polynomial
+from martensite.kernels import floats
+from martensite.kernels.bracketed_newton import solve_bracketed
+from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.graph import VARYING
 from martensite.kernels.program import Function, Program
 from martensite.kernels.slopes import compute_gradient, compute_partials
@@ -41,6 +44,37 @@ def test_all_operations():
     ahead, back = both_ways(everything, 3)
     for point in RNG.uniform(-2.0, 2.0, (50, 3)):
         assert back(*point) == pytest.approx(ahead(*point), rel=1e-12, abs=1e-13)
+
+
+def looped(xp, v):
+    """Rows, turns and a search for a root, in and around each other."""
+    a, b = v
+    turned = list(xp.repeat(3, lambda s, t: [0.5 * s + a, xp.sin(t) * b], a, 1.0))
+    (still,) = xp.repeat(2, lambda s: [xp.exp(s)], 0.1)
+
+    def row(x, y):
+        root = solve_bracketed(
+            xp, lambda xp, z: z * z * z + (1.0 + x * x) * z - y * b, 0.0, (-20.0, 20.0)
+        )
+        return [root * a, xp.repeat(2, lambda s: [s * y + root], x)[0]]
+
+    first, second = xp.each(row, [a, 2.0, turned[0]], [0.5, b, turned[1]])
+    return [first[0] + first[2] * still, second[0] * second[1] + second[2], *turned]
+
+
+def test_loops_are_written_out():
+    program = Program()
+    moving = [program.graph.input(f"x{i}", VARYING) for i in range(2)]
+    values, rows = compute_partials(list(looped(program.xp, moving)), moving)
+    zero = program.graph.constant(0.0)
+    slopes = tuple(row.get(i, zero) for row in rows for i in range(2))
+    program.functions["f"] = Function("f", ("x0", "x1"), (*values, *slopes))
+    found = program.bind_floats()["f"]
+    for point in RNG.uniform(0.2, 1.5, (20, 2)).tolist():
+        meant, jacobian = compute_jacobian(floats, looped, point)
+        numbers = found(*point)
+        assert numbers[:4] == pytest.approx(meant, rel=1e-12)
+        assert np.reshape(numbers[4:], (4, 2)) == pytest.approx(np.array(jacobian), rel=1e-9)
 
 
 def test_what_does_not_count_is_left_out():
