@@ -7,14 +7,23 @@ was started and failed (exit code 1).
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterable
 from difflib import get_close_matches
+
+LONG_WORD = re.compile(r"[^\s`]{500,}")
+"""What no sentence repeats as a whole."""
 
 
 class MartensiteError(Exception):
     """Base of all errors raised on purpose by this package."""
 
     exit_code = 1
+
+    def __str__(self) -> str:
+        """The sentence; of a word without end its beginning."""
+        said = super().__str__()
+        return LONG_WORD.sub(lambda word: f"{word[0][:60]}… ({len(word[0])} characters)", said)
 
 
 class InputError(MartensiteError):
@@ -67,7 +76,7 @@ class SolveError(MartensiteError):
 def suggest_name(name: str, valid: Iterable[str]) -> str:
     """Return 'Did you mean …?' for the nearest valid name, or the list of valid names."""
     names = sorted(valid)
-    near = get_close_matches(name.lower(), [n.lower() for n in names], n=1, cutoff=0.6)
+    near = get_close_matches(name[:100].lower(), [n.lower() for n in names], n=1, cutoff=0.6)
     listed = ", ".join(f"`{n}`" for n in names) or "none"
     if not near:
         return f"Valid: {listed}."

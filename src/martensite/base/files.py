@@ -33,6 +33,28 @@ def replace_file(path: Path) -> Generator[Path]:
         part.unlink(missing_ok=True)
 
 
+MOST_TEXT = 2**26
+"""Bytes of a scenario, a material, a fit or a model."""
+MOST_LOG = 2**31
+"""Bytes of a log."""
+
+
+def read_bounded(path: Path, most: int) -> bytes:
+    """The bytes of an ordinary file, of which there are at most so many.
+
+    Raises:
+        OSError: it cannot be read.
+        DataError: it is larger, or a device or a pipe, which may never end.
+    """
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise DataError(f"`{path}` is a device or a pipe; name an ordinary file.")
+    with path.open("rb") as file:
+        found = file.read(most + 1)
+    if len(found) > most:
+        raise DataError(f"`{path}` is larger than the {most / 2**20:.0f} MiB that are read of it.")
+    return found
+
+
 def read_text_file(path: Path, what: str) -> str:
     """The text of a UTF-8 file; `what` says in an error which kind of file it is.
 
@@ -40,7 +62,7 @@ def read_text_file(path: Path, what: str) -> str:
         DataError: it is missing, with the nearest name beside it, or cannot be read.
     """
     try:
-        return path.read_text(encoding="utf-8")
+        return read_bounded(path, MOST_TEXT).decode("utf-8")
     except FileNotFoundError:
         beside = [other.name for other in sorted(path.parent.glob(f"*{path.suffix}"))[:10]]
         nearest = suggest_name(path.name, beside) if path.suffix and beside else ""

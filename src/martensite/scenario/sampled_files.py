@@ -7,13 +7,19 @@
 | .mat | variables by name, of version 5 (SciPy) or 7.3 (HDF5); no structs |
 | .nc | variables over one dimension, with their attribute `units` |
 
-A column that has no unit in its file is in the one given in `units`; those in `units` are also
-the units of the result. A column `t` is one of time in MAT files, in seconds if it says nothing.
+MAT and netCDF files are read in a process of their own: a damaged one can end the process that
+reads it. A column that has no unit in its file is in the one given in `units`; those in `units`
+are also the units of the result. A column `t` is one of time in MAT files, in seconds if it says
+nothing.
 """
 
 from __future__ import annotations
 
+import io
 import math
+import os
+import subprocess
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -81,14 +87,38 @@ def read_arrays(path: Path) -> dict[str, Any]:
         DataError: the file is missing, of no known kind, or malformed.
         InputError: it is a Parquet file and pyarrow is not installed.
     """
-    readers = {".parquet": _read_parquet, ".mat": _read_mat, ".nc": _read_netcdf}
     ending = path.suffix.lower()
-    if ending not in readers:
-        known = ", ".join((*TEXT, *readers))
+    if ending not in (".parquet", *_APART):
+        known = ", ".join((*TEXT, ".parquet", *_APART))
         raise DataError(f"The log `{path}` has no ending that can be read; use one of {known}.")
     if not path.is_file():
         raise DataError(f"There is no file `{path}`.")
-    return readers[ending](path)
+    return _read_apart(path) if ending in _APART else _read_parquet(path)
+
+
+def _read_apart(path: Path) -> _Columns:
+    """Columns that a process of its own finds in a file."""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    command = [sys.executable, "-m", "martensite.scenario.sampled_files", str(path)]
+    done = subprocess.run(command, env=environment, capture_output=True, check=False)
+    if done.returncode == DataError.exit_code:
+        raise DataError(done.stderr.decode("utf-8", "replace"))
+    if done.returncode:
+        raise DataError(f"`{path.name}` is damaged: the process that read it ended at once.")
+    with np.load(io.BytesIO(done.stdout), allow_pickle=False) as found:
+        return {str(name): found[f"column_{k}"] for k, name in enumerate(found["names"])}
+
+
+def _answer_apart(path: Path) -> None:
+    """Write the columns of a file to the standard output, or why there are none as an error."""
+    try:
+        found = _APART[path.suffix.lower()](path)
+    except Exception as error:  # readers of binary files let errors of any kind pass
+        words = error if isinstance(error, DataError) else f"`{path.name}` is damaged: {error!r}."
+        os.write(sys.stderr.fileno(), str(words).encode())
+        os._exit(DataError.exit_code)  # nothing that a reader left half open may speak
+    columns = {f"column_{k}": column for k, column in enumerate(found.values())}
+    np.savez(sys.stdout.buffer, names=np.array(list(found), dtype=str), **columns)
 
 
 def write_sampled(record: Sampled, path: str | Path) -> None:
@@ -145,6 +175,9 @@ def _build_table(
         (column,) = read_headings([headed], f"`{path.name}`")
         if column.spelling in (CLOCK, IGNORED):
             raise DataError(f"`{path.name}`: column `{name}` must hold numbers.")
+        row = next((k for k, value in enumerate(found[heading]) if math.isinf(value)), None)
+        if row is not None:
+            raise DataError(f"`{path.name}`: column `{name}` is infinite at row {row}.")
         factor, offset = unit_table.find_conversion(column.spelling, column.unit)
         columns[name] = [float(value) * factor + offset for value in found[heading]]
         spelled[name] = column.unit
@@ -256,3 +289,9 @@ def _open_file(path: Path, read: Callable[[Path], Any]) -> Any:
         return read(path)
     except (OSError, ValueError, KeyError) as error:
         raise DataError(f"`{path.name}` cannot be read as {path.suffix}: {error}.") from None
+
+
+_APART = {".mat": _read_mat, ".nc": _read_netcdf}
+
+if __name__ == "__main__":
+    _answer_apart(Path(sys.argv[1]))

@@ -16,6 +16,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from martensite.base.errors import DataError
+from martensite.base.files import MOST_LOG, read_bounded
 from martensite.scenario.layout import CLOCK, FileColumn, Layout
 
 GAPS = ("", "nan", "na", "n/a", "null")
@@ -124,7 +125,7 @@ def _split_line(lines: list[tuple[int, str]], sign: str, where: str) -> list[lis
 def _read_text(path: Path, *, binary: bool) -> str:
     """The text of a file, of which single lines may be `binary`."""
     try:
-        raw = path.read_bytes()
+        raw = read_bounded(path, MOST_LOG)
     except FileNotFoundError:
         raise DataError(_describe_missing(path)) from None
     except IsADirectoryError:

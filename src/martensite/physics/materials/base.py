@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any, cast
 
 from martensite.base import units
-from martensite.base.errors import ParameterError, UnitError, UnknownNameError, suggest_name
+from martensite.base.errors import ParameterError, UnitError, require_known, suggest_name
 from martensite.base.files import read_text_file, toml_document
 from martensite.physics.materials.names import NAMES
 
@@ -101,9 +101,8 @@ def load_material(name: str | Path, folder: Path | None = None) -> Material:
     if isinstance(name, Path) or name.endswith(".toml") or "/" in name:
         path = (folder or Path()) / name
     else:
+        require_known("material", name, material_names())
         path = _DATA / f"{name}.toml"
-        if not path.is_file():
-            raise UnknownNameError("material", name, material_names())
     return _read_material(path.stem, read_toml(path, "material"), f"Material file `{path.name}`")
 
 
