@@ -114,8 +114,9 @@ def _answer_apart(path: Path) -> None:
     try:
         found = _APART[path.suffix.lower()](path)
     except Exception as error:  # readers of binary files let errors of any kind pass
-        words = error if isinstance(error, DataError) else f"`{path.name}` is damaged: {error!r}."
-        os.write(sys.stderr.fileno(), str(words).encode())
+        words = f"`{path.name}` cannot be read as {path.suffix}: {error!r}."
+        words = str(error) if isinstance(error, DataError) else words
+        os.write(sys.stderr.fileno(), words.encode())
         os._exit(DataError.exit_code)  # nothing that a reader left half open may speak
     columns = {f"column_{k}": column for k, column in enumerate(found.values())}
     np.savez(sys.stdout.buffer, names=np.array(list(found), dtype=str), **columns)

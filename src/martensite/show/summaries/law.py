@@ -59,8 +59,13 @@ def _collect_path(result: PointResult) -> dict[str, Any]:
         "residual_strain": residual_strain(result),
         "work": result.work,
         "warnings": result.warnings,
-        "legs": [asdict(stage) for stage in list_stages(result)],
+        "legs": [_describe_leg(stage) for stage in list_stages(result)],
     }
+
+
+def _describe_leg(stage: PathStage) -> dict[str, Any]:
+    spots = None if stage.spots is None else [one._asdict() for one in stage.spots]
+    return asdict(stage) | {"spots": spots, "end": stage.end._asdict()}
 
 
 def _tell_rest(result: PointResult) -> str:
