@@ -14,10 +14,11 @@ from martensite.cli.app import app
 from martensite.cli.options import (
     Imports,
     Json,
-    ScenarioFile,
+    ScenarioSource,
     Settings,
     import_modules,
     load_scenario,
+    spread_options,
 )
 
 if TYPE_CHECKING:
@@ -36,9 +37,8 @@ ROUNDING = 1e-9
 
 
 @app.command()
-def check(
-    scenario: ScenarioFile, settings: Settings = None, json: Json = False, modules: Imports = None
-) -> None:
+@spread_options
+def check(source: ScenarioSource, json: Json = False) -> None:
     """Build a scenario, and say where its drives lead if held.
 
     One that leaves the envelope (melting, 3 GPa, a strain of 20 %, or a bound of your own) is
@@ -46,7 +46,7 @@ def check(
     """
     from martensite.show.terminal import print_summary
 
-    loaded = load_scenario(scenario, settings, modules)
+    loaded = source.load()
     report = _collect_report(loaded) | _find_ends(loaded)
     if report["leaves"]:
         raise InputError(report["leaves"])

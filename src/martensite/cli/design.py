@@ -11,20 +11,8 @@ from typer import Option
 
 from martensite.base.errors import InputError, ParameterError
 from martensite.cli.app import app
-from martensite.cli.options import (
-    Figure,
-    Force,
-    Imports,
-    Json,
-    ScenarioFile,
-    Settings,
-    Text,
-    Texts,
-    load_scenario,
-    read_quantity,
-    spread_options,
-)
-from martensite.cli.outputs import Outputs
+from martensite.cli.options import ScenarioSource, Text, Texts, read_quantity, spread_options
+from martensite.cli.outputs import AnswerOptions
 from martensite.cli.progress import show_share
 
 if TYPE_CHECKING:
@@ -140,25 +128,21 @@ class DesignOptions:
 @app.command()
 @spread_options
 def design(
-    scenario: ScenarioFile,
+    source: ScenarioSource,
     options: DesignOptions,
-    settings: Settings = None,
+    answer: AnswerOptions,
     save: Annotated[
         Path | None, Option(help="Scenario with the numbers found to write: .toml.")
     ] = None,
-    figure: Figure = None,
-    modules: Imports = None,
-    force: Force = False,
-    json: Json = False,
 ) -> None:
     """Find numbers for which a goal is best and limits are kept.
 
     Goal and limits are measures of its run, such as stroke, rise-time, energy, max(stress) or
     at(position, time=2 s). The search follows derivatives through the simulation.
     """
-    outputs = Outputs(save, figure).check(force, data=(".toml",))
+    outputs = answer.check_files(save, ".toml")
     options.check()
-    loaded = load_scenario(scenario, settings, modules)
+    loaded = source.load()
     found = options.search(loaded, saved=save is not None)
     from martensite.cli.design_document import write_design
     from martensite.show.figures.design import plot_design
@@ -166,7 +150,7 @@ def design(
 
     outputs.answer(
         summarise_design(found, loaded.title),
-        json,
+        answer.json,
         lambda: write_design(found, loaded),
         lambda: plot_design(found, loaded.title),
     )

@@ -10,7 +10,7 @@ from typer import Option
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.cli.export import export
-from martensite.cli.options import Force, Imports, Json, ScenarioFile, Settings, Text, load_scenario
+from martensite.cli.options import Force, Json, ScenarioSource, Text, spread_options
 from martensite.cli.outputs import Outputs
 
 if TYPE_CHECKING:
@@ -23,9 +23,9 @@ STEPS = 400
 
 
 @export.command("c")
+@spread_options
 def c(
-    scenario: ScenarioFile,
-    settings: Settings = None,
+    source: ScenarioSource,
     out: Annotated[Path, Option(metavar="FOLDER", help="Where to write.")] = Path(),
     name: Annotated[Text, Option(help="Name of the files and in them [default: SCENARIO].")] = None,
     part: Annotated[
@@ -36,7 +36,6 @@ def c(
         ),
     ] = "whole",
     precision: Annotated[str, Option(help="float64 (double), or float32 (float).")] = "float64",
-    modules: Imports = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -51,9 +50,9 @@ def c(
 
     if part not in PARTS:
         raise ParameterError(f"There is no part `{part}`. {suggest_name(part, PARTS)}")
-    name = checked_identifier(name or make_identifier(scenario.stem))
+    name = checked_identifier(name or make_identifier(source.file.stem))
     files = _check_files(out, name, force)
-    core, example = _make_core(load_scenario(scenario, settings, modules), name, part, precision)
+    core, example = _make_core(source.load(), name, part, precision)
     out.mkdir(exist_ok=True)
     core.write(out)
     with replace_file(files[-1]) as written:

@@ -13,14 +13,12 @@ from martensite.base.summary import Sentence, Summary
 from martensite.cli.export import export
 from martensite.cli.options import (
     Force,
-    Imports,
     Json,
-    ScenarioFile,
-    Settings,
+    ScenarioSource,
     Text,
     Texts,
-    load_scenario,
     read_quantity,
+    spread_options,
 )
 from martensite.cli.outputs import Outputs
 
@@ -29,9 +27,9 @@ if TYPE_CHECKING:
 
 
 @export.command("fmu")
+@spread_options
 def fmu(
-    scenario: ScenarioFile,
-    settings: Settings = None,
+    source: ScenarioSource,
     fmi: Annotated[str, Option(help="Version of FMI: 2.0 or 3.0.")] = "2.0",
     out: Annotated[Path | None, Option(help="FMU to write [default: ./SCENARIO.fmu].")] = None,
     step: Annotated[
@@ -53,7 +51,6 @@ def fmu(
         ),
     ] = None,
     sources_only: Annotated[bool, Option("--sources-only", help="Compile nothing.")] = False,
-    modules: Imports = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -67,8 +64,8 @@ def fmu(
 
     if sources_only and platforms:
         raise InputError("Options `--sources-only` and `--platform` exclude each other.")
-    loaded = load_scenario(scenario, settings, modules)
-    out = out or Path(f"{scenario.stem}.fmu")
+    loaded = source.load()
+    out = out or Path(f"{source.file.stem}.fmu")
     Outputs(out, None).check(force, data=(".fmu",))
     chosen = read_quantity("step", step, "s")
     compiled = [] if sources_only else platforms or None

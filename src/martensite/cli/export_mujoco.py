@@ -15,12 +15,10 @@ from martensite.base.summary import Sentence, Summary
 from martensite.cli.export import export
 from martensite.cli.options import (
     Force,
-    Imports,
     Json,
-    ScenarioFile,
-    Settings,
-    load_scenario,
+    ScenarioSource,
     read_quantity,
+    spread_options,
 )
 from martensite.cli.outputs import Outputs
 
@@ -45,9 +43,9 @@ class Driving(TyperCommand):
 
 
 @export.command("mujoco", cls=Driving)
+@spread_options
 def mujoco(
-    scenario: ScenarioFile,
-    settings: Settings = None,
+    source: ScenarioSource,
     out: Annotated[
         Path | None,
         Option(help="MJCF file to write [default: ./SCENARIO.xml, or ./SCENARIO_snippet.xml]."),
@@ -65,7 +63,6 @@ def mujoco(
         ),
     ] = None,
     timestep: Annotated[str, Option(help="Time step of the model.")] = "2 ms",
-    modules: Imports = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -80,17 +77,19 @@ def mujoco(
     from martensite.export.mjcf_snippet import to_mjcf_snippet
     from martensite.show.terminal import print_summary
 
-    loaded = load_scenario(scenario, settings, modules)
-    out = out or Path(f"{scenario.stem}{'_snippet' if snippet else ''}.xml")
+    loaded = source.load()
+    out = out or Path(f"{source.file.stem}{'_snippet' if snippet else ''}.xml")
     Outputs(out, None).check(force, data=(".xml",))
     dt = read_quantity("timestep", timestep, "s")
     texts = {
         out: to_mjcf_snippet(loaded.system) if snippet else to_mjcf(loaded.system, timestep=dt)
     }
     if driver:
-        driver = out.with_name(f"{scenario.stem}_driver.py") if driver == HERE else driver
+        driver = out.with_name(f"{source.file.stem}_driver.py") if driver == HERE else driver
         Outputs(driver, None).check(force, data=(".py",))
-        texts[driver] = _write_driver(loaded, driver, None if snippet else out, modules or [])
+        texts[driver] = _write_driver(
+            loaded, driver, None if snippet else out, source.modules or []
+        )
     for path, text in texts.items():
         with replace_file(path) as part:
             part.write_text(text, encoding="utf-8")

@@ -12,8 +12,8 @@ from typer import Argument, Option
 
 from martensite.base.errors import DataError, InputError, UnknownNameError
 from martensite.cli.fit import fit
-from martensite.cli.options import Figure, Force, Json, Text, read_quantity, spread_options
-from martensite.cli.outputs import Outputs
+from martensite.cli.options import Text, read_quantity, spread_options
+from martensite.cli.outputs import AnswerOptions
 
 if TYPE_CHECKING:
     from martensite.characterise.film_coefficient import FilmFit
@@ -65,13 +65,11 @@ def film(
         Path, Argument(metavar="TABLE", help="Steady states, one per row (see below).")
     ],
     wire: HeatedWire,
+    answer: AnswerOptions,
     form: Annotated[str, Option(help="all, constant, linear, quadratic, or h1=0.")] = ALL,
     out: Annotated[
         Path | None, Option(help="Heat-loss model to write: .toml; takes one --form.")
     ] = None,
-    figure: Figure = None,
-    force: Force = False,
-    json: Json = False,
 ) -> None:
     """Fit a film coefficient h(T) to steady states, and judge the fit.
 
@@ -80,7 +78,7 @@ def film(
     --resistance. All but `h` take --diameter, --length and --ambient.
     """
     _check_form(form, out)
-    outputs = Outputs(out, figure).check(force, data=(".toml",))
+    outputs = answer.check_files(out, ".toml")
     points, origin = read_points(table, wire)
     from martensite.characterise.film_report import judge_film
     from martensite.show.figures.film_fit import plot_film
@@ -91,7 +89,7 @@ def film(
     title = f"Film coefficient from {table.name}"
     outputs.answer(
         summarise_film(report, forms, origin),
-        json,
+        answer.json,
         lambda: write_cooling(report, form, table.name),
         lambda: plot_film(report, forms, title),
     )

@@ -9,14 +9,15 @@ from typer import Argument, Option
 
 from martensite.base.errors import InputError
 from martensite.cli.fit import fit
-from martensite.cli.options import Figure, Force, Json, Texts, read_quantity
-from martensite.cli.outputs import Outputs
+from martensite.cli.options import Texts, read_quantity, spread_options
+from martensite.cli.outputs import AnswerOptions
 
 if TYPE_CHECKING:
     from martensite.characterise.tangent_points import TangentPoints
 
 
 @fit.command("tangents")
+@spread_options
 def tangents(
     logs: Annotated[
         list[str],
@@ -26,15 +27,13 @@ def tangents(
             "or data:SET/FILE for files of a published data set.",
         ),
     ],
+    answer: AnswerOptions,
     stress: Annotated[
         Texts, Option(help='Constant stress of each LOG, e.g. "100 MPa"; repeatable.')
     ] = None,
     cycle: Annotated[
         int | None, Option(help="Which cycle of each LOG, from 1 on; the last if left out.")
     ] = None,
-    figure: Figure = None,
-    force: Force = False,
-    json: Json = False,
 ) -> None:
     """Transformation temperatures, slopes and strain of isobaric cycles, by tangents.
 
@@ -42,7 +41,7 @@ def tangents(
     Three straight lines per branch give A_s, A_f, M_s, M_f and the transformation strain; two and
     more stresses give C_A, C_M and the temperatures at zero stress.
     """
-    outputs = Outputs(None, figure).check(force)
+    outputs = answer.check_files()
     levels = read_cycles(logs, stress, cycle)
     from martensite.characterise.tangent_fit import fit_tangents
     from martensite.show.figures.tangents import plot_tangents
@@ -50,8 +49,8 @@ def tangents(
 
     found = fit_tangents(levels) if len(levels) > 1 else levels[0]
     title = f"Tangents of {levels[0].name if len(levels) == 1 else f'{len(levels)} cycles'}"
-    draw = lambda: plot_tangents(found, title)  # noqa: E731
-    outputs.answer(summarise_tangents(found), json, draw=draw)
+    summary = summarise_tangents(found)
+    outputs.answer(summary, answer.json, draw=lambda: plot_tangents(found, title))
 
 
 def read_cycles(

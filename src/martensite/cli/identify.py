@@ -14,10 +14,7 @@ from martensite.base.errors import InputError, suggest_name
 from martensite.cli.app import app
 from martensite.cli.identify_columns import choose_columns
 from martensite.cli.options import (
-    Figure,
-    Force,
     Imports,
-    Json,
     Text,
     Texts,
     import_modules,
@@ -25,7 +22,7 @@ from martensite.cli.options import (
     read_quantity,
     spread_options,
 )
-from martensite.cli.outputs import Outputs, open_parts
+from martensite.cli.outputs import AnswerOptions, Outputs, open_parts
 from martensite.cli.progress import show_share, show_spinner
 
 if TYPE_CHECKING:
@@ -202,13 +199,11 @@ def identify(
         ),
     ],
     options: IdentifyOptions,
+    answer: AnswerOptions,
     save: Annotated[
         Path | None, Option(metavar="MODEL", help="Model file to write: .json.")
     ] = None,
-    figure: Figure = None,
     modules: Imports = None,
-    force: Force = False,
-    json: Json = False,
 ) -> None:
     """Find a model of blocks that repeats logs in free run.
 
@@ -219,7 +214,7 @@ def identify(
     of another cadence. Ctrl-C ends a search and keeps the best so far; the exit code is 1 then.
     """
     import_modules(modules)
-    outputs = Outputs(save, figure).check(force, data=(".json",))
+    outputs = answer.check_files(save, ".json")
     options = options.complete_columns(logs[0])
     stages = options.plan_stages()
     with show_spinner("reading logs"):
@@ -243,7 +238,7 @@ def identify(
         found = identify_stages(fitted, stages, validation, other, search, tell)
     records = [*fitted, *validation, *other]
     written = _write_files(found, outputs, records)
-    print_summary(summarise_identified(found, records), json, written)
+    print_summary(summarise_identified(found, records), answer.json, written)
     if ended or not all(one is None or one.complete for one in found.searches):
         typer.echo("interrupted: this is the best so far", err=True)
         raise typer.Exit(1)

@@ -9,8 +9,8 @@ from typer import Argument, Option
 
 from martensite.base.errors import ParameterError, UnitError, UnknownNameError
 from martensite.cli.app import app
-from martensite.cli.options import Figure, Force, Imports, Json, Text, Texts, import_modules
-from martensite.cli.outputs import Outputs, open_parts
+from martensite.cli.options import Imports, Text, Texts, import_modules, spread_options
+from martensite.cli.outputs import AnswerOptions, open_parts
 
 if TYPE_CHECKING:
     from martensite.simulate.path_layout import Choices, PathRates
@@ -20,10 +20,12 @@ RATES = {"temperature": "K/s", "stress": "Pa/s", "strain": "1/s"}
 
 
 @app.command()
+@spread_options
 def law(
     names: Annotated[
         list[str], Argument(metavar="NAME...", help="Laws; several are drawn side by side.")
     ],
+    answer: AnswerOptions,
     path: Annotated[
         str,
         Option(
@@ -63,11 +65,8 @@ def law(
         float, Option(help="Accepted change on halving the steps, as a share of range.")
     ] = 1e-3,
     runtime: Annotated[str, Option(help="floats, or c.")] = "floats",
-    figure: Figure = None,
     out: Annotated[Path | None, Option(help="Table to write: .csv.")] = None,
     modules: Imports = None,
-    force: Force = False,
-    json: Json = False,
 ) -> None:
     """Drive laws along a path: a summary, a figure, a table."""
     import_modules(modules)
@@ -80,7 +79,7 @@ def law(
     from martensite.show.terminal import print_summary
     from martensite.simulate.paths import find_path, named_path
 
-    outputs = Outputs(out, figure).check(force, data=(".csv",))
+    outputs = answer.check_files(out, ".csv")
     plane = find_path(path).plane
     chosen = _read_choices(at, stress, strain, start, rate)
     dressed = configure_laws(list(dict.fromkeys(names)), material, read_settings(settings or []))
@@ -96,7 +95,7 @@ def law(
         if files.figure is not None:
             title = f"{path}: {', '.join(names)}"
             write_figure(plot_point(every, title=title, plane=plane), files.figure)
-    print_summary(summarise_laws(path, dressed, results), json, outputs.paths())
+    print_summary(summarise_laws(path, dressed, results), answer.json, outputs.paths())
 
 
 # ---------------------------------------------------------------- reading the options

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from dataclasses import MISSING, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints, overload
@@ -38,7 +38,7 @@ Imports = Annotated[
     ),
 ]
 Force = Annotated[bool, Option("--force", help="Replace existing files.")]
-Figure = Annotated[Path | None, Option(help="Figure to write: .png, .svg or .pdf.")]
+FigureFile = Annotated[Path | None, Option(help="Figure to write: .png, .svg or .pdf.")]
 
 
 @overload
@@ -100,6 +100,19 @@ def load_scenario(
     from martensite.scenario.scenario import load
 
     return load(path, read_settings(settings or []))
+
+
+@dataclass(frozen=True)
+class ScenarioSource:
+    """A scenario file, with what `--set` changes and `--import` adds."""
+
+    file: ScenarioFile
+    settings: Settings = None
+    modules: Imports = None
+
+    def load(self) -> Scenario:
+        """The scenario."""
+        return load_scenario(self.file, self.settings, self.modules)
 
 
 def spread_options(command: Callable[..., None]) -> Callable[..., None]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import DataError
+from martensite.cli.options import FigureFile, Force, Json
 from martensite.show.figures.files import FORMATS
 
 if TYPE_CHECKING:
@@ -74,6 +75,19 @@ class Outputs:
                 files.data.write_text(text(), encoding="utf-8", newline="\n")
             if files.figure is not None and draw is not None:
                 write_figure(draw(), files.figure)
+
+
+@dataclass(frozen=True)
+class AnswerOptions:
+    """A figure beside what is printed, and how."""
+
+    figure: FigureFile = None
+    force: Force = False
+    json: Json = False
+
+    def check_files(self, data: Path | None = None, *endings: str) -> Outputs:
+        """The figure and a data file, which may be written; `DataError` if one may not."""
+        return Outputs(data, self.figure).check(self.force, data=endings)
 
 
 def check_ending(path: Path | None, endings: tuple[str, ...]) -> None:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Option
 
 from martensite.cli.app import app
-from martensite.cli.options import Figure, Force, Json, StoreFolder, Texts
-from martensite.cli.outputs import Outputs
+from martensite.cli.options import StoreFolder, Texts, spread_options
+from martensite.cli.outputs import AnswerOptions
 
 if TYPE_CHECKING:
     from martensite.design.sweep.pareto import ParetoFront
@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 
 
 @app.command()
+@spread_options
 def pareto(
     store: StoreFolder,
+    answer: AnswerOptions,
     minimise: Annotated[
         Texts,
         Option(metavar="MEASURE", help="What shall be small, a varied number too; repeatable."),
@@ -29,9 +31,6 @@ def pareto(
         Texts, Option(metavar="MEASURE", help="What shall be large; repeatable.")
     ] = None,
     save: Annotated[Path | None, Option(help="Table of the front to write: .csv.")] = None,
-    figure: Figure = None,
-    force: Force = False,
-    json: Json = False,
 ) -> None:
     """Find the runs of a sweep that no other beats."""
     from martensite.design.sweep.pareto import find_pareto_front
@@ -39,12 +38,12 @@ def pareto(
     from martensite.show.figures.pareto import plot_pareto
     from martensite.show.summaries.pareto import summarise_front
 
-    outputs = Outputs(save, figure).check(force, data=(".csv",))
+    outputs = answer.check_files(save, ".csv")
     table = read_sweep(store)
     front = find_pareto_front(table, minimise or (), maximise or ())
     outputs.answer(
         summarise_front(store, table, front),
-        json,
+        answer.json,
         lambda: _write_front(table, front),
         lambda: plot_pareto(table, front),
     )

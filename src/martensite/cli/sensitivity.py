@@ -7,19 +7,18 @@ from typing import Annotated
 from typer import Option
 
 from martensite.cli.app import app
-from martensite.cli.options import Figure, Json, StoreFolder, Texts
-from martensite.cli.outputs import Outputs
+from martensite.cli.options import StoreFolder, Texts, spread_options
+from martensite.cli.outputs import AnswerOptions
 
 
 @app.command()
+@spread_options
 def sensitivity(
     store: StoreFolder,
+    answer: AnswerOptions,
     output: Annotated[
         Texts, Option(metavar="MEASURE", help="A measure of the sweep; repeatable [default: all].")
     ] = None,
-    figure: Figure = None,
-    force: Annotated[bool, Option("--force", help="Replace an existing figure.")] = False,
-    json: Json = False,
 ) -> None:
     """Say which numbers of a sweep explain its variance.
 
@@ -31,8 +30,8 @@ def sensitivity(
     from martensite.show.figures.sensitivity import plot_sensitivity
     from martensite.show.summaries.sensitivity import summarise_sensitivity
 
-    outputs = Outputs(None, figure).check(force)
+    outputs = answer.check_files()
     table = read_sweep(store)
     found = find_sensitivity(table, output)
-    draw = lambda: plot_sensitivity(found, table.title)  # noqa: E731
-    outputs.answer(summarise_sensitivity(store, table, found), json, draw=draw)
+    summary = summarise_sensitivity(store, table, found)
+    outputs.answer(summary, answer.json, draw=lambda: plot_sensitivity(found, table.title))

@@ -10,22 +10,21 @@ from typer import Option
 from martensite.base.errors import InputError
 from martensite.cli.app import app
 from martensite.cli.options import (
-    Imports,
     Json,
-    ScenarioFile,
-    Settings,
+    ScenarioSource,
     Text,
     Texts,
-    load_scenario,
     read_quantity,
+    spread_options,
 )
 from martensite.cli.outputs import Outputs
 from martensite.cli.progress import show_spinner, show_sweep
 
 
 @app.command()
+@spread_options
 def sweep(
-    scenario: ScenarioFile,
+    source: ScenarioSource,
     over: Annotated[
         Texts,
         Option(
@@ -48,7 +47,6 @@ def sweep(
     trace: Annotated[
         Texts, Option(metavar="OUTPUT:SAMPLES", help="A column kept over time; repeatable.")
     ] = None,
-    settings: Settings = None,
     out: Annotated[
         Path | None, Option(help="Zarr store to write, or to go on with [./SCENARIO.zarr].")
     ] = None,
@@ -78,7 +76,6 @@ def sweep(
     figure: Annotated[
         Path | None, Option(help="Figure to write, or to replace: .png, .svg or .pdf.")
     ] = None,
-    modules: Imports = None,
     force: Annotated[bool, Option("--force", help="Replace an existing store.")] = False,
     json: Json = False,
 ) -> None:
@@ -90,7 +87,7 @@ def sweep(
     from martensite.show.terminal import print_summary
 
     drawn = Outputs(None, figure).check(force=True)
-    loaded = load_scenario(scenario, settings, modules)
+    loaded = source.load()
     wanted = SweepRequest(
         over=tuple(over or ()),
         sample=sample,
@@ -102,8 +99,8 @@ def sweep(
         runtime=runtime,
         precision=precision,
     )
-    how = SweepExecution(backend, workers, scheduler, chunk, tuple(modules or ()), force)
-    path = out or Path(f"{scenario.stem}.zarr")
+    how = SweepExecution(backend, workers, scheduler, chunk, tuple(source.modules or ()), force)
+    path = out or Path(f"{source.file.stem}.zarr")
     with show_spinner(f"preparing {loaded.title}"):
         begun = begin_sweep(loaded, wanted, path, how)
     with show_sweep(loaded.title) as tell:

@@ -10,19 +10,8 @@ from typer import Option
 
 from martensite.base.errors import InputError, UnknownNameError
 from martensite.cli.app import app
-from martensite.cli.options import (
-    Figure,
-    Force,
-    Imports,
-    Json,
-    ScenarioFile,
-    Settings,
-    Text,
-    Texts,
-    load_scenario,
-    spread_options,
-)
-from martensite.cli.outputs import Outputs
+from martensite.cli.options import ScenarioSource, Text, Texts, spread_options
+from martensite.cli.outputs import AnswerOptions
 
 METHODS = ("rules", "relay", "gradient")
 
@@ -103,25 +92,21 @@ class TuneOptions:
 @app.command()
 @spread_options
 def tune(
-    scenario: ScenarioFile,
+    source: ScenarioSource,
     options: TuneOptions,
-    settings: Settings = None,
+    answer: AnswerOptions,
     save: Annotated[
         Path | None, Option(help="Scenario with the new numbers to write: .toml.")
     ] = None,
-    figure: Figure = None,
-    modules: Imports = None,
-    force: Force = False,
-    json: Json = False,
 ) -> None:
     """Tune the controller of a scenario, and show its loop.
 
     The scenario needs sections [controller] and [reference]. With --spread, the gradient is that
     of the mean over many plants, and the result is judged on as many others.
     """
-    outputs = Outputs(save, figure).check(force, data=(".toml",))
+    outputs = answer.check_files(save, ".toml")
     options.check()
-    loaded = load_scenario(scenario, settings, modules)
+    loaded = source.load()
     from martensite.cli.tune_run import run_tuning
     from martensite.show.figures.tuning import plot_tuning
     from martensite.show.summaries.tuning import summarise_tuning, write_tuned
@@ -129,7 +114,7 @@ def tune(
     found = run_tuning(loaded, options)
     outputs.answer(
         summarise_tuning(found),
-        json,
+        answer.json,
         lambda: write_tuned(found),
         lambda: plot_tuning(found.found, found.drive, loaded.title),
     )

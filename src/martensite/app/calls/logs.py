@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from martensite.app.identify.display_units import describe_difference, describe_display
 from martensite.app.identify.fit_request import build_scenario
 from martensite.app.identify.followed_columns import describe_drives, follow_column
 from martensite.app.identify.mapped_table import describe_cuts, read_record, read_records
@@ -15,6 +14,7 @@ from martensite.app.identify.thinning import find_envelope
 from martensite.app.messages import JsonTable, Request, require_entry
 from martensite.app.packaged_scenarios import describe_scenarios, list_following
 from martensite.app.uploads import UploadFolder
+from martensite.app.views.columns import describe_difference, describe_display
 from martensite.app.worker import Desk
 from martensite.base.errors import MartensiteError
 from martensite.base.files import toml_document

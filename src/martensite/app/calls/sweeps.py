@@ -9,15 +9,16 @@ from dataclasses import replace
 from pathlib import Path
 
 from martensite.app.documents import read_request_scenario
-from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
+from martensite.app.messages import JsonTable, Request, require_entry
 from martensite.app.packaged_scenarios import build_packaged
 from martensite.app.sweeping.command_line import write_command
-from martensite.app.sweeping.store_summary import read_scenario_of, read_wanted_of, summarise_store
+from martensite.app.sweeping.store_summary import summarise_store
 from martensite.app.sweeping.sweep_drawing import SweepDrawing
 from martensite.app.sweeping.sweep_folder import SweepFolder, hold_store, make_slug
 from martensite.app.sweeping.sweep_progress import SweepProgress, name_statuses
 from martensite.app.sweeping.sweep_request import (
     check_request,
+    read_texts,
     read_wanted,
     read_workers,
     require_size,
@@ -122,7 +123,7 @@ def _find_store(request: Request, desk: Desk) -> tuple[str, Path, Scenario, Swee
         path = shelf.path(key)
         with hold_store(path):
             spec = Store(path).spec
-        return key, path, read_scenario_of(spec), read_wanted_of(spec)
+        return key, path, build_packaged(spec["scenario"]), SweepRequest.of_spec(spec)
     scenario, asked = read_request_scenario(request, desk), read_wanted(request)
     read_workers(request)
     plan, asked = prepare_plan(scenario, asked)
@@ -162,15 +163,13 @@ def read_points(request: Request, desk: Desk) -> JsonTable:
     key = require_entry(request, "key", str)
     path = SweepFolder(desk.folder).path(key)
     drawn = SweepDrawing(Store(path))
-    counts, rows = count_statuses(drawn.store, NAMED)
-    asked = read_wanted_of(drawn.spec)
+    asked = SweepRequest.of_spec(drawn.spec)
     step = f"{asked.step!r} s" if asked.step else ""
     return {
+        **_count_ended(drawn.store),
         **summarise_store(key, path),
         "layout": drawn.layout(),
         "points": drawn.points(drawn.store.made()),
-        "counts": name_statuses(counts),
-        "failed": [[int(status), counts[status], first] for status, first in sorted(rows.items())],
         "command": write_command(make_slug(drawn.spec["title"]), asked, step=step),
     }
 
@@ -182,7 +181,7 @@ def read_row(request: Request, desk: Desk) -> JsonTable:
     """
     spec = Store(SweepFolder(desk.folder).path(require_entry(request, "key", str))).spec
     row = require_entry(request, "row", int)
-    plan = build_plan(read_scenario_of(spec), read_wanted_of(spec))
+    plan = build_plan(build_packaged(spec["scenario"]), SweepRequest.of_spec(spec))
     if not 0 <= row < plan.size:
         raise DataError(f"There is no run {row} in this sweep of {plan.size:,} runs.")
     values = plan.values(range(row, row + 1))[0].tolist()
@@ -208,7 +207,7 @@ def find_front(request: Request, desk: Desk) -> JsonTable:
     table = read_sweep(SweepFolder(desk.folder).path(require_entry(request, "key", str)))
     try:
         front = find_pareto_front(
-            table, _read_names(request, "minimise"), _read_names(request, "maximise")
+            table, read_texts(request, "minimise", []), read_texts(request, "maximise", [])
         )
     except DataError as error:  # as long as no run is there
         return {**NO_FRONT, "why": str(error)}
@@ -227,13 +226,6 @@ def find_front(request: Request, desk: Desk) -> JsonTable:
         "left_out": [[count, why] for count, why in counts if count],
         "why": "",
     }
-
-
-def _read_names(request: Request, name: str) -> list[str]:
-    given = require_entry(request, name, list, [])
-    if not all(isinstance(one, str) for one in given):
-        raise BadMessageError(f"`{name}` must be a list of texts.")
-    return given
 
 
 def estimate_indices(request: Request, desk: Desk) -> JsonTable:

@@ -12,12 +12,11 @@ from copy import deepcopy
 from typing import Any
 
 from martensite.app.forms import documents
-from martensite.app.forms.changed_scenario import ChangedScenario
 from martensite.app.forms.control_tree import GroupSpot
 from martensite.app.forms.material import with_material
 from martensite.app.forms.sections import MATERIAL, FormSections
 from martensite.app.forms.surroundings import change_reference, change_source, relax_surroundings
-from martensite.app.forms.table_filler import KIND, TableFiller
+from martensite.app.forms.table_filler import KIND, ChangedScenario, TableFiller
 from martensite.app.messages import JsonTable
 from martensite.app.packaged_scenarios import FOLDER, list_standalone
 from martensite.base.errors import InputError, ParameterError

@@ -10,9 +10,8 @@ from copy import deepcopy
 from typing import Any
 
 from martensite.app.forms import documents
-from martensite.app.forms.changed_scenario import ChangedScenario
 from martensite.app.forms.control_tree import place_units
-from martensite.app.forms.table_filler import KIND, TableFiller
+from martensite.app.forms.table_filler import KIND, ChangedScenario, TableFiller
 from martensite.app.messages import JsonTable
 from martensite.base.files import toml_document
 from martensite.base.parameters import Parametrised

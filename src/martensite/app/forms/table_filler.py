@@ -38,6 +38,17 @@ class MissingNumber:
 
 
 @dataclass
+class ChangedScenario:
+    """A document with another kind in it."""
+
+    document: JsonTable
+    notes: list[str] = field(default_factory=list[str])
+    assumed: list[str] = field(default_factory=list[str])
+    """Paths of start values."""
+    missing: list[MissingNumber] = field(default_factory=list[MissingNumber])
+
+
+@dataclass
 class TableFiller:
     """Fills tables; notes what it assumed and what is missing."""
 

@@ -5,18 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from martensite.app.identify.display_units import describe_difference, describe_display
-from martensite.app.identify.fit_progress import describe_parameter, round_digits
+from martensite.app.identify.fit_progress import describe_parameter
 from martensite.app.identify.followed_columns import embed_log
 from martensite.app.identify.thinning import MOST_CORNERS as FEW
 from martensite.app.messages import JsonTable
-from martensite.app.views.columns import choose_rows
+from martensite.app.views.columns import (
+    choose_rows,
+    describe_difference,
+    describe_display,
+    round_digits,
+)
 from martensite.fit.compared_outputs import ComparedOutput, list_compared
 from martensite.fit.fit import Fit
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
 from martensite.fit.free_parameters import is_nuisance
 from martensite.scenario.exact_text import exact_text
 from martensite.search.free_numbers import FreeNumber
+from martensite.show.summaries.fit_tables import mark_parameter
 
 DRAWN_ROWS = 800
 
@@ -47,7 +52,7 @@ def describe_outcome(fit: Fit) -> JsonTable:
         "predictions": describe_predictions(fit),
         "warnings": list(dict.fromkeys([*fit.cautions, *_list_warnings(fit)])),
         "notes": list(fit.notes),
-        "history": [list(pair) for pair in _thin_rows(fit.history)],
+        "history": [list(fit.history[row]) for row in choose_rows(len(fit.history), FEW)],
         "rows": [_list_curves(one) for one in list_compared(fit)],
         "scenario": fitted_text(fit),
     }
@@ -67,21 +72,8 @@ def _describe_parameter(fit: Fit, free: FreeNumber) -> JsonTable:
         "value": fit[free.name],
         "interval": [low, high] if known else None,
         "error": fit.uncertainty.errors[fit.problem.names.index(free.name)],
-        "mark": _mark_parameter(fit, free.name, known),
+        "mark": mark_parameter(fit, free.name),
     }
-
-
-def _mark_parameter(fit: Fit, name: str, known: bool) -> str:
-    """What speaks against a number, in two words."""
-    if not known:
-        return "not determined"
-    if name in fit.at_bound():
-        return "at a bound"
-    return "weak" if any(name in one.names for one in fit.identifiability.weak) else ""
-
-
-def _thin_rows(history: tuple[tuple[int, float], ...]) -> list[tuple[int, float]]:
-    return [history[row] for row in choose_rows(len(history), FEW)]
 
 
 def _list_curves(one: ComparedOutput) -> JsonTable:

@@ -8,14 +8,16 @@ from dataclasses import dataclass, field
 from threading import Event
 from typing import Any
 
-from martensite.app.identify.display_units import (
-    describe_difference,
-    describe_display,
-    shown_number,
-)
 from martensite.app.identify.thinning import MOST_CORNERS
 from martensite.app.messages import JsonTable, Request
-from martensite.app.views.columns import choose_rows
+from martensite.app.views.columns import (
+    choose_rows,
+    describe_conversion,
+    describe_difference,
+    describe_display,
+    round_digits,
+)
+from martensite.base import units
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.free_parameters import is_nuisance
@@ -27,7 +29,6 @@ EVERY = 0.4
 """Seconds between two notes."""
 SHARE = 0.1
 """Of the time that may go into curves that are only shown."""
-DIGITS = 5
 
 
 @dataclass
@@ -101,11 +102,6 @@ def model_curves(one: Experiment, model: Any) -> list[list[float]]:
     return [[round_digits(model[row, k]) for row in rows] for k in range(len(one.outputs))]
 
 
-def round_digits(value: float) -> float:
-    """As much of a number as can be seen."""
-    return float(f"{value:.{DIGITS}g}")
-
-
 def describe_measured(one: Experiment) -> JsonTable:
     """A record as it was measured, at the rows that are drawn."""
     rows, known = choose_rows(len(one.times), MOST_CORNERS), one.system.outputs()
@@ -127,7 +123,7 @@ def describe_measured(one: Experiment) -> JsonTable:
 
 def describe_parameter(free: FreeNumber) -> JsonTable:
     """A parameter that is searched: where from, between which bounds, shown in which unit."""
-    how = shown_number(free.start, free.unit)
+    how = describe_conversion(free.unit, units.choose_familiar_unit(free.start, free.unit))
     if is_nuisance(free.path):
         how = describe_difference(free.path.removeprefix("offset."), free.unit)
     return {

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from martensite.app.identify.display_units import shown_number
 from martensite.app.messages import JsonTable
+from martensite.app.views.columns import describe_conversion
 from martensite.base import units
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Leaf
@@ -40,6 +40,7 @@ def _list_entries(scenario: Scenario, name: str, group: list[Leaf]) -> Iterator[
 def _describe_entry(scenario: Scenario, name: str, group: list[Leaf]) -> JsonTable:
     leaf = group[0]
     path, declared = scenario.places.path(leaf.path), leaf.declared
+    spelling = units.choose_familiar_unit(leaf.value, declared.unit)
     low, high = _find_bounds(scenario, name)
     return {
         "name": name,
@@ -51,7 +52,7 @@ def _describe_entry(scenario: Scenario, name: str, group: list[Leaf]) -> JsonTab
         "allowed": declared.allowed(),
         "doc": declared.doc,
         "origin": scenario.origins.get(path, ""),
-        **shown_number(leaf.value, declared.unit),
+        **describe_conversion(declared.unit, spelling),
     }
 
 

@@ -4,23 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from martensite.app.messages import JsonTable, Request
-from martensite.app.packaged_scenarios import build_packaged
+from martensite.app.messages import JsonTable
 from martensite.app.sweeping.sweep_folder import is_busy, measure_bytes
 from martensite.base.errors import MartensiteError
-from martensite.design.sweep.job import SweepRequest
 from martensite.design.sweep.store import STATUS, Store
-from martensite.scenario.scenario import Scenario
-
-
-def read_scenario_of(spec: Request) -> Scenario:
-    """The scenario that a sweep varies."""
-    return build_packaged(spec["scenario"])
-
-
-def read_wanted_of(spec: Request) -> SweepRequest:
-    """What was asked for."""
-    return SweepRequest.of_spec(spec)
 
 
 def summarise_store(key: str, path: Path) -> JsonTable:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.app.messages import JsonTable
-from martensite.app.views.columns import describe_conversion
+from martensite.app.views.columns import describe_conversion, round_digits
 from martensite.base.status import Status
 from martensite.design.sweep.axes import SweepAxis
 from martensite.design.sweep.reading import read_axes, read_levels
@@ -94,7 +94,8 @@ class SweepDrawing:
         found["rows"] += kept.tolist()
         found["status"] += self.store.group[STATUS][region][places].tolist()
         for name, column in found["columns"].items():
-            column += _shorten_digits(self.store.group[name][region][places])
+            values = self.store.group[name][region][places].tolist()
+            column += [round_digits(value, DIGITS) for value in values]
 
     @cached_property
     def _names(self) -> list[str]:
@@ -140,8 +141,3 @@ def _list_stretches(chunks: Sequence[int]) -> Iterable[tuple[int, int]]:
         if k == len(chunks) or chunks[k] != chunks[k - 1] + 1:
             yield chunks[begin], chunks[k - 1]
             begin = k
-
-
-def _shorten_digits(values: Any) -> list[float]:
-    """Numbers with as many digits as can be seen."""
-    return [float(f"{value:.{DIGITS}g}") for value in values.tolist()]

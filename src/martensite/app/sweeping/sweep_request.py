@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from martensite.app.messages import BadMessageError, Request, require_entry
 from martensite.base import units
@@ -36,9 +36,9 @@ def read_wanted(request: Request) -> SweepRequest:
     """
     step = str(require_entry(request, "step", str, "")).strip()
     return SweepRequest(
-        over=_read_texts(request, "over"),
+        over=read_texts(request, "over"),
         sample=_read_sample(require_entry(request, "sample", str, "grid")),
-        measures=_read_texts(request, "measures"),
+        measures=read_texts(request, "measures"),
         seed=require_entry(request, "seed", int, 0),
         step=parse_step(step),
         runtime=require_entry(request, "runtime", str, "") or None,
@@ -77,8 +77,13 @@ def require_size(plan: SweepPlan) -> SweepPlan:
     return plan
 
 
-def _read_texts(request: Request, name: str) -> tuple[str, ...]:
-    given = require_entry(request, name, list)
+def read_texts(request: Request, name: str, default: Any = ...) -> tuple[str, ...]:
+    """A list of texts of a message.
+
+    Raises:
+        BadMessageError: it is missing without a default, or holds something else, or too much.
+    """
+    given = require_entry(request, name, list, default)
     fits = (isinstance(one, str) and len(one) <= LONGEST_ENTRY for one in given)
     if len(given) > MOST_WORDS or not all(fits):
         raise BadMessageError(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from martensite.app.messages import JsonTable
 from martensite.base import units
+from martensite.base.formats import choose_difference_unit
 from martensite.simulate.result import Result
 
 MOST_ROWS = 2001
@@ -34,8 +35,20 @@ def choose_rows(count: int, most: int = MOST_ROWS) -> list[int]:
 def describe_column(result: Result, name: str) -> JsonTable:
     """How a column is called, and how it is shown."""
     output = result.outputs[name]
-    how = describe_conversion(output.unit, units.of_column(name, output.unit))
+    how = describe_display(name, output.unit)
     return {**how, "long_name": output.long_name, "symbol": output.symbol}
+
+
+def describe_display(name: str, unit: str) -> JsonTable:
+    """How a column or output is shown; strain in percent."""
+    return describe_conversion(unit, units.of_column(name, unit))
+
+
+def describe_difference(name: str, unit: str) -> JsonTable:
+    """How an error or an offset is shown, which has no zero to be shifted."""
+    spelling = units.of_column(name, unit)
+    spelling = spelling if spelling == "%" else choose_difference_unit(unit)[0]
+    return {**describe_conversion(unit, spelling), "offset": 0.0}
 
 
 def describe_conversion(unit: str, spelling: str) -> JsonTable:
@@ -47,3 +60,8 @@ def describe_conversion(unit: str, spelling: str) -> JsonTable:
         "factor": units.from_si(1.0, spelling, unit) - offset,
         "offset": offset,
     }
+
+
+def round_digits(value: float, digits: int = 5) -> float:
+    """As much of a number as can be seen."""
+    return float(f"{value:.{digits}g}")

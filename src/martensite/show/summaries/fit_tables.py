@@ -87,7 +87,7 @@ def _write_parameter(fit: Fit, free: FreeNumber) -> tuple[str, ...]:
         _write_interval(plain, free.unit, spelling, decimals),
         start,
         " to ".join(bounds),
-        _mark_parameter(fit, free.name),
+        mark_parameter(fit, free.name),
         free.doc,
     )
 
@@ -99,7 +99,8 @@ def choose_parameter_unit(free: FreeNumber, value: float) -> str:
     return units.choose_familiar_unit(value, free.unit)
 
 
-def _mark_parameter(fit: Fit, name: str) -> str:
+def mark_parameter(fit: Fit, name: str) -> str:
+    """What speaks against a number, in two words; empty if nothing does."""
     if not all(map(math.isfinite, fit.uncertainty.widened(name))):
         return "not determined"
     if name in fit.at_bound():
