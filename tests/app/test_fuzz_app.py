@@ -365,21 +365,17 @@ ABSENT = ("nothing", "__init__", "_sizing", "..%2frun", "os", "run.py", "%00")
 
 
 def test_over_the_wire_every_answer_is_a_sentence_or_an_answer(bench: Bench) -> None:
-    bodies = [
-        b"",
-        b"{",
-        b"[]",
+    unread = [b"", b"{", b"[]", b"\xff" * 100, b'{"a": 1e999}', b'{"a":' * 5000]
+    read = [
         b'{"text": 1}',
         b'{"text": "' + b"x" * 10_000 + b'"}',
-        b"\xff" * 100,
-        b'{"a": 1e999}',
-        b'{"a":' * 5000,
         b'{"key": "../../etc"}',
         b'{"name": "../x", "key": ""}',
     ]
+    calls = [call for call in ROUTES if call not in LONG]
     with bench.client() as client:
-        for call in (*(c for c in ROUTES if c not in LONG), *ABSENT):
-            for body in bodies:
+        for number, call in enumerate((*calls, *ABSENT)):
+            for body in (*unread, *read) if number < 5 else read:
                 found = client.post(f"/api/call/{call}", content=body)
                 assert found.status_code in (200, 400, 404, 405, 422), found.text
                 assert "Unexpected" not in found.text[:100], f"{call} {body[:40]!r}: {found.text}"
