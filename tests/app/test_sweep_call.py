@@ -331,7 +331,7 @@ def test_cancelled_it_keeps_what_was_made_and_leaves_no_process(bench: Bench) ->
 
 
 def test_resumed_on_another_server_it_has_the_same_bits(tmp_path: Path) -> None:
-    wanted = {**GRID, "over": ["diameter=0.08..0.15 mm:40", "high=0.3..0.6 W:12"]}
+    wanted = {**GRID, "over": ["diameter=0.08..0.15 mm:40", "high=0.3..0.6 W:48"]}
     folder = tmp_path / "kept"
     desk = Desk(folder)
     notes: list[Any] = []
@@ -343,13 +343,13 @@ def test_resumed_on_another_server_it_has_the_same_bits(tmp_path: Path) -> None:
 
     desk.tell = tell
     stopped = sweep(wanted, desk)
-    assert 0 < stopped["done"] < stopped["runs"] == 480
-    assert re.match(r"Interrupted when \d+ of 480 runs were there", stopped["stopped"])
+    assert 0 < stopped["done"] < stopped["runs"] == 1920
+    assert re.match(r"Interrupted when \d+ of 1,920 runs were there", stopped["stopped"])
     with running(folder) as other:
         (line,) = other.call("sweeps", {})["sweeps"]
         assert line["state"] == "stopped"
         outcome = ended(other, begin(other, {"resume": line["key"]}))["outcome"]
-        assert outcome["done"] == 480, outcome
+        assert outcome["done"] == 1920, outcome
     whole = sweep(wanted, Desk(tmp_path / "other"))
     same(SweepFolder(folder).path(line["key"]), SweepFolder(tmp_path / "other").path(whole["key"]))
 
