@@ -38,6 +38,35 @@ def test_a_slider_changes_the_scenario_in_one_step(page: Page) -> None:
     expect(field).not_to_have_value("0.1")
 
 
+SLOW_CALLS = """() => {
+    const fetch = window.fetch.bind(window);
+    window.fetch = async (...given) => {
+        await new Promise((after) => setTimeout(after, 500));
+        return fetch(...given);
+    };
+}"""
+
+
+def test_undo_leaves_what_a_slider_still_waits_to_try(page: Page) -> None:
+    field, slider = diameter(page)
+    title = page.get_by_text("steps in")
+    before = title.text_content()
+    box = slider.bounding_box()
+    assert box
+    page.evaluate(SLOW_CALLS)
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+    for step in (1, 2, 3, 4):
+        page.mouse.move(box["x"] + box["width"] * (0.5 + 0.05 * step), box["y"] + box["height"] / 2)
+        if step == 1:
+            expect(title).not_to_have_text(before or "")
+    page.mouse.up()
+    undo(page).click()
+    page.wait_for_timeout(2500)
+    expect(field).to_have_value("0.1")
+    expect(undo(page)).to_be_disabled()
+
+
 def test_a_field_takes_other_units_and_keys_and_refuses_in_words(page: Page) -> None:
     field, _ = diameter(page)
     field.fill("0.004 in")

@@ -8,7 +8,7 @@ import { canRedo, canUndo, redo, text, undo } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
 import { Editor } from "./editor.tsx";
 import { textOf } from "./files.ts";
-import { load } from "./state.ts";
+import { leave, load } from "./state.ts";
 
 interface Packaged {
   name: string;
@@ -29,8 +29,7 @@ function onKey(event: KeyboardEvent): void {
   const key = event.key.toLowerCase();
   if (key !== "z" && key !== "y") return;
   event.preventDefault();
-  if (key === "y" || event.shiftKey) redo();
-  else undo();
+  leave(key === "y" || event.shiftKey ? redo : undo);
 }
 
 async function copyLink(): Promise<string> {
@@ -115,10 +114,10 @@ export function Documents() {
         <button type="button" title="Copy an address that holds this scenario" onClick={async () => void (said.value = await copyLink())}>
           Link
         </button>
-        <button type="button" aria-label="Undo" title="Undo (Ctrl+Z)" disabled={!canUndo.value} onClick={undo}>
+        <button type="button" aria-label="Undo" title="Undo (Ctrl+Z)" disabled={!canUndo.value} onClick={() => leave(undo)}>
           ↶
         </button>
-        <button type="button" aria-label="Redo" title="Redo (Ctrl+Y)" disabled={!canRedo.value} onClick={redo}>
+        <button type="button" aria-label="Redo" title="Redo (Ctrl+Y)" disabled={!canRedo.value} onClick={() => leave(redo)}>
           ↷
         </button>
       </div>

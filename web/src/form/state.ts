@@ -149,6 +149,13 @@ export function slide(path: string, value: string | number): void {
 /** The hand takes a slider anew. */
 export const grip = (): void => void (dragged.path = "");
 
+/** Go to another document of this session: what a slider still waits to try belongs to this one. */
+export function leave(go: () => void): void {
+  pending = null;
+  grip();
+  go();
+}
+
 async function pump(): Promise<void> {
   busy = true;
   while (pending) {
