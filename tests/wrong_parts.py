@@ -10,8 +10,9 @@ import numpy as np
 
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanics.motion import Motion
-from martensite.actuators.mechanisms.base import Column
+from martensite.actuators.mechanisms.base import Column, Output
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.dead_weight import DeadWeight
 from martensite.actuators.mechanisms.hand import Hand
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
@@ -146,6 +147,13 @@ class Forgetful(AntagonisticPulley):
     def energy(self, xp: Namespace, motion: Motion) -> Any:
         found = super().energy(xp, motion)
         return found._replace(springs=0.7 * found.springs)
+
+
+class Unspeaking(DeadWeight):
+    """Shows its position in a unit that there is not."""
+
+    def outputs(self) -> dict[str, Output]:
+        return {"position": Output("cubit", "position of the mechanism", "x")}
 
 
 class Growing(LiangRogers):
@@ -497,7 +505,12 @@ WRONG: dict[str, list[Any]] = {
         Unlimited(current_limit=0.3),
     ],
     "element": [build_example(Shortening)],
-    "mechanism": [build_example(Pushing), Tangled(), build_example(Forgetful)],
+    "mechanism": [
+        build_example(Pushing),
+        Tangled(),
+        build_example(Forgetful),
+        build_example(Unspeaking),
+    ],
     "waveform": [build_example(Stuttering), build_example(Loud)],
     "law": [
         build_example(Growing),

@@ -78,8 +78,8 @@ class Conformance:
 
     @property
     def holds(self) -> bool:
-        """Whether all checks passed."""
-        return not self.faults
+        """Whether checks were made, and all of them passed."""
+        return bool(self.findings) and not self.faults
 
     @property
     def faults(self) -> list[Finding]:
@@ -89,6 +89,8 @@ class Conformance:
     def __str__(self) -> str:
         """In a line."""
         checks = len({one.check for one in self.findings})
+        if not checks:
+            return f"{self.kind} `{self.name}` was not tried: no check of the suite is about it"
         if self.holds:
             return f"{self.kind} `{self.name}` conforms: {checks} checks passed"
         failed = len({one.check for one in self.faults})

@@ -14,9 +14,11 @@ from numpy.typing import NDArray
 
 from martensite.actuators.elements.base import Spring
 from martensite.actuators.mechanics.motion import Motion
-from martensite.actuators.mechanisms.base import Column
+from martensite.actuators.mechanisms.base import AbstractMechanism, Column
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine, LoadLineReference
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
+from martensite.base.errors import UnitError
+from martensite.base.units import find_dimensions
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace
@@ -60,6 +62,33 @@ def find_inertia(mechanism: AbstractMultibody, position: Column) -> Array:
     rest = find_demand(mechanism, position)
     still, unit = [0.0] * len(rest), np.eye(len(rest)).tolist()
     return np.array([find_demand(mechanism, position, still, e) - rest for e in unit]).T
+
+
+# ---------------------------------------------------------------- all mechanisms
+
+
+def check_interface(mechanism: AbstractMechanism) -> None:
+    """A mechanism says a start force of every element, and a unit of all that goes in and out."""
+    forces, ports = mechanism.start_forces(floats), mechanism.ports()
+    require_condition(len(forces) == len(ports), f"{len(forces)} start forces of {len(ports)}.")
+    pulls = all(math.isfinite(force) and force >= 0.0 for force in forces)
+    require_condition(pulls, f"The start forces are {forces} N; an element pulls, or is slack.")
+    outputs = mechanism.outputs()
+    require_condition(outputs, "It has no output: its first one is the stroke.")
+    named = {name: output.unit for name, output in outputs.items()} | mechanism.signals()
+    for name, unit in named.items():
+        require_condition(_is_unit(unit), f"`{name}` is in `{unit}`, which is no unit of SI.")
+    judged = mechanism.convergence_scales()
+    own = set(judged) <= set(outputs) and all(scale > 0.0 for scale in judged.values())
+    require_condition(own, f"It judges {judged}: outputs of its own, with ranges above 0.")
+
+
+def _is_unit(unit: str) -> bool:
+    try:
+        find_dimensions(unit)
+    except UnitError:
+        return False
+    return True
 
 
 # ---------------------------------------------------------------- load lines
