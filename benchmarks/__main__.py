@@ -65,15 +65,7 @@ def main() -> None:
     everyone = list(PEERS if "peers" in chosen.what else WHERE)
     engines = available(chosen.engines.split(",") if chosen.engines else everyone)
     sizes = tuple(int(size) for size in chosen.sizes.split(","))
-    options = Options(
-        engines,
-        chosen.drive,
-        chosen.repeats,
-        chosen.base,
-        sizes,
-        most=chosen.most,
-        budget=chosen.budget,
-    )
+    options = Options(engines, chosen.drive, chosen.repeats, chosen.base, sizes, most=chosen.most, budget=chosen.budget)
     console, found = Console(), machine()
     console = console if console.is_terminal else Console(width=110)
     console.print(", ".join(f"{key} {value}" for key, value in found.items()))

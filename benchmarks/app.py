@@ -60,9 +60,7 @@ def served() -> Iterator[tuple[str, float, int]]:
     command = [sys.executable, "-m", "martensite", "app", "--no-browser", "--json"]
     begun = time.perf_counter()
     environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=environment
-    ) as process:
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=environment) as process:
         text = ""
         for line in process.stdout or ():
             text += line
@@ -135,9 +133,7 @@ def app(options: Options) -> list[Table]:
         for _ in range(max(1, options.repeats)):
             with served() as (address, begun, _):
                 page = opened(browser, address)
-                painted = page.evaluate(
-                    "performance.timeOrigin + performance.getEntriesByType('paint')[0].startTime"
-                )
+                painted = page.evaluate("performance.timeOrigin + performance.getEntriesByType('paint')[0].startTime")
                 took = painted - 1e3 * (time.time() - time.perf_counter() + begun)
                 page.wait_for_load_state("networkidle")
                 weight, answers = page.evaluate(WEIGHED)

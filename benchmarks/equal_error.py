@@ -33,9 +33,7 @@ def coarsest(contender: Contender, level: float) -> Candidate | None:
     return None
 
 
-def equal_error(
-    contenders: Sequence[Contender], level: float, repeats: int, base: str
-) -> list[dict[str, Any]]:
+def equal_error(contenders: Sequence[Contender], level: float, repeats: int, base: str) -> list[dict[str, Any]]:
     """A row for each engine; the ratio is of CPU time to that of `base`, at its own setting."""
     found = {c.name: coarsest(c, level) for c in contenders}
     able = [candidate for candidate in found.values() if candidate]

@@ -46,17 +46,13 @@ class Timing(NamedTuple):
     ratio: float
 
 
-def measure(
-    candidates: Sequence[Candidate], repeats: int = 5, base: str | None = None
-) -> list[Timing]:
+def measure(candidates: Sequence[Candidate], repeats: int = 5, base: str | None = None) -> list[Timing]:
     """Time all candidates in interleaved rounds; the ratio is to `base`, else to the first."""
     ready = [_prepare(c) for c in candidates]
     rounds = [[_block(c, loops) for c, loops, _ in ready] for _ in range(repeats)]
     names = [c.name for c in candidates]
     at = names.index(base) if base in names else 0
-    return [
-        _summary(ready[i], [r[i] for r in rounds], [r[at] for r in rounds]) for i in _all(ready)
-    ]
+    return [_summary(ready[i], [r[i] for r in rounds], [r[at] for r in rounds]) for i in _all(ready)]
 
 
 def _all(items: Sequence[Any]) -> range:
@@ -89,9 +85,7 @@ def _block(candidate: Candidate, loops: int) -> tuple[float, float]:
 
 
 def _summary(
-    ready: tuple[Candidate, int, float],
-    times: list[tuple[float, float]],
-    base: list[tuple[float, float]],
+    ready: tuple[Candidate, int, float], times: list[tuple[float, float]], base: list[tuple[float, float]]
 ) -> Timing:
     candidate, _, error = ready
     cpu = [t[0] for t in times]

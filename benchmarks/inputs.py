@@ -91,9 +91,7 @@ def uniform(drive: Drive, n: int) -> Rows:
     return [_uniform_row(row, n, dt) for row in pieces(drive)]
 
 
-def _uniform_row(
-    row: list[tuple[float, float, float | None]], n: int, dt: float
-) -> list[tuple[float, float]]:
+def _uniform_row(row: list[tuple[float, float, float | None]], n: int, dt: float) -> list[tuple[float, float]]:
     start = row[0][0]
     if len(row) == 1:
         held = row[0][2]
@@ -109,17 +107,12 @@ def _uniform_row(
 
 def aligned(drive: Drive, longest: float) -> Rows:
     """Steps that land on every edge and are at most `longest` [s]."""
-    return [
-        [step for piece in row for step in _equal(piece, longest=longest)] for row in pieces(drive)
-    ]
+    return [[step for piece in row for step in _equal(piece, longest=longest)] for row in pieces(drive)]
 
 
 def split(drive: Drive, on: int, off: int) -> Rows:
     """Steps that land on every edge: `on` per powered piece, `off` per unpowered one."""
-    return [
-        [step for piece in row for step in _equal(piece, count=on if piece[2] else off)]
-        for row in pieces(drive)
-    ]
+    return [[step for piece in row for step in _equal(piece, count=on if piece[2] else off)] for row in pieces(drive)]
 
 
 def _equal(

@@ -101,9 +101,7 @@ def single(given: Case, runtime: str) -> Callable[[], Any]:
     ]
 
     def run() -> Any:
-        found = material_point(
-            given.law, legs, start=given.start, steps=given.half, tolerance=None, runtime=runtime
-        )
+        found = material_point(given.law, legs, start=given.start, steps=given.half, tolerance=None, runtime=runtime)
         return found.strain[1:]
 
     return run
@@ -197,8 +195,7 @@ def library(compiled: CompiledLaw, lanes: int) -> Any:
     size, traced = compiled.size, compiled.program.functions
     kept = [*range(size), size + ROW.index("strain")]
     chosen = [
-        replace(traced[name], outputs=tuple(traced[name].outputs[i] for i in kept))
-        for name in ("init", "stress_step")
+        replace(traced[name], outputs=tuple(traced[name].outputs[i] for i in kept)) for name in ("init", "stress_step")
     ]
     loop = _RIDE.format(
         lanes=lanes,

@@ -59,9 +59,7 @@ class Judge:
         return Candidate(name, run, error, count, setting)
 
 
-def library(
-    judge: Judge, sets: list[Wire], settings: dict[str, Sequence[float]]
-) -> list[Candidate]:
+def library(judge: Judge, sets: list[Wire], settings: dict[str, Sequence[float]]) -> list[Candidate]:
     """Ours: engine -> steps [ms], or tolerances."""
     problem, found = Problem(sets[0]), []
     for name, make in mas_runs.BATCH.items():
@@ -71,9 +69,7 @@ def library(
     return found
 
 
-def cut(
-    make: Any, problem: Problem, sets: list[Wire], setting: float
-) -> tuple[Callable[[], Any], int]:
+def cut(make: Any, problem: Problem, sets: list[Wire], setting: float) -> tuple[Callable[[], Any], int]:
     """A batch of as many chunks as take about `MOST` seconds, and its number of sets."""
     chunk = min(LANES, len(sets))
     one = make(problem, sets[:chunk], setting)

@@ -64,10 +64,7 @@ def parameter_sets(p: Wire, count: int) -> list[Wire]:
         factors = 1.0 + share * (2.0 * rng.random(count) - 1.0)
         factors[0] = 1.0
         drawn[name] = (getattr(p, name) * factors).tolist()
-    return [
-        p._replace(**dict(zip(drawn, row, strict=True)))
-        for row in zip(*drawn.values(), strict=True)
-    ]
+    return [p._replace(**dict(zip(drawn, row, strict=True))) for row in zip(*drawn.values(), strict=True)]
 
 
 def grid(step: float) -> TimeGrid:
@@ -140,9 +137,7 @@ def jax_single(problem: Problem, step: float) -> Callable[[], Any]:
 def plan_of(whole: Any, tolerance: float) -> MarchPlan:
     """A march with error control."""
     times = [OUTPUT_INTERVAL * k for k in range(SAMPLES)]
-    return MarchPlan(
-        compile_march(whole), [waveform()], times, tolerance, OUTPUT_INTERVAL, envelope_of(whole)
-    )
+    return MarchPlan(compile_march(whole), [waveform()], times, tolerance, OUTPUT_INTERVAL, envelope_of(whole))
 
 
 def adaptive(problem: Problem, tolerance: float) -> Callable[[], Any]:
@@ -159,12 +154,7 @@ def adaptive(problem: Problem, tolerance: float) -> Callable[[], Any]:
     return judged(march)
 
 
-SINGLE = {
-    "ours, floats": floats,
-    "ours, JAX": jax_single,
-    "ours, C": native,
-    "ours, march": adaptive,
-}
+SINGLE = {"ours, floats": floats, "ours, JAX": jax_single, "ours, C": native, "ours, march": adaptive}
 
 
 # ---------------------------------------------------------------- batches
@@ -177,15 +167,7 @@ def jax_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], A
     chunk = min(LANES, len(sets))
 
     def run() -> Any:
-        found = simulate_batch(
-            whole,
-            waveform(),
-            DURATION,
-            over,
-            step=step,
-            samples=SAMPLES,
-            chunk=chunk,
-        )
+        found = simulate_batch(whole, waveform(), DURATION, over, step=step, samples=SAMPLES, chunk=chunk)
         failed = np.array([status.failed for status in found.variants.status])
         return np.where(failed[:, None], np.nan, 1e3 * found["position"])
 
@@ -199,8 +181,7 @@ def simd_batch(problem: Problem, sets: list[Wire], step: float) -> Callable[[], 
     width, place = min(LANES, len(sets)), compiled.outputs.index("position")
     nominal = compiled.values(whole)
     varied = {
-        compiled.paths.index(whole.resolve(NAMES.get(name, name))): [getattr(p, name) for p in sets]
-        for name in SHARES
+        compiled.paths.index(whole.resolve(NAMES.get(name, name))): [getattr(p, name) for p in sets] for name in SHARES
     }
     chunks = [
         [np.array(varied[i][k : k + width]) if i in varied else v for i, v in enumerate(nominal)]

@@ -257,9 +257,7 @@ def march(lanes: int) -> Callable[..., Callable[[], Any]]:
         compiled, values = traced(p) if lanes == 1 else varied(p)
         one = p._replace(**{name: float(np.ravel(getattr(p, name))[0]) for name in THETA})
         times = [k / 10 for k in range(round(10 * drive.duration) + 1)]
-        plan = MarchPlan(
-            compiled, [Volts(drive=drive)], times, tolerance, 0.02, envelope_of(system(one))
-        )
+        plan = MarchPlan(compiled, [Volts(drive=drive)], times, tolerance, 0.02, envelope_of(system(one)))
         runs = Runs(plan, values, size, (position(compiled),), lanes)
         whole = slice(0, size) if lanes > 1 else 0
         return lambda: 1e3 * march_runs(runs).outputs[whole, :, 0]
@@ -267,9 +265,7 @@ def march(lanes: int) -> Callable[..., Callable[[], Any]]:
     return prepare
 
 
-TOLERANCES = {
-    f"tol {n}": float(n) for n in ("1e-3", "3e-4", "1e-4", "3e-5", "1e-5", "3e-6", "1e-6")
-}
+TOLERANCES = {f"tol {n}": float(n) for n in ("1e-3", "3e-4", "1e-4", "3e-5", "1e-5", "3e-6", "1e-6")}
 STEPS = {f"dt {ms:g} ms": ms * 1e-3 for ms in (50, 20, 10, 5)}
 USUAL = "dt 20 ms"
 
@@ -283,10 +279,7 @@ ENGINES = (
         single=jax_single,
         batch=jax_batch("float64"),
         gradient=jax_gradient,
-        environments={
-            "cache": {"MARTENSITE_JAX_CACHE": "CACHE"},
-            "no cache": {"MARTENSITE_JAX_CACHE": ""},
-        },
+        environments={"cache": {"MARTENSITE_JAX_CACHE": "CACHE"}, "no cache": {"MARTENSITE_JAX_CACHE": ""}},
     ),
     Engine("ours-jax32", "P", STEPS, USUAL, batch=jax_batch("float32")),
     Engine("ours-c", "P", STEPS, USUAL, single=native(1)),

@@ -95,9 +95,7 @@ def measured(chosen: argparse.Namespace, before: dict[str, Any] | None) -> dict[
     from benchmarks.page_parts import PARTS, Choice
 
     sizes = chosen.sizes or (QUICK_SIZES if chosen.quick else SIZES)
-    choice = Choice(
-        chosen.quick, chosen.repeats, [int(n) for n in sizes.split(",")], chosen.most, chosen.budget
-    )
+    choice = Choice(chosen.quick, chosen.repeats, [int(n) for n in sizes.split(",")], chosen.most, chosen.budget)
     names = chosen.only.split(",") if chosen.only else list(PARTS)
     unknown = [name for name in names if name not in PARTS]
     if unknown:
@@ -115,9 +113,7 @@ def kept(before: dict[str, Any], now: dict[str, Any]) -> dict[str, Any]:
     """Parts of an older run, if they may stand beside those of this one."""
     for name in ("format", "options", "machine"):
         if before.get(name) != now[name]:
-            raise SystemExit(
-                f"The numbers that are there were made with another {name}; run all parts."
-            )
+            raise SystemExit(f"The numbers that are there were made with another {name}; run all parts.")
     return dict(before["parts"])
 
 

@@ -128,9 +128,7 @@ def figure(lines: Line, labels: tuple[str, str], linear: bool = False) -> str:
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
         f'width="{WIDTH}" height="{HEIGHT}" role="img">'
     )
-    return "\n".join(
-        [head, '<rect width="100%" height="100%" fill="white"/>', *found, "</svg>", ""]
-    )
+    return "\n".join([head, '<rect width="100%" height="100%" fill="white"/>', *found, "</svg>", ""])
 
 
 # ---------------------------------------------------------------- what is drawn

@@ -59,10 +59,7 @@ def law_batches(given: Case, quick: bool) -> list[Candidate]:
     if not quick:
         makers["martensite, JAX, batch"] = law_paths.by_jax
     setting = f"batch of {LANES}"
-    return [
-        Candidate(name, make(given, compiled, values), error, LANES, setting)
-        for name, make in makers.items()
-    ]
+    return [Candidate(name, make(given, compiled, values), error, LANES, setting) for name, make in makers.items()]
 
 
 def peers(exact: dict[str, Any]) -> list[Candidate]:

@@ -12,13 +12,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from benchmarks import (
-    mas_batches,
-    mas_runs,
-    sections_realtime,
-    sections_sweep,
-    sections_throughput,
-)
+from benchmarks import mas_batches, mas_runs, sections_realtime, sections_sweep, sections_throughput
 from benchmarks.engines import Engine, available
 from benchmarks.equal_error import Contender, equal_error
 from benchmarks.inputs import Drive, sine
@@ -100,9 +94,7 @@ def wire_contender(engine: Engine, p: Wire, drive: Drive) -> Contender:
     """An engine on problem A."""
     assert engine.single is not None
     exact, make = reference(engine.rule, p, drive), partial(engine.single, p, drive)
-    settings = {
-        label: lambda setting=setting: make(setting) for label, setting in engine.settings.items()
-    }
+    settings = {label: lambda setting=setting: make(setting) for label, setting in engine.settings.items()}
     return Contender(NAMES[engine.name], settings, lambda x: rms_error(x, exact))
 
 
@@ -197,7 +189,6 @@ def control(choice: Choice) -> list[Table]:
     columns = {"median": "median [us]", "p99": "p99 [us]", "p99.9": "p99.9 [us]"}
     period = 1e6 * sections_realtime.PERIOD
     rows = [
-        {"step": row["step"], **{short: row[long] / period for short, long in columns.items()}}
-        for row in table.rows
+        {"step": row["step"], **{short: row[long] / period for short, long in columns.items()}} for row in table.rows
     ]
     return [Table(table.title, rows)]

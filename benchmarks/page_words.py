@@ -41,10 +41,7 @@ are Python, as their users write them; those of diffrax are JAX.
 """
 
 PARTS = {
-    "wire": Words(
-        "One run of problem A at equal error",
-        "Base: martensite in C, one run, called from Python.",
-    ),
+    "wire": Words("One run of problem A at equal error", "Base: martensite in C, one run, called from Python."),
     "rates": Words(
         "One run of problem B at equal error",
         "Base: martensite in C. The solvers begin anew at the kinks of the power.",

@@ -108,9 +108,7 @@ def thin_wire() -> Wire:
     """The wire of the pulse input: 0.1 mm, spring and resistance scaled with the section."""
     p = Wire()
     s = (0.1e-3 / p.diameter) ** 2
-    return p._replace(
-        diameter=0.1e-3, preload=p.preload * s, rate=p.rate * s, resistance=p.resistance / s
-    )
+    return p._replace(diameter=0.1e-3, preload=p.preload * s, rate=p.rate * s, resistance=p.resistance / s)
 
 
 def parameter_sets(n: int) -> Wire:

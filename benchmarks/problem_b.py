@@ -58,10 +58,7 @@ class Wire(NamedTuple):
     rate: float = 50.0  # [N/m]
 
 
-MATERIAL = (
-    *("E_A", "E_M", "eps_T", "sigma_L", "T_L", "dsigma_dT", "Delta_sigma"),
-    *("layer_volume", "layer_time"),
-)
+MATERIAL = (*("E_A", "E_M", "eps_T", "sigma_L", "T_L", "dsigma_dT", "Delta_sigma"), *("layer_volume", "layer_time"))
 
 
 class Lumped(NamedTuple):

@@ -40,15 +40,11 @@ def show(console: Any, table: Table) -> None:
     from rich.markup import escape
     from rich.table import Table as Grid
 
-    grid = Grid(
-        title=table.title, caption=table.note or None, title_justify="left", caption_justify="left"
-    )
+    grid = Grid(title=table.title, caption=table.note or None, title_justify="left", caption_justify="left")
     columns = list(dict.fromkeys(column for row in table.rows for column in row))
     for column in columns:
         first = next(row[column] for row in table.rows if column in row)
-        grid.add_column(
-            escape(column), justify="left" if isinstance(first, str) else "right", no_wrap=True
-        )
+        grid.add_column(escape(column), justify="left" if isinstance(first, str) else "right", no_wrap=True)
     for row in table.rows:
         grid.add_row(*(text_of(column, row.get(column)) for column in columns))
     console.print(grid)

@@ -87,11 +87,7 @@ def peaks(turns: int = 1_000_000, megabytes: int = 256) -> Peaks:
     source = np.ones(megabytes * 125_000)
     target = np.empty_like(source)
     copied = best(lambda: np.copyto(target, source))
-    return Peaks(
-        2 * made / best(looped("products")),
-        made / best(looped("quotients")),
-        2 * source.nbytes / copied,
-    )
+    return Peaks(2 * made / best(looped("products")), made / best(looped("quotients")), 2 * source.nbytes / copied)
 
 
 def work(compiled: Compiled) -> Work:

@@ -119,9 +119,7 @@ def cheapest(timings: Sequence[Timing], title: str, unit: str, factor: float) ->
     return Table(title, rows)
 
 
-def batch_candidate(
-    engine: Engine, size: int, p: Wire, drive: Drive, label: str | None = None
-) -> Candidate:
+def batch_candidate(engine: Engine, size: int, p: Wire, drive: Drive, label: str | None = None) -> Candidate:
     """A batch of one engine, cut to what it can take, at its usual setting or another."""
     label = label or engine.usual
     assert engine.batch is not None

@@ -46,8 +46,7 @@ def first_stage(samples: int = SAMPLES, text: str = TEXT) -> tuple[Chain, Sample
     record = Sampled("made up", INTERVAL, u, np.zeros(samples), ("duty",), ("temperature",))
     chain = build_untrained(parse_chain(text), record)
     drawn = [
-        np.concatenate([b.sample_parameters(rng, record.duration, INTERVAL) for b in chain.blocks])
-        for _ in range(2)
+        np.concatenate([b.sample_parameters(rng, record.duration, INTERVAL) for b in chain.blocks]) for _ in range(2)
     ]
     y = chain.with_theta(drawn[0]).simulate(record)
     noise = 0.01 * float(np.std(y)) * rng.normal(size=y.shape)
@@ -158,10 +157,7 @@ def candidates(chain: Chain, record: Sampled) -> list[Candidate]:
 
     by = {"compiled": compiled, "NumPy, SciPy": plain}
     found = [Candidate("one pass", one_pass, error), Candidate("one pass, in chunks", in_chunks)]
-    found += [
-        Candidate(f"simulation alone, {name}", lambda run=run: run(chain.theta))
-        for name, run in by.items()
-    ]
+    found += [Candidate(f"simulation alone, {name}", lambda run=run: run(chain.theta)) for name, run in by.items()]
     for name, run in by.items():
         for central in (False, True):
             kind = "central" if central else "2-point"

@@ -70,8 +70,7 @@ duration = "100 s"
 BOTH = ("A_s", "A_f", "M_s", "M_f", "C_A", "C_M", "E_A", "E_M")
 CASES = {
     "wire, liang-rogers, heated by current": (
-        WIRE.format(material="flexinol-90", law='kind = "liang-rogers", modulus = "mixture"')
-        + HEATED,
+        WIRE.format(material="flexinol-90", law='kind = "liang-rogers", modulus = "mixture"') + HEATED,
         (0.6, 0.8, 1.0, 1.2, 1.4),
         (*BOTH, "eps_L", "cooling.h", "heat_capacity", "latent_heat"),
     ),
@@ -147,10 +146,7 @@ def fits(options: Options) -> list[Table]:
     def held_out(found: Any) -> float:
         return next(one.rms for one in found.scores if one.part == "held-out")
 
-    runs = [
-        Candidate(name, lambda name=name: fit_logs(ROOT / "examples" / name), held_out)
-        for name in WHOLE
-    ]
+    runs = [Candidate(name, lambda name=name: fit_logs(ROOT / "examples" / name), held_out) for name in WHOLE]
     rows = rows_of(measure(runs, min(options.repeats, 3), WHOLE[0]), "s", 1.0)
     note = "err: strain at 172 MPa, which the fit does not see. Compiled before."
     return [Table("Fits of Flexinol, 0.381 mm", rows, note)]

@@ -44,9 +44,7 @@ def peer(loop: str, steps: int) -> list[Candidate]:
     if not simcoon_path.available():
         return []
     path = {"superelastic": simcoon_path.superelastic_path, "thermal": simcoon_path.thermal_path}
-    return [
-        Candidate(PEER, lambda: path[loop](steps, repeats=1), clock=lambda found: found.seconds)
-    ]
+    return [Candidate(PEER, lambda: path[loop](steps, repeats=1), clock=lambda found: found.seconds)]
 
 
 def singles(given: Case) -> list[Candidate]:
@@ -54,8 +52,7 @@ def singles(given: Case) -> list[Candidate]:
     compiled, values = lanes_of(given, 1)
     exact = judged(given, compiled, values[:, 0])
     return [
-        Candidate(name, single(given, runtime), lambda strain: apart(strain, exact))
-        for name, runtime in SINGLE.items()
+        Candidate(name, single(given, runtime), lambda strain: apart(strain, exact)) for name, runtime in SINGLE.items()
     ]
 
 
@@ -68,9 +65,7 @@ def batches(given: Case, size: int) -> list[Candidate]:
     def error(chunks: Any) -> float:
         return max(apart(chunks[0][:, i], strain) for i, strain in exact.items())
 
-    return [
-        Candidate(name, *cut(make, given, compiled, values, error)) for name, make in BATCH.items()
-    ]
+    return [Candidate(name, *cut(make, given, compiled, values, error)) for name, make in BATCH.items()]
 
 
 def cut(make: Any, given: Case, compiled: Any, values: Any, error: Any) -> tuple[Any, ...]:
@@ -85,9 +80,7 @@ def cut(make: Any, given: Case, compiled: Any, values: Any, error: Any) -> tuple
     return make(given, compiled, values[:, :size]), error, size
 
 
-def rows_of(
-    timings: Sequence[Timing], runs: Sequence[Candidate], labels: Sequence[str]
-) -> list[dict[str, Any]]:
+def rows_of(timings: Sequence[Timing], runs: Sequence[Candidate], labels: Sequence[str]) -> list[dict[str, Any]]:
     """Printed rows; the ratio says how many times simcoon's path takes longer."""
     compared = timings[0].name == PEER
     return [
@@ -144,9 +137,7 @@ def laws(options: Options, steps: int = 1000, names: Sequence[str] = ()) -> list
     )
     if not simcoon_path.available():
         note += " simcoon was not found: name its interpreter in MARTENSITE_SIMCOON_PYTHON."
-    tables = [
-        Table(f"Laws, {loop} loop of {steps} steps", lines, note) for loop, lines in rows.items()
-    ]
+    tables = [Table(f"Laws, {loop} loop of {steps} steps", lines, note) for loop, lines in rows.items()]
     if ours(options):
         tables.append(Table("Laws: the better batch", [verdict(n, rows) for n in chosen]))
     return tables

@@ -24,13 +24,7 @@ EXAMPLE = ROOT / "examples/antagonistic_wires.toml"
 STEP, DURATION = 0.02, 20.0  # [s]
 RUNTIMES = ("floats", "c")
 FINE = 16
-GEOMETRY = {
-    "offset": 3.5e-3,
-    "bracket": 10.6e-3,
-    "stiffness": 50.0,
-    "arm": 6e-3,
-    "extension": 1e-3,
-}
+GEOMETRY = {"offset": 3.5e-3, "bracket": 10.6e-3, "stiffness": 50.0, "arm": 6e-3, "extension": 1e-3}
 
 
 def systems() -> dict[str, AbstractSystem]:

@@ -169,15 +169,9 @@ def batch_tables(options: Options, label: str, size: int, effort: Effort) -> lis
         | {"cpu [us]": 1e6 * t.cpu, "spread": t.spread}
         for t, run in zip(timings, runs, strict=True)
     ]
-    note = (
-        f"Per trajectory; err: worst rms of the first {mas_batches.JUDGED} sets, `failed` where "
-        "any set is unsolved."
-    )
+    note = f"Per trajectory; err: worst rms of the first {mas_batches.JUDGED} sets, `failed` where any set is unsolved."
     title = f"Problem B, {label}: batch of {size}"
-    return [
-        Table(title, rows, note),
-        Table(f"{title}, at equal error (rms)", equal_error(timings, "us", 1e6), RATIO),
-    ]
+    return [Table(title, rows, note), Table(f"{title}, at equal error (rms)", equal_error(timings, "us", 1e6), RATIO)]
 
 
 # ---------------------------------------------------------------- the hybrid law
@@ -197,8 +191,7 @@ def hybrid_tables(options: Options, effort: Effort) -> list[Table]:
     timings, judge = timed(runs, exact, options.repeats)
     said = [judge.said[t.name, t.setting] for t in timings]
     rows = [
-        {"engine": t.name, "setting": t.setting, **notes, "err": t.err}
-        | {"cpu [ms]": 1e3 * t.cpu, "spread": t.spread}
+        {"engine": t.name, "setting": t.setting, **notes, "err": t.err} | {"cpu [ms]": 1e3 * t.cpu, "spread": t.spread}
         for t, notes in zip(timings, said, strict=True)
     ]
     note = "Largest differences to the barrier form of the rate law by Radau, rtol 1e-10."

@@ -37,10 +37,7 @@ def command_lines(options: Options, folder: str) -> dict[Any, tuple[Sequence[str
         return {}
     ours = (sys.executable, "-m", "martensite")
     run = ("run", str(SCENARIO), "--no-figure", "--out", f"{folder}/run.nc", "--force")
-    return {
-        ("martensite --help", ""): ((*ours, "--help"), {}),
-        ("martensite run --no-figure", ""): ((*ours, *run), {}),
-    }
+    return {("martensite --help", ""): ((*ours, "--help"), {}), ("martensite run --no-figure", ""): ((*ours, *run), {})}
 
 
 def started(options: Options, repeats: int) -> dict[Any, list[Usage]]:

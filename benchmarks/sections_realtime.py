@@ -45,9 +45,7 @@ Call = Callable[[int], Any]
 
 def plant() -> System:
     """The wire of the example behind a switch."""
-    return cast("System", load(EXAMPLE).system).with_parts(
-        source=PwmVoltage(supply=4.0, series_resistance=0.2)
-    )
+    return cast("System", load(EXAMPLE).system).with_parts(source=PwmVoltage(supply=4.0, series_resistance=0.2))
 
 
 def bench(observed: bool) -> Bench:

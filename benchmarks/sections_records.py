@@ -76,10 +76,7 @@ TASKS = {
     ),
     "Silverbox": Task(
         read_silverbox,
-        [
-            searched("oe(3,2,0) | poly1", Search(skip=SKIP)),
-            Ours("fb(2,3) | poly1", fed_back),
-        ],
+        [searched("oe(3,2,0) | poly1", Search(skip=SKIP)), Ours("fb(2,3) | poly1", fed_back)],
         {"linear": jaxsysid_fit.Budget(2), "network": jaxsysid_fit.Budget(4, 8)},
     ),
 }
@@ -90,9 +87,7 @@ def our_row(model: Ours, records: Records) -> dict[str, Any]:
     wall, cpu = time.perf_counter(), time.process_time()
     chain = model.fit(records["estimation"])
     cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
-    errors = [
-        float(compute_rms(r.outputs, chain.simulate(r), SKIP)[0]) for r in tests(records).values()
-    ]
+    errors = [float(compute_rms(r.outputs, chain.simulate(r), SKIP)[0]) for r in tests(records).values()]
     return row(model.name, jaxsysid_fit.Fit(cpu, wall, len(chain.theta), errors), records)
 
 
@@ -119,10 +114,7 @@ def with_ratios(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """Time and error on the first test over those of our best model."""
     test = next(key for key in rows[0] if key.endswith("[mV]"))
     best = min((r for r in rows if not r["model"].startswith(PEER)), key=lambda r: r[test])
-    return [
-        {**r, "cpu ratio": r["cpu [s]"] / best["cpu [s]"], "error ratio": r[test] / best[test]}
-        for r in rows
-    ]
+    return [{**r, "cpu ratio": r["cpu [s]"] / best["cpu [s]"], "error ratio": r[test] / best[test]} for r in rows]
 
 
 def compared(name: str, task: Task, peers: bool) -> Table:

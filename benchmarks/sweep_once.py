@@ -60,10 +60,7 @@ def sweep(count: int, folder: str) -> tuple[int, float]:
     wanted = SweepRequest(OVER, f"monte-carlo:{count}", MEASURES, runtime="c")
     place = Path(folder) / f"{count}.zarr"
     begun = begin_sweep(
-        read_scenario(SCENARIO, Path(folder) / "scenario.toml"),
-        wanted,
-        place,
-        SweepExecution("serial"),
+        read_scenario(SCENARIO, Path(folder) / "scenario.toml"), wanted, place, SweepExecution("serial")
     )
     begun.run()
     failed, strokes, made = 0, 0.0, 0

@@ -31,12 +31,7 @@ LANES = 64
 STEP = 0.02  # [s]
 KEPT = 4
 LAWS = ("mas-hybrid", "mas", "mas-polycrystal")
-VARIED = {
-    "element.diameter": 0.02,
-    "element.length": 0.005,
-    "environment.cooling.h": 0.1,
-    "mechanism.stiffness": 0.1,
-}
+VARIED = {"element.diameter": 0.02, "element.length": 0.005, "environment.cooling.h": 0.1, "mechanism.stiffness": 0.1}
 
 
 class Case(NamedTuple):
@@ -125,9 +120,7 @@ def one_by_one(case: Case, count: int) -> Callable[[], Kept]:
     return in_lanes(case, count, lanes=1)
 
 
-def on_jax(
-    case: Case, count: int, precision: str = "float64", devices: int = 1
-) -> Callable[[], Kept]:
+def on_jax(case: Case, count: int, precision: str = "float64", devices: int = 1) -> Callable[[], Kept]:
     """On JAX, by chunks as large as suit the device, or as there are runs."""
     plan, padded = build_schedule(case.grid, precision)
     march = jitted_march(case.compiled, (case.place,), padded)

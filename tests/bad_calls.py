@@ -9,15 +9,12 @@ CALLS = {
     "def answer(request, desk):\n    os.kill(os.getpid(), getattr(signal, request['signal']))\n",
     "leave": "def answer(request, desk):\n    raise SystemExit\n",
     "crash": "import ctypes\ndef answer(request, desk):\n    ctypes.string_at(0)\n",
-    "hang": "import time\n"
-    "def answer(request, desk):\n    desk.tell({'begun': True})\n    time.sleep(600)\n",
+    "hang": "import time\ndef answer(request, desk):\n    desk.tell({'begun': True})\n    time.sleep(600)\n",
     "stopped": "def answer(request, desk):\n    desk.tell({'begun': True})\n"
     "    desk.stop.wait(600)\n    return {'best': 'so far'}\n",
-    "hungry": "def answer(request, desk):\n    kept = []\n"
-    "    while True:\n        kept.append(bytearray(2**24))\n",
+    "hungry": "def answer(request, desk):\n    kept = []\n    while True:\n        kept.append(bytearray(2**24))\n",
     "bug": "def answer(request, desk):\n    return 1 / request['zero']\n",
-    "full": "import errno\n"
-    "def answer(request, desk):\n    raise OSError(errno.ENOSPC, 'No space left on device')\n",
+    "full": "import errno\ndef answer(request, desk):\n    raise OSError(errno.ENOSPC, 'No space left on device')\n",
     "prints": "def answer(request, desk):\n    print('not a message')\n    return {'fine': True}\n",
     "garbage": "import os, martensite.app.worker as worker\n"
     "def answer(request, desk):\n"
@@ -32,8 +29,7 @@ CALLS = {
     "    desk.tell({'child': child.pid})\n    time.sleep(600)\n",
     "many": "def answer(request, desk):\n"
     "    for k in range(request['notes']):\n        desk.tell({'k': k})\n    return {'k': k}\n",
-    "tree": "def answer(request, desk):\n"
-    "    return {'none': float('nan'), 'n': [float('inf'), 1]}\n",
+    "tree": "def answer(request, desk):\n    return {'none': float('nan'), 'n': [float('inf'), 1]}\n",
 }
 MAIN = """import sys
 sys.path.insert(0, {folder!r})

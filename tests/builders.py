@@ -134,10 +134,7 @@ def volts_a(t: float) -> float:
     return 2.8 * (0.66 - 0.34 * math.cos(0.1 * tau) - 0.2 * math.cos(0.023 * tau))
 
 
-SINE_A = Swings(
-    level=2.8 * 0.66,
-    swings=(Tone(-2.8 * 0.34, 0.2 * math.pi), Tone(-2.8 * 0.2, 0.046 * math.pi)),
-)
+SINE_A = Swings(level=2.8 * 0.66, swings=(Tone(-2.8 * 0.34, 0.2 * math.pi), Tone(-2.8 * 0.2, 0.046 * math.pi)))
 
 
 def law_a(history: str = "resume", modulus: str = "mixture", **changes: Any) -> LiangRogers:
@@ -244,9 +241,7 @@ def through(points: list[float], seconds: float = 1.0) -> FunctionWaveform:
 stepper, along, strain_of = trace_kinetics, follow_path, find_strain
 
 
-def fraction_after(
-    law: Any, points: list[tuple[float, float]], fraction: float, substeps: int = 1
-) -> float:
+def fraction_after(law: Any, points: list[tuple[float, float]], fraction: float, substeps: int = 1) -> float:
     """ξ at the last point."""
     return law.fractions(along(law, points, fraction, substeps)[-1]).martensite
 

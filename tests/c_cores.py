@@ -12,16 +12,7 @@ from typing import Any
 from martensite.export.c_core import CCore
 from martensite.kernels.compiler import find_compiler
 
-STRICT = (
-    "-std=c99",
-    "-pedantic",
-    "-Wall",
-    "-Wextra",
-    "-Wconversion",
-    "-Wdouble-promotion",
-    "-Wshadow",
-    "-Werror",
-)
+STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wconversion", "-Wdouble-promotion", "-Wshadow", "-Werror")
 OK, LONG_STEP, UNSOLVED, OUT_OF_RANGE, NOT_FINITE, BAD_INPUT = range(6)
 
 

@@ -45,9 +45,7 @@ def with_verdict(claims: Iterable[Claim], verdict: str) -> set[str]:
     return {claim.id for claim in claims if claim.verdict == verdict}
 
 
-def settle_some(
-    study: TableStudy, part: str, numbers: Mapping[str, Any], *names: str
-) -> dict[str, str]:
+def settle_some(study: TableStudy, part: str, numbers: Mapping[str, Any], *names: str) -> dict[str, str]:
     """Verdicts of the claims of a part of some names, from given numbers."""
     blocks = ([row for row in block if row["id"] in names] for block in study.table[part])
     table = {**study.table, part: [block for block in blocks if block]}

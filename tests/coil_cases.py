@@ -13,9 +13,7 @@ from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.materials.base import load_material
 
-NUMBERS: dict[str, Any] = {
-    name: n.value for name, n in load_material("platform-spring").values.items()
-}
+NUMBERS: dict[str, Any] = {name: n.value for name, n in load_material("platform-spring").values.items()}
 WIRE, COIL, TURNS = 0.75e-3, 5.25e-3, 20.0
 """Wire diameter, mean coil diameter [m], turns."""
 CLOSED, COLD = 15e-3, 60e-3

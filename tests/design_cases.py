@@ -57,11 +57,7 @@ def steering(**changes: float) -> WaveformLevels:
 
 
 def designs(
-    free: Sequence[str],
-    goal: str,
-    subject: Sequence[str],
-    begin: WaveformLevels | None = None,
-    **options: Any,
+    free: Sequence[str], goal: str, subject: Sequence[str], begin: WaveformLevels | None = None, **options: Any
 ) -> DesignEvaluator:
     """Designs of the bundle; options are those of `Designs`."""
     given = begin or steering()

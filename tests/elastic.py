@@ -49,15 +49,11 @@ class Elastic(AbstractElement):
     def force(self, state: Warm) -> Scalar:
         return state.pull
 
-    def advance(
-        self, xp: Namespace, state: Warm, heating: Heating, pull: Pull, dt: Scalar
-    ) -> tuple[Warm, StepReport]:
+    def advance(self, xp: Namespace, state: Warm, heating: Heating, pull: Pull, dt: Scalar) -> tuple[Warm, StepReport]:
         warm = state._replace(temperature=heating.drive)
         return warm._replace(pull=pull(xp, self.tangent(xp, warm, 0.0))), StepReport(0.0, 0.0)
 
-    def condition(
-        self, xp: Namespace, state: Warm, force: Scalar, environment: Environment
-    ) -> Condition:
+    def condition(self, xp: Namespace, state: Warm, force: Scalar, environment: Environment) -> Condition:
         elongation = self.elongation(xp, state, force)
         rest = (0.0, 0.0, force, elongation, 1.0, 0.0)
         return Condition(state.temperature, state.temperature, *rest)
@@ -85,6 +81,5 @@ def kelvins(system: AbstractSystem, **shortened: float) -> dict[str, Table]:
     """Drives of elastic elements: within 1 s, those named get warmer by so many kelvin."""
     names = [drive.name for drive in system.drives() if drive.unit == "K"]
     return {
-        name: Table(times=(0.0, 1.0, 1e3), values=(REST, *2 * (REST + shortened.get(name, 0.0),)))
-        for name in names
+        name: Table(times=(0.0, 1.0, 1e3), values=(REST, *2 * (REST + shortened.get(name, 0.0),))) for name in names
     }

@@ -38,9 +38,7 @@ def joint(offset: float = 3.5e-3, arm: float = 8e-3, **changes: Any) -> Finger:
 
 def finger(law: Any = None, offset: float = 3.5e-3, arm: float = 8e-3, **changes: Any) -> System:
     """The prototype with a law, r and a [m], and changes of its mechanism."""
-    resistance = {
-        key: NUMBERS[key] for key in FurstSeeleckeResistance.declarations if key in NUMBERS
-    }
+    resistance = {key: NUMBERS[key] for key in FurstSeeleckeResistance.declarations if key in NUMBERS}
     wire = Wire(
         diameter=0.1e-3,
         length=0.44,

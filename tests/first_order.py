@@ -32,9 +32,7 @@ def pulses(seed: int, count: int = 300) -> np.ndarray:
 def ramps(count: int = 400) -> np.ndarray:
     """Slow ramps with a minor loop."""
     t = np.linspace(0.0, 1.0, count)
-    return np.interp(
-        t, [0.0, 0.05, 0.35, 0.5, 0.6, 0.8, 1.0], [0.0, 0.0, 28.0, 8.0, 18.0, 5.0, 25.0]
-    )
+    return np.interp(t, [0.0, 0.05, 0.35, 0.5, 0.6, 0.8, 1.0], [0.0, 0.0, 28.0, 8.0, 18.0, 5.0, 25.0])
 
 
 def log(name: str, u: np.ndarray, seed: int = 0, noise: float = 0.1) -> Sampled:

@@ -91,12 +91,7 @@ def pulse(current: float = 0.55, rows: int = 151) -> Record:
 
 
 def measured(
-    drive: Record,
-    scenario: str,
-    outputs: Sequence[str],
-    truth: Mapping[str, Any],
-    noise: float = 0.0,
-    seed: int = 1,
+    drive: Record, scenario: str, outputs: Sequence[str], truth: Mapping[str, Any], noise: float = 0.0, seed: int = 1
 ) -> Record:
     """A log: what drives, and what a scenario with other numbers makes of it.
 

@@ -15,13 +15,7 @@ from martensite.simulate.point import PathLeg, material_point
 UNITS = {"time": "s", "temperature": "K", "strain": "1", "stress": "Pa"}
 
 
-def record(
-    temperature: Any,
-    strain: Any,
-    stress: Any,
-    name: str = "cycle",
-    interval: float | None = None,
-) -> Record:
+def record(temperature: Any, strain: Any, stress: Any, name: str = "cycle", interval: float | None = None) -> Record:
     """A record of one row per second."""
     count = len(temperature)
     held = np.broadcast_to(stress, count)
@@ -52,12 +46,7 @@ class Bent:
     def at(self, stress: float) -> dict[str, float]:
         """Temperatures at a stress."""
         up, down = stress / self.C_A, stress / self.C_M
-        return {
-            "A_s": self.A_s + up,
-            "A_f": self.A_f + up,
-            "M_s": self.M_s + down,
-            "M_f": self.M_f + down,
-        }
+        return {"A_s": self.A_s + up, "A_f": self.A_f + up, "M_s": self.M_s + down, "M_f": self.M_f + down}
 
     def cold(self, temperature: float, cooling: bool = False) -> float:
         """Strain of martensite."""
@@ -126,13 +115,7 @@ def edited(base: Record, name: str, values: Any) -> Record:
 
 
 def isobar(
-    law: AbstractLaw,
-    stress: float,
-    coldest: float,
-    hottest: float,
-    rows: int = 600,
-    noise: float = 0.0,
-    seed: int = 0,
+    law: AbstractLaw, stress: float, coldest: float, hottest: float, rows: int = 600, noise: float = 0.0, seed: int = 0
 ) -> Record:
     """What a law does under a stress, from cold to hot to cold, after a first cooling."""
     ends = (hottest, coldest)

@@ -66,9 +66,7 @@ class Kernel:
 # ---------------------------------------------------------------- kernels by kind
 
 
-def law_path(
-    law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, s2: Any, t2: Any, dt: Any
-) -> Any:
+def law_path(law: Any, xp: Any, x: Any, s0: Any, t0: Any, s1: Any, t1: Any, s2: Any, t2: Any, dt: Any) -> Any:
     """Two legs; fractions and strain at their ends, memory at the end."""
     start = law.init(xp, Fractions(x, x), s0, t0)
     between, first = law.kinetics(xp, start, s1, t1, dt)
@@ -173,14 +171,7 @@ def element_step(element: Any, xp: Any, force: Any, temperature: Any, amperes: A
 
 
 def mechanism_answers(
-    mechanism: AbstractMechanism,
-    xp: Any,
-    start: Any,
-    free: Any,
-    compliance: Any,
-    x: Any,
-    y: Any,
-    z: Any,
+    mechanism: AbstractMechanism, xp: Any, start: Any, free: Any, compliance: Any, x: Any, y: Any, z: Any
 ) -> Any:
     """All that a mechanism says by itself."""
     if isinstance(mechanism, AbstractMultibody):
@@ -354,67 +345,48 @@ KERNELS: dict[str, dict[str, Kernel]] = {
         "film": Kernel(
             {"T": (250.0, 450.0), "ambient": (270.0, 310.0), "d": (5e-5, 1e-3), "l": (0.05, 1.0)},
             lambda cooling, xp, T, ambient, d, l: cooling.film(xp, T, ambient, Cylinder(d, l)),
-        ),
+        )
     },
     "ends": {
         "conductance": Kernel(
             {"h": (0.0, 1e3), "d": (5e-5, 1e-3), "l": (1e-3, 1.0)},
             lambda ends, xp, h, d, l: ends.conductance(xp, h, Cylinder(d, l)),
-        ),
+        )
     },
-    "fluid": {
-        "properties": Kernel({"T": (200.0, 500.0)}, fluid_answers),
-    },
+    "fluid": {"properties": Kernel({"T": (200.0, 500.0)}, fluid_answers)},
     "resistance": {
         "resistance": Kernel(
-            {
-                "x": FRACTION,
-                "strain": (-0.01, 0.08),
-                "T": TEMPERATURE,
-                "area": (1e-9, 1e-6),
-                "length": (0.05, 1.0),
-            },
+            {"x": FRACTION, "strain": (-0.01, 0.08), "T": TEMPERATURE, "area": (1e-9, 1e-6), "length": (0.05, 1.0)},
             lambda resistance, xp, x, strain, T, area, length: resistance.resistance(
                 xp, x, strain, T, Conductor(area, length)
             ),
-        ),
+        )
     },
     "drive": {
-        "current": Kernel(
-            {"u": (-10.0, 10.0), "R": (0.5, 50.0)},
-            source_current,
-        ),
+        "current": Kernel({"u": (-10.0, 10.0), "R": (0.5, 50.0)}, source_current),
         "heat": Kernel(
-            {"low": (-10.0, 10.0), "high": (-10.0, 10.0), "share": (0.1, 0.9), "R": (0.5, 50.0)},
-            source_heat,
+            {"low": (-10.0, 10.0), "high": (-10.0, 10.0), "share": (0.1, 0.9), "R": (0.5, 50.0)}, source_heat
         ),
     },
     "sensor": {
-        "readings": Kernel(
-            {"x": FRACTION, "y": FRACTION, "noise": (-3.0, 3.0), "dt": (0.0, 0.5)},
-            sensor_readings,
-        ),
+        "readings": Kernel({"x": FRACTION, "y": FRACTION, "noise": (-3.0, 3.0), "dt": (0.0, 0.5)}, sensor_readings)
     },
     "observer": {
         "course": Kernel(
             {"u": (0.0, 3.0), "share": (0.9, 1.1), "age": (-1.0, 1.0), "dt": (1e-3, 0.02)},
             observer_course,
             lanes=16,  # slow where it is not traced
-        ),
+        )
     },
     "fault": {
         "effects": Kernel(
-            {"time": (0.0, 2.0), "u": FRACTION, "reading": (0.0, 9.0), "held": (0.0, 9.0)},
-            fault_effects,
-            lanes=64,
-        ),
+            {"time": (0.0, 2.0), "u": FRACTION, "reading": (0.0, 9.0), "held": (0.0, 9.0)}, fault_effects, lanes=64
+        )
     },
     "check": {"course": Kernel(SAMPLES, check_course)},
     "supervisor": {"course": Kernel(SAMPLES, supervisor_course)},
     "element": {
-        "answers": Kernel(
-            {"x": FRACTION, "F": (0.0, 20.0), "T": TEMPERATURE, "e": (0.0, 0.02)}, element_answers
-        ),
+        "answers": Kernel({"x": FRACTION, "F": (0.0, 20.0), "T": TEMPERATURE, "e": (0.0, 0.02)}, element_answers),
         "step": Kernel(
             {"F": (1.0, 6.0), "T": (280.0, 360.0), "I": (0.0, 1.0), "dt": (0.0, 0.05)},
             element_step,
@@ -434,9 +406,7 @@ KERNELS: dict[str, dict[str, Kernel]] = {
             mechanism_answers,
             lanes=64,
         ),
-        "steps": Kernel(
-            {"x": (0.0, 1.0), "y": (-1.0, 1.0), "dt": (1e-3, 0.02)}, mechanism_steps, lanes=16
-        ),
+        "steps": Kernel({"x": (0.0, 1.0), "y": (-1.0, 1.0), "dt": (1e-3, 0.02)}, mechanism_steps, lanes=16),
     },
 }
 
@@ -517,9 +487,7 @@ void run(const double *p, const double *x, double *y) {{
 """
 
 
-def on_c(
-    thing: Any, kernel: Kernel, inputs: np.ndarray, write: Callable[..., str] = c_source
-) -> np.ndarray:
+def on_c(thing: Any, kernel: Kernel, inputs: np.ndarray, write: Callable[..., str] = c_source) -> np.ndarray:
     program = traced(thing, kernel)
     lanes = inputs.shape[1]
     entry = _ENTRY.format(constants=program.constants, lanes=lanes)

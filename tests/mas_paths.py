@@ -175,13 +175,7 @@ def rebuilt(example: Any, numbers: Any) -> Any:
     return tuple(items) if type(example) is tuple else type(example)(*items)
 
 
-def follow(
-    law: Any,
-    start: tuple[float, float],
-    corners: list[Any],
-    step: float,
-    control: str = "stress",
-) -> Path:
+def follow(law: Any, start: tuple[float, float], corners: list[Any], step: float, control: str = "stress") -> Path:
     """The law from (x₊, x₋) along straight lines through corners (time, value, temperature).
 
     `control` says whether the values are stresses [Pa] or strains [-]; a strain-driven path
@@ -215,8 +209,4 @@ def follow(
 def there_and_back(most: float, rate: float, temperature: float) -> list[Point]:
     """Corners of a path from 0 to `most` and back at a rate per second."""
     seconds = most / rate
-    return [
-        Point(0.0, 0.0, temperature),
-        Point(seconds, most, temperature),
-        Point(2 * seconds, 0.0, temperature),
-    ]
+    return [Point(0.0, 0.0, temperature), Point(seconds, most, temperature), Point(2 * seconds, 0.0, temperature)]

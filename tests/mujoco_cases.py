@@ -85,9 +85,7 @@ def weighed(mass: float, dt: float, coupling: str = "end", **changes: Any) -> Mu
     return MujocoBridge(hanging(dt, mass), [one], coupling=coupling)
 
 
-def recurrence(
-    frequency: float, dt: float, weights: ForceWeights, speed: float, steps: int
-) -> list[float]:
+def recurrence(frequency: float, dt: float, weights: ForceWeights, speed: float, steps: int) -> list[float]:
     """Displacements of an oscillator of angular `frequency` [1/s] after a push, step by step.
 
     MuJoCo's step, v₁ = v₀ + dt a and x₁ = x₀ + dt v₁, under a = -ω²(w₁ x₁ + w₀ x₀ + w₋₁ x₋₁).
@@ -102,9 +100,7 @@ def recurrence(
     return found
 
 
-def with_lagged_stress(
-    bridge: MujocoBridge, wave: AbstractWaveform, joint: str, steps: int
-) -> np.ndarray:
+def with_lagged_stress(bridge: MujocoBridge, wave: AbstractWaveform, joint: str, steps: int) -> np.ndarray:
     """Positions of a joint if the stress of the step before drives the law in every step.
 
     The force of the new phase state and the length as it is then acts on the model.

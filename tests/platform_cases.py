@@ -15,16 +15,9 @@ from martensite.actuators.mechanics.platform_kinematics import Plates
 SIDE, HEIGHT = 0.100, 0.060
 RADIUS = SIDE / math.sqrt(3.0)
 PLATES = Plates(SIDE, HEIGHT, HEIGHT)
-GEOMETRIES = [
-    PLATES,
-    Plates(SIDE, HEIGHT, 0.5 * HEIGHT),
-    Plates(SIDE, HEIGHT, 0.0),
-    Plates(0.05, 0.12, 0.15),
-]
+GEOMETRIES = [PLATES, Plates(SIDE, HEIGHT, 0.5 * HEIGHT), Plates(SIDE, HEIGHT, 0.0), Plates(0.05, 0.12, 0.15)]
 POSTURES = [(0.0, 0.0), (0.3, 0.0), (0.0, -0.4), (0.35, 0.5), (-0.6, 0.2), (-0.5, -0.7)]
-VERTICES = np.array(
-    [[0.0, RADIUS, 0.0], [-SIDE / 2, -RADIUS / 2, 0.0], [SIDE / 2, -RADIUS / 2, 0.0]]
-)
+VERTICES = np.array([[0.0, RADIUS, 0.0], [-SIDE / 2, -RADIUS / 2, 0.0], [SIDE / 2, -RADIUS / 2, 0.0]])
 """Of the first platform [m]."""
 
 

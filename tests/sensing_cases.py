@@ -31,26 +31,17 @@ LEAST_DUTY = 0.02
 STROKE = 9.99e-3
 """Of the wire from cold to hot [m]."""
 
-RESISTANCE = FurstSeeleckeResistance(
-    rho_A=0.90e-6, rho_M=0.97e-6, a_rho_A=5e-4, a_rho_M=8e-4, T_rho=293.15, nu=0.33
-)
+RESISTANCE = FurstSeeleckeResistance(rho_A=0.90e-6, rho_M=0.97e-6, a_rho_A=5e-4, a_rho_M=8e-4, T_rho=293.15, nu=0.33)
 SMOOTH = tuple(np.arange(0.0, 60.01, 0.1).tolist())
-SINE = Table(
-    times=SMOOTH,
-    values=tuple(4.5e-3 - 3.5e-3 * math.cos(0.1 * math.pi * t) for t in SMOOTH),
-)
+SINE = Table(times=SMOOTH, values=tuple(4.5e-3 - 3.5e-3 * math.cos(0.1 * math.pi * t) for t in SMOOTH))
 STEPS = Table(
-    times=(0.0, 15.0, 15.001, 30.0, 30.001, 45.0, 45.001, 60.0),
-    values=(2e-3, 2e-3, 7e-3, 7e-3, 4e-3, 4e-3, 1e-3, 1e-3),
+    times=(0.0, 15.0, 15.001, 30.0, 30.001, 45.0, 45.001, 60.0), values=(2e-3, 2e-3, 7e-3, 7e-3, 4e-3, 4e-3, 1e-3, 1e-3)
 )
 
 
 def sensing_plant(**changes: Any) -> System:
     """The wire; keyword arguments replace whole parts."""
-    parts: dict[str, Any] = {
-        "element": wire_a().with_parts(resistance=RESISTANCE),
-        "source": PwmVoltage(supply=6.0),
-    }
+    parts: dict[str, Any] = {"element": wire_a().with_parts(resistance=RESISTANCE), "source": PwmVoltage(supply=6.0)}
     return problem_a(**(parts | changes))
 
 

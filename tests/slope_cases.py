@@ -115,9 +115,7 @@ class Case:
         """Derivatives in one direction, of fourth order, and where they are good."""
         best = rough = np.full((self.samples, len(self.outputs)), np.inf)
         for width in WIDTHS:
-            far, back, near, short = (
-                self.run(self.values + s * width * seed) for s in (1.0, -1.0, 0.5, -0.5)
-            )
+            far, back, near, short = (self.run(self.values + s * width * seed) for s in (1.0, -1.0, 0.5, -0.5))
             wide, narrow = (far - back) / (2.0 * width), (near - short) / width
             found, apart = (4.0 * narrow - wide) / 3.0, np.abs(narrow - wide) / largest
             best, rough = np.where(apart < rough, found, best), np.minimum(apart, rough)
@@ -150,9 +148,7 @@ def inside(system: AbstractSystem) -> AbstractSystem:
     """A twin whose phases at the start are inside their ranges, where its law allows it."""
     for ending, value in INSIDE.items():
         paths = [leaf.path for leaf in system.leaves() if leaf.path.endswith(ending)]
-        one_way = ending == "initial_oriented" and any(
-            getattr(part, "one_way", False) for part in system.tree()
-        )
+        one_way = ending == "initial_oriented" and any(getattr(part, "one_way", False) for part in system.tree())
         system = system if one_way else system.with_values(dict.fromkeys(paths, value))
     return system
 

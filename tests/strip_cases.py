@@ -44,15 +44,9 @@ def exponential(share):
 
 
 CASES = {
-    **{
-        f"liang-rogers {m}": Case(LiangRogers, cosine, {"modulus": m})
-        for m in ("austenite", "martensite", "mixture")
-    },
+    **{f"liang-rogers {m}": Case(LiangRogers, cosine, {"modulus": m}) for m in ("austenite", "martensite", "mixture")},
     "elahinia": Case(Elahinia, cosine),
-    **{
-        f"tanaka {m}": Case(Tanaka, exponential, {"modulus": m})
-        for m in ("austenite", "martensite")
-    },
+    **{f"tanaka {m}": Case(Tanaka, exponential, {"modulus": m}) for m in ("austenite", "martensite")},
 }
 EVERY = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 KINETICS = pytest.mark.parametrize(

@@ -14,9 +14,7 @@ from martensite.search.free_numbers import Target
 
 Function = Callable[[np.ndarray], np.ndarray]
 ISHIGAMI_A, ISHIGAMI_B = 7.0, 0.1
-ANGLES = [
-    SweepAxis(Target(f"part.x{k}", f"x{k}", "1", 0.0), "range", (-np.pi, np.pi)) for k in (1, 2, 3)
-]
+ANGLES = [SweepAxis(Target(f"part.x{k}", f"x{k}", "1", 0.0), "range", (-np.pi, np.pi)) for k in (1, 2, 3)]
 
 
 def ishigami(x: np.ndarray) -> np.ndarray:
@@ -34,9 +32,7 @@ def ishigami_indices() -> tuple[np.ndarray, np.ndarray]:
     return np.array([one, two, 0.0]) / variance, np.array([one + both, two, both]) / variance
 
 
-def table(
-    sample: str, axes: Sequence[SweepAxis] = ANGLES, seed: int = 1, **measures: Function
-) -> SweepTable:
+def table(sample: str, axes: Sequence[SweepAxis] = ANGLES, seed: int = 1, **measures: Function) -> SweepTable:
     """A sweep of functions of the varied numbers, all runs made."""
     found = parse_sampling(sample, seed)
     x = found.values(axes, 0, found.size(axes))
@@ -44,10 +40,7 @@ def table(
     return SweepTable(
         "Functions",
         sample,
-        {
-            one.target.name: SweepColumn(one.target.name, one.target.unit, v, one.log)
-            for one, v in columns
-        },
+        {one.target.name: SweepColumn(one.target.name, one.target.unit, v, one.log) for one, v in columns},
         {name: SweepColumn(name, "m", function(x)) for name, function in measures.items()},
         np.zeros(len(x), np.int8),
         tuple(one.levels() for one in axes) if found.shape(axes) else None,
@@ -60,10 +53,7 @@ def with_status(found: SweepTable, **rows: Sequence[int]) -> SweepTable:
     for name, places in rows.items():
         status[list(places)] = -1 if name == "missing" else int(name[1:])
     gone = (status < 0) | (status > 1)
-    measures = {
-        name: replace(one, values=np.where(gone, np.nan, one.values))
-        for name, one in found.measures.items()
-    }
+    measures = {name: replace(one, values=np.where(gone, np.nan, one.values)) for name, one in found.measures.items()}
     return replace(found, status=status, measures=measures)
 
 

@@ -31,9 +31,7 @@ def linear_bench(gain: float = 2.0) -> Bench:
     blocks = (TransferFunction(nb=1.0, nf=1.0, nk=DELAY), line)
     chain = Chain(blocks, np.array([0.0, *line.line(gain, 0.5)]), DT)
     pid = Pid(measured=chain.output_names[0], reference=Constant(level=1.0), Kp=1.0)
-    return Bench(
-        plant=build_plant(chain), period=DT, controllers=Controllers(**{chain.input_names[0]: pid})
-    )
+    return Bench(plant=build_plant(chain), period=DT, controllers=Controllers(**{chain.input_names[0]: pid}))
 
 
 @cache
@@ -45,9 +43,7 @@ def wire_bench(sensed: bool = True) -> Bench:
         source=PwmVoltage(supply=1.8),
     )
     levels = Staircase(first=0.003, increment=0.002, hold=4.0, count=2)
-    pid = Pid(
-        measured="position", reference=levels, Kp=300.0, Ki=200.0, Kd=80.0, gains_are="in-seconds"
-    )
+    pid = Pid(measured="position", reference=levels, Kp=300.0, Ki=200.0, Kd=80.0, gains_are="in-seconds")
     encoder = Sensors(position=MountedSensor(sensor=PositionSensor(), delay=0.1))
     return Bench(
         plant=system,

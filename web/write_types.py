@@ -23,9 +23,7 @@ PLAIN = {"str": "string", "int": "number", "float": "number", "bool": "boolean",
 
 def write_types() -> str:
     """The whole file."""
-    blocks = [
-        block for path in SOURCES for block in list_blocks(ast.parse(path.read_text("utf-8")))
-    ]
+    blocks = [block for path in SOURCES for block in list_blocks(ast.parse(path.read_text("utf-8")))]
     return "\n".join([HEAD, *blocks])
 
 

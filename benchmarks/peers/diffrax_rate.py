@@ -49,9 +49,7 @@ def rates(p: Wire, T: Any, xi: Any, U: Any) -> tuple[Any, Any]:
     W = jnp.where(heats, p.A_f - p.A_s, p.M_s - p.M_f)
     u = jnp.where(heats, T - sigma / C - p.A_s, p.M_s - T + sigma / C) / W  # progress in the zone
     inside = (u > 0) & (u < 1)
-    tangent = jnp.where(
-        inside, jnp.minimum(jnp.tan(0.5 * jnp.pi * jnp.where(inside, u, 0)), CAP), 0
-    )
+    tangent = jnp.where(inside, jnp.minimum(jnp.tan(0.5 * jnp.pi * jnp.where(inside, u, 0)), CAP), 0)
     G = -jnp.where(heats, xi, 1 - xi) * jnp.pi / W * tangent
     by_xi = -d.K * (dE * p.eps_L * xi + E * p.eps_L - dE * eps) / (E + d.K)
     H = G * (1 - d.K * p.Theta / (E + d.K) / C) / (1 + G * by_xi / C)
@@ -62,9 +60,7 @@ def rates(p: Wire, T: Any, xi: Any, U: Any) -> tuple[Any, Any]:
 def make_run(drive: Drive, rtol: float, adjoint: Any = None) -> Callable[[Wire], Any]:
     """Traceable wire -> x [mm] on the output grid."""
     power = input_of(drive)
-    control: Any = diffrax.PIDController(
-        rtol=rtol, atol=jnp.array([10 * rtol, 0.1 * rtol]), dtmax=0.5
-    )
+    control: Any = diffrax.PIDController(rtol=rtol, atol=jnp.array([10 * rtol, 0.1 * rtol]), dtmax=0.5)
     jumps = [t for t in drive.edges if 0 < t < drive.duration]
     if jumps:
         control = diffrax.ClipStepSizeController(control, jump_ts=jnp.array(jumps))
@@ -144,11 +140,7 @@ DISK = {
     "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
     "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1",
 }
-ENVIRONMENTS = {
-    "no cache": {},
-    "disk cache": DISK,
-    "disk cache, EQX_ON_ERROR=nan": {**DISK, "EQX_ON_ERROR": "nan"},
-}
+ENVIRONMENTS = {"no cache": {}, "disk cache": DISK, "disk cache, EQX_ON_ERROR=nan": {**DISK, "EQX_ON_ERROR": "nan"}}
 
 ENGINES = (
     Engine(

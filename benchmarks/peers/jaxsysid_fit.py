@@ -62,9 +62,7 @@ class Fit(NamedTuple):
 def available() -> bool:
     """Whether the chosen interpreter imports jax-sysid."""
     try:
-        done = subprocess.run(
-            [_python(), "-c", "import jax_sysid.models"], capture_output=True, check=False
-        )
+        done = subprocess.run([_python(), "-c", "import jax_sysid.models"], capture_output=True, check=False)
     except OSError:
         return False
     return done.returncode == 0

@@ -32,12 +32,8 @@ def barriers(p: Any, form: str, stress: Any, s_A: Any, lam: Any) -> tuple[Any, A
     gap = p.eps_T + s_M / p.E_M - s_A / p.E_A
     soft, over = gap / p.Delta_sigma, (stress - (s_A + s_M) / 2) * gap
     beyond = jnp.where(stress < -s_A, (stress + s_A) ** 2 / (2 * p.E_A), 0)
-    out = jnp.where(
-        stress <= s_M, up * up / (2 * p.E_A) - over - beyond, up * up * (1 / p.E_A + soft) / 2
-    )
-    back = jnp.where(
-        stress >= s_A, down * down / (2 * p.E_M) + over, down * down * (1 / p.E_M + soft) / 2
-    )
+    out = jnp.where(stress <= s_M, up * up / (2 * p.E_A) - over - beyond, up * up * (1 / p.E_A + soft) / 2)
+    back = jnp.where(stress >= s_A, down * down / (2 * p.E_M) + over, down * down * (1 / p.E_M + soft) / 2)
     return -lam * out, -lam * back
 
 

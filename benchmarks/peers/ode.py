@@ -102,12 +102,7 @@ def record(solve: Any, p: Wire, drive: Drive, s: Setting) -> Any:
 
 
 def engine(
-    name: str,
-    solve: Any,
-    settings: dict[str, Any],
-    usual: str,
-    only_single: bool = False,
-    needs: str = "",
+    name: str, solve: Any, settings: dict[str, Any], usual: str, only_single: bool = False, needs: str = ""
 ) -> Engine:
     """The record of one solver."""
     nb = needs == "numba"

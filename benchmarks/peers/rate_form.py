@@ -24,9 +24,7 @@ from benchmarks.problem_a import Wire, lumped
 CAP = 300.0
 
 
-def make_rates(
-    p: Wire, beyond: bool = False
-) -> Callable[[float, float, float], tuple[float, float]]:
+def make_rates(p: Wire, beyond: bool = False) -> Callable[[float, float, float], tuple[float, float]]:
     """(T, xi, V^2) -> (dT/dt, dxi/dt) for one parameter set; plain scalars, fit for numba."""
     d = lumped(p)
     h0, h1, A_s, M_s, C_A, C_M, T_a = p.h0, p.h1, p.A_s, p.M_s, p.C_A, p.C_M, p.T_a

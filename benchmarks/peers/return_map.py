@@ -40,9 +40,7 @@ def make_step(p: Wire, restart: bool = False, limit: int = 100) -> Step:
     E_A, dE, eps_L, eps0 = p.E_A, p.E_M - p.E_A, p.eps_L, d.eps0
     base, pi, cos, sin = sigma0 + K * eps0, math.pi, math.cos, math.sin
 
-    def solve(
-        state: tuple[float, float], load: tuple[float, ...], side: tuple[float, ...]
-    ) -> tuple[float, float]:
+    def solve(state: tuple[float, float], load: tuple[float, ...], side: tuple[float, ...]) -> tuple[float, float]:
         (T, xi), (U, dt, Q, D), (s, z, C, T0, W) = state, load, side
         lo, hi, x = (-1.0, xi, xi) if s > 0 else (xi, 2.0, xi)
         for _ in range(limit):

@@ -129,8 +129,4 @@ def batch(sets: Wire, drive: Drive, setting: tuple[float, int]) -> Callable[[], 
 
 STEPS = {f"dt {dt:g} ms, N {N}": (dt * 1e-3, N) for dt, N in ((50, 8), (20, 4), (10, 3))}
 
-ENGINES = (
-    Engine(
-        name="numpy", rule="P", settings=STEPS, usual="dt 10 ms, N 3", batch=batch, batch_limit=1024
-    ),
-)
+ENGINES = (Engine(name="numpy", rule="P", settings=STEPS, usual="dt 10 ms, N 3", batch=batch, batch_limit=1024),)

@@ -84,12 +84,7 @@ def available() -> bool:
 
 
 def superelastic_path(
-    steps: int = 1000,
-    alloy: Alloy = ALLOY,
-    *,
-    temperature: float = 383.15,
-    top: float = 900e6,
-    repeats: int = 5,
+    steps: int = 1000, alloy: Alloy = ALLOY, *, temperature: float = 383.15, top: float = 900e6, repeats: int = 5
 ) -> Loop:
     """Stress from 0 to `top` [Pa] and back at `temperature` [K], from austenite."""
     return _run("superelastic", steps, alloy, temperature, top, repeats)
@@ -117,13 +112,7 @@ def interpreter() -> str:
 
 
 def _run(
-    name: str,
-    steps: int,
-    alloy: Alloy,
-    start: float,
-    stress: float,
-    repeats: int,
-    cold: float | None = None,
+    name: str, steps: int, alloy: Alloy, start: float, stress: float, repeats: int, cold: float | None = None
 ) -> Loop:
     """Ask a process of its own for a path."""
     if steps < 2 or steps % 2:
@@ -182,9 +171,7 @@ def _solve(order: dict[str, Any]) -> Loop:
 
     def once() -> tuple[float, Any]:
         begin = time.process_time()
-        found = solve(
-            blocks, MODEL, properties, STATES, T_init=order["start"], record_tangent=False
-        )
+        found = solve(blocks, MODEL, properties, STATES, T_init=order["start"], record_tangent=False)
         return time.process_time() - begin, found
 
     _, found = once()

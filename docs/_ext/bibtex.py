@@ -26,9 +26,7 @@ def _sentence(found: dict[str, str]) -> str:
     text = ". ".join(piece for piece in pieces if piece) + "."
     links = [
         f"[doi:{found['doi']}](https://doi.org/{found['doi']})" if "doi" in found else "",
-        f"[arXiv:{found['eprint']}](https://arxiv.org/abs/{found['eprint']})"
-        if "eprint" in found
-        else "",
+        f"[arXiv:{found['eprint']}](https://arxiv.org/abs/{found['eprint']})" if "eprint" in found else "",
         f"<{found['url']}>" if "url" in found else "",
         f"({found['note']})" if "note" in found else "",
     ]

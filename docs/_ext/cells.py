@@ -88,9 +88,7 @@ class Shell(InteractiveShell):
             name: base64.b64encode(value).decode() if isinstance(value, bytes) else value
             for name, value in data.items()
         }
-        self.kept.append(
-            {"output_type": kind, "data": coded, "metadata": dict(metadata or {}), **more}
-        )
+        self.kept.append({"output_type": kind, "data": coded, "metadata": dict(metadata or {}), **more})
 
     def _showtraceback(self, etype: Any, evalue: Any, stb: Any) -> None:
         self.failures.append(_COLOUR.sub("", "\n".join(stb)))

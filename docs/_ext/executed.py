@@ -80,9 +80,7 @@ class Client(NotebookClientBase):
         raise ExecutionError(f"{self.path}: this cell takes too long\n{source}")
 
 
-def _done(
-    line: str, folder: str, variables: dict[str, str], limit: float
-) -> tuple[int | None, str, str]:
+def _done(line: str, folder: str, variables: dict[str, str], limit: float) -> tuple[int | None, str, str]:
     """Exit status, standard output and standard error of a command."""
     with TemporaryDirectory() as kept:
         arguments = (line, folder, variables, kept)

@@ -25,15 +25,7 @@ from martensite.scenario.bench import BenchSettings
 from martensite.scenario.guard import FromPlant
 from martensite.scenario.scenario import Run
 
-DRAWN = (
-    "migaone",
-    "wire-heating",
-    "platform",
-    "sommerfeld",
-    "finger",
-    "finger-calibration",
-    "hammerstein-wiener",
-)
+DRAWN = ("migaone", "wire-heating", "platform", "sommerfeld", "finger", "finger-calibration", "hammerstein-wiener")
 """Studies whose figure is shown; the others need a record that may be absent."""
 SECTIONS: dict[str, Callable[[], str]] = {
     "parts": parts.all_parts,

@@ -74,9 +74,7 @@ def all_parts() -> str:
     """One section per registry, one below it per entry."""
     return "\n".join(
         f"## {PLURALS.get(kind, kind)}\n\n"
-        + "\n".join(
-            part(catalogue.describe_class(kind, registry[name])) for name in registry.names()
-        )
+        + "\n".join(part(catalogue.describe_class(kind, registry[name])) for name in registry.names())
         for kind, registry in catalogue.list_registries().items()
     )
 
@@ -202,19 +200,8 @@ def canonical_numbers() -> str:
 # -- sweeps ------------------------------------------------------------------------------
 def sweeps() -> str:
     """Measures with their parameters, then what makes a sample and who runs it."""
-    measures = [
-        part(catalogue.describe_class("measure", MEASURES[name])) for name in MEASURES.names()
-    ]
-    return "\n".join(
-        [
-            "## Measures\n",
-            *measures,
-            "## Samples\n",
-            _listed(DESIGNS),
-            "## Backends\n",
-            _listed(BACKENDS),
-        ]
-    )
+    measures = [part(catalogue.describe_class("measure", MEASURES[name])) for name in MEASURES.names()]
+    return "\n".join(["## Measures\n", *measures, "## Samples\n", _listed(DESIGNS), "## Backends\n", _listed(BACKENDS)])
 
 
 def _listed(registry: Registry[Any]) -> str:
@@ -236,9 +223,7 @@ def outputs() -> str:
 
 def statuses() -> str:
     """How a step can end."""
-    rows = [
-        (code(status.name), "yes" if status.failed else "no", status.sentence) for status in Status
-    ]
+    rows = [(code(status.name), "yes" if status.failed else "no", status.sentence) for status in Status]
     return table(("status", "failed", "what it means and what to try"), rows)
 
 
@@ -251,9 +236,7 @@ def everyday_units() -> str:
         (
             "none" if unit == "1" else code(unit),
             " ".join(code(s) for s in spellings),
-            ""
-            if units.choose_readable_unit(unit) == unit
-            else code(units.choose_readable_unit(unit)),
+            "" if units.choose_readable_unit(unit) == unit else code(units.choose_readable_unit(unit)),
         )
         for unit, spellings in kinds.items()
     ]

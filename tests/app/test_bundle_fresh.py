@@ -26,18 +26,14 @@ def node() -> str:
 
 def test_the_bundle_is_the_newest(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("MARTENSITE_STATIC", raising=False)
-    done = subprocess.run(
-        [node(), "test/fresh.mjs"], cwd=WEB, capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([node(), "test/fresh.mjs"], cwd=WEB, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 
 
 def test_an_old_bundle_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "bench.js").write_text("old")
     monkeypatch.setenv("MARTENSITE_STATIC", str(tmp_path))
-    done = subprocess.run(
-        [node(), "test/fresh.mjs"], cwd=WEB, capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([node(), "test/fresh.mjs"], cwd=WEB, capture_output=True, text=True, check=False)
     assert done.returncode == 1
     assert "not the newest" in done.stderr
 

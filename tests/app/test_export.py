@@ -41,15 +41,11 @@ def test_figures(bench: Bench, what: str, begin: bytes) -> None:
     assert len(content) > 20_000
 
 
-def test_the_netcdf_is_that_of_the_command_line(
-    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_netcdf_is_that_of_the_command_line(bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     _, content = made(bench, "nc")
     (tmp_path / "bench.nc").write_bytes(content)
-    done = CliRunner().invoke(
-        app, ["run", str(EXAMPLE), "--out", str(tmp_path / "cli.nc"), "--json", *FLOATS]
-    )
+    done = CliRunner().invoke(app, ["run", str(EXAMPLE), "--out", str(tmp_path / "cli.nc"), "--json", *FLOATS])
     assert done.exit_code == 0, done.output
     one, other = (open_result(tmp_path / name) for name in ("bench.nc", "cli.nc"))
     xr.testing.assert_allclose(one, other, rtol=1e-9)  # the page may compute in C
@@ -100,14 +96,7 @@ def test_other_kinds_are_refused(bench: Bench, what: str) -> None:
 
 
 def test_a_title_is_no_path(bench: Bench) -> None:
-    found = bench.call(
-        "export",
-        {
-            "text": TEXT,
-            "changes": {"title": "../../=cmd|' /C calc'!A0"},
-            "what": "csv",
-        },
-    )
+    found = bench.call("export", {"text": TEXT, "changes": {"title": "../../=cmd|' /C calc'!A0"}, "what": "csv"})
     assert "error" not in found, found
     assert "/" not in found["name"]
     assert not found["name"].startswith(("=", "."))

@@ -79,10 +79,7 @@ def test_it_finds_what_the_library_finds(desk: Desk, notes: Notes, tmp_path: Pat
         assert numbers(found)[name] == pytest.approx(value, abs=0.5)
     assert found["scores"][0]["rms"] == pytest.approx(same.scores[0].rms, rel=1e-9)
     assert found["open"] == list(same.identifiability.sentences)
-    assert [("problem" in note, "curves" in note) for note in notes][:2] == [
-        (True, False),
-        (False, True),
-    ]
+    assert [("problem" in note, "curves" in note) for note in notes][:2] == [(True, False), (False, True)]
     assert notes[-1]["values"] == pytest.approx(same.numbers, rel=1e-9)
     material = written({"key": found["fit"], "what": "material"}, desk)
     assert material["name"] == "cycle.toml"
@@ -172,20 +169,14 @@ def test_a_drive_follows_a_column(desk: Desk) -> None:
     write_log(heated(), path)
     columns = [
         {"at": at, "name": name, "unit": unit}
-        for at, (name, unit) in enumerate(
-            [("time", "s"), ("current", "A"), ("position", "mm"), ("resistance", "ohm")]
-        )
+        for at, (name, unit) in enumerate([("time", "s"), ("current", "A"), ("position", "mm"), ("resistance", "ohm")])
     ]
-    own = HEATED.replace('"log"', '{ kind = "constant", level = "3 W" }').replace(
-        'kind = "current"', 'kind = "power"'
-    )
+    own = HEATED.replace('"log"', '{ kind = "constant", level = "3 W" }').replace('kind = "current"', 'kind = "power"')
     own = own.replace("[run]", '[run]\nduration = "5 s"')
     request = {"key": key, "columns": columns, "text": own}
     before = beside(request, desk)
     check_answer(before, "identify", "ScenarioView")
-    assert [(one["path"], one["waveform"]) for one in before["drives"]] == [
-        ("drive.waveform", "constant")
-    ]
+    assert [(one["path"], one["waveform"]) for one in before["drives"]] == [("drive.waveform", "constant")]
     found = beside(request | {"follow": {"path": "drive.waveform", "column": "current"}}, desk)
     made = tomllib.loads(found["text"])
     assert made["drive"] == {"kind": "current", "waveform": {"kind": "log", "column": "current"}}
@@ -294,9 +285,7 @@ def test_stop_and_keep_over_the_socket(bench: Bench, tmp_path: Path) -> None:
             "hold_out": "none",
         }
         job = client.post("/api/jobs", json={"call": "fit", "request": request}).json()
-        address = (
-            f"{bench.origin.replace('http', 'ws')}/api/jobs/{job['id']}/watch?tab=tab-of-tests"
-        )
+        address = f"{bench.origin.replace('http', 'ws')}/api/jobs/{job['id']}/watch?tab=tab-of-tests"
         headers = {"Authorization": f"Bearer {bench.token}"}
         with connect(address, additional_headers=headers, max_size=2**26) as socket:
             heard = listened(socket.recv, lambda m: m.get("note", {}).get("simulations", 0) > 5)
@@ -308,9 +297,7 @@ def test_stop_and_keep_over_the_socket(bench: Bench, tmp_path: Path) -> None:
     assert outcome["cost"] == pytest.approx(min(told), rel=1e-9)
 
 
-def listened(
-    receive: Callable[..., Any], enough: Callable[[dict[str, Any]], bool]
-) -> list[dict[str, Any]]:
+def listened(receive: Callable[..., Any], enough: Callable[[dict[str, Any]], bool]) -> list[dict[str, Any]]:
     """Messages up to the one that is waited for."""
     heard: list[dict[str, Any]] = []
     while not heard or not enough(heard[-1]):

@@ -87,10 +87,7 @@ def test_writing_what_a_form_shows_changes_nothing(name: str) -> None:
     shown = [one for one in numbers(found) if one["value"] is not None]
     written = {one["path"]: _written(one) for one in shown if math.isfinite(one["value"])}
     assert len({one["path"] for one in shown}) == len(shown)
-    before, after = (
-        read_scenario(text, FOLDER / "x.toml"),
-        read_scenario(text, FOLDER / "x.toml", written),
-    )
+    before, after = (read_scenario(text, FOLDER / "x.toml"), read_scenario(text, FOLDER / "x.toml", written))
     pairs = zip(before.leaves(), after.leaves(), strict=True)
     for one, other in pairs:
         assert one.path == other.path
@@ -142,12 +139,7 @@ def test_ranges_follow_the_declaration() -> None:
         "whole": False,
     }
     share = Declared("parameter", "share", 1.0, "1", 0.0, 1.0)
-    assert ranges.build_slider(0.3, share) == {
-        "low": 0.0,
-        "high": 1.0,
-        "log": False,
-        "whole": False,
-    }
+    assert ranges.build_slider(0.3, share) == {"low": 0.0, "high": 1.0, "log": False, "whole": False}
     count = Declared("parameter", "number of elements", 1.0, "1", 1.0, 1e4)
     assert (ranges.build_slider(2.0, count) or {})["whole"]
     assert ranges.build_slider(math.inf, Declared("parameter", "end", math.inf, "s")) is None

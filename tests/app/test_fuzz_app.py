@@ -83,21 +83,14 @@ HOSTILE: list[Any] = [
     {"kind": "table", "file": "../x.csv", "column": "t"},
     {"kind": "steady", "level": "nan V"},
 ]
-SIMPLE = (
-    st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=30)
-)
+SIMPLE = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(max_size=30)
 VALUES = st.sampled_from(HOSTILE) | st.recursive(
     SIMPLE,
-    lambda inner: (
-        st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner, max_size=4)
-    ),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=8), inner, max_size=4),
     max_leaves=10,
 )
 NAMES = st.sampled_from(ENTRIES) | st.text(max_size=8)
-FUZZED = settings(
-    max_examples=25,
-    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
-)
+FUZZED = settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 
 
 def outcome(call: str, request: Any, folder: Path) -> str:
@@ -204,9 +197,7 @@ def test_requests_that_are_nearly_right(call: str, data: st.DataObject, folder: 
     for _ in range(data.draw(st.integers(1, 2))):
         box: Any = request
         while True:
-            name = data.draw(
-                st.sampled_from(sorted(box) if isinstance(box, dict) else range(len(box)))
-            )
+            name = data.draw(st.sampled_from(sorted(box) if isinstance(box, dict) else range(len(box))))
             below = box[name]
             if not (isinstance(below, (dict, list)) and below and data.draw(st.booleans())):
                 break
@@ -223,11 +214,7 @@ def test_changes_of_all_kinds(call: str, changes: dict[str, Any], folder: Path) 
 
 
 @FUZZED
-@given(
-    path=st.sampled_from(BUILT),
-    value=VALUES,
-    more=st.dictionaries(st.sampled_from(BUILT), VALUES, max_size=1),
-)
+@given(path=st.sampled_from(BUILT), value=VALUES, more=st.dictionaries(st.sampled_from(BUILT), VALUES, max_size=1))
 def test_runs_of_all_kinds(path: str, value: Any, more: dict[str, Any], folder: Path) -> None:
     """With a step, so that none takes long."""
     quick = {"run.step": "0.5 s", "run.samples": 11, "run.duration": "2 s"}

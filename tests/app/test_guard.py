@@ -50,10 +50,7 @@ def test_pages_of_elsewhere_are_refused(bench: Bench, origin: str) -> None:
         assert answer.status_code == 403
         assert "may not use this server" in answer.json()["error"]
         assert client.post("/api/call/scenarios", json={}).status_code == 403
-        preflight = client.options(
-            "/api/call/scenarios",
-            headers={"Access-Control-Request-Method": "POST"},
-        )
+        preflight = client.options("/api/call/scenarios", headers={"Access-Control-Request-Method": "POST"})
     assert preflight.status_code == 403
     assert not [name for name in preflight.headers if name.startswith("access-control")]
 
@@ -68,9 +65,7 @@ def test_requests_made_by_other_pages_are_refused(bench: Bench, site: str) -> No
         assert client.get("/api/status", headers=moved).status_code == 403
 
 
-@pytest.mark.parametrize(
-    "host", ["evil.example", "127.0.0.1", "127.0.0.1:1", "localhost.evil.example:{port}", "[::1]"]
-)
+@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1", "127.0.0.1:1", "localhost.evil.example:{port}", "[::1]"])
 def test_other_names_of_this_machine_are_refused(bench: Bench, host: str) -> None:
     assert " 421 " in asked(bench, host=host.format(port=bench.port))
 
@@ -131,12 +126,7 @@ def test_the_token_is_left_in_no_address(bench: Bench) -> None:
 
 @pytest.mark.parametrize(
     "headers",
-    [
-        {"Origin": "http://evil.example"},
-        {"Origin": "null"},
-        {"Sec-Fetch-Site": "cross-site"},
-        {"Host": "evil.example"},
-    ],
+    [{"Origin": "http://evil.example"}, {"Origin": "null"}, {"Sec-Fetch-Site": "cross-site"}, {"Host": "evil.example"}],
 )
 def test_sockets_of_elsewhere_are_refused(bench: Bench, headers: dict[str, str]) -> None:
     known = {"Authorization": f"Bearer {bench.token}"}
@@ -154,9 +144,7 @@ def watched(bench: Bench) -> str:
     return f"{bench.origin.replace('http', 'ws')}/api/jobs/{'0' * 16}/watch?tab={TAB}"
 
 
-@pytest.mark.parametrize(
-    "method", ["HEAD", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE", "CONNECT", "BREW"]
-)
+@pytest.mark.parametrize("method", ["HEAD", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE", "CONNECT", "BREW"])
 def test_other_methods_are_refused_by_a_sentence(bench: Bench, method: str) -> None:
     with bench.client() as client:
         for path in ("/api/call/run", "/api/jobs", "/api/files", "/bench.js"):

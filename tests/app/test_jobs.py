@@ -145,9 +145,7 @@ def test_a_job_that_does_not_stop_is_ended(served: Bench) -> None:
     assert cancelled(served, job) == 200
 
 
-@pytest.mark.parametrize(
-    "call, request_", [("die", {"signal": "SIGKILL"}), ("bug", {"zero": 0}), ("nothing", {})]
-)
+@pytest.mark.parametrize("call, request_", [("die", {"signal": "SIGKILL"}), ("bug", {"zero": 0}), ("nothing", {})])
 def test_a_job_that_fails_says_why(served: Bench, call: str, request_: dict[str, Any]) -> None:
     last = to_the_end(served, begun(served, call, request_))[-1]["job"]
     assert last["state"] == "failed"
@@ -182,15 +180,7 @@ def test_too_many_jobs_are_refused(served: Bench) -> None:
 
 @pytest.mark.parametrize(
     "body",
-    [
-        {},
-        {"call": 1},
-        {"call": "run", "request": []},
-        {"call": "run", "request": None},
-        [],
-        "x",
-        {"call": ["run"]},
-    ],
+    [{}, {"call": 1}, {"call": "run", "request": []}, {"call": "run", "request": None}, [], "x", {"call": ["run"]}],
 )
 def test_a_job_that_is_none(served: Bench, body: Any) -> None:
     with served.client() as client:

@@ -41,9 +41,7 @@ def placed(found: dict[str, Any], picture: int) -> dict[str, list[list[float]]]:
     points: dict[str, list[list[float]]] = {}
     for shape in found["shapes"]:
         numbers = iter(shape["still"]) if shape["still"] is not None else rest
-        points[shape["name"]] = [
-            [next(numbers) * found["quantum"] for _ in range(3)] for _ in range(shape["count"])
-        ]
+        points[shape["name"]] = [[next(numbers) * found["quantum"] for _ in range(3)] for _ in range(shape["count"])]
     assert not list(rest)
     return points
 
@@ -109,13 +107,9 @@ def test_the_run_brings_it(bench: Bench) -> None:
     assert found["ports"]["element"]["temperature"] == "temperature"
 
 
-@pytest.mark.parametrize(
-    "name", sorted(set(list_standalone()) - {"finger", "hand", "closed_loop_beam"})
-)
+@pytest.mark.parametrize("name", sorted(set(list_standalone()) - {"finger", "hand", "closed_loop_beam"}))
 def test_every_example_has_one(name: str) -> None:
-    scenario = read_scenario(
-        list_standalone()[name], FOLDER / "scenario.toml", {"run.duration": "0.2 s"}
-    )
+    scenario = read_scenario(list_standalone()[name], FOLDER / "scenario.toml", {"run.duration": "0.2 s"})
     found = describe_scene(scenario, scenario.run(runtime=None if scenario.outside else "floats"))
     assert found["shapes"]
     assert all(len(frame) == len(found["frames"][0]) for frame in found["frames"])

@@ -111,9 +111,7 @@ def test_fields_must_be_a_table(desk: Desk) -> None:
 def test_the_wires_are_those_of_the_library(found: dict[str, Any]) -> None:
     request = WireRequest(force=0.5, stroke=3e-3, rate=0.2, supply=5.0, alloy="90")
     direct = size_wire(request)
-    assert [one["size"] for one in found["candidates"]] == [
-        one.size.name for one in direct.candidates
-    ]
+    assert [one["size"] for one in found["candidates"]] == [one.size.name for one in direct.candidates]
     best = found["candidates"][0]
     assert best["feasible"] and best["cells"][0] == "1"
     assert best["drive"]["energy"] == pytest.approx(direct.candidates[0].drive.energy)  # type: ignore[union-attr]
@@ -186,9 +184,7 @@ def test_the_example_has_wires_that_do() -> None:
 def test_the_check_takes_only_its_conditions(desk: Desk) -> None:
     stopped = Desk(desk.folder)
     stopped.tell = lambda note: stopped.stop.set()
-    answer = sizing.compare_catalogue(
-        {"fields": {**SMALL, "ambient": "30 degC", "stress": "150 MPa"}}, stopped
-    )
+    answer = sizing.compare_catalogue({"fields": {**SMALL, "ambient": "30 degC", "stress": "150 MPa"}}, stopped)
     assert answer["asked"] == {"alloy": "90", "ambient": "30 degC", "stress": "150 MPa"}
     assert "150 MPa" in answer["conditions"] and "30 °C" in answer["conditions"]
     (row,) = answer["rows"]

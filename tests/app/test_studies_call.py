@@ -51,9 +51,7 @@ def test_the_claims_are_those_of_the_study(computed: dict[str, Any]) -> None:
     assert computed["tally"]["not reproduced"] > 0
 
 
-def test_notes_tell_the_part_and_bring_its_claims(
-    computed: dict[str, Any], notes: list[dict[str, Any]]
-) -> None:
+def test_notes_tell_the_part_and_bring_its_claims(computed: dict[str, Any], notes: list[dict[str, Any]]) -> None:
     parts = list(load_study(QUICK).parts())
     assert [note["doing"] for note in notes] == [*parts, "the figure"]
     assert [claim for note in notes for claim in note["claims"]] == computed["claims"]
@@ -81,9 +79,7 @@ def test_a_damaged_file_is_as_none(tmp_path: Path, damaged: str) -> None:
     assert studies.read_results(one, tmp_path) is None
 
 
-def test_results_hold_for_the_data_that_were_there(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_results_hold_for_the_data_that_were_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MARTENSITE_DATA", str(tmp_path / "none"))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "none"))
     one = load_study("electrothermal-staircase")
@@ -116,9 +112,7 @@ def test_what_is_no_study_is_refused(bench: Bench) -> None:
         studies.load_named_study({"name": "/tmp"})
 
 
-def test_without_studies_the_page_says_what_brings_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_studies_the_page_says_what_brings_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("martensite.base.registry.entry_points", lambda **_: ())
     monkeypatch.setattr("martensite.studies.base.STUDIES", Registry("study", "martensite.studies"))
     with pytest.raises(InputError, match=r"No study is installed; `pip install 'martensite\["):

@@ -105,9 +105,7 @@ def test_a_large_sweep_is_thinned_evenly(tmp_path: Path) -> None:
     assert len({int(k) // 300 for k in kept}) == -(-300 // found.strides[0])
 
 
-def test_a_run_is_opened_with_exactly_its_numbers(
-    made: tuple[Desk, str, list[dict[str, Any]]],
-) -> None:
+def test_a_run_is_opened_with_exactly_its_numbers(made: tuple[Desk, str, list[dict[str, Any]]]) -> None:
     from martensite.scenario.scenario import read_scenario
 
     desk, key, _ = made
@@ -149,11 +147,7 @@ def test_the_table_is_safe_in_a_spreadsheet(made: tuple[Desk, str, list[dict[str
     lines = (desk.folder / said["file"] / said["name"]).read_text("utf-8").splitlines()
     assert lines[0].startswith("run,status,element.diameter [m],drive.waveform.high [W],stroke [m]")
     assert len(lines) == 49
-    assert [sweep_export.escape_formula(text) for text in ("=1+1", "@x", "max(T)")] == [
-        "'=1+1",
-        "'@x",
-        "max(T)",
-    ]
+    assert [sweep_export.escape_formula(text) for text in ("=1+1", "@x", "max(T)")] == ["'=1+1", "'@x", "max(T)"]
 
 
 def test_the_zip_is_the_store(made: tuple[Desk, str, list[dict[str, Any]]], tmp_path: Path) -> None:
@@ -174,10 +168,7 @@ def same(one: Path, other: Path) -> None:
 
 
 def test_the_command_makes_the_same_sweep(
-    bench: Bench,
-    made: tuple[Desk, str, list[dict[str, Any]]],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
+    bench: Bench, made: tuple[Desk, str, list[dict[str, Any]]], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     desk, key, _ = made
     said = bench.call("sweep_plan", GRID)
@@ -238,9 +229,7 @@ def test_the_time_is_estimated_from_a_block(bench: Bench) -> None:
     assert found["seconds"] == pytest.approx(3 * found["took"] / found["workers"])
 
 
-def test_without_the_extra_there_is_a_sentence_and_no_trace(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_the_extra_there_is_a_sentence_and_no_trace(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import sys
 
     monkeypatch.setitem(sys.modules, "zarr", None)
@@ -281,9 +270,7 @@ def heard(bench: Bench, job: str, tab: str = TAB) -> Generator[dict[str, Any]]:
             yield json.loads(text)
 
 
-def until(
-    messages: Iterator[dict[str, Any]], enough: Callable[[dict[str, Any]], bool]
-) -> dict[str, Any]:
+def until(messages: Iterator[dict[str, Any]], enough: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
     """The first note that is enough, or the end of the job."""
     for message in messages:
         notes = message["job"]["trail"] if "job" in message else [message["note"]]
@@ -354,9 +341,7 @@ def test_resumed_on_another_server_it_has_the_same_bits(tmp_path: Path) -> None:
     same(SweepFolder(folder).path(line["key"]), SweepFolder(tmp_path / "other").path(whole["key"]))
 
 
-def test_a_sweep_that_runs_is_neither_deleted_nor_begun_twice(
-    made: tuple[Desk, str, list[dict[str, Any]]],
-) -> None:
+def test_a_sweep_that_runs_is_neither_deleted_nor_begun_twice(made: tuple[Desk, str, list[dict[str, Any]]]) -> None:
     desk, key, _ = made
     with hold_store(SweepFolder(desk.folder).path(key)):
         with pytest.raises(DataError, match="running already"):

@@ -101,9 +101,7 @@ def test_mat_files_are_read(desk: Desk) -> None:
     scipy_io.savemat(path, rows)
     found = table({"key": key}, desk)
     assert sorted(one["name"] for one in found["columns"]) == ["temperature", "time"]
-    at = [
-        {"at": k, **{n: one[n] for n in ("name", "unit")}} for k, one in enumerate(found["columns"])
-    ]
+    at = [{"at": k, **{n: one[n] for n in ("name", "unit")}} for k, one in enumerate(found["columns"])]
     for one in at:
         one["unit"] = one["unit"] or "s"
     record = records({"key": key, "columns": at}, desk)
@@ -113,11 +111,7 @@ def test_mat_files_are_read(desk: Desk) -> None:
 
 def test_units_are_checked_when_columns_are_mapped(desk: Desk) -> None:
     key = put(desk, LOG)
-    for unit, words in (
-        ("", "has no unit"),
-        ("bar", "cannot be converted"),
-        ("x]y", "not a name with a unit"),
-    ):
+    for unit, words in (("", "has no unit"), ("bar", "cannot be converted"), ("x]y", "not a name with a unit")):
         with pytest.raises(InputError, match=words):
             records({"key": key, "columns": columns((0, "time", "s"), (2, "force", unit))}, desk)
     with pytest.raises(InputError, match="two columns `force`"):

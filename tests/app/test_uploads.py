@@ -106,9 +106,7 @@ def test_200_megabytes_are_refused_with_memory_flat(bench: Bench, told: bool) ->
     before, held = kept(bench), resident(bench.pid)
     headers = {"Content-Length": str(200 * 2**20)} if told else {}
     with bench.client() as client:
-        answer = client.post(
-            "/api/files", params={"name": "big.csv"}, content=chunks(200), headers=headers
-        )
+        answer = client.post("/api/files", params={"name": "big.csv"}, content=chunks(200), headers=headers)
         assert client.get("/api/status").status_code == 200
     assert answer.status_code == 413
     assert "64 MiB" in answer.json()["error"]
@@ -176,9 +174,7 @@ def test_a_folder_that_cannot_be_written_is_a_sentence(tmp_path: Path) -> None:
         asyncio.run(UploadFolder(occupied).take("a.csv", streamed([b"x"])))
 
 
-def test_a_file_of_the_greatest_size_is_kept(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_file_of_the_greatest_size_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(uploads, "MOST_BYTES", 100)
     key, path = asyncio.run(UploadFolder(tmp_path).take("a.csv", streamed([b"x" * 60, b"x" * 40])))
     assert path.stat().st_size == 100

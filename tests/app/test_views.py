@@ -40,11 +40,7 @@ def test_every_column_stands_in_one_panel() -> None:
         found = [c for panel in list_panels(result) for own in panel["ports"].values() for c in own]
         assert len(found) == len(set(found))
         missing = set(result.columns) - set(found)
-        assert {c.rpartition(".")[-1] for c in missing} <= {
-            "hottest",
-            "oriented_fraction",
-            "heat_loss",
-        }
+        assert {c.rpartition(".")[-1] for c in missing} <= {"hottest", "oriented_fraction", "heat_loss"}
 
 
 def test_what_belongs_together_stands_together() -> None:
@@ -63,10 +59,7 @@ def test_ports_of_several_actuators_stand_apart() -> None:
     assert list(panels["stress"]["ports"]) == ports
     assert panels["alpha"]["ports"][""][:2] == ["alpha", "beta"]
     assert [loop["key"] for loop in list_loops(result)][-1] == "stress-strain"
-    assert list_loops(result)[0]["ports"]["first"] == [
-        "first.temperature",
-        "first.martensite_fraction",
-    ]
+    assert list_loops(result)[0]["ports"]["first"] == ["first.temperature", "first.martensite_fraction"]
 
 
 def test_a_system_without_elements_has_no_loops() -> None:
@@ -213,8 +206,7 @@ def test_documents_are_compared_by_path() -> None:
 
 
 @pytest.mark.parametrize(
-    ("texts", "error"),
-    [(["a = "], DataError), ([1], BadMessageError), (["a = 1"] * 13, BadMessageError)],
+    ("texts", "error"), [(["a = "], DataError), ([1], BadMessageError), (["a = 1"] * 13, BadMessageError)]
 )
 def test_what_is_no_document_is_refused(texts: list[Any], error: type[InputError]) -> None:
     with pytest.raises(error):

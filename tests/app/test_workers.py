@@ -80,9 +80,7 @@ def test_a_worker_that_grows_without_end(tmp_path: Path) -> None:
     assert refusal.kind == "failed"
 
 
-@pytest.mark.parametrize(
-    "line", ["", "garbage", "[1, 2]", "12", "null", "{}", '{"refused": "x"}', '{"kind": 1}', "\0"]
-)
+@pytest.mark.parametrize("line", ["", "garbage", "[1, 2]", "12", "null", "{}", '{"refused": "x"}', '{"kind": 1}', "\0"])
 def test_a_worker_that_writes_garbage(tmp_path: Path, line: str) -> None:
     refusal = refusal_then_answer(tmp_path, "garbage", {"line": line})
     assert refusal.kind == "lost"

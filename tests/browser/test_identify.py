@@ -5,17 +5,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from fit_cases import (
-    HEATED,
-    TRUTH,
-    cycle,
-    heated,
-    measured,
-    read_rows,
-    repeated,
-    write_log,
-    write_rows,
-)
+from fit_cases import HEATED, TRUTH, cycle, heated, measured, read_rows, repeated, write_log, write_rows
 from playwright.sync_api import Page, expect
 
 SCENARIO = (Path(__file__).parents[2] / "examples/isobaric_log.toml").read_text("utf-8")
@@ -57,10 +47,7 @@ def test_a_log_becomes_a_material(page: Page, log: Path) -> None:
     opened(page)
     choose(page, log)
     for heading, name, unit in zip(
-        HEADINGS,
-        ("time", "temperature", "stress", "strain"),
-        ("s", "degC", "MPa", "%"),
-        strict=False,
+        HEADINGS, ("time", "temperature", "stress", "strain"), ("s", "degC", "MPa", "%"), strict=False
     ):
         expect(page.get_by_label(f"Meaning of {heading}")).to_have_value(name)
         expect(page.get_by_label(f"Unit of {heading}")).to_have_value(unit)

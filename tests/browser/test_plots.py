@@ -140,9 +140,7 @@ def test_warnings_lead_to_their_time(page: Page) -> None:
     opened(page)
     expect(page.locator(".alarm")).to_have_count(0)
     calm = picture(panel(page, "Wire temperature"))
-    opened(
-        page, TEXT.replace("[drive]", '[element.limits]\ntemperature_limit = "90 degC"\n[drive]')
-    )
+    opened(page, TEXT.replace("[drive]", '[element.limits]\ntemperature_limit = "90 degC"\n[drive]'))
     alarm = page.locator(".alarm")
     expect(alarm).to_contain_text("Too hot")
     expect(alarm).to_contain_text("against 90 °C")

@@ -57,9 +57,7 @@ def opened(page: Page) -> Opened:
 
 def scrub(page: Page, share: float) -> None:
     page.locator(".player input[type=range]").evaluate(
-        "(e, s) => { e.value = String(+e.max * s);"
-        " e.dispatchEvent(new Event('input', { bubbles: true })); }",
-        share,
+        "(e, s) => { e.value = String(+e.max * s); e.dispatchEvent(new Event('input', { bubbles: true })); }", share
     )
 
 
@@ -93,11 +91,7 @@ def settled(page: Page, view: Locator) -> bytes:
 
 @pytest.mark.parametrize(
     "name",
-    [
-        "constant_power",
-        "finger",
-        *(pytest.param(n, marks=pytest.mark.slow) for n in ("hand", "closed_loop_platform")),
-    ],
+    ["constant_power", "finger", *(pytest.param(n, marks=pytest.mark.slow) for n in ("hand", "closed_loop_platform"))],
 )
 def test_what_is_drawn_moves_with_the_cursor(page: Page, opened: Opened, name: str) -> None:
     view = opened(name)
@@ -159,9 +153,7 @@ def test_changed_numbers_move_what_is_there(page: Page, opened: Opened) -> None:
         count = rendered(view)
         changed = text.replace("100 mm", length)
         put_on_bench(page, changed)
-        page.wait_for_function(
-            "n => +document.querySelector('.scene-view').dataset.rendered > n", arg=count
-        )
+        page.wait_for_function("n => +document.querySelector('.scene-view').dataset.rendered > n", arg=count)
     expect(page.locator(".scene-view canvas[data-mine=yes]")).to_have_count(1)
     assert view.get_attribute("data-held") == held
 

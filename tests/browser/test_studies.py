@@ -45,9 +45,7 @@ def test_a_study_runs_and_its_claims_are_read(page: Page) -> None:
     claims.get_by_label("Find").fill("1.3 V")
     expect(rows.first).to_contain_text("1.3 V")
     claims.get_by_role("button", name="Published").click()
-    expect(claims.get_by_role("columnheader", name="Published")).to_have_attribute(
-        "aria-sort", "ascending"
-    )
+    expect(claims.get_by_role("columnheader", name="Published")).to_have_attribute("aria-sort", "ascending")
     claims.get_by_label("Find").fill("no such words")
     expect(rows).to_have_count(0)
 

@@ -181,12 +181,8 @@ def test_a_kept_sweep_is_looked_at(page: Page, bench: Bench, ready: str) -> None
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("design", "number", "count"), [("latin-hypercube", "24", 24), ("saltelli", "16", 64)]
-)
-def test_a_sample_is_run_and_looked_at(
-    page: Page, bench: Bench, design: str, number: str, count: int
-) -> None:
+@pytest.mark.parametrize(("design", "number", "count"), [("latin-hypercube", "24", 24), ("saltelli", "16", 64)])
+def test_a_sample_is_run_and_looked_at(page: Page, bench: Bench, design: str, number: str, count: int) -> None:
     ask(page, bench, ("6", "5"))
     page.get_by_role("combobox", name="Sample").select_option(design)
     page.get_by_label("Number", exact=True).fill(number)

@@ -48,13 +48,7 @@ REPRODUCED = {
     "heated-offset",
 }
 UNFITTED = {"maker-martensite", "maker-austenite", "maker-start", "maker-end"}
-NOT_REPRODUCED = UNFITTED | {
-    "counter",
-    "martensite-lowest",
-    "rise",
-    "trained-offset",
-    "fit-rise",
-}
+NOT_REPRODUCED = UNFITTED | {"counter", "martensite-lowest", "rise", "trained-offset", "fit-rise"}
 CALIBRATED = {"rho-martensite", "rho-austenite", "film", "calibrated-start", "calibrated-end"}
 
 
@@ -203,8 +197,7 @@ def test_differences() -> None:
     assert fitted.rho_A == pytest.approx(8.42e-7, rel=1e-3)
     assert fitted.rho_M == pytest.approx(9.20e-7, rel=1e-3)
     found = {
-        key: model.resistance_rms(model.predict_plateaus(key, STATED, fitted), run, *KEPT)
-        for key in model.VARIANTS
+        key: model.resistance_rms(model.predict_plateaus(key, STATED, fitted), run, *KEPT) for key in model.VARIANTS
     }
     assert found["calibrated"] < found["material"] < found["maker"]
     level = [run.mean(*span) for span in (STATED.cold, STATED.hot)]
@@ -213,9 +206,7 @@ def test_differences() -> None:
     flat = math.sqrt(sum(x * x for x in steps) / len(steps))
     assert found["calibrated"] < flat
     wrong = replace(fitted, h=0.5 * fitted.h)
-    assert (
-        model.resistance_rms(model.predict_plateaus("calibrated", STATED, wrong), run, *KEPT) > flat
-    )
+    assert model.resistance_rms(model.predict_plateaus("calibrated", STATED, wrong), run, *KEPT) > flat
 
 
 @needs_record
@@ -238,8 +229,7 @@ def test_example_has_the_calibrated_numbers() -> None:
     fitted = calibrate_numbers(STATED)
     leaves = {leaf.path: leaf.value for leaf in load(EXAMPLE).system.leaves()}
     found = {
-        name: next(v for path, v in leaves.items() if path.endswith(name))
-        for name in ("rho_A", "rho_M", "cooling.h")
+        name: next(v for path, v in leaves.items() if path.endswith(name)) for name in ("rho_A", "rho_M", "cooling.h")
     }
     assert found["rho_A"] == pytest.approx(fitted.rho_A, rel=1e-3)
     assert found["rho_M"] == pytest.approx(fitted.rho_M, rel=1e-3)

@@ -14,12 +14,7 @@ import pytest
 
 from martensite.fit.profiling import profile_likelihood
 from martensite.studies.base import Claim
-from martensite_studies.electrothermal import (
-    ElectrothermalStaircase,
-    model,
-    record,
-    resistance_numbers,
-)
+from martensite_studies.electrothermal import ElectrothermalStaircase, model, record, resistance_numbers
 from martensite_studies.electrothermal import heating_fit as heating
 from martensite_studies.electrothermal import resistance_fit as fitting
 from martensite_studies.electrothermal.record import RecordStaircase
@@ -29,8 +24,7 @@ STATED = printed_numbers("electrothermal")
 OFFSETS = (fitting.LOWER, STATED.offset, fitting.UPPER)
 PER_OHM = math.pi / 4.0 * 0.381e-3**2 / 0.19
 pytestmark = pytest.mark.skipif(
-    not record.has_files(record.UNTRAINED, record.WARMTH),
-    reason=f"data set {record.DATA} is not on this machine",
+    not record.has_files(record.UNTRAINED, record.WARMTH), reason=f"data set {record.DATA} is not on this machine"
 )
 
 
@@ -54,10 +48,7 @@ def test_every_fifth_plateau_is_kept_back() -> None:
     one = fitting.build_experiment("mixture", STATED.offset)
     held = np.array(fitting.compared_column("set_point"))[one.kept_back]
     assert held == pytest.approx([1.7, 2.2, 2.7, 3.2, 3.7, 4.2])
-    assert [len(one.times), fitting.fit_shape("mixture", STATED.offset).uncertainty.samples] == [
-        33,
-        27,
-    ]
+    assert [len(one.times), fitting.fit_shape("mixture", STATED.offset).uncertainty.samples] == [33, 27]
     always = [fitting.kept_back(place) for place in range(fitting.HELD)]
     assert sum(map(len, always)) == 33 - len(fitting.EDGE)
 
@@ -90,9 +81,7 @@ def test_offset_is_that_of_linear_least_squares(shape: str, seen) -> None:
     found, left, *_ = np.linalg.lstsq(np.stack(columns, axis=1), volts / amperes)
     profile = fitting.offset_of(shape)
     assert profile.value == pytest.approx(found[2], abs=2e-4)
-    assert fitting.sum_squares(fitting.fit_shape(shape, profile.value)) == pytest.approx(
-        left[0], rel=1e-3
-    )
+    assert fitting.sum_squares(fitting.fit_shape(shape, profile.value)) == pytest.approx(left[0], rel=1e-3)
     low, high = profile.interval
     assert low < profile.value < high
     assert all(low < offset < high for offset in OFFSETS)
@@ -100,18 +89,12 @@ def test_offset_is_that_of_linear_least_squares(shape: str, seen) -> None:
 
 def test_the_step_of_two_slopes_is_free_of_the_offset() -> None:
     def reach(shape: str) -> float:
-        steps = [
-            fitting.resistivity_difference(fitting.fit_shape(shape, offset))[0]
-            for offset in OFFSETS
-        ]
+        steps = [fitting.resistivity_difference(fitting.fit_shape(shape, offset))[0] for offset in OFFSETS]
         assert min(steps) > 0.0
         return max(steps) - min(steps)
 
     assert reach("both") < 0.05 * reach("mixture")
-    assert (
-        reach("mixture")
-        > fitting.resistivity_difference(fitting.fit_shape("mixture", STATED.offset))[1]
-    )
+    assert reach("mixture") > fitting.resistivity_difference(fitting.fit_shape("mixture", STATED.offset))[1]
 
 
 def test_what_is_not_determined_is_said() -> None:
@@ -184,9 +167,7 @@ def test_films_of_the_camera_close_the_balance() -> None:
 
 
 def test_a_wrong_material_is_contradicted() -> None:
-    found = ElectrothermalStaircase(STATED.with_numbers(rho_A=9.2e-7, rho_M=8.4e-7)).part_claims(
-        "resistance"
-    )
+    found = ElectrothermalStaircase(STATED.with_numbers(rho_A=9.2e-7, rho_M=8.4e-7)).part_claims("resistance")
     verdicts = {claim.id: claim.verdict for claim in found}
     wrong = ("fit-rho-austenite", "fit-rho-martensite", "fit-difference-slopes")
     assert {verdicts[id] for id in wrong} == {"not reproduced"}

@@ -113,9 +113,9 @@ class TestData:
         width, slope = TABLE["Delta_sigma"], TABLE["dsigma_dT"]
         turn = np.zeros(len(places))
         turn[record_numbers.CHOSEN_ELSE.index("Delta_sigma")] = 1.0 / slope
-        turn[record_numbers.CHOSEN_ELSE.index("dsigma_dT")] = (
-            width / (slope + step) - width / (slope - step)
-        ) / (2.0 * step)
+        turn[record_numbers.CHOSEN_ELSE.index("dsigma_dT")] = (width / (slope + step) - width / (slope - step)) / (
+            2.0 * step
+        )
         assert math.sqrt(turn @ spread @ turn) == pytest.approx(found.ratio, rel=1e-5)
 
     @pytest.mark.parametrize("data", EVERY, ids=lambda data: data.key)
@@ -183,9 +183,7 @@ class TestLeastSquares:
 @pytest.mark.slow
 class TestGauges:
     def test_force(self):
-        found = [
-            one for one in gauge_numbers.assess_test(gauge_numbers.FORCE, PRINTED).weak if one.exact
-        ]
+        found = [one for one in gauge_numbers.assess_test(gauge_numbers.FORCE, PRINTED).weak if one.exact]
         assert len(found) == 1
         assert found[0].gauge
         assert set(found[0].names) == set(gauge_numbers.FORCE)
@@ -195,9 +193,9 @@ class TestGauges:
         same = gauge_numbers.scale_gauge(gauge_numbers.FORCE, 1.3, PRINTED)
         assert gauge_numbers.largest_change(same, PRINTED) < 1e-9
         less = ("stiffness", "dsigma_dT", "Delta_sigma", "sigma_L")
-        assert gauge_numbers.largest_change(
-            gauge_numbers.scale_gauge(less, 1.3, PRINTED), PRINTED
-        ) == (pytest.approx(0.44, abs=0.02))
+        assert gauge_numbers.largest_change(gauge_numbers.scale_gauge(less, 1.3, PRINTED), PRINTED) == (
+            pytest.approx(0.44, abs=0.02)
+        )
         assert not any(one.exact for one in gauge_numbers.assess_test(less, PRINTED).weak)
 
     def test_thermal(self):
@@ -282,20 +280,13 @@ class TestWhole:
         rows += [f"| {found.ratio:.3f} " for found in errors]
         rows += [f"| {found.numbers['T_L']:.2f} " for found in errors]
         rows += [f" / {best_fit(data, PRINTED).rms:.3f} (" for data in EVERY]
-        rows += [
-            f"stays at {run_search(d, STILL, SQUARES, PRINTED).rms:.1f} (" for d in (NEAR, FAR)
-        ]
+        rows += [f"stays at {run_search(d, STILL, SQUARES, PRINTED).rms:.1f} (" for d in (NEAR, FAR)]
         rows += [f"{computed(listed, 'wrong-arm'):.2f} MPa/K"]
         assert [row for row in rows if row not in text] == []
 
     @pytest.mark.parametrize(
         ("data", "start", "runs", "rms"),
-        [
-            (NEAR, 0, 382, 0.956),
-            (NEAR, 3, 798, 1.062),
-            (FAR, 0, 1098, 2.090),
-            (FAR, 3, 1066, 4.208),
-        ],
+        [(NEAR, 0, 382, 0.956), (NEAR, 3, 798, 1.062), (FAR, 0, 1098, 2.090), (FAR, 3, 1066, 4.208)],
         ids=lambda x: getattr(x, "key", None),
     )
     def test_coordinate_search_goes_as_the_readme_says(self, listed, data, start, runs, rms):
@@ -330,10 +321,7 @@ def test_without_a_compiler_it_says_so(monkeypatch, tmp_path):
 @pytest.mark.slow
 def test_a_wrong_number_is_noticed():
     """A table with another hysteresis than the record was made with is not found again."""
-    other = [
-        one.with_numbers(value=60e6) if one.name == "Delta_sigma" else one
-        for one in PRINTED.searched
-    ]
+    other = [one.with_numbers(value=60e6) if one.name == "Delta_sigma" else one for one in PRINTED.searched]
     wrong = PRINTED.with_numbers(searched=PrintedRows(other))
     numbers = {"again": record_numbers.list_again(NEAR, wrong)}
     found = settle_some(FingerCalibration(wrong), "record", numbers, "{name}-{key}")

@@ -15,14 +15,7 @@ from claim_checks import check_decides, settle_some
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import Claim, load_study
-from martensite_studies.finger import (
-    FingerStudy,
-    bench,
-    bending_numbers,
-    crystal_numbers,
-    loop_numbers,
-    wire_numbers,
-)
+from martensite_studies.finger import FingerStudy, bench, bending_numbers, crystal_numbers, loop_numbers, wire_numbers
 from martensite_studies.tables import printed_numbers
 
 PRINTED = printed_numbers("finger")
@@ -44,9 +37,7 @@ def computed(listed: dict[str, Claim], id: str) -> float:
 
 class TestWire:
     def test_heat(self):
-        assert bench.steady_temperature(1.4, PRINTED) == pytest.approx(
-            295.0 + 1.4 / PER_KELVIN, abs=1e-3
-        )
+        assert bench.steady_temperature(1.4, PRINTED) == pytest.approx(295.0 + 1.4 / PER_KELVIN, abs=1e-3)
         assert wire_numbers.threshold_power(PRINTED) == pytest.approx(PER_KELVIN * 37.75, rel=1e-9)
         assert wire_numbers.free_width(PRINTED) == pytest.approx(PER_KELVIN * 13.0, rel=1e-9)
 
@@ -103,27 +94,17 @@ class TestBending:
 
     def test_energy_is_accounted_for(self):
         wire = bench.get_wire()
-        values = {
-            "mass": wire.mass(),
-            "heat_capacity": wire.heat_capacity,
-            "latent_heat": wire.latent_heat,
-        }
+        values = {"mass": wire.mass(), "heat_capacity": wire.heat_capacity, "latent_heat": wire.latent_heat}
         run = bench.run_bending(2.0, 1.5e-3, PRINTED)
         assert bench.energy_imbalance(run, values) < 1e-4
-        half = replace(
-            run,
-            times=run.times[:200],
-            columns={name: column[:200] for name, column in run.columns.items()},
-        )
+        half = replace(run, times=run.times[:200], columns={name: column[:200] for name, column in run.columns.items()})
         assert bench.energy_imbalance(half, values) < 1e-3
         assert bench.energy_imbalance(half, {**values, "latent_heat": 0.0}) > 0.03
 
 
 class TestLoop:
     def test_widths(self):
-        assert loop_numbers.loop_widths(PRINTED, None)[:2] == pytest.approx(
-            (0.741, 0.433), abs=0.003
-        )
+        assert loop_numbers.loop_widths(PRINTED, None)[:2] == pytest.approx((0.741, 0.433), abs=0.003)
         full, _, static = loop_numbers.loop_widths(PRINTED, None)
         assert full / static == pytest.approx(2.1, rel=0.05)
         full, _, static = loop_numbers.loop_widths(PRINTED, 16e-3)
@@ -173,19 +154,14 @@ class TestWhole:
 
     def test_readme_has_the_computed_numbers(self, listed):
         text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
-        shown = [
-            f"{crystal_numbers.crystal_difference(w, PRINTED):+.1f}° at {w:.1f} W"
-            for w in (1.0, 1.3)
-        ]
+        shown = [f"{crystal_numbers.crystal_difference(w, PRINTED):+.1f}° at {w:.1f} W" for w in (1.0, 1.3)]
         ends = [f"{computed(listed, f'limited-{w:.1f}W'):.1f}" for w in PRINTED.powers]
         angles = [f"{computed(listed, f'angle-{r}mm-2.0W'):.1f}°" for r in (1.5, 3.5, 5.5)]
         lag = f"{computed(listed, 'proportional'):.1f} K off"
         assert [word for word in (*shown, *ends, *angles, lag) if word not in text] == []
 
     def test_every_claim_says_why(self, listed):
-        assert all(
-            claim.why and claim.source.startswith("finger-paper") for claim in listed.values()
-        )
+        assert all(claim.why and claim.source.startswith("finger-paper") for claim in listed.values())
         assert len({claim.id for claim in FingerStudy().claims()}) == len(listed)
         assert set(FingerStudy.cites) <= set(read_bibliography())
 

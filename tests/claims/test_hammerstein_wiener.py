@@ -12,13 +12,7 @@ from claim_checks import check_complete, check_decides, verdict_of, with_verdict
 
 from martensite.kernels.compiler import find_compiler
 from martensite.studies.base import Claim, load_study
-from martensite_studies.hammerstein_wiener import (
-    HammersteinWiener,
-    comparisons,
-    loop,
-    loops,
-    models,
-)
+from martensite_studies.hammerstein_wiener import HammersteinWiener, comparisons, loop, loops, models
 from martensite_studies.hammerstein_wiener.bench import INTERVAL
 from martensite_studies.hammerstein_wiener.fit_numbers import BETTER, PAPER, WHOLE
 
@@ -39,9 +33,7 @@ def test_the_one_model_holds_at_every_rate_and_at_rest() -> None:
 def test_a_wrong_model_is_noticed() -> None:
     model = models.estimate_recipe("stage 1")
     slower = model.theta + np.array([0.3 * (n == "2.log_tau") for n in model.names()])
-    found = comparisons.compare_model(
-        model.with_theta(slower), models.read_record("validation"), "stage 1"
-    )
+    found = comparisons.compare_model(model.with_theta(slower), models.read_record("validation"), "stage 1")
     assert found.fit < 88.0
 
 

@@ -24,14 +24,7 @@ from martensite_studies.tables import Printed, PrintedRows, printed_numbers
 PRINTED = printed_numbers("migaone")
 POINTS = PRINTED.steps.column("temperature"), PRINTED.steps.column("film")
 COEFFICIENTS = PRINTED.h0, PRINTED.h1, PRINTED.h2
-REPRODUCED = {
-    "geometry-volume-misprint",
-    "steady-1.0V",
-    "steady-1.5V",
-    "steady-2.0V",
-    "steady-2.5V",
-    "actuation-time",
-}
+REPRODUCED = {"geometry-volume-misprint", "steady-1.0V", "steady-1.5V", "steady-2.0V", "steady-2.5V", "actuation-time"}
 NOT_REPRODUCED = {
     "geometry-diameter",
     "geometry-surface",
@@ -123,9 +116,7 @@ def test_geometry_and_resistance(claims: dict[str, Claim]) -> None:
 
 def test_scenario_says_what_the_paper_does() -> None:
     scenario = bench.load_scenario()
-    assert bench.read_number("environment.temperature") == pytest.approx(
-        PRINTED.ambient + bench.ZERO
-    )
+    assert bench.read_number("environment.temperature") == pytest.approx(PRINTED.ambient + bench.ZERO)
     coefficients = tuple(bench.read_number(f"cooling.h{k}") for k in range(3))
     assert coefficients == pytest.approx(COEFFICIENTS)
     wire = bench.base_wire()
@@ -150,8 +141,7 @@ def test_scenario_moves_and_returns() -> None:
 
 def test_fits() -> None:
     full, even, line = (
-        fit(PRINTED)
-        for fit in (film_numbers.fit_quadratic, film_numbers.no_linear, film_numbers.fit_straight)
+        fit(PRINTED) for fit in (film_numbers.fit_quadratic, film_numbers.no_linear, film_numbers.fit_straight)
     )
     assert full.coefficients == pytest.approx((30.729, 0.34525, 4.701e-4), rel=3e-5)
     assert even.coefficients == pytest.approx((41.888, 0.0, 0.0030103), rel=3e-5)
@@ -168,9 +158,7 @@ def test_no_parabola_beats_the_fit() -> None:
     for k in range(3):
         for factor in (0.999, 1.001):
             moved = [c * (factor if i == k else 1.0) for i, c in enumerate(best.coefficients)]
-            r_squared = film_r_squared(
-                PRINTED.steps.column("temperature"), PRINTED.steps.column("film"), moved
-            )
+            r_squared = film_r_squared(PRINTED.steps.column("temperature"), PRINTED.steps.column("film"), moved)
             assert r_squared < best.r_squared < PRINTED.r_squared
 
 
@@ -200,9 +188,7 @@ def root_of_balance(power: float, surface: float, coefficients: tuple[float, ...
     for _ in range(60):
         middle = 0.5 * (low + high)
         h = sum(c * middle**k for k, c in enumerate(coefficients))
-        low, high = (
-            (middle, high) if h * surface * (middle - PRINTED.ambient) < power else (low, middle)
-        )
+        low, high = (middle, high) if h * surface * (middle - PRINTED.ambient) < power else (low, middle)
     return low
 
 
@@ -219,9 +205,7 @@ def test_steady_temperatures() -> None:
 
 
 def test_film_rests_on_the_ambient_temperature() -> None:
-    assert film_numbers.films_at_ambient(38.5, PRINTED) == pytest.approx(
-        PRINTED.steps.column("film")
-    )
+    assert film_numbers.films_at_ambient(38.5, PRINTED) == pytest.approx(PRINTED.steps.column("film"))
     found = film_numbers.films_at_ambient(41.0, PRINTED)
     assert found == pytest.approx([65.8, 61.1, 61.9, 68.1], abs=0.05)
 
@@ -251,9 +235,7 @@ def test_actuation_time() -> None:
     """The reference is for a room of 25 °C, and to two digits."""
     assert motion_numbers.fastest_time(PRINTED) == pytest.approx(0.38, abs=0.01)
     assert motion_numbers.slowest_time(PRINTED) == pytest.approx(1.7, abs=0.05)
-    assert motion_numbers.thin_wire_time(PRINTED, motion_numbers.ROOM) == pytest.approx(
-        0.016, abs=0.0005
-    )
+    assert motion_numbers.thin_wire_time(PRINTED, motion_numbers.ROOM) == pytest.approx(0.016, abs=0.0005)
     here = bench.actuation_time(PRINTED, PRINTED.ambient)
     assert motion_numbers.fastest_time(PRINTED) < here < motion_numbers.slowest_time(PRINTED)
 

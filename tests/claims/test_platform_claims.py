@@ -22,14 +22,7 @@ from martensite.scenario.citations import read_bibliography
 from martensite.simulate.result import Result
 from martensite.studies.base import Claim, load_study, study_names
 from martensite_studies import readings
-from martensite_studies.platform import (
-    Platform,
-    bench,
-    control_numbers,
-    equation_numbers,
-    loop,
-    response_numbers,
-)
+from martensite_studies.platform import Platform, bench, control_numbers, equation_numbers, loop, response_numbers
 from martensite_studies.platform.bench import AS_PRINTED, CASES, IN_SERIES, VARIANTS, Case
 from martensite_studies.tables import printed_numbers
 
@@ -105,9 +98,7 @@ def test_a_wrong_published_number_is_not_reproduced() -> None:
 
 
 def test_a_corrected_misprint_is_reproduced() -> None:
-    right = Platform(PRINTED.with_numbers(centroid=PRINTED.side / math.sqrt(3.0))).part_claims(
-        "geometry"
-    )
+    right = Platform(PRINTED.with_numbers(centroid=PRINTED.side / math.sqrt(3.0))).part_claims("geometry")
     assert verdict_of(right, "lever") == "reproduced"
     assert verdict_of(right, "centroid") == "not reproduced"
     right = Platform(PRINTED.with_numbers(fast=2.1, slow=7.5, current=2.8)).part_claims("response")
@@ -142,10 +133,7 @@ def test_stroke_reach_and_vibration(listed: dict[str, Claim]) -> None:
     assert computed(listed, "contraction") == pytest.approx(1e3 * plain.contraction(0.0), abs=1e-6)
     assert computed(listed, "contraction") == pytest.approx(30.38, abs=0.005)
     assert computed(listed, "full-angle") == pytest.approx(33.68, abs=0.005)
-    reach = [
-        computed(listed, f"reach-{way}")
-        for way in ("alpha-low", "alpha-high", "beta-low", "beta-high")
-    ]
+    reach = [computed(listed, f"reach-{way}") for way in ("alpha-low", "alpha-high", "beta-low", "beta-high")]
     assert reach == pytest.approx([-30.87, 33.06, -36.14, 36.14], abs=0.006)
     assert computed(listed, "natural-frequency") == pytest.approx(30.7, abs=0.05)
     assert computed(listed, "rate-cold") == pytest.approx(232.3, abs=0.05)
@@ -283,19 +271,14 @@ def test_springs_are_free_of_force_and_weigh_what_is_printed() -> None:
     for case in (AS_PRINTED, VARIANTS["6 mm mean coil diameter"]):
         spring = bench.build_spring(case, PRINTED)
         assert spring.mass() == pytest.approx(PRINTED.spring_mass)
-        ends = [
-            spring.resistance.value_of(n) * spring.wire_length() / spring.section()
-            for n in ("rho_A", "rho_M")
-        ]
+        ends = [spring.resistance.value_of(n) * spring.wire_length() / spring.section() for n in ("rho_A", "rho_M")]
         assert ends == pytest.approx([PRINTED.R_A, PRINTED.R_M])
     rest = bench.build_machine(AS_PRINTED, PRINTED)
     run = bench.run_heated(AS_PRINTED, PRINTED, 0.0, 0.1)
     assert max(abs(run[f"{port}.force"][-1]) for port in rest.actuators()) == 0.0
 
 
-def test_plain_floats_serve_where_there_is_no_compiler(
-    monkeypatch: pytest.MonkeyPatch, c_compiler: str
-) -> None:
+def test_plain_floats_serve_where_there_is_no_compiler(monkeypatch: pytest.MonkeyPatch, c_compiler: str) -> None:
     assert readings.choose_runtime() == "c"
     monkeypatch.setattr(readings, "find_compiler", lambda: None)
     assert readings.choose_runtime() == "floats"
@@ -318,9 +301,7 @@ def test_figure(tmp_path) -> None:
 
 def test_readme_has_the_computed_numbers(listed: dict[str, Claim]) -> None:
     text = bench.SCENARIO.with_name("README.md").read_text(encoding="utf-8")
-    assert (
-        f"{computed(listed, 'contraction'):.2f} mm at {computed(listed, 'full-angle'):.2f}°" in text
-    )
+    assert f"{computed(listed, 'contraction'):.2f} mm at {computed(listed, 'full-angle'):.2f}°" in text
     fast, slow = (computed(listed, f"printed-{v}V") for v in (5, 3))
     assert f"would take {fast:.2f} s and {slow:.2f} s" in text
     both = [response_numbers.free_times(case, PRINTED) for case in VARIANTS.values()]

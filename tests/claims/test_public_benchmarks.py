@@ -26,9 +26,7 @@ FEEDBACK = (0.36, 0.45, 0.30)
 WIENER_HAMMERSTEIN_LINEAR, WIENER_HAMMERSTEIN = 43.4, 0.30
 """The first published (arXiv 2405.10779); the second a bound near the best of its structure."""
 
-needs_silverbox = pytest.mark.skipif(
-    not datasets.is_here(FILE), reason="data set silverbox is not on this machine"
-)
+needs_silverbox = pytest.mark.skipif(not datasets.is_here(FILE), reason="data set silverbox is not on this machine")
 needs_wiener_hammerstein = pytest.mark.skipif(
     not datasets.is_here(OTHER), reason="data set wiener-hammerstein-2009 is not on this machine"
 )
@@ -54,12 +52,7 @@ def errors(chain: Chain, records: dict[str, Sampled]) -> list[float]:
 @needs_silverbox
 def test_splits_are_the_published_ones(silverbox):
     sizes = {name: len(record) for name, record in silverbox.items()}
-    assert sizes == {
-        "estimation": 65062,
-        "multisine": 21688,
-        "arrow": 40475,
-        "no extrapolation": 32000,
-    }
+    assert sizes == {"estimation": 65062, "multisine": 21688, "arrow": 40475, "no extrapolation": 32000}
     assert silverbox["estimation"].interval == pytest.approx(1.0 / 610.35, rel=1e-5)
 
 

@@ -55,9 +55,7 @@ def by_id(claims: list[Claim]) -> dict[str, Claim]:
 
 @cache
 def of_motor() -> dict[str, Claim]:
-    return by_id(
-        [*Sommerfeld(PRINTED).part_claims("beam"), *Sommerfeld(PRINTED).part_claims("ramp")]
-    )
+    return by_id([*Sommerfeld(PRINTED).part_claims("beam"), *Sommerfeld(PRINTED).part_claims("ramp")])
 
 
 @cache
@@ -113,13 +111,7 @@ def test_verdicts_on_the_wire() -> None:
     found = verdicts(of_wire())
     assert found["reproduced"] == set()
     assert found["not reproduced"] == {"actuator-complete"}
-    assert found["calibrated"] == {
-        "wire-slack",
-        "wire-jump",
-        "wire-reduction",
-        "wire-current-drop",
-        "actuator-current",
-    }
+    assert found["calibrated"] == {"wire-slack", "wire-jump", "wire-reduction", "wire-current-drop", "actuator-current"}
     complete(of_wire())
 
 
@@ -154,13 +146,7 @@ def speed_from_rest(volts: float, sign: float, duration: float = 25.0) -> float:
         f2 = KT * i - B * w
         # M x'' + sign q φ'' = f1,  q x'' + I φ'' = f2
         d = M * inertia - sign * q * q
-        return [
-            v,
-            (inertia * f1 - sign * q * f2) / d,
-            w,
-            (M * f2 - q * f1) / d,
-            (volts - KT * w - R * i) / L,
-        ]
+        return [v, (inertia * f1 - sign * q * f2) / d, w, (M * f2 - q * f1) / d, (volts - KT * w - R * i) / L]
 
     times = np.linspace(duration - 1.0, duration, 201)
     found = integrate.solve_ivp(
@@ -192,9 +178,7 @@ def test_plateau() -> None:
 def test_modes_have_the_frequency_of_the_single_mass() -> None:
     motor = machines.printed_motor(PRINTED)
     modal = machines.motor_with_modes(motor, PRINTED, 3)
-    assert machines.natural_frequency(modal) == pytest.approx(
-        machines.natural_frequency(motor), rel=1e-6
-    )
+    assert machines.natural_frequency(modal) == pytest.approx(machines.natural_frequency(motor), rel=1e-6)
     assert modal.mass == pytest.approx(M, rel=5e-3)
     assert modal.stiffness_2 / modal.mass_2 > 100.0 * machines.natural_frequency(motor) ** 2
 
@@ -243,9 +227,7 @@ def volts_at(omega: float) -> float:
 def test_folds() -> None:
     upper, lower = averages.find_folds(machines.printed_motor(PRINTED))
     peak = math.sqrt(K / M)
-    up = optimize.minimize_scalar(
-        lambda w: -volts_at(w), bounds=(0.9 * peak, 1.01 * peak), method="bounded"
-    )
+    up = optimize.minimize_scalar(lambda w: -volts_at(w), bounds=(0.9 * peak, 1.01 * peak), method="bounded")
     down = optimize.minimize_scalar(volts_at, bounds=(1.01 * peak, 3.0 * peak), method="bounded")
     assert upper.voltage == pytest.approx(-up.fun, rel=1e-6)  # type: ignore[attr-defined]
     assert lower.voltage == pytest.approx(down.fun, rel=1e-6)  # type: ignore[attr-defined]
@@ -290,14 +272,7 @@ def test_calibrated_ramp_does_not_depend_on_the_step() -> None:
     motor = machines.calibrated_motor()
     coarse = runs.run_upward(motor, 0.2, 7.0)
     wave = Ramp(high=7.0, end=35.0)
-    run = simulate(
-        Machine(mechanism=motor),
-        {"motor": wave},
-        35.0,
-        step=2e-4,
-        samples=17501,
-        runtime=choose_runtime(),
-    )
+    run = simulate(Machine(mechanism=motor), {"motor": wave}, 35.0, step=2e-4, samples=17501, runtime=choose_runtime())
     fine = runs.split_windows(run, motor)
     assert fine.jump == pytest.approx(coarse.jump, abs=0.051)  # one window
     assert fine.peak == pytest.approx(coarse.peak, abs=1e-4)
@@ -393,10 +368,7 @@ def test_ramp_with_the_wire_does_not_depend_on_the_step() -> None:
     waves = {"motor": Ramp(high=6.0, end=30.0), "drive": Step(high=1.1, at=on, until=1e9)}
     system = machines.load_scenario().system
     run = simulate(system, waves, 30.0, step=2e-4, samples=15001, runtime="c")
-    fine, coarse = (
-        runs.split_windows(run, machines.calibrated_motor()),
-        wire.run_trial(PRINTED, 0.015).sweep,
-    )
+    fine, coarse = (runs.split_windows(run, machines.calibrated_motor()), wire.run_trial(PRINTED, 0.015).sweep)
     assert fine.jump == pytest.approx(coarse.jump, abs=0.051)
     assert fine.peak == pytest.approx(coarse.peak, abs=1e-4)
 
@@ -463,10 +435,7 @@ def test_readme_has_the_computed_numbers() -> None:
     stiff, damped = computed(one, "required-stiffness"), computed(one, "required-damping")
     assert f"{stiff:.2f} times the stiffness and {damped:.2f} times the damping" in text
     alone = [computed(one, f"with-{name}") for name in ("stiffness", "damping", "both")]
-    assert (
-        "up to {:.2f} V, more damping alone down to {:.2f} V, both to {:.2f} V".format(*alone)
-        in text
-    )
+    assert "up to {:.2f} V, more damping alone down to {:.2f} V, both to {:.2f} V".format(*alone) in text
     for trial in wire.run_trials(PRINTED):
         row = f"| {100 * trial.slack:.1f} % | {trial.jump:.2f} V | {100 * trial.reduction:.1f} % |"
         assert row in text

@@ -72,9 +72,7 @@ def test_half_way_temperatures_of_flexinol(flexinol: TangentFit) -> None:
     """Within 0.3 K of the crossings; the listed numbers are those of the nearest rows."""
     for k, (name, points) in enumerate(zip(FLEXINOL, flexinol.levels, strict=True)):
         rows = half_of_stroke(name)
-        for found, (at, nearest, apart), listed in zip(
-            halves(points), rows, (HEATING[k], COOLING[k]), strict=True
-        ):
+        for found, (at, nearest, apart), listed in zip(halves(points), rows, (HEATING[k], COOLING[k]), strict=True):
             assert listed == pytest.approx(nearest, abs=0.06)
             assert found == pytest.approx(at, abs=0.3)
             assert abs(found - listed) < 0.3 + 0.5 * apart
@@ -108,9 +106,7 @@ def test_slopes_and_strokes_of_flexinol(flexinol: TangentFit) -> None:
 def test_what_the_tangents_of_flexinol_say(flexinol: TangentFit) -> None:
     """To the digits noted: a change of the method shows here."""
     found = [[getattr(flexinol, n).value - KELVIN for n in ("A_s", "A_f", "M_s", "M_f")]]
-    found += [
-        [getattr(p, n) - KELVIN for n in ("A_s", "A_f", "M_s", "M_f")] for p in flexinol.levels
-    ]
+    found += [[getattr(p, n) - KELVIN for n in ("A_s", "A_f", "M_s", "M_f")] for p in flexinol.levels]
     assert np.asarray(found) == pytest.approx(
         np.asarray(
             [
@@ -123,9 +119,7 @@ def test_what_the_tangents_of_flexinol_say(flexinol: TangentFit) -> None:
         ),
         abs=0.02,
     )
-    assert [100.0 * p.H for p in flexinol.levels] == pytest.approx(
-        [3.35, 3.47, 3.70, 3.72], abs=0.01
-    )
+    assert [100.0 * p.H for p in flexinol.levels] == pytest.approx([3.35, 3.47, 3.70, 3.72], abs=0.01)
     assert all(p.H < p.stroke for p in flexinol.levels)  # round ends and slopes are outside
     assert all(abs(p.residual_strain) < 3e-4 for p in flexinol.levels)
     assert flexinol.strain.form == "constant"
@@ -146,10 +140,7 @@ def test_nitihf(nitihf: TangentFit) -> None:
 @needs(NITIHF)
 def test_what_the_tangents_of_nitihf_say(nitihf: TangentFit) -> None:
     """To the digits noted: a change of the method shows here."""
-    found = [
-        [*(getattr(p, n) - KELVIN for n in ("A_s", "A_f", "M_s", "M_f")), 1000.0 * p.H]
-        for p in nitihf.levels
-    ]
+    found = [[*(getattr(p, n) - KELVIN for n in ("A_s", "A_f", "M_s", "M_f")), 1000.0 * p.H] for p in nitihf.levels]
     expected = [
         [203.9, 212.2, 179.2, 169.6, 2.02],
         [204.6, 212.9, 179.7, 173.1, 9.62],

@@ -73,9 +73,7 @@ class TestRow:
         printed = re.search(r"printed as ([\d.]+) in$", size.diameter.note)
         assert printed is not None
         assert size.diameter.value == pytest.approx(float(printed[1]) * 0.0254, rel=1e-12)
-        assert float(size.name.removesuffix(" mm")) == pytest.approx(
-            1e3 * size.diameter.value, rel=0.03
-        )
+        assert float(size.name.removesuffix(" mm")) == pytest.approx(1e3 * size.diameter.value, rel=0.03)
 
     def test_forces_belong_to_the_stresses_of_the_maker(self, size: WireSize) -> None:
         assert 171.9 <= working_stress(size) <= 174.3

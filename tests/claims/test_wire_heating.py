@@ -53,9 +53,7 @@ def h_of(at: float, ambient: float, k: float, alpha: float, nu: float, pr: float
 
 
 def h_in_air(at: float, ambient: float) -> float:
-    k, alpha, nu, pr = (
-        float(np.interp(0.5 * (at + ambient), AIR[:, 0], AIR[:, j])) for j in range(1, 5)
-    )
+    k, alpha, nu, pr = (float(np.interp(0.5 * (at + ambient), AIR[:, 0], AIR[:, j])) for j in range(1, 5))
     return h_of(at, ambient, k, 1e-5 * alpha, 1e-5 * nu, pr)
 
 
@@ -90,12 +88,7 @@ def test_verdicts(listed: dict[str, Claim]) -> None:
         *(f"steady-{kind}-{s}" for kind in ("as-printed", "per-metre") for s in steps),
     }
     assert {id for id in found["calibrated"] if not id.startswith("closure-")} == set()
-    assert found["not checkable"] == {
-        "film-line",
-        "film-ambient",
-        "time-constants",
-        *(f"film-{s}" for s in steps),
-    }
+    assert found["not checkable"] == {"film-line", "film-ambient", "time-constants", *(f"film-{s}" for s in steps)}
 
 
 def test_every_claim_is_complete(listed: dict[str, Claim]) -> None:
@@ -123,9 +116,7 @@ def test_other_printed_numbers_would_be_reproduced() -> None:
 
 def test_film_coefficients(listed: dict[str, Claim]) -> None:
     for row in PRINTED.rows:
-        expected = h_of(
-            row.temperature, 22.0, row.conductivity, row.diffusivity, row.viscosity, row.prandtl
-        )
+        expected = h_of(row.temperature, 22.0, row.conductivity, row.diffusivity, row.viscosity, row.prandtl)
         found = computed(listed, f"film-{row.voltage:.1f}V")
         assert found == pytest.approx(expected, rel=1e-3)
         assert round(found) in range(40, 47)
@@ -148,14 +139,7 @@ def test_textbook_air_agrees_with_the_printed_rows() -> None:
         assert found == pytest.approx(bench.printed_film(row, PRINTED), rel=0.01)
     ambients = [bench.implied_ambient(row) for row in PRINTED.rows]
     assert ambients[:4] == pytest.approx([17.0, 21.0, 24.0, 22.0])
-    hot = Printed(
-        voltage=2.0,
-        temperature=300.0,
-        conductivity=0.04,
-        diffusivity=5e-5,
-        viscosity=4e-5,
-        prandtl=0.7,
-    )
+    hot = Printed(voltage=2.0, temperature=300.0, conductivity=0.04, diffusivity=5e-5, viscosity=4e-5, prandtl=0.7)
     assert math.isnan(bench.implied_ambient(hot))
 
 
@@ -193,9 +177,7 @@ def test_closure_b(listed: dict[str, Claim]) -> None:
     ohms = np.where(VOLTS > 0.95, 1.3, 1.5)
     rises = VOLTS**2 / (ohms * SURFACE)
     held = optimize.minimize_scalar(
-        lambda h: float(np.sum((22.0 + rises / h - AT) ** 2)),
-        bounds=(50.0, 300.0),
-        method="bounded",
+        lambda h: float(np.sum((22.0 + rises / h - AT) ** 2)), bounds=(50.0, 300.0), method="bounded"
     )
     assert computed(listed, "closure-b-film") == pytest.approx(held.x, rel=1e-5)  # type: ignore[attr-defined]
     assert computed(listed, "closure-b-film") == pytest.approx(128.0, abs=1.0)

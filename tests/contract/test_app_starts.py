@@ -37,24 +37,14 @@ PLACES = {
 """Registry -> a scenario, and where it has a kind of that registry."""
 SPARE = {"kind": "ideal", "of": "position"}
 ANGLES = {
-    "sensors": {
-        "alpha": {"kind": "tilt", "of": "alpha"},
-        "spare": {"kind": "ideal", "of": "alpha"},
-    },
+    "sensors": {"alpha": {"kind": "tilt", "of": "alpha"}, "spare": {"kind": "ideal", "of": "alpha"}},
     "sensor": None,
 }
 DIFFERENT: dict[tuple[str, str], tuple[str, dict[str, Any], str]] = {
-    ("waveform", "carrier"): (
-        "new",
-        {"drive.kind": "pwm-voltage"},
-        "a duty drives a switch, not a current",
-    ),
+    ("waveform", "carrier"): ("new", {"drive.kind": "pwm-voltage"}, "a duty drives a switch, not a current"),
     ("controller", "cascade"): (
         "closed_loop",
-        {
-            "sensors": {"position": {"kind": "position"}, "temperature": {"kind": "thermocouple"}},
-            "sensor": None,
-        },
+        {"sensors": {"position": {"kind": "position"}, "temperature": {"kind": "thermocouple"}}, "sensor": None},
         "it reads a temperature as well",
     ),
     ("controller", "constant-power"): ("closed_loop_power", {}, "it reads voltage and current"),
@@ -91,9 +81,7 @@ def begun(registry: str, kind: str) -> str:
     return as_toml({key: value for key, value in document.items() if value is not None})
 
 
-@pytest.mark.parametrize(
-    ("registry", "kind"), [(r, k) for r in ALL for k in ALL[r].names()], ids=str
-)
+@pytest.mark.parametrize(("registry", "kind"), [(r, k) for r in ALL for k in ALL[r].names()], ids=str)
 def test_every_kind_can_be_chosen(registry: str, kind: str, tmp_path: Path) -> None:
     _, path = PLACES[registry]
     found = answer({"text": begun(registry, kind), "changes": {path: kind}}, desk(tmp_path))

@@ -43,9 +43,7 @@ JUDGED = ("temperature", "martensite_fraction", "stress", "position")
 @pytest.mark.parametrize("runtime", ["c", "floats"])
 @pytest.mark.parametrize("wave", [LEVELS, PULSE], ids=["triangle", "pulse"])
 def test_rows_are_as_accurate_as_they_say(wave: Any, runtime: str, c_compiler: str) -> None:
-    batch = simulate_batch(
-        problem_a(), wave, 20.0, {"h0": H0}, samples=101, outputs=JUDGED, runtime=runtime
-    )
+    batch = simulate_batch(problem_a(), wave, 20.0, {"h0": H0}, samples=101, outputs=JUDGED, runtime=runtime)
     assert endings(batch).status == [Status.OK] * 3
     assert endings(batch).ended.tolist() == [20.0] * 3
     for run, h0 in enumerate(H0):
@@ -83,9 +81,7 @@ def test_tighter_bounds_may_vary(c_compiler: str) -> None:
     over = {"temperature_stop": stops}
     ways: list[dict[str, Any]] = [{}, {"runtime": "floats"}, {"step": 0.02, "runtime": "c"}]
     for more in ways:
-        batch = simulate_batch(
-            problem_a(), LEVELS, 20.0, over, samples=101, outputs=("temperature",), **more
-        )
+        batch = simulate_batch(problem_a(), LEVELS, 20.0, over, samples=101, outputs=("temperature",), **more)
         assert [status.failed for status in endings(batch).status] == [True, True, False]
         highest = np.nanmax(batch["temperature"], axis=1)
         assert (highest < stops).all()
@@ -97,9 +93,7 @@ def test_tighter_bounds_may_vary(c_compiler: str) -> None:
 PWM = ms.signals.PulseWidthModulation(high=5.0, frequency=20.0, duty=0.2)
 
 
-def test_runs_whose_drives_are_too_long_go_one_by_one(
-    monkeypatch: pytest.MonkeyPatch, c_compiler: str
-) -> None:
+def test_runs_whose_drives_are_too_long_go_one_by_one(monkeypatch: pytest.MonkeyPatch, c_compiler: str) -> None:
     def run() -> ms.Result:
         return simulate_batch(problem_a(), PWM, 10.0, {"h0": H0}, samples=51, outputs=JUDGED)
 
@@ -114,9 +108,7 @@ def test_runs_whose_drives_are_too_long_go_one_by_one(
 
 
 def test_samples_on_edges_are_behind_them(c_compiler: str) -> None:
-    batch = simulate_batch(
-        problem_a(), PWM, 10.0, {"h0": H0}, samples=201, outputs=("drive", "current")
-    )
+    batch = simulate_batch(problem_a(), PWM, 10.0, {"h0": H0}, samples=201, outputs=("drive", "current"))
     single = ms.run(problem_a(), PWM, 10.0, samples=201)
     for row in batch["drive"]:
         assert np.array_equal(row, single["drive"])
@@ -134,9 +126,7 @@ def test_any_number_of_runs_is_made(count: int, c_compiler: str) -> None:
 def test_threads_change_nothing(c_compiler: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(import_module("martensite.simulate.variants"), "TOGETHER", 8)
     h0 = np.linspace(60.0, 140.0, 30).tolist()
-    one, two = (
-        simulate_batch(problem_a(), PULSE, 12.0, {"h0": h0}, samples=51, devices=n) for n in (1, 2)
-    )
+    one, two = (simulate_batch(problem_a(), PULSE, 12.0, {"h0": h0}, samples=51, devices=n) for n in (1, 2))
     assert np.array_equal(one["position"], two["position"])
 
 
@@ -151,8 +141,7 @@ def test_a_hard_run_is_made_again_and_alone(monkeypatch: pytest.MonkeyPatch) -> 
 def test_chunks_do_not_change_variants() -> None:
     over = {"A_f": [350.0, 351.0, 352.0, 353.0, 354.0]}
     whole, cut = (
-        simulate_batch(problem_a(), LEVELS, 10.0, over, step=0.02, samples=51, chunk=chunk)
-        for chunk in (5, 2)
+        simulate_batch(problem_a(), LEVELS, 10.0, over, step=0.02, samples=51, chunk=chunk) for chunk in (5, 2)
     )
     assert whole["position"] == pytest.approx(cut["position"], abs=1e-14)
 

@@ -104,9 +104,7 @@ class TestSameEverywhere:
         assert outside["wanted"][-1] == outside["wanted"][-2]  # nobody answers at the end
 
     def test_drive_that_follows_nothing_has_no_reference(self) -> None:
-        run = simulate_bench(
-            bench(controllers=Controllers()), 0.2, outside={"drive": Steady(level=0.1)}
-        )
+        run = simulate_bench(bench(controllers=Controllers()), 0.2, outside={"drive": Steady(level=0.1)})
         assert "reference" not in run.columns
         assert set(run.columns["wanted"]) == {0.1}
 
@@ -147,9 +145,7 @@ class TestPeriods:
         """Without sensors the signal shown is the answer to the output and reference shown."""
         proportional = pid(Ki=0.0, law=PidLaw(low=-10.0, high=10.0))
         run = simulate_bench(
-            bench(sensors=Sensors(), controllers=Controllers(drive=proportional)),
-            2.0,
-            runtime="floats",
+            bench(sensors=Sensors(), controllers=Controllers(drive=proportional)), 2.0, runtime="floats"
         )
         wanted = 300.0 * np.subtract(run["reference"], run["position"])
         assert run.columns["wanted"] == pytest.approx(wanted, abs=1e-12)
@@ -157,9 +153,7 @@ class TestPeriods:
         assert run.columns["reference"] == pytest.approx(expected, abs=1e-9)
 
     def test_seed_decides_the_noise(self) -> None:
-        one, same, other, none = (
-            simulate_bench(bench(), 1.0, seed=seed, runtime="floats") for seed in (1, 1, 2, None)
-        )
+        one, same, other, none = (simulate_bench(bench(), 1.0, seed=seed, runtime="floats") for seed in (1, 1, 2, None))
         assert one.columns["measured.position"] == same.columns["measured.position"]
         assert apart(one, other, "measured.position") > 0.0
         assert apart(one, none, "measured.position") > 0.0
@@ -168,12 +162,7 @@ class TestPeriods:
         """Second order: half the step, a quarter of the error."""
         parts = {"sensors": Sensors(), "controllers": Controllers()}
         runs = [
-            simulate_bench(
-                bench(substeps=n, **parts),
-                1.0,
-                waveforms={"drive": Constant(level=0.1)},
-                runtime="floats",
-            )
+            simulate_bench(bench(substeps=n, **parts), 1.0, waveforms={"drive": Constant(level=0.1)}, runtime="floats")
             for n in (1, 2, 16)
         ]
         coarse, fine = (apart(run, runs[-1], "temperature") for run in runs[:2])
@@ -184,10 +173,7 @@ class TestPeriods:
         parts = {"sensors": Sensors(), "controllers": Controllers(), "period": 0.005}
         run = {
             how: simulate_bench(
-                bench(switching=how, **parts),
-                1.0,
-                waveforms={"drive": Constant(level=0.3)},
-                runtime="floats",
+                bench(switching=how, **parts), 1.0, waveforms={"drive": Constant(level=0.3)}, runtime="floats"
             )
             for how in ("averaged", "pulses")
         }
@@ -209,8 +195,7 @@ def machine() -> Machine:
     one = plant()
     actuator = Actuator(element=one.element, environment=one.environment, source=one.source)
     return Machine(
-        mechanism=AntagonisticPulley(radius=0.01, preload=5.0),
-        group=Group(protagonist=actuator, antagonist=actuator),
+        mechanism=AntagonisticPulley(radius=0.01, preload=5.0), group=Group(protagonist=actuator, antagonist=actuator)
     )
 
 
@@ -221,9 +206,7 @@ class TestSeveralDrives:
         both = Bench(
             plant=machine,
             period=0.05,
-            controllers=Controllers(
-                protagonist=switch, antagonist=switch.with_values({"high": 0.0})
-            ),
+            controllers=Controllers(protagonist=switch, antagonist=switch.with_values({"high": 0.0})),
         )
         names = [drive.name for drive in both.drives()]
         assert names == ["reference.protagonist", "reference.antagonist"]
@@ -250,10 +233,7 @@ class TestSeveralDrives:
 @pytest.mark.parametrize(
     ("parts", "words"),
     [
-        (
-            {"sensors": Sensors(x=MountedSensor(sensor=PositionSensor(), of=("positon",)))},
-            "`position`",
-        ),
+        ({"sensors": Sensors(x=MountedSensor(sensor=PositionSensor(), of=("positon",)))}, "`position`"),
         ({"controllers": Controllers(drive=pid(measured="positoin"))}, "`position`"),
         ({"controllers": Controllers(wire=pid())}, "`drive`"),
         ({"faults": FaultTable(f=Stuck(sensor="encoder"))}, "`position`"),
@@ -275,9 +255,7 @@ def test_what_drives_it_is_checked() -> None:
 
 
 def test_numbers_are_no_structure() -> None:
-    assert compile_system(bench()) is compile_system(
-        bench(controllers=Controllers(drive=pid(Kp=1.0)))
-    )
+    assert compile_system(bench()) is compile_system(bench(controllers=Controllers(drive=pid(Kp=1.0))))
     later = Sensors(position=MountedSensor(sensor=PositionSensor(), delay=0.3))
     assert compile_system(bench()) is not compile_system(bench(sensors=later))
 

@@ -75,11 +75,7 @@ def observer(name: str) -> Any:
 def watched(one: Any) -> Bench:
     meter = MountedSensor(sensor=ResistanceSensor(relative_noise=0.005))
     return Bench(
-        plant=PLANT,
-        period=PERIOD,
-        substeps=1,
-        sensors=Sensors(resistance=meter),
-        observers=Observers(wire=one),
+        plant=PLANT, period=PERIOD, substeps=1, sensors=Sensors(resistance=meter), observers=Observers(wire=one)
     )
 
 
@@ -153,18 +149,14 @@ def named(name: str) -> str:
 @cache
 def guarded() -> Bench:
     """A bench with every fault, none of which begins, and a guard with every check."""
-    sensors = {"felt": "temperature", "again": "temperature"} | {
-        name: name for name in ("current", "stress", "force")
-    }
+    sensors = {"felt": "temperature", "again": "temperature"} | {name: name for name in ("current", "stress", "force")}
     bound = guard_for(PLANT, temperature_limit=430.0).checks.members()["bound_drive"]
     checks = {named(name): CHECKS[name](**given) for name, given in WATCHED.items()}
     return Bench(
         plant=PLANT,
         period=PERIOD,
         substeps=1,
-        sensors=Sensors(
-            **{n: MountedSensor(sensor=IdealSensor(), of=(o,)) for n, o in sensors.items()}
-        ),
+        sensors=Sensors(**{n: MountedSensor(sensor=IdealSensor(), of=(o,)) for n, o in sensors.items()}),
         supervisor=Guard(checks=Checks(**checks, thermal_bound=bound), safe=SAFE),
         faults=FaultTable(**{named(n): FAULTS[n](**g, start=LATE) for n, g in FAULTY.items()}),
     )
@@ -204,9 +196,7 @@ def is_over(found: Columns) -> None:
     source, element = PLANT.source, PLANT.element
     felt = found.get("measured.felt", found["temperature"])
     np.testing.assert_array_equal(felt[after], found["temperature"][after])
-    times, kelvins, ohms = (
-        found[name][after].tolist() for name in ("time", "temperature", "resistance")
-    )
+    times, kelvins, ohms = (found[name][after].tolist() for name in ("time", "temperature", "resistance"))
     rows = zip(map(HEATING.value, times), ohms, strict=True)
     currents = [source.current(floats, u, R) for u, R in rows]
     losses = [element.heat_loss(floats, T, PLANT.environment) for T in kelvins]

@@ -50,11 +50,7 @@ SMOOTH = pytest.mark.parametrize("name", [n for n in BLOCKS.names() if n not in 
 QUICK = [n for n in BLOCKS.names() if n in SIMPLE or not example(n).states()]
 IN_JAX = pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(n, marks=[] if n in QUICK else pytest.mark.slow)
-        for n in BLOCKS.names()
-        if example(n).numbers()
-    ],
+    [pytest.param(n, marks=[] if n in QUICK else pytest.mark.slow) for n in BLOCKS.names() if example(n).numbers()],
 )
 
 

@@ -36,17 +36,10 @@ LONG = ("lagoudas", "mas-polycrystal")
 
 def things() -> list[Any]:
     """All laws, and what was chosen."""
-    others = [
-        cls
-        for kind, names in CHOSEN.items()
-        for cls in registered(kind)
-        if cls.registered_name in names
-    ]
+    others = [cls for kind, names in CHOSEN.items() for cls in registered(kind) if cls.registered_name in names]
     return [
         pytest.param(
-            example(cls),
-            id=cls.registered_name,
-            marks=pytest.mark.slow if cls.registered_name in LONG else (),
+            example(cls), id=cls.registered_name, marks=pytest.mark.slow if cls.registered_name in LONG else ()
         )
         for cls in (*registered("law"), *others)
     ]

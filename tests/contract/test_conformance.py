@@ -50,9 +50,7 @@ def test_every_part_keeps_its_promises(kind: str, cls: Any) -> None:
 @pytest.mark.parametrize("name", SLOW)
 def test_second_forms_of_long_laws_keep_their_promises(name: str) -> None:
     laws = REGISTRIES["law"]
-    (cls, part), *_ = [
-        (laws[n], p) for n in laws.names() for p in variants(laws[n]) if label(p) == name
-    ]
+    (cls, part), *_ = [(laws[n], p) for n in laws.names() for p in variants(laws[n]) if label(p) == name]
     assert check_conformance(cls, "law", [part]).faults == []
 
 
@@ -85,9 +83,7 @@ def test_every_check_notices_a_wrong_part(kind: str) -> None:
     registry = REGISTRIES.get(kind)
     classes = [Material] if registry is None else [registry[name] for name in registry.names()]
     checks = {check.__name__ for cls in classes for check in find_checks(kind, cls)}
-    found = [
-        check_part(part, check) for part in WRONG[kind] for check in find_checks(kind, type(part))
-    ]
+    found = [check_part(part, check) for part in WRONG[kind] for check in find_checks(kind, type(part))]
     assert {one.check for one in found if one.fault} == checks
 
 

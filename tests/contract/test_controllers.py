@@ -80,25 +80,16 @@ def position(cls: Any, **given: Any) -> Callable[[AbstractWaveform], AbstractCon
     return lambda reference: cls(measured="position", reference=reference, **given)
 
 
-UP = GainSchedule(
-    low=GainsAt(at=290.0, Kp=400.0, Ki=4.0, Kd=90.0), high=GainsAt(at=HOT, Kp=250.0, Ki=2.0)
-)
+UP = GainSchedule(low=GainsAt(at=290.0, Kp=400.0, Ki=4.0, Kd=90.0), high=GainsAt(at=HOT, Kp=250.0, Ki=2.0))
 DOWN = GainSchedule(all=GainsAt(at=0.0, Kp=800.0, Ki=1.0))
 OUTER = PidGains(Kp=2e4, Ki=50.0, law=PidLaw(low=0.0, high=80.0))
 INNER = PidGains(Kp=0.05, Ki=0.4, gains_are="in-seconds")
 CASES: dict[str, Case] = {
     "cascade": Case(position(Cascade, start=293.15, outer=OUTER, inner=INNER)),
-    "constant-power": Case(
-        lambda reference: ConstantPower(reference=reference),
-        course(2.0, 6.0, 0.0, 3.0),
-    ),
-    "direct": Case(
-        lambda reference: Direct(reference=reference, gain=0.1),
-        course(0.0, 4.0, 1.0, 2.5),
-    ),
+    "constant-power": Case(lambda reference: ConstantPower(reference=reference), course(2.0, 6.0, 0.0, 3.0)),
+    "direct": Case(lambda reference: Direct(reference=reference, gain=0.1), course(0.0, 4.0, 1.0, 2.5)),
     "feedforward": Case(
-        position(Feedforward, model=plant(), lookahead=0.5, slope_weight=0.0, iterations=2),
-        samples=40,
+        position(Feedforward, model=plant(), lookahead=0.5, slope_weight=0.0, iterations=2), samples=40
     ),
     "inverse-play": Case(
         position(
@@ -111,8 +102,7 @@ CASES: dict[str, Case] = {
         )
     ),
     "latched": Case(
-        position(LatchedOnOff, oscillation="temperature", share=0.5, window=0.2, high=0.8),
-        Constant(level=-1.0),
+        position(LatchedOnOff, oscillation="temperature", share=0.5, window=0.2, high=0.8), Constant(level=-1.0)
     ),
     "mpc": Case(
         position(
@@ -130,13 +120,7 @@ CASES: dict[str, Case] = {
     "scheduled-pid": Case(position(ScheduledPid, over="temperature", rising=UP, falling=DOWN)),
     "sliding-mode": Case(
         position(
-            SlidingMode,
-            gain=1.0,
-            slope=2.0,
-            layer=20.0 * MM,
-            integral="with",
-            equivalent="filtered",
-            boundary="tanh",
+            SlidingMode, gain=1.0, slope=2.0, layer=20.0 * MM, integral="with", equivalent="filtered", boundary="tanh"
         )
     ),
     "state-feedback": Case(
@@ -156,9 +140,7 @@ KERNELS = [name for name in NAMES if CONTROLLERS[name].kernel]
 
 
 def bench(controller: AbstractController) -> Bench:
-    return Bench(
-        plant=plant(), period=PERIOD, substeps=1, controllers=Controllers(drive=controller)
-    )
+    return Bench(plant=plant(), period=PERIOD, substeps=1, controllers=Controllers(drive=controller))
 
 
 @cache
@@ -202,9 +184,7 @@ LARGE = {"feedforward"}
 """Controllers whose programs take long to compile."""
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(n, marks=pytest.mark.slow if n in LARGE else ()) for n in KERNELS]
-)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=pytest.mark.slow if n in LARGE else ()) for n in KERNELS])
 def test_c_agrees(name: str) -> None:
     agree(run(name, "floats"), run(name, "c"))
 

@@ -23,8 +23,7 @@ TARGETS = {
     for name, unit, nominal in (("length", "m", 0.25), ("h", "W/m^2/K", 50.0), ("A_s", "K", 340.0))
 }
 RANGES = [
-    parse_axis(words, TARGETS)
-    for words in ("length=0.1..0.5 m:5", "h=10..1000 W/m^2/K:4 log", "A_s=60, 70, 90 degC")
+    parse_axis(words, TARGETS) for words in ("length=0.1..0.5 m:5", "h=10..1000 W/m^2/K:4 log", "A_s=60, 70, 90 degC")
 ]
 SIZES = {"saltelli": COUNT * (len(RANGES) + 2)}
 """Of designs that make several runs of a point."""

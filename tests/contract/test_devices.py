@@ -61,9 +61,7 @@ def test_more_devices_than_there_are_are_refused() -> None:
             devices_of(count)
     wave = ms.Step(high=2.5, at=1.0)
     with pytest.raises(ParameterError, match="devices"):
-        simulate_batch(
-            problem_a(), wave, 2.0, {"h0": [90.0]}, step=0.1, devices=there + 1, runtime="jax"
-        )
+        simulate_batch(problem_a(), wave, 2.0, {"h0": [90.0]}, step=0.1, devices=there + 1, runtime="jax")
 
 
 def test_few_chunks_are_under_way_and_results_keep_their_order() -> None:

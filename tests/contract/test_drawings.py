@@ -38,9 +38,7 @@ NATURAL = 0.25
 """Length of the elements of the tests at zero elongation [m]."""
 AGREES = 1e-6
 """Share of its length by which a drawn wire may be wrong."""
-KEPT = {
-    BeamMotor: "its path is the length of the wire, whatever the element's: changes are compared"
-}
+KEPT = {BeamMotor: "its path is the length of the wire, whatever the element's: changes are compared"}
 """Mechanisms whose geometry says how long a path is."""
 
 
@@ -55,15 +53,10 @@ class Pictures:
 
     def __init__(self, mechanism: AbstractMechanism) -> None:
         self.ports = mechanism.ports()
-        one = Actuator(
-            element=Long(compliance=5e-4), environment=SURROUNDINGS, source=PrescribedTemperature()
-        )
-        self.system = Machine(
-            mechanism=mechanism, group=Group(**dict.fromkeys(mechanism.ports(), one))
-        )
+        one = Actuator(element=Long(compliance=5e-4), environment=SURROUNDINGS, source=PrescribedTemperature())
+        self.system = Machine(mechanism=mechanism, group=Group(**dict.fromkeys(mechanism.ports(), one)))
         drives = {name: wave(1.0, 0.0) for name in mechanism.signals()} | {
-            self.system.drive_at(p): wave(2.0 if k % 2 == 0 else 0.0, REST)
-            for k, p in enumerate(mechanism.ports())
+            self.system.drive_at(p): wave(2.0 if k % 2 == 0 else 0.0, REST) for k, p in enumerate(mechanism.ports())
         }
         self.result = simulate(self.system, drives, 0.06, step=1e-3, samples=9, runtime="floats")
         lengths = measure_lengths(self.system, self.result)
@@ -81,9 +74,7 @@ class Pictures:
 
 
 def wave(high: float, rest: float) -> FunctionWaveform:
-    return FunctionWaveform(
-        function=lambda t: rest + 0.5 * high * (1.0 - math.cos(2.0 * math.pi * t / 0.1))
-    )
+    return FunctionWaveform(function=lambda t: rest + 0.5 * high * (1.0 - math.cos(2.0 * math.pi * t / 0.1)))
 
 
 # ---------------------------------------------------------------- what is promised
@@ -196,9 +187,7 @@ class SilentWeight(DeadWeight):
     [Silent(radius=8e-3, preload=1.0, stiffness=0.01), SilentWeight(mass=1.0)],
     ids=lambda one: type(one).__name__,
 )
-def test_one_that_says_nothing_is_drawn_too(
-    mechanism: AbstractMechanism, check: Callable[[Pictures], None]
-) -> None:
+def test_one_that_says_nothing_is_drawn_too(mechanism: AbstractMechanism, check: Callable[[Pictures], None]) -> None:
     check(Pictures(mechanism))
 
 
@@ -236,9 +225,7 @@ def test_the_unbalance_is_drawn_where_it_is(angle: float) -> None:
 # ---------------------------------------------------------------- the checks can fail
 
 
-def spoiled(
-    change: Callable[[DrawingShape, Mapping[str, float]], DrawingShape],
-) -> AbstractMechanism:
+def spoiled(change: Callable[[DrawingShape, Mapping[str, float]], DrawingShape]) -> AbstractMechanism:
     """A dead weight whose shapes are changed as they are drawn."""
 
     class Spoiled(DeadWeight):

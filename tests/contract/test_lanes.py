@@ -25,10 +25,7 @@ DT, COUNT = 0.04, 5
 PATH = "environment.temperature"
 SYSTEM = problem_a().with_parts(source=PwmVoltage(supply=6.0))
 WARMER = SYSTEM.value_of(PATH) + np.arange(COUNT, dtype=float)
-NATIVE = [
-    pytest.param(True, marks=pytest.mark.skipif(find_compiler() is None, reason="no C compiler")),
-    False,
-]
+NATIVE = [pytest.param(True, marks=pytest.mark.skipif(find_compiler() is None, reason="no C compiler")), False]
 
 
 def signals(steps: int, seed: int = 0, most: float = 0.6) -> np.ndarray:
@@ -193,9 +190,7 @@ def test_hard_steps_are_solved(native: bool) -> None:
 @pytest.mark.skipif(find_compiler() is None, reason="no C compiler")
 def test_hard_steps_are_the_same_in_c_and_on_floats() -> None:
     native, plain = lanes(True), lanes(False)
-    np.testing.assert_allclose(
-        native.advance(hard(), 0.3), plain.advance(hard(), 0.3), rtol=1e-9, atol=1e-11
-    )
+    np.testing.assert_allclose(native.advance(hard(), 0.3), plain.advance(hard(), 0.3), rtol=1e-9, atol=1e-11)
 
 
 @pytest.mark.parametrize("native", NATIVE)

@@ -47,11 +47,7 @@ def run_lanes(
 
 
 def check_run(
-    found: Ensemble,
-    row: int,
-    whole: AbstractSystem,
-    waves: Mapping[str, AbstractWaveform],
-    duration: float,
+    found: Ensemble, row: int, whole: AbstractSystem, waves: Mapping[str, AbstractWaveform], duration: float
 ) -> None:
     """A row is about as far from an exact run as it says, at most."""
     exact = ms.run(whole, waves, duration, samples=SAMPLES, tolerance=FINE, runtime="c")
@@ -75,9 +71,7 @@ def test_examples_in_lanes(name: str, c_compiler: str) -> None:
 
 @pytest.mark.parametrize("law", ["mas", "mas-hybrid"])
 @pytest.mark.parametrize(
-    "wave",
-    [waveform(), ms.signals.PulseWidthModulation(high=4.0, frequency=1.0, duty=0.4)],
-    ids=["ramps", "pulses"],
+    "wave", [waveform(), ms.signals.PulseWidthModulation(high=4.0, frequency=1.0, duty=0.4)], ids=["ramps", "pulses"]
 )
 def test_laws_of_layers_in_lanes(law: str, wave: AbstractWaveform, c_compiler: str) -> None:
     whole = system(Wire(), law)
@@ -98,21 +92,13 @@ FAST = ms.Sine(low=0.0, high=3.5, frequency=50.0)
     [
         (SINE, 10.0, "frequency", [0.05, 0.1, 0.2]),
         (FAST, 2.0, "high", [2.0, 3.0, 3.5]),
-        (
-            ms.signals.PulseWidthModulation(high=5.0, frequency=2.0, duty=0.2),
-            *(10.0, "duty", [0.1, 0.2, 0.3]),
-        ),
+        (ms.signals.PulseWidthModulation(high=5.0, frequency=2.0, duty=0.2), *(10.0, "duty", [0.1, 0.2, 0.3])),
         (ms.signals.Triangle(high=2.5, frequency=0.1), 10.0, "high", [1.5, 2.0, 2.5]),
     ],
     ids=["slow", "fast", "pulses", "ramps"],
 )
 def test_lanes_with_drives_of_their_own(
-    wave: AbstractWaveform,
-    duration: float,
-    name: str,
-    numbers: list[float],
-    runtime: str,
-    c_compiler: str,
+    wave: AbstractWaveform, duration: float, name: str, numbers: list[float], runtime: str, c_compiler: str
 ) -> None:
     whole = problem_a()
     signals = {"drive": {name: np.array(numbers)}}

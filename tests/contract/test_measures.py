@@ -11,13 +11,7 @@ from builders import problem_a
 
 from martensite.base.errors import InputError
 from martensite.base.parameters import text
-from martensite.simulate.measures.base import (
-    MEASURES,
-    AbstractMeasure,
-    judge_runs,
-    list_needed,
-    parse_measure,
-)
+from martensite.simulate.measures.base import MEASURES, AbstractMeasure, judge_runs, list_needed, parse_measure
 
 SYSTEM = problem_a()
 
@@ -68,9 +62,7 @@ def test_several_elements_are_looked_at_together() -> None:
 
 
 def test_columns_and_what_is_needed() -> None:
-    measures = [
-        parse_measure(w) for w in ("stroke", "max(temperature)", "energy", "min(temperature)")
-    ]
+    measures = [parse_measure(w) for w in ("stroke", "max(temperature)", "energy", "min(temperature)")]
     assert measures[0].columns(SYSTEM) == (next(iter(SYSTEM.mechanism.outputs())),)
     assert list_needed(measures, SYSTEM) == (*measures[0].columns(SYSTEM), "temperature", "power")
     columns = {"temperature": np.array([[1.0, 3.0], [2.0, 0.0]])}

@@ -43,13 +43,7 @@ def seen(result: Result, mechanism: AbstractMultibody) -> np.ndarray:
     return np.array([[q / c.size for q in result[c.name]] for c in known]).T
 
 
-def run(
-    mechanism: AbstractMultibody,
-    drives: dict[str, Any],
-    duration: float,
-    step: float,
-    **options: Any,
-) -> Result:
+def run(mechanism: AbstractMultibody, drives: dict[str, Any], duration: float, step: float, **options: Any) -> Result:
     """A machine of elastic elements."""
     system = machine(mechanism, compliance=COMPLIANCE)
     return simulate(system, drives, duration, step=step, samples=11, **options)
@@ -94,10 +88,7 @@ def smooth(mechanism: AbstractMultibody) -> dict[str, Any]:
 
 def order(mechanism: AbstractMultibody) -> float:
     """Observed order of the coordinates at the end of a run."""
-    ends = [
-        seen(run(mechanism, smooth(mechanism), 0.06, dt), mechanism)[-1]
-        for dt in (2e-4, 1e-4, 5e-5)
-    ]
+    ends = [seen(run(mechanism, smooth(mechanism), 0.06, dt), mechanism)[-1] for dt in (2e-4, 1e-4, 5e-5)]
     first, second = (np.abs(b - a).max() for a, b in itertools.pairwise(ends))
     assert np.abs(ends[-1]).max() > 1e-3
     return float(np.log2(first / second))
@@ -120,9 +111,7 @@ def test_a_run_to_a_tolerance_says_how_accurate_it_is(mechanism: AbstractMultibo
 
 @every
 @pytest.mark.parametrize("tolerance", [1e-3, 1e-4])
-def test_the_work_of_a_run_is_accounted_for(
-    mechanism: AbstractMultibody, tolerance: float, c_compiler: None
-) -> None:
+def test_the_work_of_a_run_is_accounted_for(mechanism: AbstractMultibody, tolerance: float, c_compiler: None) -> None:
     system = machine(mechanism, compliance=COMPLIANCE)
     result = simulate(system, smooth(mechanism), 0.06, tolerance=tolerance, runtime="c")
     assert result.work is not None and result.work.residual is not None
@@ -203,7 +192,5 @@ class Late(AntagonisticPulley):
 
 
 def test_a_first_order_scheme_is_noticed() -> None:
-    late = Late(
-        radius=0.01, preload=3.0, stiffness=0.01, damping=1e-3, inertia=1e-4, motion="dynamic"
-    )
+    late = Late(radius=0.01, preload=3.0, stiffness=0.01, damping=1e-3, inertia=1e-4, motion="dynamic")
     assert order(late) == pytest.approx(1.0, abs=0.3)

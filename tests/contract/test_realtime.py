@@ -33,10 +33,7 @@ from martensite.simulate.result import Result
 MM, PERIOD, DURATION = 1e-3, 0.05, 3.0
 SYSTEM = problem_a().with_parts(source=PwmVoltage(supply=6.0))
 COURSE = Sine(low=1 * MM, high=5 * MM, frequency=0.5)
-NATIVE = [
-    pytest.param(True, marks=pytest.mark.skipif(find_compiler() is None, reason="no C compiler")),
-    False,
-]
+NATIVE = [pytest.param(True, marks=pytest.mark.skipif(find_compiler() is None, reason="no C compiler")), False]
 
 
 class Ceiling(AbstractSupervisor):
@@ -50,14 +47,10 @@ class Ceiling(AbstractSupervisor):
     def rest(self, xp: Namespace, readings: Named) -> Column:
         return (0.0,)
 
-    def judge(
-        self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
-    ) -> SupervisorVerdict:
+    def judge(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> SupervisorVerdict:
         over = xp.either(readings["position"] > self.ceiling, memory[0] > 0.0)
         count = xp.where(over, memory[0] + 1.0, 0.0)
-        return SupervisorVerdict(
-            {n: xp.where(over, 0.0, u) for n, u in wanted.items()}, count, (count,)
-        )
+        return SupervisorVerdict({n: xp.where(over, 0.0, u) for n, u in wanted.items()}, count, (count,))
 
 
 class Older(AbstractController):
@@ -90,9 +83,7 @@ def bench(controller: AbstractController, delay: float = 0.0, **parts: object) -
 
 @cache
 def loops() -> dict[str, Bench]:
-    observers = Observers(
-        ekf=ExtendedKalman(model=SYSTEM, measured=("position",), reading_deviation=0.02 * MM)
-    )
+    observers = Observers(ekf=ExtendedKalman(model=SYSTEM, measured=("position",), reading_deviation=0.02 * MM))
     return {
         "pid": bench(pid()),
         "supervised": bench(pid(), supervisor=Ceiling(ceiling=4 * MM)),

@@ -130,10 +130,7 @@ def test_parts_of_the_package_are_refused_too() -> None:
 
 def test_a_part_is_replaced_when_it_is_said(folder: Path) -> None:
     write_law(folder, "mine.py", '"tanaka", replace=True')
-    code = (
-        "import mine; from martensite.physics.laws.base import LAWS; "
-        "LAWS.names(); print(LAWS['tanaka'])"
-    )
+    code = "import mine; from martensite.physics.laws.base import LAWS; LAWS.names(); print(LAWS['tanaka'])"
     done = python("-c", code)
     assert (done.stdout, done.stderr) == ("<class 'mine.Mine'>\n", "")
 

@@ -33,11 +33,7 @@ def runtime(request):
     return {**RUNTIMES, "c lanes": on_lanes}[request.param]
 
 
-EVERY = [
-    (kind, cls, f"{kind}-{cls.registered_name}")
-    for kind in KERNELS
-    for cls in builders.registered(kind)
-]
+EVERY = [(kind, cls, f"{kind}-{cls.registered_name}") for kind in KERNELS for cls in builders.registered(kind)]
 CLASSES = [pytest.param(kind, cls, id=name) for kind, cls, name in EVERY]
 LONG = {"axial-wire", "ribbon", "hand"}
 """Of many elements: what only traces in long, and what C says of it, is enough."""
@@ -84,9 +80,7 @@ def mark_slow(kind, cls):
     return () if plain else pytest.mark.slow
 
 
-@pytest.mark.parametrize(
-    ("kind", "cls"), [pytest.param(k, c, marks=mark_slow(k, c), id=i) for k, c, i in EVERY]
-)
+@pytest.mark.parametrize(("kind", "cls"), [pytest.param(k, c, marks=mark_slow(k, c), id=i) for k, c, i in EVERY])
 def test_kernels_are_the_same_in_jax(kind, cls):
     for name in KERNELS[kind]:
         require_agreement(builders.variants(cls)[0], kind, name, on_jax)
@@ -160,9 +154,7 @@ def test_operations_agree(runtime):
 
 
 def test_loops_over_rows_are_traced_once():
-    kernel = Kernel(
-        {"a": (-2.0, 2.0), "b": (-2.0, 2.0), "share": (0.0, 1.0)}, lambda _, *x: rows(*x)
-    )
+    kernel = Kernel({"a": (-2.0, 2.0), "b": (-2.0, 2.0), "share": (0.0, 1.0)}, lambda _, *x: rows(*x))
     program = traced(Parametrised(), kernel)
     assert program.graph.operations.count("each") == 1
     assert program.graph.operations.count("exp") == 1

@@ -46,9 +46,7 @@ def test_slopes_are_those_of_differences(case: Case, unoptimised):
     assert np.ptp(found.rows, axis=0).max() > 0.0
 
 
-@pytest.mark.parametrize(
-    "case", [listed(under_weight(law_a()), False), listed(in_machine(example(Brinson)), True)]
-)
+@pytest.mark.parametrize("case", [listed(under_weight(law_a()), False), listed(in_machine(example(Brinson)), True)])
 def test_slopes_are_those_of_jax(case: Case, c_compiler):
     """Both as for a user: optimised."""
     compiled = compile_march(case.system)
@@ -58,9 +56,7 @@ def test_slopes_are_those_of_jax(case: Case, c_compiler):
     seeds[[compiled.paths.index(path) for path in paths], range(len(paths))] = 1.0
     values = compiled.values(case.system)
     found = march_slopes(compiled, values, seeds, case.grid, [place])
-    meant = compute_sensitivity(
-        case.system, case.waves, case.duration, paths, step=case.step, samples=case.samples
-    )
+    meant = compute_sensitivity(case.system, case.waves, case.duration, paths, step=case.step, samples=case.samples)
     rows, _ = march_lanes(compiled, values, case.grid, 1, [place])
     assert np.abs(found.rows - rows[:, :, 0]).max() <= 1e-14 * np.abs(rows).max()
     for k, path in enumerate(paths):

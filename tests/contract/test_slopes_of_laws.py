@@ -16,9 +16,7 @@ LONG = (
 )
 """Laws whose differences take long."""
 MOST = pytest.mark.parametrize(
-    "law",
-    [pytest.param(law, marks=[pytest.mark.slow] if label(law) in LONG else []) for law in LAWS],
-    ids=label,
+    "law", [pytest.param(law, marks=[pytest.mark.slow] if label(law) in LONG else []) for law in LAWS], ids=label
 )
 
 
@@ -83,7 +81,5 @@ def test_slopes_are_those_of_finite_differences(law):
 
 
 def test_a_wrong_slope_is_noticed():
-    found, wanted = slopes(
-        LAWS[0], lambda function, x: value_and_slope(floats, function, x)[1] * (1 + 1e-4)
-    )
+    found, wanted = slopes(LAWS[0], lambda function, x: value_and_slope(floats, function, x)[1] * (1 + 1e-4))
     assert found != pytest.approx(wanted, rel=1e-5, abs=1e-8)

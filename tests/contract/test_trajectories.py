@@ -22,10 +22,7 @@ def random_steps() -> FunctionWaveform:
     """120 random voltages, each held 0.5 s, off about every third time."""
     rng = np.random.default_rng(5)
     volts = (rng.uniform(0, 3.6, 120) * (rng.random(120) > 0.35)).tolist()
-    return FunctionWaveform(
-        function=lambda t: volts[min(int(2.0 * t), 119)],
-        kinks=tuple(k / 2 for k in range(1, 120)),
-    )
+    return FunctionWaveform(function=lambda t: volts[min(int(2.0 * t), 119)], kinks=tuple(k / 2 for k in range(1, 120)))
 
 
 DRIVES = {
@@ -81,9 +78,7 @@ def test_numpy_arrays_agree_over_five_seconds(history):
     state = [np.broadcast_to(v, 3) for v in functions["init"](*grid.sampled[0])]
     for u, dt in zip(grid.drives, grid.lengths, strict=True):
         state = functions["step"](*state, *u, dt)[: compiled.size]
-    ends = np.array(
-        [np.broadcast_to(v, 3) for v in functions["observe"](*state, *grid.sampled[-1])]
-    )
+    ends = np.array([np.broadcast_to(v, 3) for v in functions["observe"](*state, *grid.sampled[-1])])
     meant = simulate(system, DRIVES["pwm"][0], 5.0, step=0.01, samples=51)
     last = np.array([column[-1] for column in meant.columns.values()])
     span = np.array([max(meant.range(name), abs(meant[name][-1])) for name in meant.columns])
@@ -91,11 +86,7 @@ def test_numpy_arrays_agree_over_five_seconds(history):
     assert (np.abs(ends[:, 1] - last) <= TOLERANCE * span + 1e-300).all()
 
 
-REPEATED = (
-    "mas-polycrystal-constant-15-internal-stress",
-    "mas-constant-well",
-    "lagoudas-waisted",
-)
+REPEATED = ("mas-polycrystal-constant-15-internal-stress", "mas-constant-well", "lagoudas-waisted")
 """Second forms of the laws that take longest: with the slow tests."""
 LEVELS = {"V": 2.5, "A": 0.55, "W": 2.0, "K": 330.0, "1": 0.8}
 PARTS = [
@@ -108,10 +99,7 @@ PARTS = [
 
 @pytest.mark.parametrize(
     "thing",
-    [
-        pytest.param(part, marks=[pytest.mark.slow] if label(part) in REPEATED else [])
-        for part in PARTS
-    ],
+    [pytest.param(part, marks=[pytest.mark.slow] if label(part) in REPEATED else []) for part in PARTS],
     ids=label,
 )
 def test_every_part_runs_the_same_in_c(thing, c_compiler):
@@ -125,8 +113,7 @@ def test_every_part_runs_the_same_in_c(thing, c_compiler):
     sign = -1.0 if getattr(source, "conducts", "both") == "negative" else 1.0
     wave = Step(low=rest, high=sign * LEVELS[source.unit], at=0.1, until=1.5)
     runs = [
-        simulate(system, {"drive": wave}, 3.0, step=0.01, samples=31, runtime=runtime)
-        for runtime in ("floats", "c")
+        simulate(system, {"drive": wave}, 3.0, step=0.01, samples=31, runtime=runtime) for runtime in ("floats", "c")
     ]
     meant, found = (np.array(list(run.columns.values())).T for run in runs)
     assert not runs[0].status.failed

@@ -33,19 +33,12 @@ HARD = {**VALUES, "element.diameter": np.array([3e-4, 4e-4, 1e-200, 3.5e-4, 4e-4
 FAILED = Status.UNSOLVED
 
 
-def single(
-    course: VariantSetup, run: int, values: Any, signals: Any, runtime: str
-) -> list[np.ndarray]:
+def single(course: VariantSetup, run: int, values: Any, signals: Any, runtime: str) -> list[np.ndarray]:
     """One run by itself."""
     system = course.system.with_values({path: float(v[run]) for path, v in values.items()})
     wave = PWM.with_values({p: float(v[run]) for p, v in signals.get("drive", {}).items()})
     found = simulate(
-        system,
-        wave,
-        course.duration,
-        step=course.step,
-        samples=course.samples,
-        runtime=runtime or "floats",
+        system, wave, course.duration, step=course.step, samples=course.samples, runtime=runtime or "floats"
     )
     return [np.asarray(found[name]) for name in course.outputs]
 
@@ -86,9 +79,7 @@ def test_another_run_is_noticed() -> None:
 
 @pytest.mark.parametrize("values", [VALUES, HARD], ids=["plain", "hard"])
 @pytest.mark.parametrize("runtime", ["floats", "c"])
-def test_a_run_does_not_depend_on_those_beside_it(
-    runtime: str, values: Any, c_compiler: str
-) -> None:
+def test_a_run_does_not_depend_on_those_beside_it(runtime: str, values: Any, c_compiler: str) -> None:
     course = replace(COURSE, runtime=runtime, lanes=16)
     together = course.run(values, SIGNALS)
     assert (together.status >= FAILED).tolist() == [values is HARD and k == 2 for k in range(RUNS)]
@@ -97,9 +88,7 @@ def test_a_run_does_not_depend_on_those_beside_it(
         own = {"drive": {p: v[first:stop] for p, v in SIGNALS["drive"].items()}}
         expected = {name: c[first:stop] for name, c in together.columns.items()}
         ended, accuracy = together.ended[first:stop], together.accuracy[first:stop]
-        same(
-            course.run(part, own), Ensemble(expected, together.status[first:stop], ended, accuracy)
-        )
+        same(course.run(part, own), Ensemble(expected, together.status[first:stop], ended, accuracy))
 
 
 def test_a_run_does_not_depend_on_how_many_march_together(c_compiler: str) -> None:
@@ -166,11 +155,7 @@ def test_a_block_of_refused_runs_is_not_marched() -> None:
 
 @pytest.mark.parametrize(
     ("runtime", "precision", "sentence"),
-    [
-        ("jx", "float64", "Did you mean `jax`"),
-        ("c", "float32", "float32 on JAX"),
-        ("floats", "float16", "float16"),
-    ],
+    [("jx", "float64", "Did you mean `jax`"), ("c", "float32", "float32 on JAX"), ("floats", "float16", "float16")],
 )
 def test_wrong_runtimes_are_refused(runtime: str, precision: str, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):

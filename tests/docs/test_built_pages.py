@@ -76,20 +76,7 @@ def build(tmp_path: Path) -> Build:
         given = {"pages_begin_with": "processes", "extensions": ",".join(OURS)}
         words = [word for name, value in given.items() for word in ("-D", f"{name}={value}")]
         return subprocess.run(
-            [
-                sys.executable,
-                "-m",
-                "sphinx",
-                "-W",
-                "-q",
-                "-c",
-                str(DOCS),
-                *words,
-                "-d",
-                "trees",
-                str(tmp_path),
-                "html",
-            ],
+            [sys.executable, "-m", "sphinx", "-W", "-q", "-c", str(DOCS), *words, "-d", "trees", str(tmp_path), "html"],
             cwd=tmp_path,
             capture_output=True,
             text=True,

@@ -61,9 +61,7 @@ def test_command_line_parses(page: str, line: str) -> None:
     parse(line)
 
 
-@pytest.mark.parametrize(
-    "line", ["martensite fly wire.toml", "martensite run wire.toml --sett x=1", "martensite run"]
-)
+@pytest.mark.parametrize("line", ["martensite fly wire.toml", "martensite run wire.toml --sett x=1", "martensite run"])
 def test_a_wrong_command_line_does_not_parse(line: str) -> None:
     with pytest.raises((LookupError, USAGE)):
         parse(line)

@@ -62,9 +62,7 @@ def test_a_figure_is_a_drawing(page: Page) -> None:
 
 def test_commands_run_in_the_folder_of_the_page(page: Page) -> None:
     outputs = page(
-        f"%%writefile wire.toml\n{SCENARIO}",
-        "!head -c 1 wire.toml | tr '#' '%'",
-        "!martensite check wire.toml",
+        f"%%writefile wire.toml\n{SCENARIO}", "!head -c 1 wire.toml | tr '#' '%'", "!martensite check wire.toml"
     )
     assert outputs[1][0].text == "%\n"
     assert "The scenario is sound" in outputs[2][0].text

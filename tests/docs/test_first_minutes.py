@@ -127,9 +127,7 @@ def test_a_law_of_ones_own_conforms(python: Path, folder: Path) -> None:
     assert "linear-strips" in done.stdout
 
 
-@pytest.mark.parametrize(
-    "words", [["study"], ["study", "migaone"], ["cite", "migaone"]], ids=" ".join
-)
+@pytest.mark.parametrize("words", [["study"], ["study", "migaone"], ["cite", "migaone"]], ids=" ".join)
 def test_the_studies_are_offered(python: Path, folder: Path, words: list[str]) -> None:
     done = call(python, folder, "-m", "martensite", *words)
     assert (done.returncode, done.stdout) == (2, "")

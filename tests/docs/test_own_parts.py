@@ -21,9 +21,7 @@ from martensite.testing.conformance import SUITES
 PAGES = ("own-parts", "own-law", "own-mechanism", "own-wire")
 _FILE = re.compile(r"%%writefile (\S+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 FILES = {
-    name: text
-    for page in PAGES
-    for name, text in _FILE.findall((ROOT / f"docs/howto/{page}.md").read_text("utf-8"))
+    name: text for page in PAGES for name, text in _FILE.findall((ROOT / f"docs/howto/{page}.md").read_text("utf-8"))
 }
 PARTS = [name for name in FILES if name.endswith(".py") or name == "my-wire.toml"]
 SHOWN_BY_OTHERS = {"ends", "fluid", "check"}
@@ -39,9 +37,7 @@ print(json.dumps([[n, o.kind, o.name, [vars(f) for f in o.faults]] for n, o in f
 
 def call(folder: Path, *words: str) -> str:
     """What a process says that is started in the folder."""
-    done = subprocess.run(
-        [sys.executable, *words], cwd=folder, capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([sys.executable, *words], cwd=folder, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return done.stdout
 

@@ -129,9 +129,7 @@ def alike(one: list[str], other: list[str]) -> bool:
     How many steps a run takes follows the last digits of the mathematics library of a machine.
     """
     near = 0.1 if "steps" in one else 0.02
-    return len(one) == len(other) and all(
-        _alike(a, b, near) for a, b in zip(one, other, strict=True)
-    )
+    return len(one) == len(other) and all(_alike(a, b, near) for a, b in zip(one, other, strict=True))
 
 
 def _alike(one: str, other: str, near: float) -> bool:

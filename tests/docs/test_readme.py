@@ -23,13 +23,7 @@ from command import Command
 from fences import README, ROOT, SERVING, apart, fences, needs_data
 
 BLOCKS = fences(README)
-SHELL = [
-    line
-    for block in BLOCKS
-    if block.language == "bash"
-    for line in block.text.splitlines()
-    if line.strip()
-]
+SHELL = [line for block in BLOCKS if block.language == "bash" for line in block.text.splitlines() if line.strip()]
 SCENARIOS = [block.text for block in BLOCKS if block.language == "toml"]
 SERVERS = [line for line in SHELL if line.startswith(SERVING)]
 COMMANDS = [line for line in SHELL if line.startswith("martensite ") and line not in SERVERS]

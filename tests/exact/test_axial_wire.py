@@ -12,19 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from axial_cases import (
-    AMBIENT,
-    HEALING,
-    IDEAL,
-    K,
-    L,
-    axial,
-    clamped,
-    fin,
-    finite_volumes,
-    orders,
-    thin_wire,
-)
+from axial_cases import AMBIENT, HEALING, IDEAL, K, L, axial, clamped, fin, finite_volumes, orders, thin_wire
 from builders import law_a, wire_a
 from finger import finger, finger_law, trapezoid
 
@@ -88,9 +76,7 @@ def ladder(request: pytest.FixtureRequest) -> tuple[tuple[float, float], list[Re
     return exact, [settled(watts, cells=cells, **numbers) for cells in CELLS]
 
 
-def test_steady_state_tends_to_the_fin_at_second_order(
-    ladder: tuple[tuple[float, float], list[Result]],
-) -> None:
+def test_steady_state_tends_to_the_fin_at_second_order(ladder: tuple[tuple[float, float], list[Result]]) -> None:
     exact, runs = ladder
     for name, rise in zip(("temperature", "hottest"), exact, strict=True):
         errors = np.array([run[name][-1] - AMBIENT - rise for run in runs])
@@ -130,9 +116,7 @@ def test_cells_are_finite_volumes(grading: float) -> None:
 def test_a_whole_first_cell_up_to_the_clamp_is_noticed() -> None:
     watts = MILD * L
     exact = fin(watts)[0]
-    right, wrong = (
-        [finite_volumes(watts, int(n), 1.0, first) - exact for n in CELLS] for first in (0.5, 1.0)
-    )
+    right, wrong = ([finite_volumes(watts, int(n), 1.0, first) - exact for n in CELLS] for first in (0.5, 1.0))
     assert (orders(right)[1:] > 1.8).all()
     assert (orders(wrong)[1:] < 1.5).all()
 
@@ -141,8 +125,7 @@ def test_another_conductivity_is_noticed() -> None:
     watts = MILD * L
     exact = fin(watts)[0]
     errors = [
-        settled(watts, cells=n, thermal_conductivity=1.01 * K)["temperature"][-1] - AMBIENT - exact
-        for n in CELLS
+        settled(watts, cells=n, thermal_conductivity=1.01 * K)["temperature"][-1] - AMBIENT - exact for n in CELLS
     ]
     assert not (orders(errors)[1:] > 1.8).all()
 
@@ -249,13 +232,7 @@ def test_stroke_converges_in_the_cells_through_a_transformation(load: str) -> No
     loads = LOADS | {"spring": BiasSpring(stiffness=1800.0, preload=0.5)}
     pulse = Step(low=0.0, high=0.07, at=0.1, until=1.5)
     runs = [
-        simulate(
-            clamped(axial(wire, cells=cells, grading=1.0), loads[load]),
-            pulse,
-            2.5,
-            step=0.005,
-            samples=126,
-        )
+        simulate(clamped(axial(wire, cells=cells, grading=1.0), loads[load]), pulse, 2.5, step=0.005, samples=126)
         for cells in CELLS
     ]
     paths = np.array([run["position"] for run in runs])
@@ -267,14 +244,7 @@ def test_stroke_converges_in_the_cells_through_a_transformation(load: str) -> No
 
 # ---------------------------------------------------------------- a finger's wire
 
-ANGLES = {
-    (2.0, 1.4): 90.3,
-    (2.0, 2.0): 91.9,
-    (6.0, 1.4): 85.5,
-    (6.0, 2.0): 90.1,
-    (14.0, 1.4): 76.5,
-    (14.0, 2.0): 86.5,
-}
+ANGLES = {(2.0, 1.4): 90.3, (2.0, 2.0): 91.9, (6.0, 1.4): 85.5, (6.0, 2.0): 90.1, (14.0, 1.4): 76.5, (14.0, 2.0): 86.5}
 """(spans, W) -> angle [deg] at 13 s, by a stiff solver on 0.3 mm and less; 92.75 without ends."""
 GRADINGS = {2.0: 5.0, 6.0: 4.0, 14.0: 3.0}
 
@@ -288,12 +258,7 @@ def bent(spans: float, watts: float, even: bool = True, **options: str) -> float
         parts["resistance"] = PerLengthResistance(r_A=125.0, r_M=125.0)
     cells, runtime = options.get("cells", "20"), options.get("runtime", "floats")
     element = axial(Wire(**parts), cells=cells, spans=spans, grading=GRADINGS[spans])
-    system = System(
-        element=element,
-        environment=whole.environment,
-        source=whole.source,
-        mechanism=whole.mechanism,
-    )
+    system = System(element=element, environment=whole.environment, source=whole.source, mechanism=whole.mechanism)
     run = simulate(system, trapezoid(watts), 13.0, step=0.02, samples=14, runtime=runtime)
     return math.degrees(run["angle"][-1])
 
@@ -303,9 +268,7 @@ def bent(spans: float, watts: float, even: bool = True, **options: str) -> float
     [(DeadWeight(mass=0.05), 2.0), (BiasSpring(stiffness=1800.0, preload=0.5), 1.0)],
     ids=["weight", "spring"],
 )
-def test_coarse_steps_in_which_all_cells_cross_a_kink_are_solved(
-    mechanism: AbstractMechanism, grading: float
-) -> None:
+def test_coarse_steps_in_which_all_cells_cross_a_kink_are_solved(mechanism: AbstractMechanism, grading: float) -> None:
     """Usual sweeps go to and fro there; the stroke is that of short steps all the same."""
     wire = thin_wire(10e-3, resistance=PerLengthResistance(r_A=110.0, r_M=125.0))
     system = clamped(axial(wire, cells="5", grading=grading), mechanism)

@@ -16,13 +16,7 @@ import numpy as np
 import pytest
 from scipy import integrate, linalg, optimize
 
-from martensite.actuators.mechanics.beam_modes import (
-    PER_MODE,
-    CantileverBeam,
-    beam_modes,
-    exact_omega,
-    exact_roots,
-)
+from martensite.actuators.mechanics.beam_modes import PER_MODE, CantileverBeam, beam_modes, exact_omega, exact_roots
 from martensite.base.errors import ParameterError
 
 RATIOS = (0.0, 0.3, 1.0, 20.0)
@@ -54,12 +48,7 @@ def matrices(count: int, ratio: float) -> tuple[np.ndarray, np.ndarray]:
     h = 1.0 / count
     u, weights = np.polynomial.legendre.leggauss(6)
     u, weights = 0.5 * (u + 1.0), 0.5 * h * weights
-    rows = [
-        1 - 3 * u**2 + 2 * u**3,
-        h * (u - 2 * u**2 + u**3),
-        3 * u**2 - 2 * u**3,
-        h * (u**3 - u**2),
-    ]
+    rows = [1 - 3 * u**2 + 2 * u**3, h * (u - 2 * u**2 + u**3), 3 * u**2 - 2 * u**3, h * (u**3 - u**2)]
     bends = [-6 + 12 * u, h * (-4 + 6 * u), 6 - 12 * u, h * (6 * u - 2)]
     n, b = np.array(rows), np.array(bends) / h**2
     stiffness, mass = np.zeros((2, 2 * count + 2, 2 * count + 2))

@@ -56,12 +56,7 @@ SLOW: dict[str, Any] = PRINTED | {"mass": 0.1961, "damping": 0.2335, "resistance
 """The set calibrated to the measured ramp: steady within a few seconds."""
 HEAVY: dict[str, Any] = PRINTED | {"damping": 0.1, "unbalance": 0.05}
 """An unbalance that brings the tip to large amplitudes within a second."""
-ISOLATED: dict[str, Any] = PRINTED | {
-    "damping": 0.0,
-    "rotor_friction": 0.0,
-    "torque_constant": 0.0,
-    "back_emf": 0.0,
-}
+ISOLATED: dict[str, Any] = PRINTED | {"damping": 0.0, "rotor_friction": 0.0, "torque_constant": 0.0, "back_emf": 0.0}
 BEAM = CantileverBeam(E=69e9, density=2700.0, width=0.038, height=0.003, length=0.32, tip_mass=0.17)
 LENGTH = 0.331
 LAW = Elahinia(
@@ -164,9 +159,7 @@ def test_accelerations_are_those_of_the_equations_solved_by_hand() -> None:
 
 def test_the_printed_sign_is_noticed() -> None:
     state = [0.02, 1.0, 0.4, 40.0, 0.1]
-    right, wrong = (
-        traced(BeamMotor(**PRINTED, coupling=c))(*state, 5.0) for c in ("lagrange", "printed")
-    )
+    right, wrong = (traced(BeamMotor(**PRINTED, coupling=c))(*state, 5.0) for c in ("lagrange", "printed"))
     assert abs(right[1] - wrong[1]) > 1e-3 * abs(right[1])
 
 
@@ -204,13 +197,8 @@ def drift(coupling: str, solver: str = "DOP853") -> float:
     motor = BeamMotor(**ISOLATED, coupling=coupling)
     rates = traced(motor)
     start = [0.02, 0.3, 0.2, 40.0, 0.0]
-    found = integrate.solve_ivp(
-        lambda t, y: rates(*y, 0.0), (0.0, 5.0), start, method=solver, rtol=1e-12, atol=1e-13
-    )
-    energies = [
-        math.fsum(motor.energy(floats, Motion((x, a, 0.0), (v, w, i), ())))
-        for x, v, a, w, i in found.y.T
-    ]
+    found = integrate.solve_ivp(lambda t, y: rates(*y, 0.0), (0.0, 5.0), start, method=solver, rtol=1e-12, atol=1e-13)
+    energies = [math.fsum(motor.energy(floats, Motion((x, a, 0.0), (v, w, i), ()))) for x, v, a, w, i in found.y.T]
     return float(np.ptp(energies) / energies[0])
 
 
@@ -248,9 +236,7 @@ def last(result: Result, name: str, share: float = 0.1) -> np.ndarray:
 
 def test_captured_steady_state_balances_power_and_torque() -> None:
     p = SLOW
-    speed, current, velocity = (
-        last(captured(), name) for name in ("rotor_speed", "motor_current", "velocity")
-    )
+    speed, current, velocity = (last(captured(), name) for name in ("rotor_speed", "motor_current", "velocity"))
     natural = math.sqrt(p["stiffness"] / p["mass"])
     assert 0.9 * natural < speed.mean() < natural
     given = p["torque_constant"] * np.mean(current * speed)
@@ -303,25 +289,11 @@ def adaptive() -> np.ndarray:
 
     times = np.arange(121) / 100.0
     pieces = [
-        integrate.solve_ivp(
-            slope,
-            (0.0, 1.0),
-            np.zeros(5),
-            method="DOP853",
-            rtol=1e-11,
-            atol=1e-13,
-            t_eval=times[:101],
-        )
+        integrate.solve_ivp(slope, (0.0, 1.0), np.zeros(5), method="DOP853", rtol=1e-11, atol=1e-13, t_eval=times[:101])
     ]
     pieces.append(
         integrate.solve_ivp(
-            slope,
-            (1.0, 1.2),
-            pieces[0].y[:, -1],
-            method="DOP853",
-            rtol=1e-11,
-            atol=1e-13,
-            t_eval=times[101:],
+            slope, (1.0, 1.2), pieces[0].y[:, -1], method="DOP853", rtol=1e-11, atol=1e-13, t_eval=times[101:]
         )
     )
     return np.hstack([piece.y[[0, 3, 4]] for piece in pieces])
@@ -347,12 +319,7 @@ def test_the_end_of_a_fast_run_is_right_too() -> None:
     run = simulate(machine, {"motor": Constant(level=10.0)}, 2.0, tolerance=1e-3, samples=201)
     rates = traced(BeamMotor(**SLOW))
     found = integrate.solve_ivp(
-        lambda t, y: rates(*y, 10.0),
-        (0.0, 2.0),
-        np.zeros(5),
-        method="DOP853",
-        rtol=1e-10,
-        atol=1e-12,
+        lambda t, y: rates(*y, 10.0), (0.0, 2.0), np.zeros(5), method="DOP853", rtol=1e-10, atol=1e-12
     )
     assert run.accuracy is not None and run.accuracy < 1e-3
     assert run["rotor_speed"][-1] == pytest.approx(found.y[3, -1], rel=2e-3)
@@ -395,11 +362,7 @@ def test_one_mode_of_a_beam_is_the_mass_on_a_spring() -> None:
     stiff: dict[str, Any] = {"modes": "2", "mass_2": 1e-4, "stiffness_2": 1e7}
     one, two = (
         simulate(
-            Machine(mechanism=BeamMotor(**(SLOW | more))),
-            {"motor": Constant(level=3.0)},
-            1.0,
-            step=2e-4,
-            samples=101,
+            Machine(mechanism=BeamMotor(**(SLOW | more))), {"motor": Constant(level=3.0)}, 1.0, step=2e-4, samples=101
         )
         for more in ({}, stiff)
     )
@@ -466,11 +429,7 @@ def test_slack_wire_never_pushes() -> None:
 def test_slack_wire_leaves_the_beam_alone() -> None:
     """With more slack than the beam moves there is no difference to no wire."""
     without = simulate(
-        Machine(mechanism=BeamMotor(**SLOW)),
-        {"motor": Constant(level=3.0)},
-        1.0,
-        step=5e-4,
-        samples=101,
+        Machine(mechanism=BeamMotor(**SLOW)), {"motor": Constant(level=3.0)}, 1.0, step=5e-4, samples=101
     )
     waves = {"motor": Constant(level=3.0), "drive": Constant(level=HOT)}
     with_wire = simulate(coupled(0.1, hot=True), waves, 1.0, step=5e-4, samples=101)
@@ -510,8 +469,7 @@ def test_wire_takes_energy_in_every_cycle_of_a_run() -> None:
     works = [-np.trapezoid(force[a : b + 1], path[a : b + 1]) for a, b in pairwise(lowest)]
     assert len(works) > 10
     turned_over = max(
-        np.trapezoid(force[a:b], np.cumsum(np.abs(np.diff(path[a : b + 1]))))
-        for a, b in pairwise(lowest)
+        np.trapezoid(force[a:b], np.cumsum(np.abs(np.diff(path[a : b + 1])))) for a, b in pairwise(lowest)
     )
     assert max(works) < 1e-3 * turned_over  # elastic cycles: 0, up to the sampling
     assert min(works) < -0.1 * turned_over

@@ -52,8 +52,7 @@ def test_the_table_is_what_the_measurements_give() -> None:
         pytest.skip("the measurements are not on this machine")
     text = branches.FILE.read_text(encoding="utf-8")
     made, kept = (
-        np.array([line.split(",") for line in t.splitlines()[7:]], dtype=float)
-        for t in (branches.derive_text(), text)
+        np.array([line.split(",") for line in t.splitlines()[7:]], dtype=float) for t in (branches.derive_text(), text)
     )
     assert text.startswith(branches.HEADER)
     np.testing.assert_allclose(made, kept, rtol=0.0, atol=2e-6)
@@ -62,12 +61,9 @@ def test_the_table_is_what_the_measurements_give() -> None:
 
 
 @pytest.mark.parametrize(
-    ("share", "heating", "cooling", "stroke"),
-    [(0.0, 83.8, 62.9, 0.0413), (1.0, 89.7, 69.9, 0.0435)],
+    ("share", "heating", "cooling", "stroke"), [(0.0, 83.8, 62.9, 0.0413), (1.0, 89.7, 69.9, 0.0435)]
 )
-def test_branches_turn_where_the_wire_did(
-    share: float, heating: float, cooling: float, stroke: float
-) -> None:
+def test_branches_turn_where_the_wire_did(share: float, heating: float, cooling: float, stroke: float) -> None:
     found = branches.build_loop(share)
     assert np.interp(0.5, found.heating, GRID) - ZERO == pytest.approx(heating, abs=0.3)
     assert np.interp(0.5, found.cooling, GRID) - ZERO == pytest.approx(cooling, abs=0.5)
@@ -211,9 +207,7 @@ def test_conduction_takes_from_one_cell_what_it_gives_to_another() -> None:
     plant._conduct(powers)
     total = sum(p * size for p, size in zip(powers, plant._lengths, strict=True))
     first = plant._wire[0].temperature - bench.ambient
-    assert total == pytest.approx(
-        -bench.conductivity * bench.section * first / (0.5 * plant._lengths[0]), abs=1e-12
-    )
+    assert total == pytest.approx(-bench.conductivity * bench.section * first / (0.5 * plant._lengths[0]), abs=1e-12)
     assert powers[1] != 0.0
 
 
@@ -313,8 +307,7 @@ def test_seeds_give_other_records_and_benches() -> None:
 
 
 @pytest.mark.parametrize(
-    ("levels", "loops"),
-    [([5, 14, 8, 11, 7, 14], 1), ([5, 14, 7, 12, 8, 11], 3), ([5, 10, 6, 12, 5], 0)],
+    ("levels", "loops"), [([5, 14, 8, 11, 7, 14], 1), ([5, 14, 7, 12, 8, 11], 3), ([5, 10, 6, 12, 5], 0)]
 )
 def test_nested_loops_are_counted(levels: list[float], loops: int) -> None:
     assert records.count_minor_loops(levels) == loops

@@ -59,12 +59,7 @@ def run(
     **options: Any,
 ) -> Result:
     """A whole cycle."""
-    system = System(
-        element=element,
-        environment=ENVIRONMENT,
-        source=source or PowerSource(),
-        mechanism=mechanism,
-    )
+    system = System(element=element, environment=ENVIRONMENT, source=source or PowerSource(), mechanism=mechanism)
     pulse = Step(low=0.0, high=high, at=1.0, until=14.0)
     usual: dict[str, Any] = {"step": 0.1, "samples": 151}
     return simulate(system, pulse, 30.0, **(usual | options))
@@ -106,18 +101,8 @@ def test_a_bundle_is_so_many_times_as_strong(alone: tuple[str, Result], wiring: 
 @pytest.mark.parametrize("wiring", ["series", "parallel"])
 def test_a_chain_goes_so_many_times_as_far(alone: tuple[str, Result], wiring: str) -> None:
     kind, one = alone
-    many = run(
-        LinkChain(link=wire_a(law_a()), count=N, wiring=wiring), load(kind, stroke=N), N * 5.0
-    )
-    agree(
-        many,
-        one,
-        force=1.0,
-        position=N,
-        power=N,
-        heat_loss=N,
-        resistance=N if wiring == "series" else 1.0 / N,
-    )
+    many = run(LinkChain(link=wire_a(law_a()), count=N, wiring=wiring), load(kind, stroke=N), N * 5.0)
+    agree(many, one, force=1.0, position=N, power=N, heat_loss=N, resistance=N if wiring == "series" else 1.0 / N)
 
 
 @pytest.mark.parametrize("kind", LOADS)
@@ -125,9 +110,7 @@ def test_a_chain_is_a_longer_wire(kind: str) -> None:
     wire = wire_a(law_a())
     long = wire.rebuilt({"length": N * wire.length})
     source = VoltageSource(series_resistance=0.2)
-    chain, whole = (
-        run(e, load(kind), 3.0 * N, source) for e in (LinkChain(link=wire, count=N), long)
-    )
+    chain, whole = (run(e, load(kind), 3.0 * N, source) for e in (LinkChain(link=wire, count=N), long))
     agree(chain, whole, force=1.0, position=1.0, resistance=1.0, current=1.0, heat_loss=1.0)
 
 
@@ -158,9 +141,7 @@ def test_springs_side_by_side_and_behind_each_other(deflection: str) -> None:
 def test_time_constant_is_that_of_one() -> None:
     wire = wire_a(law_a())
     for many in (Bundle(strand=wire, count=N), LinkChain(link=wire, count=N, wiring="parallel")):
-        ratios = [
-            e.heat_capacity_total() / e.heat_loss(floats, 296.0, ENVIRONMENT) for e in (many, wire)
-        ]
+        ratios = [e.heat_capacity_total() / e.heat_loss(floats, 296.0, ENVIRONMENT) for e in (many, wire)]
         assert ratios[0] == pytest.approx(ratios[1], rel=1e-12)
         assert many.heat_capacity_total() == pytest.approx(N * wire.heat_capacity_total())
 
@@ -194,19 +175,10 @@ def test_an_undivided_force_is_noticed() -> None:
     ("build", "words"),
     [
         (lambda: Bundle(strand=wire_a(law_a()), count=2.5), "`count` of `bundle` must be a whole"),
-        (
-            lambda: LinkChain(link=wire_a(law_a()), count=0.0),
-            "must be between 1 and 10000, but is 0",
-        ),
+        (lambda: LinkChain(link=wire_a(law_a()), count=0.0), "must be between 1 and 10000, but is 0"),
         (lambda: Bundle(strand=axial(), count=2), "`axial-wire` has many"),
-        (
-            lambda: LinkChain(link=axial(), count=2),
-            "takes elements of one temperature, such as `wire`",
-        ),
-        (
-            lambda: Bundle(strand=wire_a(law_a()), count=2, wiring="star"),
-            "Valid: `parallel`, `series`",
-        ),
+        (lambda: LinkChain(link=axial(), count=2), "takes elements of one temperature, such as `wire`"),
+        (lambda: Bundle(strand=wire_a(law_a()), count=2, wiring="star"), "Valid: `parallel`, `series`"),
     ],
     ids=["half", "none", "bundle of axial wires", "chain of axial wires", "wiring"],
 )
@@ -274,8 +246,7 @@ def test_a_strand_can_be_changed_from_outside() -> None:
 def test_a_chain_of_bundles_is_built_from_a_scenario() -> None:
     nested = SCENARIO.replace("strand =", 'wiring = "parallel"\nstrand =').replace(
         '[element]\nkind = "bundle"\nmaterial = "flexinol-90"\n',
-        '[element]\nkind = "chain"\nmaterial = "flexinol-90"\ncount = 2\n'
-        '[element.link]\nkind = "bundle"\n',
+        '[element]\nkind = "chain"\nmaterial = "flexinol-90"\ncount = 2\n[element.link]\nkind = "bundle"\n',
     )
     found = element(nested)
     assert (type(found), type(found.link), found.link.wiring) == (LinkChain, Bundle, "parallel")

@@ -164,10 +164,7 @@ def test_run_without_a_carrier_says_nothing_of_it(file: str) -> None:
     assert json.loads(done.stdout)["averaging"] is None
 
 
-@pytest.mark.parametrize(
-    ("frequency", "sentence"),
-    [("100", "Hz"), ("0.1 Hz", "at least one period"), ("100 V", "Hz")],
-)
+@pytest.mark.parametrize(("frequency", "sentence"), [("100", "Hz"), ("0.1 Hz", "at least one period"), ("100 V", "Hz")])
 def test_a_wrong_frequency_is_refused(file: str, frequency: str, sentence: str) -> None:
     done = CliRunner().invoke(app, ["run", file, "--no-figure", "--carrier", frequency])
     assert done.exit_code == 2

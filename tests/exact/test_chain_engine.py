@@ -38,8 +38,7 @@ def differences(run: ChainEngine, theta: np.ndarray, state: np.ndarray | None = 
         away = np.zeros(len(theta))
         away[i] = 1e-6
         ends = [
-            run.simulate(theta + sign * away, INPUT, None if state is None else state.copy())
-            for sign in (1.0, -1.0)
+            run.simulate(theta + sign * away, INPUT, None if state is None else state.copy()) for sign in (1.0, -1.0)
         ]
         columns.append((ends[0] - ends[1]) / 2e-6)
     return np.stack(columns, axis=2)
@@ -101,9 +100,7 @@ def test_chunks_do_not_matter(run: ChainEngine, chunk: int) -> None:
 
 @pytest.mark.usefixtures("c_compiler")
 def test_c_does_what_plain_python_does() -> None:
-    for found, expected in zip(
-        engine(True).jacobian(THETA, INPUT), engine(False).jacobian(THETA, INPUT), strict=True
-    ):
+    for found, expected in zip(engine(True).jacobian(THETA, INPUT), engine(False).jacobian(THETA, INPUT), strict=True):
         np.testing.assert_allclose(found, expected, rtol=1e-11, atol=1e-13)
 
 

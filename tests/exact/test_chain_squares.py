@@ -65,9 +65,7 @@ def test_missing_and_skipped_samples_do_not_count(chain: Chain, noisy: Sampled) 
     wild = noisy.outputs.copy()
     wild[:40] = 1e3
     weights = np.array([2.0])
-    counted = [
-        squares(chain, RecordResidual(noisy.with_outputs(y), 40, weights)) for y in (gaps, wild)
-    ]
+    counted = [squares(chain, RecordResidual(noisy.with_outputs(y), 40, weights)) for y in (gaps, wild)]
     error = 2.0 * (noisy.outputs - chain.simulate(noisy))[40:]
     assert counted[1].value(chain.theta) == pytest.approx(float(np.sum(error**2)))
     without = np.delete(error, range(60, 110), axis=0)
@@ -77,9 +75,7 @@ def test_missing_and_skipped_samples_do_not_count(chain: Chain, noisy: Sampled) 
 
 def test_records_add_up_and_estimate_states_of_their_own(chain: Chain, noisy: Sampled) -> None:
     halves = noisy.rows(0, 250), noisy.rows(250)
-    both = squares(
-        chain, *(RecordResidual(h, weights=np.ones(1), start="estimate") for h in halves)
-    )
+    both = squares(chain, *(RecordResidual(h, weights=np.ones(1), start="estimate") for h in halves))
     assert both.size == len(chain.theta) + 2 * chain.engine.plan.states
     found = minimise_cost(both, both.extend_parameters(chain.theta))
     truth = noisy.outputs[250:]

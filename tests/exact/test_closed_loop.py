@@ -34,9 +34,7 @@ class Scripted(AbstractDrive):
     def init(self) -> list[Any]:
         return []
 
-    def __call__(
-        self, time: float, measurement: Mapping[str, float], memory: list[Any]
-    ) -> tuple[float, list[Any]]:
+    def __call__(self, time: float, measurement: Mapping[str, float], memory: list[Any]) -> tuple[float, list[Any]]:
         told.append((time, dict(measurement)))
         return self.signals[len(memory)], [*memory, time]
 
@@ -49,9 +47,7 @@ class Thermostat(AbstractDrive):
     def init(self) -> None:
         """No memory."""
 
-    def __call__(
-        self, time: float, measurement: Mapping[str, float], memory: None
-    ) -> tuple[float, None]:
+    def __call__(self, time: float, measurement: Mapping[str, float], memory: None) -> tuple[float, None]:
         return (2.0 if measurement["temperature"] < self.below else 0.0), None
 
 
@@ -181,14 +177,7 @@ def test_a_division_by_zero_is_reported_with_its_time() -> None:
 
 def test_held_values_stay() -> None:
     held = Held(values=(1.0, 2.0, 4.0), frequency=10.0)
-    assert [held.value(t) for t in (0.0, 0.05, 0.1, 0.29, 0.3, 9.0)] == [
-        1.0,
-        1.0,
-        2.0,
-        4.0,
-        4.0,
-        4.0,
-    ]
+    assert [held.value(t) for t in (0.0, 0.05, 0.1, 0.29, 0.3, 9.0)] == [1.0, 1.0, 2.0, 4.0, 4.0, 4.0]
     assert held.edges(1.0) == [0.1, 0.2]
     with pytest.raises(ParameterError, match="`frequency`"):
         Held(values=(1.0,), frequency=0.0)

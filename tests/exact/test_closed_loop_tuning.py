@@ -88,10 +88,7 @@ def test_derivatives_with_respect_to_gains(compiled: bool, c_compiler: str) -> N
     found = held.slopes(GAINS, REFERENCE)[1]
     h = 1e-5
     for k, change in enumerate(h * np.eye(3)):
-        up, down = (
-            held.run(Gains(*np.exp(compute_logarithms(GAINS) + sign * change)), REFERENCE)
-            for sign in (1, -1)
-        )
+        up, down = (held.run(Gains(*np.exp(compute_logarithms(GAINS) + sign * change)), REFERENCE) for sign in (1, -1))
         for row, (a, b) in enumerate(((up.output, down.output), (up.signal, down.signal))):
             expected = (a - b) / (2.0 * h)
             scale = np.abs(expected).max()
@@ -117,9 +114,7 @@ def test_a_model_that_cannot_be_controlled_is_refused() -> None:
 
 # ---------------------------------------------------------------- tuning
 
-TASK = ModelTuning(
-    levels=((0.0, 1.0), (1e-3, 6.0)), starts=((5.0, 0.01, 0.1), (20.0, 0.1, 10.0)), evaluations=80
-)
+TASK = ModelTuning(levels=((0.0, 1.0), (1e-3, 6.0)), starts=((5.0, 0.01, 0.1), (20.0, 0.1, 10.0)), evaluations=80)
 
 
 @cache

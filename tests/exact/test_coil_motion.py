@@ -43,10 +43,7 @@ from martensite.simulate.result import Result
 PULSE = Step(low=0.0, high=2.5, at=1.0, until=45.0)
 RATE = 100.0
 """Of the bias spring [N/m]."""
-LOADS: dict[str, Any] = {
-    "weight": DeadWeight(mass=0.3),
-    "bias": BiasSpring(stiffness=RATE, preload=3.0),
-}
+LOADS: dict[str, Any] = {"weight": DeadWeight(mass=0.3), "bias": BiasSpring(stiffness=RATE, preload=3.0)}
 
 
 def system(load: str, **changes: Any) -> System:
@@ -140,10 +137,7 @@ def test_runtimes_agree(
 
 def test_halved_steps_change_little() -> None:
     """Second order: the error falls to a quarter."""
-    runs = [
-        simulate(system("bias", deflection="large"), PULSE, 60.0, step=s, samples=121)
-        for s in (0.5, 0.25, 0.125)
-    ]
+    runs = [simulate(system("bias", deflection="large"), PULSE, 60.0, step=s, samples=121) for s in (0.5, 0.25, 0.125)]
     first, second, third = (np.array(r["position"]) for r in runs)
     coarse, fine = np.abs(first - second).max(), np.abs(second - third).max()
     assert fine < 0.45 * coarse
@@ -160,9 +154,7 @@ def test_curvature_makes_the_spring_transform_hotter() -> None:
 
 def test_the_form_between_the_phases_matters() -> None:
     """Half transformed, a transformation stress leaves less strain than half of all."""
-    stress, strain = (
-        run("weight", law=platform_law(transformation=word)) for word in ("stress", "strain")
-    )
+    stress, strain = (run("weight", law=platform_law(transformation=word)) for word in ("stress", "strain"))
     assert stress.stroke == pytest.approx(strain.stroke, rel=1e-9)
     half = [min(points(r), key=lambda p: (abs(p[0] - 0.5), p[3])) for r in (stress, strain)]
     assert half[0][0] == pytest.approx(half[1][0], abs=1e-6)

@@ -95,9 +95,7 @@ def test_published_force_is_the_transformation_stress_form(fraction: float) -> N
 
 
 def test_the_two_forms_agree_in_both_phases_only() -> None:
-    stress, strain = (
-        platform_spring(law=platform_law(transformation=word)) for word in ("stress", "strain")
-    )
+    stress, strain = (platform_spring(law=platform_law(transformation=word)) for word in ("stress", "strain"))
     for fraction in (0.0, 1.0):
         assert tangent(stress, fraction) == pytest.approx(tangent(strain, fraction), rel=1e-14)
     middle = tangent(strain, 0.5).free
@@ -107,8 +105,7 @@ def test_the_two_forms_agree_in_both_phases_only() -> None:
 
 def test_a_constant_modulus_knows_one_form_only() -> None:
     stress, strain = (
-        platform_spring(law=platform_law(modulus="martensite", transformation=word))
-        for word in ("stress", "strain")
+        platform_spring(law=platform_law(modulus="martensite", transformation=word)) for word in ("stress", "strain")
     )
     assert tangent(stress, 0.4) == pytest.approx(tangent(strain, 0.4), rel=1e-14)
 
@@ -169,16 +166,11 @@ def test_factors_of_thin_coils_approach_one() -> None:
 
 
 def stress_factors() -> tuple[Any, ...]:
-    return (
-        coil_theory.compute_bergstraesser_factor,
-        coil_theory.compute_wahl_factor,
-        coil_theory.exact_stress,
-    )
+    return (coil_theory.compute_bergstraesser_factor, coil_theory.compute_wahl_factor, coil_theory.exact_stress)
 
 
 @pytest.mark.parametrize(
-    ("word", "factor"),
-    [("bergstraesser", 1.2), ("wahl", 27 / 24 + 0.615 / 7), ("exact", 1.19900)],
+    ("word", "factor"), [("bergstraesser", 1.2), ("wahl", 27 / 24 + 0.615 / 7), ("exact", 1.19900)]
 )
 def test_stress_factor_acts_on_the_stress_alone(word: str, factor: float) -> None:
     plain, chosen = platform_spring(), platform_spring(stress_factor=word)

@@ -154,13 +154,7 @@ def test_a_bench_makes_the_same_pulses():
     """On a bench nothing is measured before the first pulse, which is the probe."""
     system = hanging_wire(mass=1.0, source=PwmVoltage(**SWITCH))
     drive = ConstantPower(reference=Constant(level=2.0))
-    bench = Bench(
-        plant=system,
-        period=0.01,
-        substeps=1,
-        switching="pulses",
-        controllers=Controllers(drive=drive),
-    )
+    bench = Bench(plant=system, period=0.01, substeps=1, switching="pulses", controllers=Controllers(drive=drive))
     wanted = simulate_bench(bench, 2.0, runtime="floats")["wanted"]
     assert wanted[0] == drive.probe
     signals = simulate_loop(system, drive, 2.0, 0.01, pulses=True).signals

@@ -32,9 +32,7 @@ DT = 0.01
 WIDE = PidLaw(low=-1e6, high=1e6)
 
 
-def played(
-    controller: AbstractController, values: Sequence[float], **others: Sequence[float]
-) -> list[float]:
+def played(controller: AbstractController, values: Sequence[float], **others: Sequence[float]) -> list[float]:
     """Signals for readings `y`, and others by name, at the starts of periods of 10 ms."""
     memory, found = controller.init(), list[float]()
     for k, value in enumerate(values):
@@ -72,9 +70,7 @@ TABLE = GainSchedule(
         (99.0, (2.0, 6.0, 4.0)),
     ],
 )
-def test_gains_are_straight_between_points_and_level_beyond(
-    at: float, expected: tuple[float, ...]
-) -> None:
+def test_gains_are_straight_between_points_and_level_beyond(at: float, expected: tuple[float, ...]) -> None:
     assert TABLE.gains(floats, at) == pytest.approx(expected, abs=1e-14)
 
 
@@ -129,14 +125,7 @@ GAIN, SLOPE, LAYER, PUSH = 20.0, 3.0, 0.5, 4.0
 
 
 def sliding(**changes: Any) -> SlidingMode:
-    numbers: dict[str, Any] = {
-        "gain": GAIN,
-        "slope": SLOPE,
-        "layer": LAYER,
-        "low": -50.0,
-        "high": 50.0,
-        "filter": 0.0,
-    }
+    numbers: dict[str, Any] = {"gain": GAIN, "slope": SLOPE, "layer": LAYER, "low": -50.0, "high": 50.0, "filter": 0.0}
     return SlidingMode(measured="y", reference=Constant(level=1.0), **(numbers | changes))
 
 

@@ -33,12 +33,7 @@ LOW_SIDE = Mosfet(
     current_limit=5.0,
 )
 BRIDGE = HBridge(
-    supply=6.0,
-    high_resistance=0.08,
-    low_resistance=0.04,
-    series_resistance=0.1,
-    frequency=2e3,
-    dead_time=4e-6,
+    supply=6.0, high_resistance=0.08, low_resistance=0.04, series_resistance=0.1, frequency=2e3, dead_time=4e-6
 )
 
 
@@ -79,41 +74,26 @@ def test_a_lost_time_that_is_forgotten_is_noticed():
 
 
 def test_duties_outside_are_limited():
-    for source, pairs in (
-        (LOW_SIDE, [(-0.5, 0.0), (1.7, 1.0)]),
-        (BRIDGE, [(-1.7, -1.0), (1.7, 1.0)]),
-    ):
+    for source, pairs in ((LOW_SIDE, [(-0.5, 0.0), (1.7, 1.0)]), (BRIDGE, [(-1.7, -1.0), (1.7, 1.0)])):
         for asked, given in pairs:
             assert source.current(floats, asked, 4.0) == source.current(floats, given, 4.0)
     assert (LOW_SIDE.reach(4.0), BRIDGE.reach(4.0)) == ((0.0, 1.0), (-1.0, 1.0))
 
 
 def test_diodes_share_a_bridge_between_two_wires():
-    up, down = (
-        BRIDGE.with_parts(conducts=way, diode_voltage=0.7) for way in ("positive", "negative")
-    )
+    up, down = (BRIDGE.with_parts(conducts=way, diode_voltage=0.7) for way in ("positive", "negative"))
     size = math.sqrt(0.4 - 0.016) * 5.3 / 2.72
     for duty, currents in ((0.4, (size, 0.0)), (-0.4, (0.0, -size)), (0.0, (0.0, 0.0))):
         found = up.current(floats, duty, 2.5), down.current(floats, duty, 2.5)
         assert found == pytest.approx(currents, rel=1e-14)
     assert (up.reach(2.5), down.reach(2.5)) == ((0.0, 1.0), (-1.0, 0.0))
-    assert (
-        BRIDGE.with_parts(conducts="positive", supply=0.5, diode_voltage=0.7).closed_current(
-            floats, 2.5
-        )
-        == 0.0
-    )
+    assert BRIDGE.with_parts(conducts="positive", supply=0.5, diode_voltage=0.7).closed_current(floats, 2.5) == 0.0
 
 
 def test_limits_of_an_amplifier():
     """5 V less 1.2 V of headroom, over 2.5 Ω and 0.3 Ω of its own; up to 3 A; nothing below 0."""
     one = LinearAmplifier(
-        voltage_limit=5.0,
-        headroom=1.2,
-        current_limit=3.0,
-        output_resistance=0.3,
-        gain=2.0,
-        offset=0.1,
+        voltage_limit=5.0, headroom=1.2, current_limit=3.0, output_resistance=0.3, gain=2.0, offset=0.1
     )
     for signal, volts in ((-1.0, 0.0), (0.0, 0.1), (1.0, 2.1), (1.85, 3.8), (9.0, 3.8)):
         assert one.current(floats, signal, 2.5) == pytest.approx(volts / 2.8, rel=1e-14)
@@ -130,21 +110,10 @@ def test_an_amplifier_needs_room():
 
 
 @pytest.mark.parametrize(
-    ("source", "most"),
-    [
-        (LOW_SIDE, 1.0),
-        (BRIDGE, 1.0),
-        (LinearAmplifier(voltage_limit=3.0, headroom=1.0), 2.0),
-    ],
+    ("source", "most"), [(LOW_SIDE, 1.0), (BRIDGE, 1.0), (LinearAmplifier(voltage_limit=3.0, headroom=1.0), 2.0)]
 )
 def test_a_run_says_what_was_not_delivered(source, most):
-    run = simulate(
-        hanging_wire(mass=1.0, source=source),
-        Ramp(high=2.5 * most, end=0.1),
-        0.1,
-        step=1e-3,
-        samples=8,
-    )
+    run = simulate(hanging_wire(mass=1.0, source=source), Ramp(high=2.5 * most, end=0.1), 0.1, step=1e-3, samples=8)
     (alarm,) = [one for one in run.alarms if one.kind == "supply"]
     assert (alarm.first, alarm.limit) == (pytest.approx(0.04, rel=1e-8), most)
 
@@ -153,9 +122,7 @@ def test_a_run_says_what_was_not_delivered(source, most):
 
 
 @pytest.mark.parametrize(
-    ("source", "duty"),
-    [(LOW_SIDE, 0.06), (BRIDGE.with_parts(conducts="negative"), -0.08)],
-    ids=["mosfet", "h-bridge"],
+    ("source", "duty"), [(LOW_SIDE, 0.06), (BRIDGE.with_parts(conducts="negative"), -0.08)], ids=["mosfet", "h-bridge"]
 )
 def test_pulses_on_a_bench_heat_as_their_average(source, duty):
     """A carrier of 200 Hz, so slow that it loses a hundredth of a pulse or more."""

@@ -84,9 +84,7 @@ def test_without_a_film_it_is_the_heated_bar(film: float, contact: float) -> Non
 
 def test_slopes_are_finite_where_nothing_blows() -> None:
     for film in (0.0, 1e-12, 1e-3, H):
-        value, slope = value_and_slope(
-            floats, lambda xp, h: ENDS.conductance(xp, h, Cylinder(D, L)), film
-        )
+        value, slope = value_and_slope(floats, lambda xp, h: ENDS.conductance(xp, h, Cylinder(D, L)), film)
         assert math.isfinite(value)
         assert math.isfinite(slope)
         assert slope >= 0.0
@@ -113,13 +111,8 @@ def test_lumped_ends_give_the_mean_of_the_axial_wire(length: float, contact: flo
     """To the error of its cells: 2e-4 at 80, with the lumped wire right on the fin."""
     watts = length
     ends = ClampedEnds(thermal_conductivity=K, contact=contact)
-    elements: list[Any] = [
-        thin_wire(length, ends=ends),
-        axial(thin_wire(length), contact=contact, cells="80"),
-    ]
-    lumped, cut = (
-        simulate(clamped(e), Constant(level=watts), 60.0, step=0.5, samples=2) for e in elements
-    )
+    elements: list[Any] = [thin_wire(length, ends=ends), axial(thin_wire(length), contact=contact, cells="80")]
+    lumped, cut = (simulate(clamped(e), Constant(level=watts), 60.0, step=0.5, samples=2) for e in elements)
     rise = lumped["temperature"][-1] - AMBIENT
     assert rise == pytest.approx(fin(watts, length, contact)[0], rel=1e-9)
     assert cut["temperature"][-1] - AMBIENT == pytest.approx(rise, rel=2e-4)

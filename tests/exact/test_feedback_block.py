@@ -88,8 +88,7 @@ def test_it_begins_as_a_transfer_function(order, feedthrough, delay):
     theta = linear.sample_parameters(np.random.default_rng(3), 10.0, DT)
     own = block.like(linear, theta, DT)
     y, expected = (
-        ChainEngine([one], DT, compiled=False).simulate(numbers, U)
-        for one, numbers in ((block, own), (linear, theta))
+        ChainEngine([one], DT, compiled=False).simulate(numbers, U) for one, numbers in ((block, own), (linear, theta))
     )
     assert y == pytest.approx(expected, abs=1e-9)
 

@@ -57,9 +57,7 @@ def followed(controller: AbstractController, plant: AbstractSystem = PLANT, dura
     """Reference and position [m] and signal, sample by sample, in C."""
     bench = Bench(plant=plant, period=PERIOD, controllers=Controllers(drive=controller))
     samples = round(duration / PERIOD) + 1
-    found = simulate(
-        bench, {"reference": controller.reference}, duration, samples=samples, runtime="c"
-    )
+    found = simulate(bench, {"reference": controller.reference}, duration, samples=samples, runtime="c")
     return tuple(np.array(found[name]) for name in ("reference", "position", "drive"))
 
 
@@ -154,12 +152,7 @@ def test_out_of_reach_it_answers_with_the_nearest_limit():
 
 @pytest.mark.parametrize(
     ("sense", "level", "signal"),
-    [
-        ("falling", 0.5, 6.0),
-        ("rising", 0.5, 0.0),
-        ("falling", 1.0, 0.0),
-        ("falling", 1.5, 0.0),
-    ],
+    [("falling", 0.5, 6.0), ("rising", 0.5, 0.0), ("falling", 1.0, 0.0), ("falling", 1.5, 0.0)],
 )
 def test_a_model_that_does_not_answer_yet_is_driven_the_right_way(sense, level, signal):
     """A cold wire: its fraction is 1 and stays so for longer than the model looks ahead."""
@@ -186,9 +179,7 @@ def test_as_a_drive_it_answers_in_every_sample():
 def test_models_that_do_not_fit_are_refused():
     with pytest.raises(ParameterError, match=r"no output `positon`.*`position`"):
         feedforward(output="positon")
-    watched = Bench(
-        plant=PLANT, period=PERIOD, sensors=Sensors(position=MountedSensor(sensor=PositionSensor()))
-    )
+    watched = Bench(plant=PLANT, period=PERIOD, sensors=Sensors(position=MountedSensor(sensor=PositionSensor())))
     with pytest.raises(ParameterError, match="must have one drive, but has drive, noise"):
         feedforward(model=watched)
     with pytest.raises(ParameterError, match="`ahead` of `feedforward` must be a whole number"):
@@ -207,29 +198,20 @@ def played() -> Chain:
     steps = np.log(np.array([0.1, 0.2]) / (0.25 / 2.0))
     line = Gain(low=0.0, high=1.0)
     theta = np.concatenate([[0.3, 0.2], steps, line.line(2.0, 0.5)])
-    return Chain(
-        (block, line), theta, PERIOD, ("drive",), ("position",), {"drive": "1", "position": "m"}
-    )
+    return Chain((block, line), theta, PERIOD, ("drive",), ("position",), {"drive": "1", "position": "m"})
 
 
 WAY = Table(times=(0.0, 1.0, 1.6, 2.0, 3.0, 4.0), values=(0.5, 1.9, 1.0, 1.4, 0.9, 2.0))
 
 
 def inverse(**changes) -> InversePlay:
-    parts = {
-        "thresholds": SUM.thresholds,
-        "weights": SUM.weights,
-        "knots": (0.0, 1.0),
-        "outputs": (0.5, 2.5),
-    }
+    parts = {"thresholds": SUM.thresholds, "weights": SUM.weights, "knots": (0.0, 1.0), "outputs": (0.5, 2.5)}
     return InversePlay(measured="position", reference=WAY, **(parts | changes))
 
 
 def tracked(controller: AbstractController, runtime: str = "floats") -> np.ndarray:
     """Error of what follows [m], a sample later, for a model answers under the signal before."""
-    bench = Bench(
-        plant=plant_of(played()), period=PERIOD, controllers=Controllers(drive=controller)
-    )
+    bench = Bench(plant=plant_of(played()), period=PERIOD, controllers=Controllers(drive=controller))
     found = simulate(bench, {"reference": WAY}, 4.0, samples=201, runtime=runtime)
     return np.array(found["reference"]) - np.array(found["position"])
 
@@ -267,9 +249,7 @@ def test_what_has_no_inverse_is_refused(changes, sentence):
 
 def test_an_identified_loop_is_that_which_made_it():
     chain = played()
-    signals = np.concatenate(
-        [np.linspace(a, b, 60) for a, b in ((0, 1), (1, 0.2), (0.2, 0.8), (0.8, 0.0))]
-    )
+    signals = np.concatenate([np.linspace(a, b, 60) for a, b in ((0, 1), (1, 0.2), (0.2, 0.8), (0.8, 0.0))])
     record = Sampled("slow", PERIOD, signals, chain.simulate(signals), ("drive",), ("position",))
     found = identify_hysteresis(record, plays=5, knots=3, options=Options(starts=1, refined=1))
     made = found.simulate(signals)
@@ -292,9 +272,7 @@ def test_a_rising_curve_never_turns_back():
 
 SLOW = 300.0
 LEVELS = (0.0, 1.0, 0.3, 0.8, 0.4, 0.9, 0.2, 0.7, 0.3)
-BROAD = problem_a(
-    element=wire_a(law_a(A_s=323.0, A_f=363.0, M_s=348.0, M_f=308.0)), source=PowerSource()
-)
+BROAD = problem_a(element=wire_a(law_a(A_s=323.0, A_f=363.0, M_s=348.0, M_f=308.0)), source=PowerSource())
 """A wire whose branches are broader than its loop."""
 
 
@@ -307,16 +285,12 @@ def test_the_loop_of_a_wire_becomes_nearly_a_line():
     record = Sampled("slow", 3.0, u, y, ("power",), ("position",))
     found = identify_hysteresis(record, plays=6, knots=6, options=Options(starts=1, refined=1))
     curve = fit_rising_curve(np.array(found.knots), u, y)
-    bare = InversePlay(
-        measured="position", reference=Constant(level=0.0), knots=found.knots, outputs=tuple(curve)
-    )
+    bare = InversePlay(measured="position", reference=Constant(level=0.0), knots=found.knots, outputs=tuple(curve))
 
     def bent(controller: InversePlay, leg: float) -> float:
         times = tuple(leg * k for k in range(6))
         ways = Table(times=times, values=(5e-4, 9e-3, 2e-3, 7e-3, 1e-3, 5e-3))
-        whole = controller.with_parts(
-            reference=ways, feedback=Correction(law=PidLaw(low=0.0, high=8.0))
-        )
+        whole = controller.with_parts(reference=ways, feedback=Correction(law=PidLaw(low=0.0, high=8.0)))
         bench = Bench(plant=BROAD, period=0.2, controllers=Controllers(drive=whole))
         run = simulate(bench, {"reference": ways}, 5 * leg, samples=501, runtime="c")
         r, y = (np.array(run[name])[100:] for name in ("reference", "position"))

@@ -20,11 +20,7 @@ from martensite.physics.thermal.morgan import LAWS
 from martensite_studies.tables import printed_numbers
 
 ZERO = 273.15
-FREE = {
-    "lefevre-ede": ms.thermal.LeFevreEde,
-    "churchill-chu": ms.thermal.ChurchillChu,
-    "morgan": ms.thermal.Morgan,
-}
+FREE = {"lefevre-ede": ms.thermal.LeFevreEde, "churchill-chu": ms.thermal.ChurchillChu, "morgan": ms.thermal.Morgan}
 RISING = ("churchill-chu", "morgan", "lefevre-ede", "churchill-bernstein")
 
 
@@ -78,18 +74,12 @@ def by_hand(name, t, ambient, diameter, length):
         "churchill-chu": lambda: nusselt_churchill_chu(ra, pr) * k / diameter,
         "morgan": lambda: nusselt_morgan(ra) * k / diameter,
         "lefevre-ede": lambda: nusselt_lefevre_ede(ra, pr, length / diameter) * k / length,
-        "churchill-bernstein": lambda: (
-            nusselt_churchill_bernstein(1.5 * diameter / nu, pr) * k / diameter
-        ),
+        "churchill-bernstein": lambda: nusselt_churchill_bernstein(1.5 * diameter / nu, pr) * k / diameter,
     }[name]()
 
 
 def model(name, **changes):
-    return (
-        ms.thermal.ChurchillBernstein(speed=1.5, **changes)
-        if name not in FREE
-        else FREE[name](**changes)
-    )
+    return ms.thermal.ChurchillBernstein(speed=1.5, **changes) if name not in FREE else FREE[name](**changes)
 
 
 @pytest.mark.parametrize("name", RISING)
@@ -106,9 +96,7 @@ def test_it_is_the_equation_by_hand(name, diameter):
 
 def test_morgan_is_the_table_except_beside_its_limits():
     ra = np.logspace(-9.0, 11.0, 4001)
-    found = np.array(
-        [ms.thermal.Morgan().nusselt(floats, r, 0.7, Cylinder(1.0, 1.0)) for r in ra.tolist()]
-    )
+    found = np.array([ms.thermal.Morgan().nusselt(floats, r, 0.7, Cylinder(1.0, 1.0)) for r in ra.tolist()])
     off = np.abs(found / nusselt_morgan(ra) - 1.0)
     assert (off[found > nusselt_morgan(ra) * (1 + 1e-12)] < 0.009).all()
     assert np.mean(off > 1e-12) < 0.01
@@ -119,10 +107,7 @@ def test_the_laws_of_morgan_meet_where_it_says():
     meet = [(a[0] / b[0]) ** (1.0 / (b[1] - a[1])) for a, b in pairwise(LAWS)]
     assert meet == pytest.approx([1.02e-2, 95.4, 1.006e4, 1.10e7], rel=5e-3)
     limits = [1e-2, 1e2, 1e4, 1e7]
-    jumps = [
-        b[0] / a[0] * limit ** (b[1] - a[1]) - 1.0
-        for (a, b), limit in zip(pairwise(LAWS), limits, strict=True)
-    ]
+    jumps = [b[0] / a[0] * limit ** (b[1] - a[1]) - 1.0 for (a, b), limit in zip(pairwise(LAWS), limits, strict=True)]
     assert jumps == pytest.approx([-0.0017, 0.0019, -0.0004, -0.0076], abs=1e-4)
 
 
@@ -135,9 +120,7 @@ def test_a_wrong_exponent_is_noticed():
 
     found = film(Fifth(), 72.0, 38.5, 0.381e-3)
     assert found != pytest.approx(film(ms.thermal.ChurchillChu(), 72.0, 38.5, 0.381e-3), rel=0.02)
-    assert not inside(
-        [Fifth()], 0.038e-3, 38.5, printed_numbers("migaone").steps.column("temperature"), 270, 346
-    )
+    assert not inside([Fifth()], 0.038e-3, 38.5, printed_numbers("migaone").steps.column("temperature"), 270, 346)
 
 
 # ---------------------------------------------------------------- wires of the papers
@@ -173,9 +156,7 @@ def test_the_springs_of_the_platform():
 def test_the_wire_of_the_finger():
     celsius = (np.linspace(320.0, 355.0, 8) - ZERO).tolist()
     assert inside([ms.thermal.ChurchillChu()], 0.1e-3, 295.0 - ZERO, celsius, 137, 149)
-    assert film(ms.thermal.Radiation(emissivity=0.7), 65.0, 295.0 - ZERO, 0.1e-3) == pytest.approx(
-        5, abs=1
-    )
+    assert film(ms.thermal.Radiation(emissivity=0.7), 65.0, 295.0 - ZERO, 0.1e-3) == pytest.approx(5, abs=1)
 
 
 # ---------------------------------------------------------------- published values
@@ -216,8 +197,7 @@ def test_the_steam_pipe_of_the_textbook():
         convection=ms.thermal.ChurchillChu(), radiation=ms.thermal.Radiation(emissivity=0.85)
     )
     convected, radiated, lost = (
-        m.film(floats, 438.0, 296.0, pipe) * area * 142.0
-        for m in (both.convection, both.radiation, both)
+        m.film(floats, 438.0, 296.0, pipe) * area * 142.0 for m in (both.convection, both.radiation, both)
     )
     assert radiated == pytest.approx(441.0, abs=0.5)
     assert convected == pytest.approx(325.0, rel=0.012)  # other air properties

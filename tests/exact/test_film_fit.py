@@ -18,12 +18,7 @@ from martensite.base.errors import DataError, ParameterError, SolveError
 from martensite.characterise import film_sensitivity
 from martensite.characterise.film_ambient import fit_free_ambient
 from martensite.characterise.film_coefficient import FORMS, fit_film
-from martensite.characterise.film_points import (
-    ABSOLUTE_ZERO,
-    FilmPoints,
-    points_from_power,
-    powers_from_voltage,
-)
+from martensite.characterise.film_points import ABSOLUTE_ZERO, FilmPoints, points_from_power, powers_from_voltage
 from martensite.characterise.film_report import judge_film
 from martensite.characterise.nonlinear_regression import fit_residuals
 from martensite.characterise.polynomial_regression import LinearFit, fit_powers
@@ -174,9 +169,7 @@ def test_kossoski_with_two_resistances() -> None:
     ohms = [1.5] * 5 + [1.3] * 4
     powers = powers_from_voltage(VOLTS, ohms)
     for ambient in (20.0, 22.0, 25.0):
-        points = points_from_power(
-            KOSSOSKI_AT, powers, diameter=375e-6, length=0.1, ambient_degC=ambient
-        )
+        points = points_from_power(KOSSOSKI_AT, powers, diameter=375e-6, length=0.1, ambient_degC=ambient)
         assert not any(verdict.supported for verdict in judge_film(points).verdicts)
 
 
@@ -204,9 +197,7 @@ def test_free_ambient_is_the_nonlinear_fit_of_h_and_ambient() -> None:
     def residuals(p: np.ndarray) -> np.ndarray:
         return (p[0] + p[1] * at) * (at - p[2]) - fluxes
 
-    found = optimize.least_squares(
-        residuals, [30.0, 0.4, 38.0], x_scale=[30.0, 0.4, 1.0], xtol=1e-14
-    )
+    found = optimize.least_squares(residuals, [30.0, 0.4, 38.0], x_scale=[30.0, 0.4, 1.0], xtol=1e-14)
     fit = fit_free_ambient(MIGAONE, 1)
     assert fit is not None
     assert fit.ambient == pytest.approx(found.x[2], abs=1e-4)
@@ -327,9 +318,7 @@ def test_without_an_ambient_nothing_is_supported() -> None:
         (lambda: powers_from_voltage((1.0, 2.0), (1.0,)), DataError, "one resistance per voltage"),
         (lambda: powers_from_voltage((1.0, 2.0), 0.0), ParameterError, "above 0 ohm"),
         (
-            lambda: points_from_power(
-                (40.0, 50.0), (1.0, 2.0), diameter=0.0, length=1.0, ambient_degC=20.0
-            ),
+            lambda: points_from_power((40.0, 50.0), (1.0, 2.0), diameter=0.0, length=1.0, ambient_degC=20.0),
             ParameterError,
             "above 0 m",
         ),
@@ -342,9 +331,7 @@ def test_bad_input_is_refused(make, error, sentence: str) -> None:
 
 
 def test_points_from_power_by_hand() -> None:
-    points = points_from_power(
-        (50.0, 70.0), (0.1, 0.3), diameter=1e-3, length=0.2, ambient_degC=20.0
-    )
+    points = points_from_power((50.0, 70.0), (0.1, 0.3), diameter=1e-3, length=0.2, ambient_degC=20.0)
     surface = math.pi * 1e-3 * 0.2
     assert points.h == pytest.approx((0.1 / surface / 30.0, 0.3 / surface / 50.0))
     assert points.fluxes == pytest.approx((0.1 / surface, 0.3 / surface))

@@ -16,11 +16,7 @@ from martensite.physics.fluids.base import FLUIDS
 from martensite.physics.thermal.base import Cylinder
 
 ZERO = 273.15
-FREE = {
-    "lefevre-ede": ms.thermal.LeFevreEde,
-    "churchill-chu": ms.thermal.ChurchillChu,
-    "morgan": ms.thermal.Morgan,
-}
+FREE = {"lefevre-ede": ms.thermal.LeFevreEde, "churchill-chu": ms.thermal.ChurchillChu, "morgan": ms.thermal.Morgan}
 RISING = (*FREE, "churchill-bernstein")
 
 
@@ -30,11 +26,7 @@ def film(model, celsius, ambient, diameter):
 
 
 def model(name, **changes):
-    return (
-        ms.thermal.ChurchillBernstein(speed=1.5, **changes)
-        if name not in FREE
-        else FREE[name](**changes)
-    )
+    return ms.thermal.ChurchillBernstein(speed=1.5, **changes) if name not in FREE else FREE[name](**changes)
 
 
 @pytest.mark.parametrize("fluid", FLUIDS.names())
@@ -51,17 +43,13 @@ def test_without_buoyancy_a_vertical_wire_only_conducts(fluid):
 def test_at_equal_temperatures_a_vertical_wire_in_air_nearly_only_conducts():
     """Nearly: |T - T_a| is held at 0.01 K."""
     shape = Cylinder(0.2e-3, 0.2)
-    films = [
-        ms.thermal.LeFevreEde(gravity=g).film(floats, 300.0, 300.0, shape) for g in (0.0, 9.81)
-    ]
+    films = [ms.thermal.LeFevreEde(gravity=g).film(floats, 300.0, 300.0, shape) for g in (0.0, 9.81)]
     assert 1.0 < films[1] / films[0] < 1.02
 
 
 def test_a_horizontal_wire_without_buoyancy_keeps_the_constant_of_churchill_and_chu():
     found = ms.thermal.ChurchillChu(gravity=0.0).film(floats, 320.0, 300.0, Cylinder(1e-3, 0.2))
-    assert found == pytest.approx(
-        0.36 * ms.thermal.Air().properties(floats, 310.0).conductivity / 1e-3, rel=1e-12
-    )
+    assert found == pytest.approx(0.36 * ms.thermal.Air().properties(floats, 310.0).conductivity / 1e-3, rel=1e-12)
 
 
 def test_radiation_is_the_law_of_stefan_and_boltzmann():
@@ -106,9 +94,7 @@ def test_slopes_stay_finite_at_the_ambient_temperature(name):
 def test_more_pressure_or_speed_cools_more():
     dense = ms.thermal.ChurchillChu(fluid=ms.thermal.Air(pressure=3e5))
     assert film(dense, 60.0, 20.0, 1e-3) > 1.2 * film(ms.thermal.ChurchillChu(), 60.0, 20.0, 1e-3)
-    slow, fast = (
-        film(ms.thermal.ChurchillBernstein(speed=u), 60.0, 20.0, 1e-3) for u in (1.0, 4.0)
-    )
+    slow, fast = (film(ms.thermal.ChurchillBernstein(speed=u), 60.0, 20.0, 1e-3) for u in (1.0, 4.0))
     assert slow < fast < 2.0 * slow
 
 
@@ -120,6 +106,4 @@ def test_a_plate_in_place_of_a_wire_is_noticed():
             endless = Cylinder(1e30, shape.length)
             return super().nusselt(xp, rayleigh, prandtl, endless)
 
-    assert film(Plate(), 60.0, 20.0, 0.381e-3) < 0.3 * film(
-        ms.thermal.LeFevreEde(), 60.0, 20.0, 0.381e-3
-    )
+    assert film(Plate(), 60.0, 20.0, 0.381e-3) < 0.3 * film(ms.thermal.LeFevreEde(), 60.0, 20.0, 0.381e-3)

@@ -93,9 +93,7 @@ def test_brackets_meet_and_then_press(r: float) -> None:
     mechanism, met = joint(1e-3 * r), 2.0 * math.atan2(G, 1e-3 * r)
     assert shortened(mechanism, met) == pytest.approx(4.0 * G, rel=1e-14)
     assert mechanism.stops(floats, met - 1e-6) == 0.0
-    assert mechanism.stops(floats, min(met + 1e-4, 2.99)) == pytest.approx(
-        mechanism.stop * 1e-4, rel=1e-3
-    )
+    assert mechanism.stops(floats, min(met + 1e-4, 2.99)) == pytest.approx(mechanism.stop * 1e-4, rel=1e-3)
 
 
 # ---------------------------------------------------------------- springs
@@ -251,9 +249,7 @@ def test_friction_widens_the_loop() -> None:
     """Half of the angle is reached hotter and left colder, by σ sinh(μ θ/2)/s and a little more."""
     rough, free = (
         {
-            way: float(
-                np.interp(0.65, np.array(run["angle"])[part], np.array(run["temperature"])[part])
-            )
+            way: float(np.interp(0.65, np.array(run["angle"])[part], np.array(run["temperature"])[part]))
             for way, part in (("up", slice(0, 500)), ("down", slice(None, 650, -1)))
         }
         for run in (cycle(friction=0.2), cycle())
@@ -327,9 +323,7 @@ def frozen(**changes: Any) -> System:
         resistance=PerLengthResistance(r_A=125.0, r_M=125.0),
     )
     environment = Environment(temperature=295.0, cooling=ConstantCooling(h=200.0))
-    return finger(motion="dynamic", inertia=J, **changes).with_parts(
-        element=element, environment=environment
-    )
+    return finger(motion="dynamic", inertia=J, **changes).with_parts(element=element, environment=environment)
 
 
 def natural(system: System) -> float:

@@ -34,10 +34,7 @@ def machine(p: np.ndarray) -> np.ndarray:
     x = (AT - 280.0) / 40.0
     start = (s * (AT - t_l) + sigma_l) / k
     return (
-        1e-6 * start
-        + 1e-7 * width / k * np.sin(3 * x)
-        + 1e-10 * e / k * np.cos(5 * x)
-        + 1e-22 / (v * k) * np.exp(-x)
+        1e-6 * start + 1e-7 * width / k * np.sin(3 * x) + 1e-10 * e / k * np.cos(5 * x) + 1e-22 / (v * k) * np.exp(-x)
     )
 
 
@@ -181,12 +178,7 @@ def test_a_parameter_is_weak_when_it_is_uncertain_by_more_than_its_range(noise: 
     """One column of norm 1: the standard error is `noise` ranges, by hand."""
     columns = np.stack([np.full(100, 30.0), np.tile([0.1, -0.1], 50)], axis=1)
     found = assess_identifiability(
-        columns,
-        ["a", "E_M"],
-        values=[1.0, 30e9],
-        scales=[1.0, 20e9],
-        units=["1", "Pa"],
-        noise=noise,
+        columns, ["a", "E_M"], values=[1.0, 30e9], scales=[1.0, 20e9], units=["1", "Pa"], noise=noise
     )
     assert found.uncertainties == pytest.approx((noise / 300.0, noise))
     assert found.determined is not weak
@@ -195,13 +187,11 @@ def test_a_parameter_is_weak_when_it_is_uncertain_by_more_than_its_range(noise: 
         assert not one.exact
         assert one.uncertainty == pytest.approx(noise)
         assert one.sentence == (
-            "`E_M` is not determined: its whole range, 20000 MPa, changes the error by only "
-            "0.05 of its noise."
+            "`E_M` is not determined: its whole range, 20000 MPa, changes the error by only 0.05 of its noise."
         )
     else:
         assert found.sentences == (
-            "`a` and `E_M` are determined, in the least certain direction to 50 % of the search "
-            "range.",
+            "`a` and `E_M` are determined, in the least certain direction to 50 % of the search range.",
         )
 
 
@@ -211,26 +201,20 @@ def test_a_weak_pair_that_is_not_redundant_is_not_called_so():
     assert not one.exact
     assert "by only" in one.sentence
     assert "nothing" not in one.sentence
-    assert assess_identifiability(
-        columns, ["p", "q"], values=[1, 3], scales=[1, 1], noise=1e-4
-    ).determined
+    assert assess_identifiability(columns, ["p", "q"], values=[1, 3], scales=[1, 1], noise=1e-4).determined
 
 
 def test_a_small_mover_is_named_only_if_it_is_needed():
     """3 % of the largest: without it the sentence would be false in one case, not in the other."""
     base = np.stack([AT / 400.0, np.sin(AT), np.cos(AT / 9.0)], axis=1)
     strong = np.stack([base[:, 0], base[:, 1], -(base[:, 0] + base[:, 1]) / 0.03], axis=1)
-    needed = assess_identifiability(
-        strong, ["a", "b", "c"], values=[1, 2, 3], scales=[1, 1, 1], noise=0.1
-    )
+    needed = assess_identifiability(strong, ["a", "b", "c"], values=[1, 2, 3], scales=[1, 1, 1], noise=0.1)
     assert set(needed.weak[0].names) == {"a", "b", "c"}
     small = 0.1 / np.linalg.norm(base[:, 2])
     second = -base[:, 0] + 1.6 * small * base[:, 2] + 1e-3 * base[:, 1]
     nearly = np.stack([base[:, 0], second, base[:, 2]], axis=1)
     nearly[:, 2] *= 60.0 * small
-    named = assess_identifiability(
-        nearly, ["a", "b", "c"], values=[1, 2, 3], scales=[1, 1, 1], noise=0.1
-    )
+    named = assess_identifiability(nearly, ["a", "b", "c"], values=[1, 2, 3], scales=[1, 1, 1], noise=0.1)
     assert [set(one.names) for one in named.weak] == [{"a", "b"}]
     assert np.count_nonzero(find_weak_directions(nearly, 0.1)[0]) == 3
 
@@ -248,9 +232,7 @@ def test_singular_values_and_the_number_of_weak_directions(count: int):
         frozenset({"p0", "p1", "p2"}),
         frozenset({"p1", "p3", "p4"}),
     }
-    assert found.sensitivities == pytest.approx(
-        (np.linalg.norm(columns, axis=0) / np.sqrt(80) / 1e-6).tolist()
-    )
+    assert found.sensitivities == pytest.approx((np.linalg.norm(columns, axis=0) / np.sqrt(80) / 1e-6).tolist())
 
 
 @pytest.mark.parametrize("seed", range(6))

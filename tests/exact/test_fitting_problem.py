@@ -110,9 +110,7 @@ pytestmark = pytest.mark.usefixtures("c_compiler")
 
 def test_residuals_are_mismatches_by_noise_or_range():
     one = moved(experiment("one", "position", "temperature"), lambda column: 1.01 * column)
-    task = build_problem(
-        [replace(one, weights={"temperature": 4.0})], ["A_s"], noise={"temperature": 0.5}
-    )
+    task = build_problem([replace(one, weights={"temperature": 4.0})], ["A_s"], noise={"temperature": 0.5})
     found = task.evaluate(task.start)
     assert found is not None
     model = found.fitted[0].model
@@ -131,9 +129,7 @@ def test_missing_samples_are_left_out():
         column[5:9] = math.nan
         return column
 
-    task, other = (
-        build_problem([one], ["A_s", "C_A"]) for one in (whole, moved(whole, with_holes))
-    )
+    task, other = (build_problem([one], ["A_s", "C_A"]) for one in (whole, moved(whole, with_holes)))
     u = away(task)
     full, less = task.evaluate(u, slopes=True), other.evaluate(u, slopes=True)
     assert full is not None
@@ -166,9 +162,7 @@ def test_held_stretches_are_not_seen_but_judged():
     scores = {one.part: one for one in fit.scores}
     assert scores["training"].rms < 1e-8
     assert scores["held-out"].rms > 1e-4
-    assert solve_problem(build_problem([wrong], ["A_s"]))["A_s"] != pytest.approx(
-        law_a().A_s, abs=1e-5
-    )
+    assert solve_problem(build_problem([wrong], ["A_s"]))["A_s"] != pytest.approx(law_a().A_s, abs=1e-5)
 
 
 @pytest.mark.parametrize("native", [True, False])
@@ -176,10 +170,7 @@ def test_records_that_are_kept_back_are_predicted(native: bool, monkeypatch: pyt
     """Their own offsets are fitted to them, with nothing else free."""
     if not native:
         monkeypatch.setattr(batch_runner, "find_compiler", lambda: None)
-    one, two = (
-        experiment("one"),
-        experiment("two", wave=through([290.0, 360.0, 290.0, 400.0, 320.0])),
-    )
+    one, two = (experiment("one"), experiment("two", wave=through([290.0, 360.0, 290.0, 400.0, 320.0])))
     held = replace(two, held=((-math.inf, math.inf),))
     task = build_problem([one, held], [SearchRange("A_s", start=350.0)], each=["offset"])
     fit = solve_problem(task)
@@ -195,9 +186,7 @@ def test_derivatives_of_several_records_and_outputs():
     others = ("position", "temperature", "martensite_fraction")
     system = hanging_wire(mass=1.7, source=VoltageSource(), law=law_a())
     heated = experiment("volts", *others, system=system, wave=VOLTS, step=0.002)
-    task = build_problem(
-        [experiment("kelvins"), heated], ["A_s", "C_M", "eps_L", "h", "latent_heat"]
-    )
+    task = build_problem([experiment("kelvins"), heated], ["A_s", "C_M", "eps_L", "h", "latent_heat"])
     assert apart(task) <= 1e-5
 
 
@@ -215,9 +204,7 @@ def test_derivatives_of_what_a_record_has_for_itself():
 
 
 def test_a_delay_is_found():
-    late = FunctionWaveform(
-        function=lambda t: HEATING.value(max(t - 0.03, 0.0)), kinks=(0.03, 1.03, 2.03, 3.03)
-    )
+    late = FunctionWaveform(function=lambda t: HEATING.value(max(t - 0.03, 0.0)), kinks=(0.03, 1.03, 2.03, 3.03))
     one = replace(experiment(rows=241, wave=late), waveform=HEATING)
     fit = solve_problem(build_problem([one], [SearchRange("A_s", start=344.0)], each=["delay"]))
     assert fit["delay@one"] == pytest.approx(0.03, abs=1e-4)
@@ -231,9 +218,7 @@ def test_one_name_moves_the_wires_of_all_actuators():
     times = np.linspace(0.0, 20.0, 41)
     columns = {"time": times.tolist(), "angle": np.sin(times).tolist()}
     record = Record("one", columns, {"time": "s", "angle": "rad"})
-    one = Experiment(
-        "one", scenario.system, scenario.waveform, record, {"angle": "angle"}, step=0.02
-    )
+    one = Experiment("one", scenario.system, scenario.waveform, record, {"angle": "angle"}, step=0.02)
     names = ["E_A", "eps_T", "radius", "protagonist.element.law.E_M"]
     task = build_problem([one], names)
     paths = [path for path in task.runners[0].paths if task.free[0].moves(path)]
@@ -258,18 +243,8 @@ def test_more_free_parameters_than_directions_of_one_run():
 def test_without_a_compiler_derivatives_are_differences(without_compiler: None):
     """Also of what is zero at the start, and at the ends of ranges."""
     one = experiment("one", "position", "temperature", rows=61)
-    names = [
-        "A_s",
-        "C_A",
-        SearchRange("element.latent_heat", 0.0, 3e4, 0.0),
-        SearchRange("Theta", -1e6, 1e6, 0.0),
-    ]
-    volts = experiment(
-        "volts",
-        system=hanging_wire(mass=1.7, source=VoltageSource(), law=law_a()),
-        wave=VOLTS,
-        rows=61,
-    )
+    names = ["A_s", "C_A", SearchRange("element.latent_heat", 0.0, 3e4, 0.0), SearchRange("Theta", -1e6, 1e6, 0.0)]
+    volts = experiment("volts", system=hanging_wire(mass=1.7, source=VoltageSource(), law=law_a()), wave=VOLTS, rows=61)
     plain = build_problem([one, volts], names, each=["offset"])
     assert not plain.runners[0].native
     with pytest.MonkeyPatch.context() as patch:

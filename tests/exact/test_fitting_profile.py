@@ -42,12 +42,8 @@ def bounded(cost):
 @pytest.mark.parametrize("place", [0, 1, 2])
 @pytest.mark.parametrize("level", [0.68, 0.95])
 def test_the_profile_of_a_linear_model_is_the_t_interval(place: int, level: float):
-    found = walk_profile(
-        held, BEST.tolist(), COST, place, low=-50.0, high=50.0, freedom=17, level=level
-    )
-    errors = estimate_uncertainty(
-        COLUMNS @ BEST - Y, COLUMNS, ["a", "b", "c"], values=BEST.tolist(), scales=[1, 1, 1]
-    )
+    found = walk_profile(held, BEST.tolist(), COST, place, low=-50.0, high=50.0, freedom=17, level=level)
+    errors = estimate_uncertainty(COLUMNS @ BEST - Y, COLUMNS, ["a", "b", "c"], values=BEST.tolist(), scales=[1, 1, 1])
     assert found.interval == pytest.approx(errors.interval("abc"[place], level), abs=1e-7)
     half = 0.5 * (found.interval[1] - found.interval[0])
     curve = [(p.excess / found.limit, (p.at - BEST[place]) / half) for p in found.points]
@@ -66,8 +62,7 @@ def test_known_noise_takes_the_normal_quantile():
 @pytest.mark.parametrize("step", [1e-4, 0.05, 1.0, 40.0])
 def test_the_first_step_does_not_matter(step: float):
     found, other = (
-        walk_profile(held, BEST.tolist(), COST, 1, low=-50.0, high=50.0, freedom=17, step=s)
-        for s in (step, None)
+        walk_profile(held, BEST.tolist(), COST, 1, low=-50.0, high=50.0, freedom=17, step=s) for s in (step, None)
     )
     assert found.interval == pytest.approx(other.interval, abs=1e-7)
     assert len(found.points) < 60
@@ -76,14 +71,7 @@ def test_the_first_step_does_not_matter(step: float):
 def test_a_curved_profile_is_crossed_where_it_is():
     """cost = (log x)⁴ + 1: unequal sides, log x = ± limit^(1/4)."""
     found = walk_profile(
-        bounded(lambda x: math.log(x) ** 4 + 1.0),
-        [1.0],
-        1.0,
-        0,
-        low=1e-3,
-        high=1e3,
-        noise=0.2,
-        step=0.01,
+        bounded(lambda x: math.log(x) ** 4 + 1.0), [1.0], 1.0, 0, low=1e-3, high=1e3, noise=0.2, step=0.01
     )
     far = (0.2 * stats.norm.ppf(0.975)) ** 0.5
     assert found.interval == pytest.approx((math.exp(-far), math.exp(far)), rel=1e-4)
@@ -107,22 +95,13 @@ def test_a_side_without_limit_is_open():
     assert found.above.reason == "bound"
     assert found.points[-1].at == 100.0
     assert found.sentence == (
-        "`E_M` = 1, 95 % interval above 0.3378, open: the data give no upper limit within the "
-        "bounds (to 100)."
+        "`E_M` = 1, 95 % interval above 0.3378, open: the data give no upper limit within the bounds (to 100)."
     )
 
 
 def test_both_sides_open_and_units_in_words():
     flat = walk_profile(
-        bounded(lambda x: 0.0),
-        [320.0],
-        0.0,
-        0,
-        low=295.0,
-        high=394.15,
-        noise=1.0,
-        name="T_L",
-        unit="K",
+        bounded(lambda x: 0.0), [320.0], 0.0, 0, low=295.0, high=394.15, noise=1.0, name="T_L", unit="K"
     )
     assert flat.interval == (-math.inf, math.inf)
     assert flat.sentence == (
@@ -178,13 +157,7 @@ def test_the_number_of_refits_is_kept():
 
 def test_a_better_fit_on_the_way_is_reported():
     found = walk_profile(
-        bounded(lambda x: (x - 1.0) ** 2 * ((x - 3.0) ** 2 - 0.5)),
-        [1.0],
-        0.0,
-        0,
-        low=0.0,
-        high=5.0,
-        noise=3.0,
+        bounded(lambda x: (x - 1.0) ** 2 * ((x - 3.0) ** 2 - 0.5)), [1.0], 0.0, 0, low=0.0, high=5.0, noise=3.0
     )
     assert found.better is not None
     assert found.better.at == pytest.approx(3.0, abs=0.5)
@@ -200,8 +173,7 @@ def test_a_wrong_profile_is_noticed():
         return values.tolist(), float(np.sum((COLUMNS @ values - Y) ** 2))
 
     found, true = (
-        walk_profile(solve, BEST.tolist(), COST, 1, low=-50.0, high=50.0, freedom=17)
-        for solve in (lazy, held)
+        walk_profile(solve, BEST.tolist(), COST, 1, low=-50.0, high=50.0, freedom=17) for solve in (lazy, held)
     )
     assert found.interval[1] - found.interval[0] < 0.5 * (true.interval[1] - true.interval[0])
 

@@ -43,8 +43,7 @@ def test_the_fit_in_its_limits():
 def test_the_sentence_is_in_everyday_units():
     found = scored(MEASURED + np.radians([0, 0, 0, 3.0, 0]), part="held-out")
     assert found.sentence == (
-        "`sine`, `angle` (held-out): fit 96.9 %, rms error 1.34 deg, at most 3 deg at 1.5 s, "
-        "bias 0.6 deg."
+        "`sine`, `angle` (held-out): fit 96.9 %, rms error 1.34 deg, at most 3 deg at 1.5 s, bias 0.6 deg."
     )
     assert "at most 3 K" in scored(MEASURED + 3.0, unit="K").sentence
 
@@ -66,10 +65,7 @@ def test_weights_are_the_slope_of_the_cost_of_scipy(name: str):
 
     def cost(r: float) -> float:
         found = optimize.least_squares(
-            lambda p: np.asarray([r]) + 0.0 * p,
-            [0.0],
-            loss=loss.scipy_name,
-            f_scale=loss.tuning * 0.8,
+            lambda p: np.asarray([r]) + 0.0 * p, [0.0], loss=loss.scipy_name, f_scale=loss.tuning * 0.8
         )
         return found.cost
 

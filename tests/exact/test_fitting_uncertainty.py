@@ -82,9 +82,7 @@ def test_a_redundant_parameter_has_an_infinite_error_and_the_others_keep_theirs(
     line = fit_powers(X.tolist(), y.tolist(), (0, 1))
     residuals = line.values[0] + line.values[1] * X - y
     columns = np.stack([X**0, X, X * 3.0], axis=1)
-    found = estimate_uncertainty(
-        residuals, columns, NAMES, values=[1.0, 2.0, 0.0], scales=[1, 1, 1]
-    )
+    found = estimate_uncertainty(residuals, columns, NAMES, values=[1.0, 2.0, 0.0], scales=[1, 1, 1])
     assert found.errors[1:] == (math.inf, math.inf)
     assert found.interval("b") == found.widened("c") == EVERYTHING
     assert found.errors[0] == pytest.approx(line.error(0), rel=1e-9)
@@ -99,29 +97,20 @@ def test_a_redundant_parameter_has_an_infinite_error_and_the_others_keep_theirs(
 def test_no_undetermined_parameter_gets_a_small_error(share: float):
     """However little of the redundancy it takes: b = share × what makes up for a."""
     columns = np.stack([X, -X / share, X**2], axis=1)
-    found = estimate_uncertainty(
-        0.1 * np.cos(9.0 * X), columns, NAMES, values=[1, 1, 1], scales=[1, 1, 1]
-    )
+    found = estimate_uncertainty(0.1 * np.cos(9.0 * X), columns, NAMES, values=[1, 1, 1], scales=[1, 1, 1])
     assert found.errors[0] == math.inf
     assert not found.errors[1] < 1e-3
     nearly = columns + 1e-5 * np.stack([np.sin(X), 0 * X, 0 * X], axis=1)
     assert (
-        estimate_uncertainty(
-            0.1 * np.cos(9.0 * X), nearly, NAMES, values=[1, 1, 1], scales=[1, 1, 1]
-        ).errors[0]
-        > 1e2
+        estimate_uncertainty(0.1 * np.cos(9.0 * X), nearly, NAMES, values=[1, 1, 1], scales=[1, 1, 1]).errors[0] > 1e2
     )
 
 
 def test_no_sample_to_spare_and_no_effect_at_all():
-    found = estimate_uncertainty(
-        [0.1, 0.2], [[1.0, 0.0], [0.0, 1.0]], ["a", "b"], values=[1, 1], scales=[1, 1]
-    )
+    found = estimate_uncertainty([0.1, 0.2], [[1.0, 0.0], [0.0, 1.0]], ["a", "b"], values=[1, 1], scales=[1, 1])
     assert math.isnan(found.errors[0])
     assert found.interval("a") == found.widened("a") == EVERYTHING
-    nothing = estimate_uncertainty(
-        [0.1] * 5, np.zeros((5, 2)), ["a", "b"], values=[1, 1], scales=[1, 1]
-    )
+    nothing = estimate_uncertainty([0.1] * 5, np.zeros((5, 2)), ["a", "b"], values=[1, 1], scales=[1, 1])
     assert nothing.errors == (math.inf, math.inf)
 
 

@@ -58,9 +58,7 @@ def test_the_printed_rows_agree_with_the_textbook_where_they_were_copied():
 def test_the_table_of_air_is_linear_between_its_rows(name):
     rows = np.array(air_table.ROWS[name])
     celsius = np.linspace(rows[0, 0], rows[-1, 0], 83)
-    found = np.array(
-        [ms.thermal.AirTable(rows=name).properties(floats, c + 273.15) for c in celsius.tolist()]
-    )
+    found = np.array([ms.thermal.AirTable(rows=name).properties(floats, c + 273.15) for c in celsius.tolist()])
     for column, unit in ((1, 1.0), (2, 1e-5), (3, 1.0)):
         expected = unit * np.interp(celsius, rows[:, 0], rows[:, column])
         np.testing.assert_allclose(found[:, column - 1], expected, rtol=1e-12)

@@ -44,9 +44,7 @@ def test_slopes_of_the_stroke_are_those_of_differences(rule):
     assert np.ptp(found.column) == simulate(system, SINE_A, 60.0, **RUN).stroke
     for name, share in PARAMETERS.items():
         path = system.resolve(name)
-        assert found.of_range()[path] == pytest.approx(
-            differenced(system, path, share), rel=1e-6, abs=0
-        ), name
+        assert found.of_range()[path] == pytest.approx(differenced(system, path, share), rel=1e-6, abs=0), name
 
 
 @pytest.mark.usefixtures("c_compiler")
@@ -107,9 +105,7 @@ def test_contraction_of_a_hanging_wire(rule):
     stress = 9.80665 / (math.pi * 0.381e-3**2 / 4)
     celsius = 75.0 + stress / 10e6
     names = ["eps_L", "A_s", "A_f", "C_A", "length", "E_A"]
-    run = compute_sensitivity(
-        system, through([20 + ZERO, celsius + ZERO]), 1.0, names, step=0.02, samples=51
-    )
+    run = compute_sensitivity(system, through([20 + ZERO, celsius + ZERO]), 1.0, names, step=0.02, samples=51)
     angle = math.pi * 0.7
     gone = 0.5 * (1 - math.cos(angle))
     assert run.column[-1] == pytest.approx(0.25 * 0.04 * gone, rel=1e-9)

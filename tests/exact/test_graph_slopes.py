@@ -53,9 +53,7 @@ def looped(xp, v):
     (still,) = xp.repeat(2, lambda s: [xp.exp(s)], 0.1)
 
     def row(x, y):
-        root = solve_bracketed(
-            xp, lambda xp, z: z * z * z + (1.0 + x * x) * z - y * b, 0.0, (-20.0, 20.0)
-        )
+        root = solve_bracketed(xp, lambda xp, z: z * z * z + (1.0 + x * x) * z - y * b, 0.0, (-20.0, 20.0))
         return [root * a, xp.repeat(2, lambda s: [s * y + root], x)[0]]
 
     first, second = xp.each(row, [a, 2.0, turned[0]], [0.5, b, turned[1]])

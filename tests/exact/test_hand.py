@@ -38,13 +38,7 @@ from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.result import Result
 
-GEOMETRY: dict[str, Any] = {
-    "offset": 5e-3,
-    "bracket": 4e-3,
-    "knuckle": 7e-3,
-    "preload": 0.5,
-    "highest": 1.2,
-}
+GEOMETRY: dict[str, Any] = {"offset": 5e-3, "bracket": 4e-3, "knuckle": 7e-3, "preload": 0.5, "highest": 1.2}
 ANGLES = [f"{finger}_{joint}" for finger in FINGERS for joint in JOINTS]
 COLD = Environment(temperature=275.0, cooling=ConstantCooling(h=150.0))
 """Colder than the finish of martensite."""
@@ -229,9 +223,7 @@ def drawn(shortened: dict[str, float], **changes: Any) -> Result:
 
 def torques(mechanism: Hand, angles: np.ndarray, millimetres: dict[str, float]) -> np.ndarray:
     """Torque that elements and springs leave over in the joints of the index finger [N m]."""
-    r, g, rho = (
-        mechanism.index * n for n in (mechanism.offset, mechanism.bracket, mechanism.knuckle)
-    )
+    r, g, rho = (mechanism.index * n for n in (mechanism.offset, mechanism.bracket, mechanism.knuckle))
     start = mechanism.start_forces(floats)[4:8]
     bow = 2.0 * (r * np.sin(0.5 * angles) + g * (1.0 - np.cos(0.5 * angles)))
     arm = r * np.cos(0.5 * angles) + g * np.sin(0.5 * angles)
@@ -259,9 +251,7 @@ def torques(mechanism: Hand, angles: np.ndarray, millimetres: dict[str, float]) 
         {"index_proximal_flexor": 2.0, "index_distal_flexor": 5.0, "index_distal_extensor": -1.0},
     ],
 )
-def test_it_rests_where_nothing_is_left_over(
-    millimetres: dict[str, float], tendons: str, size: float
-) -> None:
+def test_it_rests_where_nothing_is_left_over(millimetres: dict[str, float], tendons: str, size: float) -> None:
     changes = {"tendons": tendons, "torque": 1e-3, "stiffness": 0.02, "index": size, "lowest": -1.0}
     result = drawn(millimetres, **changes)
     mechanism = hand(**changes)
@@ -276,9 +266,7 @@ def test_preload_and_springs_are_in_balance_at_assembly() -> None:
     for tendons in ("separate", "passing"):
         mechanism = hand(tendons=tendons, torque=1.5e-3, thumb=0.7)
         home, forces = [0.0] * 6, mechanism.start_forces(floats)
-        assert mechanism.supply(floats, home, forces, home) == pytest.approx(
-            [1.5e-3] * 6, rel=1e-12
-        )
+        assert mechanism.supply(floats, home, forces, home) == pytest.approx([1.5e-3] * 6, rel=1e-12)
         assert forces[::2] == [0.5] * 6
 
 
@@ -316,16 +304,11 @@ def pendulum(start: tuple[float, float], size: float, times: np.ndarray) -> np.n
         a, b, va, vb = y
         c, s = cross * math.cos(a - b), cross * math.sin(a - b)
         mass = np.array([[(m1 / 3 + m2) * l1 * l1, c], [c, m2 * l2 * l2 / 3]])
-        side = [
-            -s * vb * vb - (0.5 * m1 + m2) * g * l1 * math.sin(a),
-            s * va * va - 0.5 * m2 * g * l2 * math.sin(b),
-        ]
+        side = [-s * vb * vb - (0.5 * m1 + m2) * g * l1 * math.sin(a), s * va * va - 0.5 * m2 * g * l2 * math.sin(b)]
         return [va, vb, *np.linalg.solve(mass, side)]
 
     begin = [start[0], sum(start), 0.0, 0.0]
-    found = integrate.solve_ivp(
-        rates, (0.0, times[-1]), begin, method="DOP853", t_eval=times, rtol=1e-11, atol=1e-12
-    ).y
+    found = integrate.solve_ivp(rates, (0.0, times[-1]), begin, method="DOP853", t_eval=times, rtol=1e-11, atol=1e-12).y
     return np.array([found[0], found[1] - found[0]])
 
 

@@ -7,16 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from builders import (
-    SINE_A,
-    ZERO,
-    FunctionWaveform,
-    hanging_wire,
-    law_a,
-    problem_a,
-    through,
-    wire_a,
-)
+from builders import SINE_A, ZERO, FunctionWaveform, hanging_wire, law_a, problem_a, through, wire_a
 from scipy.integrate import romb
 
 from martensite.physics.electrical.current import CurrentSource
@@ -151,9 +142,7 @@ def test_every_step_of_a_linear_balance_is_a_pade_approximant():
     z = 0.05 / constant
     factor = ((1 - z / 3) / (1 + 2 * z / 3 + z * z / 6)) ** np.arange(301)
     top = 40.0 * (1 - factor[100])
-    expected = np.where(
-        np.arange(301) <= 100, 40.0 * (1 - factor), top * factor[np.arange(301) - 100]
-    )
+    expected = np.where(np.arange(301) <= 100, 40.0 * (1 - factor), top * factor[np.arange(301) - 100])
     assert rise == pytest.approx(expected, abs=1e-11)
 
 

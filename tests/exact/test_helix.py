@@ -48,10 +48,7 @@ def energy(spring: helix.Helix, height: float) -> float:
 def slope(function: Callable[[float], float], x: float, step: float) -> float:
     """Sixth-order central difference."""
     terms = (45.0, -9.0, 1.0)
-    found = sum(
-        weight * (function(x + k * step) - function(x - k * step))
-        for k, weight in enumerate(terms, start=1)
-    )
+    found = sum(weight * (function(x + k * step) - function(x - k * step)) for k, weight in enumerate(terms, start=1))
     return found / (60.0 * step)
 
 

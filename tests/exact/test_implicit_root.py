@@ -66,17 +66,13 @@ def beside(xp: Any, a: Any, b: Any) -> Sequence[Any]:
 
 def in_rows(xp: Any, a: Any, b: Any) -> Sequence[Any]:
     """Roots of several rows, one of which has no derivative in b."""
-    roots, twice = xp.each(
-        lambda p, q: (cube(xp, p, q), 2.0 * p * cube(xp, a, q)), (a, 2.0 * a, 3.0), (b, b * b, 1.5)
-    )
+    roots, twice = xp.each(lambda p, q: (cube(xp, p, q), 2.0 * p * cube(xp, a, q)), (a, 2.0 * a, 3.0), (b, b * b, 1.5))
     return [*roots, sum(twice)]
 
 
 def in_turns(xp: Any, a: Any, b: Any) -> Sequence[Any]:
     """A root in every turn of a loop, which also moves what is constant at first."""
-    return xp.repeat(
-        TURNS, lambda x, y: (0.3 * y + cube(xp, a + 0.1 * x, b, 8), 0.5 * (x + y)), 0.0, 1.0
-    )
+    return xp.repeat(TURNS, lambda x, y: (0.3 * y + cube(xp, a + 0.1 * x, b, 8), 0.5 * (x + y)), 0.0, 1.0)
 
 
 def of_a_slope(xp: Any, a: Any, b: Any) -> Sequence[Any]:
@@ -89,12 +85,7 @@ def of_a_slope(xp: Any, a: Any, b: Any) -> Sequence[Any]:
     return (solve_bracketed(xp, function, 0.5, (0.0, 3.0), TURNS),)
 
 
-ROOTS: dict[str, Kernel] = {
-    "repeat": plain,
-    "bracket": bracketed,
-    "beside": beside,
-    "slope": of_a_slope,
-}
+ROOTS: dict[str, Kernel] = {"repeat": plain, "bracket": bracketed, "beside": beside, "slope": of_a_slope}
 LONGER: dict[str, Kernel] = {"each": in_rows, "in turns": in_turns}
 
 
@@ -194,9 +185,7 @@ def test_roots_in_loops_have_the_derivatives_of_differences(name: str, runtime: 
     h = 1e-3
     ways = [(h, 0.0), (0.0, h)]
     one, two = (
-        np.array(
-            [(run(a + s * p, b + s * q) - run(a - s * p, b - s * q)) / (2 * s * h) for p, q in ways]
-        ).T
+        np.array([(run(a + s * p, b + s * q) - run(a - s * p, b - s * q)) / (2 * s * h) for p, q in ways]).T
         for s in (1.0, 2.0)
     )
     values, found = runtime(kernel, a, b)
@@ -207,11 +196,7 @@ def test_roots_in_loops_have_the_derivatives_of_differences(name: str, runtime: 
 
 def test_the_value_is_the_root_wherever_the_step_leads(runtime: Any) -> None:
     def kernel(xp: Any, a: Any, b: Any) -> Sequence[Any]:
-        return (
-            xp.implicit_root(a * b, 7.0 * a - b),
-            xp.implicit_root(3.0, b),
-            xp.implicit_root(b, 3.0),
-        )
+        return (xp.implicit_root(a * b, 7.0 * a - b), xp.implicit_root(3.0, b), xp.implicit_root(b, 3.0))
 
     values, found = runtime(kernel, 2.0, 5.0)
     assert values.tolist() == [10.0, 3.0, 5.0]
@@ -279,9 +264,7 @@ def test_each_level_of_duals_has_its_own_slope() -> None:
 def test_a_wrong_step_is_noticed(runtime: Any) -> None:
     def wrong(xp: Any, a: Any, b: Any) -> Sequence[Any]:
         at = xp.detach(cube(xp, a, b))
-        return (
-            xp.implicit_root(at, at - (at * at * at + a * at - b) / (3.0 * at * at + 1.001 * a)),
-        )
+        return (xp.implicit_root(at, at - (at * at * at + a * at - b) / (3.0 * at * at + 1.001 * a)),)
 
     _, slopes = exact(*PLACES[0])
     _, found = runtime(wrong, *PLACES[0])

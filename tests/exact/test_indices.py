@@ -14,11 +14,7 @@ from sweep_tables import ANGLES, ishigami, ishigami_indices, table, with_status,
 
 from martensite.base.errors import DataError, InputError, UnknownNameError
 from martensite.design.sampling.base import parse_sampling
-from martensite.design.sweep.indices import (
-    SensitivityIndices,
-    compute_sensitivity,
-    estimate_block_indices,
-)
+from martensite.design.sweep.indices import SensitivityIndices, compute_sensitivity, estimate_block_indices
 from martensite.design.sweep.table import SweepTable
 from martensite.search.given_data_indices import (
     estimate_delta,
@@ -208,9 +204,7 @@ def test_estimates_are_those_of_salib(count: int) -> None:
 def test_a_measure_of_two_values_is_moved_by_what_decides_them() -> None:
     x = np.linspace(0.0, 1.0, 401)
     assert estimate_delta(x, np.where(x < 0.5, 0.0, 1.0)) == pytest.approx(0.5, abs=0.1)
-    assert (
-        estimate_delta(np.random.default_rng(0).permutation(x), np.where(x < 0.5, 0.0, 1.0)) < 0.15
-    )
+    assert estimate_delta(np.random.default_rng(0).permutation(x), np.where(x < 0.5, 0.0, 1.0)) < 0.15
 
 
 def test_a_number_that_does_not_vary_explains_nothing() -> None:

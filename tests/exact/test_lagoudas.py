@@ -12,11 +12,7 @@ from scipy.integrate import quad
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
 from martensite.kernels.dual import value_and_slope
-from martensite.physics.kinetics.hardening import (
-    compute_hardening,
-    hardening_integral,
-    invert_hardening,
-)
+from martensite.physics.kinetics.hardening import compute_hardening, hardening_integral, invert_hardening
 from martensite.physics.kinetics.waist import apply_waist, remove_waist
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.lagoudas import Lagoudas
@@ -25,11 +21,7 @@ from martensite.simulate.api import simulate
 
 MPA = 1e6
 SECTION = 0.25 * math.pi * 0.381e-3**2
-EXPONENTS = {
-    "linear": (1.0, 1.0, 1.0, 1.0),
-    "round": (0.17, 0.27, 0.25, 0.35),
-    "roundest": (0.05, 0.05, 0.05, 0.05),
-}
+EXPONENTS = {"linear": (1.0, 1.0, 1.0, 1.0), "round": (0.17, 0.27, 0.25, 0.35), "roundest": (0.05, 0.05, 0.05, 0.05)}
 
 
 def law_of(exponents=(0.95, 0.95, 0.95, 0.95), **changes):
@@ -49,11 +41,7 @@ def cycle(initial: str, stress: float) -> Any:
 @pytest.mark.parametrize("stress", [20 * MPA, 150 * MPA])
 def test_a_trained_wire_starts_where_its_cycles_end(stress):
     """ε_t = H(σ₀) at the start; one that was stretched cold starts with H_sat, and drifts to it."""
-    law, trained, stretched = (
-        law_of(H_min=0.01),
-        cycle("trained", stress),
-        cycle("oriented", stress),
-    )
+    law, trained, stretched = (law_of(H_min=0.01), cycle("trained", stress), cycle("oriented", stress))
     H = law.current(floats, stress)
     elastic = stress / law.E_M + law.alpha_M * (240.0 - law.T_ref)
     assert trained["strain"][0] == pytest.approx(H + elastic, rel=1e-12)
@@ -241,9 +229,7 @@ def test_slopes_at_the_calibration_stress(exponents, changes):
     law, step = law_of(exponents, **changes), 0.01 * MPA
     for heating, slope in ((False, law.C_M), (True, law.C_A)):
         for xi in (0.0, 0.5, 1.0 - 1e-12):
-            lower, upper = (
-                temperature_of(law, law.sigma_cal + s, xi, heating) for s in (-step, step)
-            )
+            lower, upper = (temperature_of(law, law.sigma_cal + s, xi, heating) for s in (-step, step))
             assert 2 * step / (upper - lower) == pytest.approx(slope, rel=1e-5)
 
 
@@ -344,10 +330,7 @@ QUICK = [("linear", "smooth"), ("round", "smooth"), ("roundest", "waisted")]
     ("exponents", "changes"),
     [
         pytest.param(
-            exponents,
-            changes,
-            id=f"{name}-{hardening}",
-            marks=[] if (name, hardening) in QUICK else [pytest.mark.slow],
+            exponents, changes, id=f"{name}-{hardening}", marks=[] if (name, hardening) in QUICK else [pytest.mark.slow]
         )
         for name, exponents in EXPONENTS.items()
         for hardening, changes in (("smooth", {}), ("waisted", WAISTED))

@@ -45,9 +45,7 @@ def test_on_from_the_threshold_and_off_when_the_oscillation_dies() -> None:
 
 
 def test_it_stays_off() -> None:
-    signals = replay_controller(
-        controller(), TIMES, record(lambda t: 0.1 if 4.0 < t < 6.0 else 1.0)
-    )
+    signals = replay_controller(controller(), TIMES, record(lambda t: 0.1 if 4.0 < t < 6.0 else 1.0))
     assert len(switched(signals)) == 2
     assert signals[-1] == 0.0
 
@@ -60,9 +58,7 @@ def test_what_was_before_the_threshold_does_not_count() -> None:
 
 def test_a_larger_share_switches_off_earlier() -> None:
     fading = record(lambda t: min(math.exp(5.0 - t), 1.0))
-    offs = [
-        switched(replay_controller(controller(share=s), TIMES, fading))[1] for s in (0.1, 0.3, 0.8)
-    ]
+    offs = [switched(replay_controller(controller(share=s), TIMES, fading))[1] for s in (0.1, 0.3, 0.8)]
     assert offs == sorted(offs, reverse=True)
     assert offs[0] > offs[2]
 
@@ -95,15 +91,9 @@ def test_in_the_loop() -> None:
         inductance=3.1e-3,
     )
     brake = Brake(
-        measured="rotor_speed",
-        reference=Constant(level=30.0),
-        oscillation="displacement",
-        share=0.5,
-        high=3.75,
+        measured="rotor_speed", reference=Constant(level=30.0), oscillation="displacement", share=0.5, high=3.75
     )
-    run = simulate_controlled(
-        Machine(mechanism=motor), {"motor": brake}, 6.0, 0.01, step=1e-3, every=1
-    )
+    run = simulate_controlled(Machine(mechanism=motor), {"motor": brake}, 6.0, 0.01, step=1e-3, every=1)
     volts = np.array(run["motor"])
     changes = np.flatnonzero(np.diff(volts))
     assert volts[[0, changes[0] + 1, -1]].tolist() == [4.0, 0.25, 4.0]

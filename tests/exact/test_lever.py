@@ -29,13 +29,7 @@ from martensite.simulate.result import Result
 G = 9.80665
 SOFT, SHORTER = 2e-4, 1e-3
 """Compliance of an elastic element [m/N] and its shortening per kelvin [m/K]."""
-USUAL: dict[str, Any] = {
-    "arm": 0.02,
-    "distance": 0.08,
-    "mass": 0.5,
-    "weight_arm": 0.05,
-    "weight_angle": 0.1,
-}
+USUAL: dict[str, Any] = {"arm": 0.02, "distance": 0.08, "mass": 0.5, "weight_arm": 0.05, "weight_angle": 0.1}
 
 
 def lever(**changes: Any) -> Lever:
@@ -52,9 +46,7 @@ def elastic(mechanism: Lever) -> System:
     )
 
 
-def drawn(
-    mechanism: Lever, millimetres: float, duration: float = 2.0, step: float = 0.02
-) -> Result:
+def drawn(mechanism: Lever, millimetres: float, duration: float = 2.0, step: float = 0.02) -> Result:
     """An elastic element that gets shorter within 1 s."""
     ramp = Table(times=(0.0, 1.0, 1e3), values=(REST, REST + millimetres, REST + millimetres))
     return simulate(elastic(mechanism), ramp, duration, step=step, samples=41)
@@ -140,9 +132,7 @@ def test_for_small_angles_it_is_a_dead_weight_with_the_ratio_of_the_arms() -> No
     )
     straight = hanging_wire(mass=0.4 * ratio)
     pulse = Step(low=0.0, high=5.0, at=1.0, until=8.0)
-    one, other = (
-        simulate(system, pulse, 20.0, step=0.02, samples=201) for system in (by_lever, straight)
-    )
+    one, other = (simulate(system, pulse, 20.0, step=0.02, samples=201) for system in (by_lever, straight))
     assert min(one["martensite_fraction"]) == 0.0
     for name in ("temperature", "martensite_fraction", "stress"):
         assert one[name] == pytest.approx(other[name], rel=1e-4, abs=1e-4), name
@@ -154,14 +144,10 @@ def test_for_small_angles_it_is_a_dead_weight_with_the_ratio_of_the_arms() -> No
 # ---------------------------------------------------------------- dead centre and stops
 
 
-@pytest.mark.parametrize(
-    "changes", [{}, {"wire_angle": 0.4}, {"wire_angle": 2.5}, {"distance": 0.01}]
-)
+@pytest.mark.parametrize("changes", [{}, {"wire_angle": 0.4}, {"wire_angle": 2.5}, {"distance": 0.01}])
 def test_the_dead_centre_is_where_the_path_is_shortest(changes: dict[str, float]) -> None:
     mechanism = lever(**changes)
-    found: Any = optimize.minimize_scalar(
-        lambda q: path(mechanism, q), bounds=(0.0, 3.1), method="bounded"
-    )
+    found: Any = optimize.minimize_scalar(lambda q: path(mechanism, q), bounds=(0.0, 3.1), method="bounded")
     assert mechanism.dead_centre() == pytest.approx(found.x, abs=1e-5)
 
 

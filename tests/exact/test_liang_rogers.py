@@ -2,18 +2,7 @@
 
 import numpy as np
 import pytest
-from builders import (
-    ZERO,
-    along,
-    chamber,
-    fraction_after,
-    isobar,
-    isotherm,
-    law_a,
-    problem_a,
-    through,
-    wire_a,
-)
+from builders import ZERO, along, chamber, fraction_after, isobar, isotherm, law_a, problem_a, through, wire_a
 from closed_forms import A_F, A_S, BOTH_RULES, C_A, C_M, M_F, M_S, exact, forward, reverse
 from grids import over
 
@@ -29,16 +18,12 @@ class TestCurves:
     @over("xi", [1.0, 0.37])
     @over("celsius", [68.001, 70.0, 73.0, 77.999])
     def test_heating(self, rule, xi, celsius):
-        assert fraction_after(law_a(rule), isobar(20, celsius), xi) == exact(
-            reverse(celsius, xi=xi)
-        )
+        assert fraction_after(law_a(rule), isobar(20, celsius), xi) == exact(reverse(celsius, xi=xi))
 
     @over("xi", [0.0, 0.37])
     @over("celsius", [51.999, 50.0, 47.0, 42.001])
     def test_cooling(self, rule, xi, celsius):
-        assert fraction_after(law_a(rule), isobar(100, celsius), xi) == exact(
-            forward(celsius, xi=xi)
-        )
+        assert fraction_after(law_a(rule), isobar(100, celsius), xi) == exact(forward(celsius, xi=xi))
 
     @over("mpa", [50.0, 100.0, 200.0])
     def test_stress_shifts_all_lines(self, rule, mpa):
@@ -61,9 +46,7 @@ class TestCurves:
         assert fraction_after(law, isotherm(celsius, 0, finish + 1e-6), 0.0) == 1.0
         down = max(0.0, C_A * (celsius - A_F) + 30.0)
         path = isotherm(celsius, 0, finish + 50, down)
-        assert fraction_after(law, path, 0.0) == exact(
-            reverse(celsius, down) if celsius > A_S else 1.0
-        )
+        assert fraction_after(law, path, 0.0) == exact(reverse(celsius, down) if celsius > A_S else 1.0)
 
     def test_stress_and_temperature_together(self, rule):
         """Only the end coordinate counts on a straight leg through one strip."""
@@ -187,9 +170,7 @@ def test_a_chamber_run_is_the_bare_law(rule):
     """Prescribed temperature under a dead weight: ξ of the system = ξ of the law, to round-off."""
     law = law_a(rule)
     celsius = [20.0, 84.0, 60.0, 51.0, 88.0]
-    run = simulate(
-        chamber(law, mass=1.0), through([t + ZERO for t in celsius]), 4.0, step=0.01, samples=5
-    )
+    run = simulate(chamber(law, mass=1.0), through([t + ZERO for t in celsius]), 4.0, step=0.01, samples=5)
     stress = run["stress"][0]
     expected = [m.fraction for m in along(law, isobar(*celsius, stress=stress), 1.0)]
     assert run["martensite_fraction"] == pytest.approx(expected, abs=1e-6)

@@ -17,11 +17,7 @@ from martensite.identify.chains.best_linear import best_linear, linear_start
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.impulse_response import impulse_response
-from martensite.identify.chains.linear_parts import (
-    build_state_space,
-    find_poles,
-    find_zeros,
-)
+from martensite.identify.chains.linear_parts import build_state_space, find_poles, find_zeros
 from martensite.identify.chains.noise_model import noise_model
 from martensite.identify.chains.realisation import match_poles, realise_responses
 from martensite.identify.chains.scores import fit_percent
@@ -97,9 +93,7 @@ def test_poles_are_those_of_the_matrices() -> None:
 def test_frequency_response_has_unit_gain_at_rest_and_vanishes_at_zeros() -> None:
     block = TransferFunction(nb=3, nf=3, nk=1)
     theta = _numbers(block)
-    assert build_state_space(block, theta, DT).frequency_response(0.0)[0, 0, 0] == pytest.approx(
-        1.0
-    )
+    assert build_state_space(block, theta, DT).frequency_response(0.0)[0, 0, 0] == pytest.approx(1.0)
     for z in find_zeros(block, theta, DT):
         made = build_state_space(block, theta, DT)
         left = made.c @ np.linalg.solve(z * np.eye(len(made.a)) - made.a, made.b + 0j) + made.d
@@ -266,6 +260,4 @@ def test_text_of_state_space_goes_there_and_back() -> None:
     assert (block.text(), block.inputs, block.outputs) == (text, 2, 2)
     assert parse_chain("ss3")[0].inputs == 1
     theta = block.start()
-    assert isinstance(
-        Chain((block,), theta, DT, ("a", "b"), ("c", "d")).simulate(np.ones((5, 2))), np.ndarray
-    )
+    assert isinstance(Chain((block,), theta, DT, ("a", "b"), ("c", "d")).simulate(np.ones((5, 2))), np.ndarray)

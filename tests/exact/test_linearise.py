@@ -11,12 +11,7 @@ from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.linear_system import LinearSystem
-from martensite.identify.chains.linearise import (
-    linearise_chain,
-    operating_point,
-    static_curve,
-    static_loop,
-)
+from martensite.identify.chains.linearise import linearise_chain, operating_point, static_curve, static_loop
 from martensite.signals.sampling.sampled import Sampled
 
 DT = 0.05

@@ -17,19 +17,8 @@ from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.controllers.state_feedback import StateFeedback
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
-from martensite.design.synthesis.linear import (
-    Readings,
-    average_plants,
-    linearise_plant,
-    realise_readings,
-)
-from martensite.design.synthesis.lqr import (
-    LqrSizes,
-    Regulator,
-    augment_plant,
-    design_regulator,
-    solve_riccati,
-)
+from martensite.design.synthesis.linear import Readings, average_plants, linearise_plant, realise_readings
+from martensite.design.synthesis.lqr import LqrSizes, Regulator, augment_plant, design_regulator, solve_riccati
 from martensite.design.synthesis.operating_point import (
     Direction,
     SteadyPoint,
@@ -236,9 +225,7 @@ def test_sizes_and_names_must_fit():
 
 # ---------------------------------------------------------------- on a bench
 
-STEPS = Table(
-    times=(0.0, 10.0, 10.02, 20.0, 20.02, 30.0), values=(3e-3, 3e-3, 4e-3, 4e-3, 2.5e-3, 2.5e-3)
-)
+STEPS = Table(times=(0.0, 10.0, 10.02, 20.0, 20.02, 30.0), values=(3e-3, 3e-3, 4e-3, 4e-3, 2.5e-3, 2.5e-3))
 
 
 def run(controller, duration: float = 30.0, runtime: str = "c"):

@@ -250,13 +250,7 @@ def missing_energy(model, counted_as):
     """What is missing of the energy put in, as a share."""
     count = 2**12
     width = 20.0 / count
-    run = simulate(
-        system(Wire(), rates="barrier", heat_model=model),
-        waveform(),
-        20.0,
-        step=width,
-        samples=count + 1,
-    )
+    run = simulate(system(Wire(), rates="barrier", heat_model=model), waveform(), 20.0, step=width, samples=count + 1)
     wire: Any = run.system.element
     law = system(Wire(), heat_model=counted_as).element.law
     put_in, lost = (float(romb(np.array(run[n]), width)) for n in ("power", "heat_loss"))

@@ -97,11 +97,7 @@ def test_the_rate_law_tends_to_it_with_ever_larger_layers(seconds):
     """Four times the volume halves the thermal width; with or without activation."""
     options = {"ramp": 1e4, "transit_time": seconds}
     gaps = [
-        apart(
-            wire("mas-hybrid", 0.01, size, **options),
-            wire("mas", 0.01, size, rates="barrier"),
-            "stress",
-        )
+        apart(wire("mas-hybrid", 0.01, size, **options), wire("mas", 0.01, size, rates="barrier"), "stress")
         for size in (1.0, 4.0, 16.0, 64.0)
     ]
     assert all(larger > 1.6 * smaller for larger, smaller in pairwise(gaps))
@@ -111,9 +107,7 @@ def test_the_rate_law_tends_to_it_with_ever_larger_layers(seconds):
 @pytest.mark.parametrize(
     ("T", "rate"),
     [
-        pytest.param(
-            T, rate, marks=[] if (T, rate) in ((340.0, 1e-3), (370.0, 1e-1)) else [pytest.mark.slow]
-        )
+        pytest.param(T, rate, marks=[] if (T, rate) in ((340.0, 1e-3), (370.0, 1e-1)) else [pytest.mark.slow])
         for T in (340.0, 355.0, 370.0)
         for rate in (1e-4, 1e-3, 1e-2, 1e-1)
     ],
@@ -249,9 +243,7 @@ def cooled(stress, step=0.1):
 
 
 @pytest.mark.parametrize("step", [55.0, 10.0, 0.1])
-@pytest.mark.parametrize(
-    ("stress", "plus"), [(0.0, 0.5), (2e4, 0.7), (-2e4, 0.3), (5e4, 1.0), (1e6, 1.0), (-5e4, 0.0)]
-)
+@pytest.mark.parametrize(("stress", "plus"), [(0.0, 0.5), (2e4, 0.7), (-2e4, 0.3), (5e4, 1.0), (1e6, 1.0), (-5e4, 0.0)])
 def test_what_forms_in_the_cold(stress, plus, step):
     """Half and half without stress, one variant from half a ramp of stress on."""
     assert cooled(stress, step) == pytest.approx((plus, 1.0 - plus), abs=1e-9)

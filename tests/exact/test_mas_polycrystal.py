@@ -32,19 +32,12 @@ def polycrystal(**changes):
 def largest_gap(spread, distribution, runtime, step=50e-3):
     """Of problem B by the single crystal and by the polycrystal, as a share of range."""
     crystal = system(Wire(), rates="barrier")
-    groups = system(
-        Wire(), "mas-polycrystal", spread=spread, distribution=distribution, groups="15"
-    )
-    a, b = (
-        simulate(whole, waveform(), 20.0, step=step, samples=201, runtime=runtime)
-        for whole in (crystal, groups)
-    )
+    groups = system(Wire(), "mas-polycrystal", spread=spread, distribution=distribution, groups="15")
+    a, b = (simulate(whole, waveform(), 20.0, step=step, samples=201, runtime=runtime) for whole in (crystal, groups))
     return max(np.abs(np.subtract(a[n], b[n])).max() / np.ptp(a[n]) for n in COLUMNS)
 
 
-@pytest.mark.parametrize(
-    "distribution", ["barriers", pytest.param("internal-stress", marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("distribution", ["barriers", pytest.param("internal-stress", marks=pytest.mark.slow)])
 def test_zero_spread_is_the_single_crystal(distribution):
     assert largest_gap(0.0, distribution, "floats") < 1e-10
 
@@ -104,11 +97,7 @@ def duration_of_plateau(spread):
 
 @pytest.mark.parametrize(
     ("spread", "seconds"),
-    [
-        (20e6, 51.3),
-        pytest.param(10e6, 25.6, marks=SEVERAL),
-        pytest.param(30e6, 76.9, marks=SEVERAL),
-    ],
+    [(20e6, 51.3), pytest.param(10e6, 25.6, marks=SEVERAL), pytest.param(30e6, 76.9, marks=SEVERAL)],
 )
 def test_plateaus_get_slopes(spread, seconds):
     """At 1 MPa/s: 2 x 1.28 standard deviations."""

@@ -52,11 +52,7 @@ class Silent(AbstractFault):
 
 
 def followed(
-    mounted: MountedSensor,
-    truth: Any,
-    late: Any = None,
-    faults: tuple[AbstractFault, ...] = (),
-    period: float = PERIOD,
+    mounted: MountedSensor, truth: Any, late: Any = None, faults: tuple[AbstractFault, ...] = (), period: float = PERIOD
 ) -> list[Sensed]:
     """The sensor from rest along a record of what it looks at."""
     rows = np.atleast_2d(np.asarray(truth, float).T).T.tolist()
@@ -113,16 +109,7 @@ def test_without_a_delay_it_says_the_truth_at_once() -> None:
 
 
 @pytest.mark.parametrize(
-    ("delay", "periods"),
-    [
-        (0.01, 1),
-        (0.03, 3),
-        (0.2, 20),
-        (0.004, 1),
-        (0.0101, 2),
-        (0.025, 3),
-        (0.07, 7),
-    ],
+    ("delay", "periods"), [(0.01, 1), (0.03, 3), (0.2, 20), (0.004, 1), (0.0101, 2), (0.025, 3), (0.07, 7)]
 )
 def test_a_delay_shifts_the_record_by_whole_periods(delay: float, periods: int) -> None:
     mounted = ideal(delay=delay)
@@ -144,15 +131,8 @@ def test_between_samples_the_last_reading_counts(time: float, every: int) -> Non
 
 
 @settings(max_examples=60)
-@given(
-    delay=st.floats(0.0, 0.05),
-    time=st.floats(0.0, 0.05),
-    jitter=st.floats(0.0, 0.02),
-    seed=st.integers(0, 1000),
-)
-def test_readings_arrive_as_messages_do(
-    delay: float, time: float, jitter: float, seed: int
-) -> None:
+@given(delay=st.floats(0.0, 0.05), time=st.floats(0.0, 0.05), jitter=st.floats(0.0, 0.02), seed=st.integers(0, 1000))
+def test_readings_arrive_as_messages_do(delay: float, time: float, jitter: float, seed: int) -> None:
     mounted = ideal(delay=delay, sample_time=time, jitter=jitter)
     check(mounted, np.random.default_rng(seed).standard_normal(COUNT))
 
@@ -298,9 +278,7 @@ BENCH = Bench(
         ohms=MountedSensor(sensor=ResistanceSensor(least_current=0.1)),
         amps=MountedSensor(sensor=CurrentSensor(lag=0.05)),
     ),
-    controllers=Controllers(
-        drive=OnOff(measured="place", reference=Constant(level=4e-3), high=0.8, band=1e-3)
-    ),
+    controllers=Controllers(drive=OnOff(measured="place", reference=Constant(level=4e-3), high=0.8, band=1e-3)),
 )
 
 

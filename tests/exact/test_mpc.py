@@ -19,14 +19,7 @@ from martensite.actuators.mechanisms.dead_weight import DeadWeight
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.mpc import Mpc, Planned
 from martensite.control.controllers.pid import Pid
-from martensite.control.controllers.planning import (
-    Moment,
-    Planner,
-    PlanSearch,
-    Price,
-    SignalLimits,
-    shift_plan,
-)
+from martensite.control.controllers.planning import Moment, Planner, PlanSearch, Price, SignalLimits, shift_plan
 from martensite.control.controllers.time_scales import measure_reach
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.mounted_sensor import MountedSensor
@@ -46,9 +39,7 @@ MM, PERIOD = 1e-3, 0.05
 SYSTEM = problem_a().with_parts(source=PwmVoltage(supply=6.0))
 OTHER = SYSTEM.with_values({"environment.temperature": 298.15, "cooling.h0": 90.0})
 """Five kelvin warmer, with a tenth less cooling."""
-COURSE = Table(
-    times=(0.0, 1.0, 4.0, 8.0, 8.5, 14.0), values=tuple(y * MM for y in (0.5, 0.5, 6, 6, 1, 1))
-)
+COURSE = Table(times=(0.0, 1.0, 4.0, 8.0, 8.5, 14.0), values=tuple(y * MM for y in (0.5, 0.5, 6, 6, 1, 1)))
 """Up, hold, and down faster than the wire can cool."""
 DURATION = 14.0
 ERROR = Price(error=0.1 * MM)
@@ -57,9 +48,7 @@ SMALL = PlanSearch(plans=32, rounds=3)
 
 @cache
 def mpc(**changes: Any) -> Mpc:
-    found = Mpc.for_system(
-        SYSTEM, measured="position", reference=COURSE, period=PERIOD, price=ERROR, search=SMALL
-    )
+    found = Mpc.for_system(SYSTEM, measured="position", reference=COURSE, period=PERIOD, price=ERROR, search=SMALL)
     return found.with_parts(**changes)
 
 
@@ -88,9 +77,7 @@ def at_rest(wanted: float, steps: int, signal: float = 0.0) -> Moment:
 
 def test_a_plan_costs_what_its_parts_add_up_to() -> None:
     """Error, energy, changes, and excess of temperature and stress, in a run of the model."""
-    price = Price(
-        error=0.2 * MM, energy=0.03, change=0.5, hottest=310.0, strongest=40e6, excess=0.4
-    )
+    price = Price(error=0.2 * MM, energy=0.03, change=0.5, hottest=310.0, strongest=40e6, excess=0.4)
     plans = np.random.default_rng(1).uniform(0.3, 0.8, (4, 20))
     found = planner(price).costs(at_rest(3 * MM, 8, signal=0.2), plans, 0.1)
     lanes = Lanes(SYSTEM, 1)
@@ -121,8 +108,7 @@ def test_the_best_plan_is_better_than_what_it_began_with() -> None:
 
 
 @pytest.mark.parametrize(
-    ("share", "expected"),
-    [(0.0, [1, 3, 7]), (0.25, [1.5, 4, 7]), (1.0, [3, 7, 7]), (1.5, [5, 7, 7]), (4.0, [7, 7, 7])],
+    ("share", "expected"), [(0.0, [1, 3, 7]), (0.25, [1.5, 4, 7]), (1.0, [3, 7, 7]), (1.5, [5, 7, 7]), (4.0, [7, 7, 7])]
 )
 def test_a_plan_moves_on_and_keeps_what_is_left(share: float, expected: list[float]) -> None:
     assert shift_plan(np.array([1.0, 3.0, 7.0]), share) == pytest.approx(expected)
@@ -179,9 +165,7 @@ FEW = PlanSearch(plans=24, rounds=1)
 
 def test_the_same_seed_gives_the_same_signals() -> None:
     values = [readings(0.1 * MM * k) for k in range(6)]
-    first, again, other = (
-        called(mpc(search=s), values)[0] for s in (FEW, FEW, PlanSearch(plans=24, rounds=1, seed=1))
-    )
+    first, again, other = (called(mpc(search=s), values)[0] for s in (FEW, FEW, PlanSearch(plans=24, rounds=1, seed=1)))
     assert first == again
     assert first != other
 
@@ -224,11 +208,7 @@ def test_a_late_reading_is_compared_with_the_model_of_its_time() -> None:
 
 def test_the_state_may_come_from_an_observer() -> None:
     controller = mpc(search=FEW, state="observer")
-    assert controller.reads() == (
-        "position",
-        "estimated.temperature",
-        "estimated.martensite_fraction",
-    )
+    assert controller.reads() == ("position", "estimated.temperature", "estimated.martensite_fraction")
     said = {"estimated.temperature": 333.0, "estimated.martensite_fraction": 0.8}
     _, memory = called(controller, [readings(1 * MM, **said)])
     lanes = Lanes(SYSTEM, 1)

@@ -59,9 +59,7 @@ def test_a_mass_on_a_wire_is_the_recurrence(coupling: str, share: float) -> None
 def test_the_recurrence_is_not_indifferent() -> None:
     """A wire softer by a thousandth is told apart."""
     frequency, dt = 250.0, 2e-4
-    one, other = (
-        recurrence(f, dt, COUPLINGS["end"], 1e-2, 200) for f in (frequency, 1.0005 * frequency)
-    )
+    one, other = (recurrence(f, dt, COUPLINGS["end"], 1e-2, 200) for f in (frequency, 1.0005 * frequency))
     assert max(abs(a - b) for a, b in zip(one, other, strict=True)) > 1e-3 * max(one)
 
 
@@ -154,9 +152,7 @@ def test_slow_heating_is_a_dead_weight(duration: float, dt: float, close: float)
     wave = Sine(low=0.0, high=5.0, frequency=1.0 / duration)
     one = actuator(start_force=mass * GRAVITY)
     weight = DeadWeight(mass=mass, gravity=GRAVITY)
-    quasi = System(
-        element=one.element, environment=one.environment, source=one.source, mechanism=weight
-    )
+    quasi = System(element=one.element, environment=one.environment, source=one.source, mechanism=weight)
     still = simulate(quasi, wave, duration, tolerance=1e-5, samples=401)
     moving = MujocoBridge(hanging(dt, mass), [one]).run(duration, {"wire": wave}, samples=401)
     assert still.stroke > 5e-3

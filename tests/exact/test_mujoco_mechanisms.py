@@ -86,9 +86,7 @@ MODELS: dict[str, AbstractSystem] = {
     "finger on a fixed spring": finger(spring="fixed", height=0.05),
     "platform": platform(),
     "platform on a low joint": platform(eccentricity=0.02, preload=2.0),
-    "platform of a given inertia, hanging": platform(
-        eccentricity=-0.01, inertia=8e-5, gravity=-9.81, side=0.12
-    ),
+    "platform of a given inertia, hanging": platform(eccentricity=-0.01, inertia=8e-5, gravity=-9.81, side=0.12),
 }
 
 
@@ -182,9 +180,7 @@ def test_other_inertia_and_arms_are_noticed() -> None:
         ({"bracket": 2e-3}, 2.0 * math.atan2(2.0, 3.5), 1.0),
     ],
 )
-def test_limits_give_way_as_the_stops_do(
-    changes: dict[str, Any], limit: float, side: float, stop: float
-) -> None:
+def test_limits_give_way_as_the_stops_do(changes: dict[str, Any], limit: float, side: float, stop: float) -> None:
     """At rest 20 mN m push the hinge past a stop, or past brackets that met, by M/K."""
     system = finger(stop=stop, stiffness=0.0, **changes)
     model = read_model(to_mjcf(system))
@@ -200,9 +196,7 @@ def test_limits_give_way_as_the_stops_do(
 # ---------------------------------------------------------------- the same motion
 
 
-def run_both(
-    system: AbstractSystem, waveform: Waveforms, duration: float, step: float
-) -> tuple[Result, MujocoResult]:
+def run_both(system: AbstractSystem, waveform: Waveforms, duration: float, step: float) -> tuple[Result, MujocoResult]:
     """Our run and that of the bridge in equal steps, each fifth of them."""
     count = round(duration / step / 5) + 1
     ours = simulate(system, waveform, duration, step=step, samples=count, runtime=RUNTIME)
@@ -226,9 +220,7 @@ STATES = ("temperature", "martensite_fraction", "force")
 FINGER = {"angle": "angle"} | {name: f"element.{name}" for name in STATES}
 
 
-@pytest.mark.parametrize(
-    ("offset", "reached"), [pytest.param(3.5e-3, 75.9, marks=pytest.mark.slow), (5.5e-3, 62.6)]
-)
+@pytest.mark.parametrize(("offset", "reached"), [pytest.param(3.5e-3, 75.9, marks=pytest.mark.slow), (5.5e-3, 62.6)])
 def test_the_finger_moves_alike(offset: float, reached: float) -> None:
     """In steps of 2 ms, through a wire that hangs slack as the finger falls back."""
     ours, found = run_both(finger(offset), TRAPEZOID, 8.2, 2e-3)
@@ -316,18 +308,9 @@ def test_a_finger_without_stops_has_no_limits() -> None:
 @pytest.mark.parametrize(
     ("system", "words"),
     [
-        (
-            hanging_wire(),
-            "`dead-weight` cannot be written as MJCF; .*`finger`, `parallel-platform`",
-        ),
-        (
-            finger(friction=0.1),
-            "slide without friction, but parameter `friction` of `finger` is 0.1",
-        ),
-        (
-            finger(spring="fixed", extension=0.06),
-            "`extension` of `finger` .* at most `height`, 50 mm",
-        ),
+        (hanging_wire(), "`dead-weight` cannot be written as MJCF; .*`finger`, `parallel-platform`"),
+        (finger(friction=0.1), "slide without friction, but parameter `friction` of `finger` is 0.1"),
+        (finger(spring="fixed", extension=0.06), "`extension` of `finger` .* at most `height`, 50 mm"),
         (finger(kind=Longer), "cannot be written"),
     ],
 )

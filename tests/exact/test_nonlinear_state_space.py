@@ -36,9 +36,7 @@ def by_hand(e: np.ndarray, f: np.ndarray) -> np.ndarray:
     d = sections.second_order(floats, LINEAR[0], LINEAR[1], DT)
     v, change, made = 0.0, 0.0, []
     for u in [0.0, *U[:, 0]]:
-        r = np.clip(
-            [(v - 1.0) / 4.0, change / (4.0 * np.sqrt(d.d2)), (u - 1.0) / 2.0], -FARTHEST, FARTHEST
-        )
+        r = np.clip([(v - 1.0) / 4.0, change / (4.0 * np.sqrt(d.d2)), (u - 1.0) / 2.0], -FARTHEST, FARTHEST)
         phi = 2.0 * np.array([r[i] * r[j] for i in range(3) for j in range(i, 3)])
         first, second = u + e[0] @ phi, e[1] @ phi
         change += d.d2 * (first - (v - change)) - d.d1 * change
@@ -122,9 +120,7 @@ def test_an_oscillator_is_found_by_itself(text: str) -> None:
     record = Sampled("oscillator", DT, levels[:1200], noisy, ("u",), ("y",))
     options = Options(starts=3, refined=1, iterations=40)
     fits = [
-        fit_percent(
-            y[1200:, None], estimate_chain(t, record, options).chain.simulate(levels)[1200:]
-        )[0]
+        fit_percent(y[1200:, None], estimate_chain(t, record, options).chain.simulate(levels)[1200:])[0]
         for t in (text, "oe(3,2,0) | poly1")
     ]
     assert fits[0] > 97.0 > fits[1] + 8.0

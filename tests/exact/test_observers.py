@@ -55,9 +55,7 @@ class TestMoved:
         for memory in histories(law):
             at = law.fractions(memory), memory.stress, memory.temperature
             again = law.relocate(floats, memory, *at)
-            assert flatten_numbers(again) == pytest.approx(
-                flatten_numbers(memory), rel=1e-12, abs=1e-12
-            )
+            assert flatten_numbers(again) == pytest.approx(flatten_numbers(memory), rel=1e-12, abs=1e-12)
 
     def test_it_is_where_it_was_put_and_goes_on_from_there(self, law: Any) -> None:
         shares, kelvins = (0.0, 0.3, 1.0), (-3.0, 0.0, 4.0)
@@ -139,18 +137,13 @@ def test_factor_packing_and_spread() -> None:
     c, rows = some_matrix(3), np.random.default_rng(1).normal(size=(2, 3))
     assert np.allclose(covariance.factor_cholesky(floats, c.tolist()), np.linalg.cholesky(c))
     assert covariance.unpack_matrix(covariance.pack_matrix(c.tolist())) == c.tolist()
-    assert np.allclose(
-        covariance.propagate_covariance(rows.tolist(), c.tolist()), rows @ c @ rows.T
-    )
+    assert np.allclose(covariance.propagate_covariance(rows.tolist(), c.tolist()), rows @ c @ rows.T)
     nothing = covariance.factor_cholesky(floats, [[0.0, 0.0], [0.0, 4.0]])
     assert nothing == [[0.0, 0.0], [0.0, 2.0]]
 
 
 def test_what_is_put_takes_the_others_along() -> None:
-    assert covariance.put_unknown(floats, [0.0, 1.0], [[1.0, 0.5], [0.5, 2.0]], 1, 3.0) == [
-        0.5,
-        3.0,
-    ]
+    assert covariance.put_unknown(floats, [0.0, 1.0], [[1.0, 0.5], [0.5, 2.0]], 1, 3.0) == [0.5, 3.0]
 
 
 # ---------------------------------------------------------------- forecasts
@@ -248,10 +241,7 @@ def test_an_old_reading_is_not_used(cls: Any) -> None:
 
 def test_on_floats_and_in_c_alike(c_compiler: str) -> None:
     bench = sensing_bench(PLANT, ExtendedKalman(model=PLANT))
-    one, other = (
-        run(bench, 2.5, waveforms={"drive": HEATING}, runtime=runtime)
-        for runtime in ("floats", "c")
-    )
+    one, other = (run(bench, 2.5, waveforms={"drive": HEATING}, runtime=runtime) for runtime in ("floats", "c"))
     for name, column in one.items():
         assert other[name] == pytest.approx(column, rel=1e-9, abs=1e-12), name
 
@@ -280,9 +270,7 @@ def test_a_plant_that_is_shaken_by_nothing_is_the_plant() -> None:
     ways = {}
     for plant in (PLANT, still):
         bench = sensing_bench(plant, None)
-        ways[plant is still] = run(
-            bench, 2.5, waveforms={"drive": HEATING}, runtime="floats", seed=None
-        )
+        ways[plant is still] = run(bench, 2.5, waveforms={"drive": HEATING}, runtime="floats", seed=None)
     for name, column in ways[False].items():
         assert ways[True][name] == pytest.approx(column, rel=1e-9, abs=1e-9), name
 
@@ -320,9 +308,7 @@ def test_drifting_parameters_are_among_the_estimates() -> None:
     found = observer.estimates()
     assert found["element.diameter"].unit == found["element.diameter_std"].unit == "m"
     assert found["environment.temperature"].unit == "K"
-    assert (
-        found["environment.temperature_std"].unit == found["temperature_std"].unit == "delta_degC"
-    )
+    assert found["environment.temperature_std"].unit == found["temperature_std"].unit == "delta_degC"
     first, _ = observer.rest(floats, {}, {"drive": 0.1})
     values = dict(zip(found, first, strict=True))
     assert values["element.diameter"] == PLANT.value_of("diameter")

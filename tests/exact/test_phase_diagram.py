@@ -62,9 +62,7 @@ def test_lines_from_parameters_are_taken_only_if_the_law_keeps_them() -> None:
             return tuple(s._replace(finish=s.finish + 20.0) for s in super().strips())
 
     values = {leaf.path: leaf.value for leaf in example("liang-rogers").leaves()}
-    plain, shifted = (
-        lines(find_bands(cls(**values), 200e6, 250.0)) for cls in (LiangRogers, Shifted)
-    )
+    plain, shifted = (lines(find_bands(cls(**values), 200e6, 250.0)) for cls in (LiangRogers, Shifted))
     for name in NAMES:
         assert plain[name].temperature[0] == values[name]
         assert shifted[name].temperature[0] == pytest.approx(values[name] + 20.0, abs=0.1)
@@ -158,16 +156,10 @@ def test_a_single_path_is_coloured_by_its_legs_several_by_path() -> None:
 
 def test_laws_stand_side_by_side_on_shared_axes() -> None:
     at = {"temperatures": (340.0,)}
-    results = [
-        r for n in ("liang-rogers", "brinson", "tanaka") for r in followed(n, "superelastic", **at)
-    ]
+    results = [r for n in ("liang-rogers", "brinson", "tanaka") for r in followed(n, "superelastic", **at)]
     figure = plot_point(results, plane=("strain", "stress"))
     assert len(figure.axes) == 9
-    assert [axes.get_title("left") for axes in figure.axes[:3]] == [
-        "liang-rogers",
-        "brinson",
-        "tanaka",
-    ]
+    assert [axes.get_title("left") for axes in figure.axes[:3]] == ["liang-rogers", "brinson", "tanaka"]
     for row in range(3):
         limits = {(a.get_xlim(), a.get_ylim()) for a in figure.axes[3 * row : 3 * row + 3]}
         assert len(limits) == 1

@@ -59,9 +59,7 @@ def test_it_is_the_difference_equation() -> None:
 def test_a_filtered_derivative_is_a_first_order_lag_of_it() -> None:
     reference, measured = walks()
     lag = 4.0
-    expected = lfilter(
-        [1.0 / (1 + lag), -1.0 / (1 + lag)], [1.0, -lag / (1 + lag)], reference - measured
-    )
+    expected = lfilter([1.0 / (1 + lag), -1.0 / (1 + lag)], [1.0, -lag / (1 + lag)], reference - measured)
     found = played(PidLaw(filter=lag, **WIDE), Gains(0.0, 0.0, 1.0), reference, measured)
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12)
 
@@ -97,9 +95,7 @@ def test_signals_stay_within_their_limits() -> None:
         (1.0, 0.3, 0.4),  # within the limits
     ],
 )
-def test_the_integral_moves_unless_it_would_wind_up(
-    error: float, integral: float, expected: float
-) -> None:
+def test_the_integral_moves_unless_it_would_wind_up(error: float, integral: float, expected: float) -> None:
     law = PidLaw(low=-1.0, high=1.0)
     _, memory = law.answer(floats, Gains(0.0, 0.1, 0.0), PidMemory(integral, 0.0, 0.0), error, 0.0)
     assert memory.integral == pytest.approx(expected)
@@ -162,32 +158,19 @@ def test_limits_must_leave_room() -> None:
 
 def test_a_drive_answers_as_the_law_does() -> None:
     reference, measured = walks()
-    drive = Pid(
-        measured="y",
-        reference=Constant(level=1.0),
-        Kp=1.7,
-        Ki=0.05,
-        Kd=3.0,
-        law=PidLaw(low=-5.0, high=5.0),
-    )
+    drive = Pid(measured="y", reference=Constant(level=1.0), Kp=1.7, Ki=0.05, Kd=3.0, law=PidLaw(low=-5.0, high=5.0))
     memory, found = drive.init(), []
     for k, y in enumerate(measured.tolist()):
         signal, memory = drive(0.1 * k, {"y": y}, memory)
         found.append(signal)
-    np.testing.assert_array_equal(
-        found, played(drive.law, GAINS, np.ones_like(reference), measured)
-    )
+    np.testing.assert_array_equal(found, played(drive.law, GAINS, np.ones_like(reference), measured))
 
 
 @pytest.mark.parametrize("interval", [0.02, 0.5])
 def test_gains_in_seconds_are_those_per_sample(interval: float) -> None:
     """From an error of 0: a first sample has no time behind it to integrate."""
     _, measured = walks()
-    rest = {
-        "measured": "y",
-        "reference": Constant(level=0.0),
-        "law": PidLaw(low=-5.0, high=5.0, filter=2.0),
-    }
+    rest = {"measured": "y", "reference": Constant(level=0.0), "law": PidLaw(low=-5.0, high=5.0, filter=2.0)}
     per_second = Pid(Kp=1.7, Ki=0.4, Kd=0.3, gains_are="in-seconds", **rest)
     Kp, Ki, Kd = per_sample(1.7, 0.4, 0.3, interval)
     counted = Pid(Kp=Kp, Ki=Ki, Kd=Kd, **rest)
@@ -214,11 +197,7 @@ def test_it_holds_a_wire_at_a_temperature() -> None:
     level = 40.0 + ZERO
     start = system.environment.temperature
     drive = Pid(
-        measured="temperature",
-        reference=Step(low=start, high=level, at=0.5),
-        Kp=0.5,
-        Ki=0.005,
-        law=PidLaw(high=20.0),
+        measured="temperature", reference=Step(low=start, high=level, at=0.5), Kp=0.5, Ki=0.005, law=PidLaw(high=20.0)
     )
     result = simulate_controlled(system, {"drive": drive}, 20.0, 0.02)
     assert result["temperature"][-1] == pytest.approx(level, abs=0.01)
@@ -235,9 +214,7 @@ def test_a_first_order_response_has_its_known_times() -> None:
     interval, tau = 1e-3, 0.5
     reference = build_steps([(1.0, 1.0), (3.0, 5.0), (2.0, 5.0)], interval)
     times = interval * np.arange(5000)
-    output = np.concatenate(
-        [np.ones(1000), 3.0 - 2.0 * np.exp(-times / tau), 2.0 + np.exp(-times / tau)]
-    )
+    output = np.concatenate([np.ones(1000), 3.0 - 2.0 * np.exp(-times / tau), 2.0 + np.exp(-times / tau)])
     up, down = measure_steps(reference, output, interval)
     for found, size in ((up, 2.0), (down, -1.0)):
         assert found.after - found.before == size

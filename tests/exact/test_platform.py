@@ -71,9 +71,7 @@ def platform(
         source=VoltageSource(series_resistance=series, current_limit=limit),
     )
     given: dict[str, Any] = {"side": SIDE, "height": HEIGHT, "mass": MASS, "gravity": GRAVITY}
-    return Machine(
-        mechanism=kind(**(given | mechanism)), group=Group(first=one, second=one, third=one)
-    )
+    return Machine(mechanism=kind(**(given | mechanism)), group=Group(first=one, second=one, third=one))
 
 
 class Kicked(ParallelPlatform):
@@ -98,11 +96,7 @@ def swing(duration: float, step: float, **changes: Any) -> Result:
 def crossings(result: Result, name: str) -> list[float]:
     """Times at which an angle passes zero upwards [s]."""
     t, q = result.times, result[name]
-    return [
-        t[i] + (t[i + 1] - t[i]) * q[i] / (q[i] - q[i + 1])
-        for i in range(len(t) - 1)
-        if q[i] < 0.0 <= q[i + 1]
-    ]
+    return [t[i] + (t[i + 1] - t[i]) * q[i] / (q[i] - q[i + 1]) for i in range(len(t) - 1) if q[i] < 0.0 <= q[i + 1]]
 
 
 def frequency(result: Result, name: str) -> float:
@@ -199,9 +193,7 @@ def energies(result: Result, above: float = 0.0) -> Any:
     return kinetic, elastic + MASS * GRAVITY * above * np.cos(alpha) * np.cos(beta)
 
 
-@pytest.mark.parametrize(
-    ("above", "rate"), [pytest.param(0.0, 40.0, marks=pytest.mark.slow), (0.03, 15.0)]
-)
+@pytest.mark.parametrize(("above", "rate"), [pytest.param(0.0, 40.0, marks=pytest.mark.slow), (0.03, 15.0)])
 def test_energy_of_the_isolated_platform_stays(above: float, rate: float) -> None:
     """To second order in the step; a wrong Coriolis term would show at these rates."""
     lost: list[float] = []
@@ -261,8 +253,7 @@ def test_heating_path() -> None:
         turned, reference = degrees(result, "alpha"), Platform()
         theta = reference.theta_at(math.radians(angle))
         found = [
-            float(np.interp(angle, turned, result[f"first.{name}"]))
-            for name in ("martensite_fraction", "temperature")
+            float(np.interp(angle, turned, result[f"first.{name}"])) for name in ("martensite_fraction", "temperature")
         ]
         assert found == pytest.approx([fraction, temperature + ZERO], abs=0.05)
         assert found[0] == pytest.approx(math.cos(theta / 2) ** 2, abs=1e-6)
@@ -304,9 +295,7 @@ def test_each_spring_alone_stays_on_its_ray() -> None:
     ends = {"first": (33.68, 0.0), "second": (-17.8, 28.1), "third": (-17.8, -28.1)}
     for leg, (port, end) in enumerate(ends.items()):
         result = simulate(platform(), {port: HOT}, 5.0, step=0.02, samples=251)
-        assert (degrees(result, "alpha")[-1], degrees(result, "beta")[-1]) == pytest.approx(
-            end, abs=0.05
-        )
+        assert (degrees(result, "alpha")[-1], degrees(result, "beta")[-1]) == pytest.approx(end, abs=0.05)
         for alpha, beta in zip(result["alpha"][::25], result["beta"][::25], strict=True):
             assert abs(compute_crosswise(floats, PLATES, leg, alpha, beta)) < 2e-7 * SIDE**3
 
@@ -343,13 +332,7 @@ def test_a_heavy_plate_above_its_joint_leans_further() -> None:
     """Fully hot: the platform whose weight turns it over, upright, and hanging."""
     ends = [
         degrees(
-            simulate(
-                platform(eccentricity=0.03, gravity=g, mass=0.3),
-                {"first": HOT},
-                6.0,
-                step=0.02,
-                samples=61,
-            ),
+            simulate(platform(eccentricity=0.03, gravity=g, mass=0.3), {"first": HOT}, 6.0, step=0.02, samples=61),
             "alpha",
         )[-1]
         for g in (GRAVITY, 0.0, -GRAVITY)
@@ -370,9 +353,6 @@ def test_a_plate_that_topples_is_no_result() -> None:
 def test_c_agrees_with_floats(motion: str, c_compiler: str) -> None:
     system = platform(motion=motion, damping=1e-3, preload=0.5)
     drives = {"first": HOT, "second": Constant(level=4.0)}
-    both = [
-        simulate(system, drives, 1.5, step=5e-3, samples=31, runtime=runtime)
-        for runtime in ("floats", "c")
-    ]
+    both = [simulate(system, drives, 1.5, step=5e-3, samples=31, runtime=runtime) for runtime in ("floats", "c")]
     for name in ("alpha", "beta", "first.temperature", "second.martensite_fraction", "third.force"):
         assert both[1][name] == pytest.approx(both[0][name], rel=1e-9, abs=1e-11)

@@ -64,10 +64,7 @@ def lagrange(plates: Plates, posture: Any, rates: Any, accelerations: Any) -> li
     """d/dt ∂T/∂q' - ∂T/∂q for both angles, along a motion with these derivatives at t = 0."""
 
     def at(t: Any) -> tuple[list[Any], list[Any]]:
-        angles = [
-            q + v * t + 0.5 * a * (t * t)
-            for q, v, a in zip(posture, rates, accelerations, strict=True)
-        ]
+        angles = [q + v * t + 0.5 * a * (t * t) for q, v, a in zip(posture, rates, accelerations, strict=True)]
         return angles, [v + a * t for v, a in zip(rates, accelerations, strict=True)]
 
     def replaced(items: list[Any], k: int, item: Any) -> list[Any]:
@@ -75,22 +72,13 @@ def lagrange(plates: Plates, posture: Any, rates: Any, accelerations: Any) -> li
 
     def momentum(xp: Any, k: int, t: Any) -> Any:
         angles, speeds = at(t)
-        return value_and_slope(
-            xp, lambda xp, v: energy(xp, plates, angles, replaced(speeds, k, v)), speeds[k]
-        )[1]
+        return value_and_slope(xp, lambda xp, v: energy(xp, plates, angles, replaced(speeds, k, v)), speeds[k])[1]
 
     def pull(k: int) -> float:
         angles, speeds = at(0.0)
-        return value_and_slope(
-            floats,
-            lambda xp, q: energy(xp, plates, replaced(angles, k, q), speeds),
-            angles[k],
-        )[1]
+        return value_and_slope(floats, lambda xp, q: energy(xp, plates, replaced(angles, k, q), speeds), angles[k])[1]
 
-    return [
-        value_and_slope(floats, lambda xp, t, k=k: momentum(xp, k, t), 0.0)[1] - pull(k)
-        for k in (0, 1)
-    ]
+    return [value_and_slope(floats, lambda xp, t, k=k: momentum(xp, k, t), 0.0)[1] - pull(k) for k in (0, 1)]
 
 
 class TestLagrange:
@@ -170,9 +158,7 @@ def test_small_swings_have_the_frequency_of_one_mass_on_one_spring() -> None:
     """√(K/I)/2π = 30.7 Hz on three springs of 232.3 N/m."""
     stiffness, plate = 232.3 * SIDE**2 / 2.0, thin_plate(PLATES, MASS)
     tilt = 1e-5
-    found = compute_accelerations(
-        floats, plate, tilt, AngleRates(0.0, 0.0), Torques(-stiffness * tilt, 0.0)
-    )
+    found = compute_accelerations(floats, plate, tilt, AngleRates(0.0, 0.0), Torques(-stiffness * tilt, 0.0))
     assert math.sqrt(-found.alpha / tilt) / math.tau == pytest.approx(30.7, abs=0.05)
 
 
@@ -182,9 +168,7 @@ def test_a_free_plate_keeps_its_energy() -> None:
 
     def change(state: Any) -> Any:
         rates = AngleRates(*state[2:])
-        return np.array(
-            [*rates, *compute_accelerations(floats, plate, state[0], rates, Torques(0.0, 0.0))]
-        )
+        return np.array([*rates, *compute_accelerations(floats, plate, state[0], rates, Torques(0.0, 0.0))])
 
     def drift(steps: int) -> float:
         state, dt = np.array([0.4, 0.1, 2.0, 5.0]), 1.0 / steps

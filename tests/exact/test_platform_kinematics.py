@@ -15,18 +15,7 @@ from grids import over
 from hypothesis import given
 from hypothesis import strategies as st
 from kernels import RUNTIMES, Kernel, apart
-from platform_cases import (
-    GEOMETRIES,
-    HEIGHT,
-    PLATES,
-    POSTURES,
-    RADIUS,
-    SIDE,
-    VERTICES,
-    about_x,
-    about_y,
-    by_matrices,
-)
+from platform_cases import GEOMETRIES, HEIGHT, PLATES, POSTURES, RADIUS, SIDE, VERTICES, about_x, about_y, by_matrices
 
 from martensite.actuators.mechanics.platform_kinematics import (
     Plates,
@@ -64,9 +53,7 @@ def test_lengths_are_those_of_matrices(plates: Plates, posture: tuple[float, flo
 
 @over("plates", GEOMETRIES)
 def test_legs_are_as_long_as_the_plates_are_apart_at_home(plates: Plates) -> None:
-    assert compute_lengths(floats, plates, 0.0, 0.0) == pytest.approx(
-        [plates.height] * 3, abs=1e-16
-    )
+    assert compute_lengths(floats, plates, 0.0, 0.0) == pytest.approx([plates.height] * 3, abs=1e-16)
 
 
 @pytest.mark.parametrize(("degrees", "short", "long"), [(25, 36.009, 72.251), (30, 32.079, 74.534)])
@@ -149,10 +136,7 @@ def test_torques_do_the_work_of_the_legs(plates: Plates, posture: tuple[float, f
     found = compute_torques(floats, plates, *posture, pulls)
     for torque, way in zip(found, ((step, 0.0), (0.0, step)), strict=True):
         ends = [
-            np.dot(
-                pulls,
-                compute_lengths(floats, plates, posture[0] + s * way[0], posture[1] + s * way[1]),
-            )
+            np.dot(pulls, compute_lengths(floats, plates, posture[0] + s * way[0], posture[1] + s * way[1]))
             for s in (1.0, -1.0)
         ]
         assert torque == pytest.approx((ends[1] - ends[0]) / (2 * step), abs=1e-9)
@@ -163,12 +147,8 @@ def test_three_springs_are_one_isotropic_spring_at_home() -> None:
     rate, tilt = 232.3, 1e-6
     for way in ((1.0, 0.0), (0.0, 1.0), (0.6, -0.8)):
         alpha, beta = tilt * way[0], tilt * way[1]
-        pulls = [
-            rate * (length - HEIGHT) for length in compute_lengths(floats, PLATES, alpha, beta)
-        ]
-        stiffness = [
-            -torque / tilt for torque in compute_torques(floats, PLATES, alpha, beta, pulls)
-        ]
+        pulls = [rate * (length - HEIGHT) for length in compute_lengths(floats, PLATES, alpha, beta)]
+        stiffness = [-torque / tilt for torque in compute_torques(floats, PLATES, alpha, beta, pulls)]
         assert stiffness == pytest.approx([rate * SIDE**2 / 2 * w for w in way], abs=1e-6)
     assert rate * SIDE**2 / 2 == pytest.approx(1.162, abs=5e-4)
 
@@ -204,13 +184,9 @@ def test_angles_are_found_again(alpha: float, beta: float, plates: Plates) -> No
 
 
 @given(ANGLES, ANGLES, st.lists(st.floats(-2e-4, 2e-4), min_size=3, max_size=3))
-def test_disturbed_lengths_give_the_best_angles(
-    alpha: float, beta: float, noise: list[float]
-) -> None:
+def test_disturbed_lengths_give_the_best_angles(alpha: float, beta: float, noise: list[float]) -> None:
     """What is left over is perpendicular to both slopes, and no larger than the noise."""
-    wanted = [
-        x + e for x, e in zip(compute_lengths(floats, PLATES, alpha, beta), noise, strict=True)
-    ]
+    wanted = [x + e for x, e in zip(compute_lengths(floats, PLATES, alpha, beta), noise, strict=True)]
     found = platform_angles(PLATES, wanted)
     at, over_alpha, over_beta = compute_length_slopes(floats, PLATES, found.alpha, found.beta)
     left = np.subtract(at, wanted)
@@ -301,9 +277,7 @@ def test_runtimes_agree(runtime: str, request: pytest.FixtureRequest) -> None:
 
 def test_a_leg_of_no_length_has_no_slope_and_no_error() -> None:
     """Vertex 0 meets its base at α = 2 atan(h/2r) if the joint is half-way up."""
-    length, *found = compute_length_slopes(
-        floats, MIDDLE, 2.0 * math.atan(0.5 * HEIGHT / RADIUS), 0.0
-    )
+    length, *found = compute_length_slopes(floats, MIDDLE, 2.0 * math.atan(0.5 * HEIGHT / RADIUS), 0.0)
     assert length[0] < 1e-15
     assert max(abs(column[0]) for column in found) < 1e-6
 

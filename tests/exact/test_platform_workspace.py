@@ -16,11 +16,7 @@ from platform_cases import GEOMETRIES, HEIGHT, PLATES, RADIUS, SIDE, about_x, ab
 from scipy.ndimage import label
 from scipy.optimize import brentq, fsolve
 
-from martensite.actuators.mechanics.platform_kinematics import (
-    Plates,
-    compute_length_slopes,
-    compute_lengths,
-)
+from martensite.actuators.mechanics.platform_kinematics import Plates, compute_length_slopes, compute_lengths
 from martensite.actuators.mechanics.platform_rays import compute_crosswise, find_balanced, trace_ray
 from martensite.actuators.mechanics.platform_workspace import Legs, Workspace, reachable_angles
 from martensite.base.errors import ParameterError
@@ -37,9 +33,7 @@ def workspace() -> Workspace:
 
 def allowed(plates: Plates, alphas: Any, betas: Any) -> Any:
     """Whether all legs keep within the limits, on a grid, by matrices."""
-    found = [
-        [by_matrices(plates, about_y(beta) @ about_x(alpha)) for beta in betas] for alpha in alphas
-    ]
+    found = [[by_matrices(plates, about_y(beta) @ about_x(alpha)) for beta in betas] for alpha in alphas]
     within = (np.array(found) >= SHORTEST) & (np.array(found) <= LONGEST)
     return within.all(axis=-1)
 
@@ -77,9 +71,7 @@ def test_the_set_is_the_component_of_home() -> None:
 
 def test_the_set_is_wider_than_along_the_axes() -> None:
     (low, high), (least, most) = workspace().bounds
-    assert [math.degrees(x) for x in (low, high, least, most)] == pytest.approx(
-        [-32.0, 37.0, -38.0, 38.0], abs=0.01
-    )
+    assert [math.degrees(x) for x in (low, high, least, most)] == pytest.approx([-32.0, 37.0, -38.0, 38.0], abs=0.01)
     assert high > workspace().alpha_extent[1]
     assert most > workspace().beta_extent[1]
 
@@ -161,10 +153,7 @@ def test_where_hot_springs_go() -> None:
 @pytest.mark.parametrize("leg", [1, 2])
 def test_every_point_of_a_ray_is_balanced_and_the_end_is_at_a_limit(leg: int) -> None:
     points = workspace().rays[leg]
-    assert (
-        max(abs(compute_crosswise(floats, PLATES, leg, *point)) for point in points)
-        < 1e-9 * SIDE**3
-    )
+    assert max(abs(compute_crosswise(floats, PLATES, leg, *point)) for point in points) < 1e-9 * SIDE**3
     assert np.hypot(*np.diff(points, axis=0).T)[:-1] == pytest.approx(STEP, rel=0.05)
     assert compute_lengths(floats, PLATES, *points[-1])[leg] == pytest.approx(SHORTEST, abs=1e-12)
 

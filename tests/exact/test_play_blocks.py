@@ -23,13 +23,7 @@ from martensite.kernels import floats
 PI = PrandtlIshlinskii(plays=4.0)
 PREISACH = Preisach(levels=3.0, knots=5.0)
 GENERALISED = GeneralisedPrandtlIshlinskii(plays=3.0, knots=5.0)
-RISING: list[AbstractBlock] = [
-    PI,
-    PrandtlIshlinskii(plays=3.0, thresholds="free"),
-    Play(),
-    PREISACH,
-    GENERALISED,
-]
+RISING: list[AbstractBlock] = [PI, PrandtlIshlinskii(plays=3.0, thresholds="free"), Play(), PREISACH, GENERALISED]
 """Blocks whose output rises with their input."""
 ANY: list[AbstractBlock] = [
     *RISING,
@@ -81,13 +75,9 @@ def by_turning_points(inputs: np.ndarray, forgets: bool = True, seed: int = 1) -
     radii = 2.0 * PREISACH.reach * np.arange(4) / 3.0
     sizes = np.exp(np.concatenate([[0.0], theta[2:]]))
     slopes = theta[1] * 4.0 * sizes.reshape(4, 4) / sizes.sum()
-    curves = [
-        line_of(np.linspace(r - 1.0, 1.0 - r, 5), own) for r, own in zip(radii, slopes, strict=True)
-    ]
+    curves = [line_of(np.linspace(r - 1.0, 1.0 - r, 5), own) for r, own in zip(radii, slopes, strict=True)]
     first = run(PREISACH, SWEEP, seed)[-1]
-    return Turning(of_plays(list(radii), curves), SWEEP[-1], first, forgets).simulate(
-        inputs.tolist()
-    )
+    return Turning(of_plays(list(radii), curves), SWEEP[-1], first, forgets).simulate(inputs.tolist())
 
 
 def after_sweep(inputs: np.ndarray) -> np.ndarray:
@@ -254,9 +244,7 @@ class TestInverse:
     def test_the_operator_of_a_block_is_the_block(self, block: PrandtlIshlinskii):
         block = block.with_parts(low=20.0, high=80.0)
         x = swept([25.0, 75.0, 33.0, 60.0, 21.0], 10)
-        assert block.operator(np.array(drawn(block))).simulate(x.tolist()) == pytest.approx(
-            run(block, x), rel=1e-13
-        )
+        assert block.operator(np.array(drawn(block))).simulate(x.tolist()) == pytest.approx(run(block, x), rel=1e-13)
 
     def test_with_positive_weights_there_always_is_one(self):
         for seed in range(5):
@@ -299,9 +287,7 @@ class TestNumbers:
         assert block.describe_numbers(np.log([0.3])) == [("radius", pytest.approx(1.5), "1")]
 
     def test_words_stand_behind_numbers(self):
-        assert parse_block("pi(3,free,even)") == PrandtlIshlinskii(
-            plays=3.0, weights="free", thresholds="even"
-        )
+        assert parse_block("pi(3,free,even)") == PrandtlIshlinskii(plays=3.0, weights="free", thresholds="even")
         assert parse_block("pi12") == PrandtlIshlinskii()
         assert parse_block("preisach(4,6)") == Preisach(levels=4.0, knots=6.0)
 

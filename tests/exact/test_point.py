@@ -124,9 +124,7 @@ def test_the_slack_strain_is_not_taken_for_the_clamped_one() -> None:
 def slopes(result: PointResult, leg: int) -> tuple[np.ndarray, np.ndarray]:
     """dσ/dT [Pa/K] and dξ of the steps of a leg."""
     part = slice(result.ends[leg], result.ends[leg + 1] + 1)
-    stress, temperature, fraction = (
-        np.array(result[name][part]) for name in ("stress", "temperature", "martensite")
-    )
+    stress, temperature, fraction = (np.array(result[name][part]) for name in ("stress", "temperature", "martensite"))
     return np.diff(stress) / np.diff(temperature), np.diff(fraction)
 
 
@@ -168,9 +166,7 @@ def test_refinement_reaches_its_tolerance() -> None:
     assert len(fine.time) == len(coarse.time) == 11
 
     def error(result: PointResult) -> float:
-        return float(
-            np.max(np.abs(np.subtract(result.stress, exact.stress))) / np.ptp(exact.stress)
-        )
+        return float(np.max(np.abs(np.subtract(result.stress, exact.stress))) / np.ptp(exact.stress))
 
     assert error(fine) < 2e-4 < error(coarse)
 
@@ -198,10 +194,7 @@ def test_steps_of_a_leg_are_its_samples() -> None:
 def test_c_agrees_with_floats(name: str) -> None:
     one = builders.example(builders.REGISTRIES["law"][name])
     legs = PathLeg(stress=300e6), PathLeg(temperature=380.0), PathLeg(stress=0.0)
-    runs = [
-        material_point(one, legs, start=(0.0, HOT), tolerance=None, runtime=runtime)
-        for runtime in ("floats", "c")
-    ]
+    runs = [material_point(one, legs, start=(0.0, HOT), tolerance=None, runtime=runtime) for runtime in ("floats", "c")]
     for column in ("stress", "strain", "temperature", "martensite", "oriented"):
         assert runs[0][column] == pytest.approx(runs[1][column], rel=1e-10, abs=1e-12)
 

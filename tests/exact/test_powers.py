@@ -63,9 +63,7 @@ def test_edges(runtime) -> None:
     assert found[0] == pytest.approx(meant, rel=1e-12, abs=0.0)
 
 
-@pytest.mark.parametrize(
-    "runtime", [r for r in [*RUNTIMES, "c lanes"] if r != "numpy"], indirect=True
-)
+@pytest.mark.parametrize("runtime", [r for r in [*RUNTIMES, "c lanes"] if r != "numpy"], indirect=True)
 def test_whole_powers_are_products_to_the_last_bit(runtime) -> None:
     """Where a kernel is traced; arrays and floats by themselves have a power of their own."""
 

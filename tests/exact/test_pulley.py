@@ -138,10 +138,7 @@ def test_damping_takes_the_amplitude_by_its_logarithmic_decrement() -> None:
     still = R * 0.5e-3 / SOFT / (0.05 + RATE)
     swing = np.array(result["angle"]) - still
     ups = crossings(result.times, swing)
-    peaks = [
-        swing[(np.array(result.times) >= a) & (np.array(result.times) < b)].max()
-        for a, b in pairwise(ups)
-    ]
+    peaks = [swing[(np.array(result.times) >= a) & (np.array(result.times) < b)].max() for a, b in pairwise(ups)]
     decrement = np.diff(np.log(peaks)).mean()
     period = np.diff(ups).mean()
     assert decrement == pytest.approx(-damping / (2.0 * 4e-5) * period, rel=0.01)
@@ -202,13 +199,9 @@ def test_a_cold_antagonist_is_detwinned_along_its_strip(to_and_fro: Result) -> N
 
 def test_stroke_and_stretch_are_one_geometry(to_and_fro: Result) -> None:
     for port, sign in (("antagonist", 1.0), ("protagonist", -1.0)):
-        longer = (
-            sign * 0.2 * (np.array(to_and_fro[f"{port}.strain"]) - to_and_fro[f"{port}.strain"][0])
-        )
+        longer = sign * 0.2 * (np.array(to_and_fro[f"{port}.strain"]) - to_and_fro[f"{port}.strain"][0])
         assert longer == pytest.approx(R * np.array(to_and_fro["angle"]), abs=1e-7)
-    assert to_and_fro["protagonist.force"] == pytest.approx(
-        to_and_fro["antagonist.force"], rel=1e-4
-    )
+    assert to_and_fro["protagonist.force"] == pytest.approx(to_and_fro["antagonist.force"], rel=1e-4)
     assert at(to_and_fro, "angle", HEATED) > 1.5
 
 
@@ -236,9 +229,7 @@ def stiffness(kelvin: float) -> float:
     """Torque per angle [N m/rad] of two wires, a little stretched cold, at a temperature."""
     wire = wire_a(niti(), diameter=0.2e-3, length=0.2, initial_oriented=0.05)
     one = Actuator(element=wire, environment=COLD, source=PrescribedTemperature())
-    system = Machine(
-        mechanism=Loaded(radius=R, preload=1.0), group=Group(protagonist=one, antagonist=one)
-    )
+    system = Machine(mechanism=Loaded(radius=R, preload=1.0), group=Group(protagonist=one, antagonist=one))
     heat = Table(times=(0.0, 1.0, 100.0), values=(275.0, kelvin, kelvin))
     drives: dict[str, AbstractWaveform] = {"protagonist": heat, "antagonist": heat}
     torque = 1e-3

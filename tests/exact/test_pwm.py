@@ -41,9 +41,7 @@ def test_printed_strokes(duty, rule):
 def test_resume_settles_and_restart_creeps():
     wave = PulseWidthModulation(high=5.0, frequency=10.0, duty=0.16)
     for rule, creeps in (("resume", False), ("restart", True)):
-        run = simulate(
-            problem_a(rule), wave, 60.0, step=1e-3, samples=601, runtime=choose_runtime()
-        )
+        run = simulate(problem_a(rule), wave, 60.0, step=1e-3, samples=601, runtime=choose_runtime())
         late = 1e3 * (run["position"][600] - run["position"][500])
         assert (late > 0.1) == creeps
         assert (late < 0.005) != creeps
@@ -66,11 +64,7 @@ def ripple(rule, cycles=30):
     """ξ after heating to 73 °C, and after each whole cycle of ±1 °C around it."""
 
     def kelvin(t):
-        return (
-            73 + ZERO + (t - 1.0) * 53.0
-            if t < 1.0
-            else (73 + ZERO + math.sin(2 * math.pi * (t - 1.0)))
-        )
+        return 73 + ZERO + (t - 1.0) * 53.0 if t < 1.0 else (73 + ZERO + math.sin(2 * math.pi * (t - 1.0)))
 
     wave = FunctionWaveform(function=kelvin, kinks=(1.0,))
     duration = float(cycles + 1)

@@ -80,9 +80,7 @@ def test_ripple_of_the_periodic_state(duty, frequency):
     system = cold_wire()
     tau, loss = time_constant(system)
     duration = math.ceil(12.0 * tau * frequency) / frequency
-    found = compare_averaging(
-        system, Constant(level=duty), duration, frequency, step=min(0.004, 0.02 / frequency)
-    )
+    found = compare_averaging(system, Constant(level=duty), duration, frequency, step=min(0.004, 0.02 / frequency))
     expected = swing(duty, frequency, system)
     assert max(found.pulsed.result["temperature"]) < 60.0 + ZERO
     assert measure_ripples(found.pulsed)[-1] == pytest.approx(expected, rel=1e-3)

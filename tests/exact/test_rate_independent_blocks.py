@@ -56,9 +56,7 @@ def test_steps_are_exact(c_compiler: str, block: AbstractBlock) -> None:
 class Stepped(Duhem):
     """The same equation by Euler's method."""
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: float
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: float) -> tuple[Column, Column]:
         before, z = state
         up, down = (float(expit((before - theta[k]) / np.exp(theta[k + 1]))) for k in (0, 2))
         slope = (1.0 - z) * up if x[0] > before else z * (1.0 - down)
@@ -120,12 +118,7 @@ def integrated(rate, start: float) -> np.ndarray:
     states = [start]
     for a, b in pairwise(TURNS):
         found = solve_ivp(
-            lambda x, s, up=b > a: [rate(x, s[0], up)],
-            (a, b),
-            [states[-1]],
-            rtol=1e-9,
-            atol=1e-11,
-            max_step=0.05,
+            lambda x, s, up=b > a: [rate(x, s[0], up)], (a, b), [states[-1]], rtol=1e-9, atol=1e-11, max_step=0.05
         )
         states.append(found.y[0, -1])
     return np.array(states)
@@ -189,13 +182,9 @@ def test_texts_and_what_is_shown() -> None:
     rows = {name: value for name, value, _ in SIMPLE.describe_numbers(SIMPLE.start())}
     assert rows["rising_centre"] == pytest.approx(80.0)
     assert rows["rising_width"] == pytest.approx(7.5)
-    shares = [
-        value for name, value, _ in DUHEM.describe_numbers(DUHEM.start()) if name.endswith("share")
-    ]
+    shares = [value for name, value, _ in DUHEM.describe_numbers(DUHEM.start()) if name.endswith("share")]
     assert shares == pytest.approx([expit(1.0)] * 2)
-    assert [v for _, v, _ in BOUC_WEN.describe_numbers(BOUC_WEN.start())] == pytest.approx(
-        [0.5, 1 / 3, 1.0]
-    )
+    assert [v for _, v, _ in BOUC_WEN.describe_numbers(BOUC_WEN.start())] == pytest.approx([0.5, 1 / 3, 1.0])
 
 
 def test_fractions_take_a_gain(c_compiler: str) -> None:

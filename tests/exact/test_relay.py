@@ -15,13 +15,7 @@ from scipy.optimize import brentq
 from tuning_cases import DELAY, DT, linear_bench
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.design.rules.relay import (
-    RELAY_CITES,
-    RELAY_RULES,
-    LimitCycle,
-    gains_by_relay,
-    run_relay_test,
-)
+from martensite.design.rules.relay import RELAY_CITES, RELAY_RULES, LimitCycle, gains_by_relay, run_relay_test
 from martensite.scenario.citations import read_bibliography
 
 LATE = (DELAY - 1.0) * DT
@@ -31,17 +25,14 @@ SWING = 0.25
 def cycle(gain: float = 2.0, bias: float = 0.4, hysteresis: float = 0.0) -> LimitCycle:
     """Around the output that a bias of 0.4 holds, or off its middle."""
     level = 0.5 + 0.4 * gain
-    return run_relay_test(
-        linear_bench(gain), level, bias, SWING, hysteresis, reverse=gain < 0.0, duration=12.0
-    )
+    return run_relay_test(linear_bench(gain), level, bias, SWING, hysteresis, reverse=gain < 0.0, duration=12.0)
 
 
 def test_the_cycle_is_the_exact_one(c_compiler: str) -> None:
     """a = K d (1 - e^(-L/T)), P = 2 T ln(2 e^(L/T) - 1); a sample is lost at each switching."""
     found = cycle()
     early, late = (
-        (2.0 * SWING * -math.expm1(-L), 2.0 * math.log(2.0 * math.exp(L) - 1.0))
-        for L in (LATE, LATE + 2.0 * DT)
+        (2.0 * SWING * -math.expm1(-L), 2.0 * math.log(2.0 * math.exp(L) - 1.0)) for L in (LATE, LATE + 2.0 * DT)
     )
     assert early[0] < found.amplitude < late[0]
     assert early[1] < found.period < late[1]

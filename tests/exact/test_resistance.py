@@ -23,17 +23,13 @@ AREA = math.pi * DIAMETER**2 / 4.0
 
 
 def model(**changes):
-    return ms.electrical.FurstSeeleckeResistance(
-        **({name: FINGER[name] for name in NAMES} | changes)
-    )
+    return ms.electrical.FurstSeeleckeResistance(**({name: FINGER[name] for name in NAMES} | changes))
 
 
 def ohms(resistance, fraction, strain, temperature):
     """R [ohm] of the finger's wire; arrays are taken element by element."""
     each = np.broadcast(fraction, strain, temperature)
-    found = [
-        resistance.resistance(floats, *map(float, row), Conductor(AREA, LENGTH)) for row in each
-    ]
+    found = [resistance.resistance(floats, *map(float, row), Conductor(AREA, LENGTH)) for row in each]
     return np.array(found).reshape(each.shape)
 
 
@@ -65,9 +61,7 @@ def test_it_is_the_formula_by_hand():
 def test_without_its_corrections_it_is_the_mixture():
     plain = ms.electrical.MixtureResistance(rho_A=FINGER["rho_A"], rho_M=FINGER["rho_M"])
     bare, fraction = model(a_rho_A=0.0, a_rho_M=0.0, nu=0.0), np.linspace(0.0, 1.0, 7)
-    np.testing.assert_allclose(
-        ohms(bare, fraction, 0.0, 350.0), ohms(plain, fraction, 0.0, 350.0), rtol=1e-15
-    )
+    np.testing.assert_allclose(ohms(bare, fraction, 0.0, 350.0), ohms(plain, fraction, 0.0, 350.0), rtol=1e-15)
     assert ohms(bare, 0.5, 0.02, 350.0) == pytest.approx(1.02 * ohms(plain, 0.5, 0.02, 350.0))
 
 

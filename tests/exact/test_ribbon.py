@@ -60,9 +60,7 @@ def test_two_wires_exchange_what_two_cylinders_conduct(distance):
     ratio = distance / WIRE.diameter
     between = 2.0 * math.pi * GAP * WIRE.length / math.acosh(2.0 * ratio * ratio - 1.0)
     lost = h * WIRE.surface()
-    hot, cold = np.linalg.solve(
-        [[lost + between, -between], [-between, lost + between]], [watts, 0.0]
-    )
+    hot, cold = np.linalg.solve([[lost + between, -between], [-between, lost + between]], [watts, 0.0])
     found = [cell[-1] - BASE.environment.temperature for cell in run.profiles["cell_temperature"]]
     assert found == pytest.approx([hot, cold], rel=1e-6)
     assert found != pytest.approx([watts / lost, 0.0], rel=1e-2)

@@ -13,12 +13,7 @@ from martensite.base.errors import DataError
 from martensite.signals.records import Record
 from martensite.signals.sampling.periods import average_periods
 from martensite.signals.sampling.regular_grid import from_record, pieces_of_record, to_record
-from martensite.signals.sampling.resampling import (
-    collect_experiments,
-    resample_record,
-    select_signals,
-    split_record,
-)
+from martensite.signals.sampling.resampling import collect_experiments, resample_record, select_signals, split_record
 from martensite.signals.sampling.sampled import Sampled
 from martensite.signals.sampling.trends import find_trend, remove_trend
 
@@ -27,14 +22,7 @@ DT = 0.1
 
 def record(u: object, y: object, interval: float = DT, name: str = "log", start: float = 0.0):
     return Sampled(
-        name,
-        interval,
-        np.asarray(u, float),
-        np.asarray(y, float),
-        ("u",),
-        ("y",),
-        {"u": "1", "y": "mm"},
-        start,
+        name, interval, np.asarray(u, float), np.asarray(y, float), ("u",), ("y",), {"u": "1", "y": "mm"}, start
     )
 
 
@@ -81,9 +69,7 @@ def test_rows_missing_on_the_grid_are_samples_without_outputs() -> None:
     kept = [k for k in range(40) if not (10 <= k < 14 or k == 30)]
     times = [0.5 * k for k in kept]
     found = from_record(
-        table(times, duty=[float(k) for k in kept], position=[1e-3 * k for k in kept]),
-        ["duty"],
-        ["position"],
+        table(times, duty=[float(k) for k in kept], position=[1e-3 * k for k in kept]), ["duty"], ["position"]
     )
     assert len(found) == 40
     missing = np.flatnonzero(np.isnan(found.outputs[:, 0]))
@@ -95,9 +81,7 @@ def test_rows_missing_on_the_grid_are_samples_without_outputs() -> None:
 def test_irregular_times_are_brought_onto_a_grid() -> None:
     rng = np.random.default_rng(1)
     times = np.cumsum(rng.uniform(0.05, 0.15, 400))
-    found = from_record(
-        table(list(times), duty=list(times), position=list(2e-3 * times)), ["duty"], ["position"]
-    )
+    found = from_record(table(list(times), duty=list(times), position=list(2e-3 * times)), ["duty"], ["position"])
     assert "irregular" in found.remarks[0]
     assert found.outputs[:, 0] == pytest.approx(2.0 * found.times)  # mm, a straight line
     behind = found.times - found.inputs[:, 0]  # held from the row before
@@ -109,9 +93,7 @@ def test_missing_cells() -> None:
     nan = float("nan")
     times = [0.0, 1.0, 2.0, 3.0, 4.0]
     found = from_record(
-        table(times, duty=[nan, 0.1, nan, nan, 0.4], position=[0.0, nan, 2e-3, 3e-3, 4e-3]),
-        ["duty"],
-        ["position"],
+        table(times, duty=[nan, 0.1, nan, nan, 0.4], position=[0.0, nan, 2e-3, 3e-3, 4e-3]), ["duty"], ["position"]
     )
     assert found.start == 1.0
     assert found.inputs[:, 0].tolist() == [0.1, 0.1, 0.1, 0.4]
@@ -134,9 +116,7 @@ def test_pieces_are_cut_where_inputs_are_missing() -> None:
 
 def test_there_and_back() -> None:
     times = [0.25 * k for k in range(30)]
-    given = table(
-        times, duty=[0.01 * k for k in range(30)], position=[1e-4 * k * k for k in range(30)]
-    )
+    given = table(times, duty=[0.01 * k for k in range(30)], position=[1e-4 * k * k for k in range(30)])
     back = to_record(from_record(given, ["duty"], ["position"], units={"duty": "%"}))
     assert back.units == given.units
     for name, column in given.columns.items():
@@ -150,9 +130,7 @@ def test_what_a_table_must_hold() -> None:
     with pytest.raises(DataError, match="A unit is given for `positon`"):
         from_record(good, ["duty"], ["position"], units={"positon": "mm"})
     with pytest.raises(DataError, match="must increase"):
-        from_record(
-            table([0.0, 2.0, 1.0], duty=[0.0] * 3, position=[0.0] * 3), ["duty"], ["position"]
-        )
+        from_record(table([0.0, 2.0, 1.0], duty=[0.0] * 3, position=[0.0] * 3), ["duty"], ["position"])
 
 
 # ---------------------------------------------------------------- other intervals
@@ -199,9 +177,7 @@ def test_missing_outputs_are_not_averaged_in() -> None:
     assert found.outputs[2, 0] == pytest.approx(9.5)
 
 
-@pytest.mark.parametrize(
-    "given", [{}, {"interval": 0.2, "ratio": 2.0}, {"ratio": -1.0}, {"interval": 1e3}]
-)
+@pytest.mark.parametrize("given", [{}, {"interval": 0.2, "ratio": 2.0}, {"ratio": -1.0}, {"interval": 1e3}])
 def test_a_wrong_interval_is_refused(given: dict[str, float]) -> None:
     with pytest.raises(DataError):
         resample_record(ramp(), **given)
@@ -278,9 +254,7 @@ def test_periods_give_the_mean_and_the_noise() -> None:
     found = average_periods(record(np.tile(wave, 11), y), 20.0, skip=20.0)
     assert found.count == 10
     assert found.noise[0] == pytest.approx(0.05, rel=0.05)
-    assert np.std(found.mean.outputs[:, 0] - wave) == pytest.approx(
-        found.noise_of_mean[0], rel=0.15
-    )
+    assert np.std(found.mean.outputs[:, 0] - wave) == pytest.approx(found.noise_of_mean[0], rel=0.15)
     assert found.mean.remarks == ()
     assert 92.0 < found.ceiling()[0] < 94.0
     drifting = record(np.linspace(0.0, 1.0, 2200), y)

@@ -13,13 +13,7 @@ import pytest
 from builders import label
 
 from martensite.control.sensors.base import SENSORS
-from martensite.testing.sensors import (
-    change_sensor,
-    choose_truth,
-    find_deviation,
-    record_readings,
-    silence_sensor,
-)
+from martensite.testing.sensors import change_sensor, choose_truth, find_deviation, record_readings, silence_sensor
 
 EXAMPLES: list[Any] = builders.examples("sensor")
 NUMBERS: dict[str, float] = {
@@ -40,9 +34,7 @@ STEADY: dict[str, Callable[[Any, list[float]], float]] = {
     "voltage": lambda s, y: (1.0 + s.gain_error) * y[0] + s.offset,
     "tilt": lambda s, y: (1.0 + s.gain_error) * y[0] + s.offset,
     "force": lambda s, y: (
-        (1.0 + s.gain_error) * y[0]
-        + s.offset
-        + 4.0 * s.nonlinearity * y[0] * (1.0 - abs(y[0]) / s.range)
+        (1.0 + s.gain_error) * y[0] + s.offset + 4.0 * s.nonlinearity * y[0] * (1.0 - abs(y[0]) / s.range)
     ),
     "gyroscope": lambda s, y: s.bias,
     "ideal": lambda s, y: y[0],
@@ -57,9 +49,7 @@ STEADY: dict[str, Callable[[Any, list[float]], float]] = {
 
 def infrared(sensor: Any, truth: list[float], share: float) -> float:
     power = 1 if sensor.mixing == "linear" else 4
-    return float(
-        (truth[1] ** power + share * (truth[0] ** power - truth[1] ** power)) ** (1 / power)
-    )
+    return float((truth[1] ** power + share * (truth[0] ** power - truth[1] ** power)) ** (1 / power))
 
 
 @pytest.mark.parametrize("sensor", EXAMPLES, ids=label)

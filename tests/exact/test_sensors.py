@@ -67,15 +67,10 @@ def test_it_starts_at_rest_and_drifts_with_time() -> None:
 
 @pytest.mark.parametrize(
     ("sensor", "truth"),
-    [
-        (PositionSensor(noise=3e-6), (2e-3,)),
-        (InfraredSensor(noise=0.1), (AMBIENT, AMBIENT)),
-    ],
+    [(PositionSensor(noise=3e-6), (2e-3,)), (InfraredSensor(noise=0.1), (AMBIENT, AMBIENT))],
     ids=["position", "infrared"],
 )
-def test_noise_has_its_size_and_readings_are_whole_steps(
-    sensor: AbstractSensor, truth: tuple[float, ...]
-) -> None:
+def test_noise_has_its_size_and_readings_are_whole_steps(sensor: AbstractSensor, truth: tuple[float, ...]) -> None:
     found = simulate_readings(sensor, np.tile(truth, (20_000, 1)), 0.002, rng(1))
     steps = found / sensor.resolution
     np.testing.assert_allclose(steps, np.round(steps), atol=1e-6)
@@ -163,9 +158,7 @@ def test_an_encoder_without_a_mark_counts_from_where_it_is_switched_on() -> None
 
 @pytest.mark.parametrize("kelvin", [296.15, 330.0, 400.0])
 def test_radiation_is_mixed_by_the_fourth_power(kelvin: float) -> None:
-    sensor = InfraredSensor(
-        noise=0.0, resolution=0.0, mixing="radiance", factor=0.5, emissivity=0.6, setting=0.8
-    )
+    sensor = InfraredSensor(noise=0.0, resolution=0.0, mixing="radiance", factor=0.5, emissivity=0.6, setting=0.8)
     (found,) = told(sensor, [(kelvin, AMBIENT)])
     expected = (AMBIENT**4 + 0.375 * (kelvin**4 - AMBIENT**4)) ** 0.25
     assert found == pytest.approx(expected, rel=1e-14)

@@ -114,8 +114,7 @@ def test_staircase_of_one_level_is_constant():
 
 
 @pytest.mark.parametrize(
-    ("count", "sentence"),
-    [(2.5, "must be a whole number, but is 2.5"), (0, "must be between 1 and 1e")],
+    ("count", "sentence"), [(2.5, "must be a whole number, but is 2.5"), (0, "must be between 1 and 1e")]
 )
 def test_staircase_refuses_a_number_of_levels(count, sentence):
     with pytest.raises(ParameterError, match=sentence):
@@ -137,9 +136,7 @@ def test_sine_starts_low_as_a_raised_cosine():
     assert sine.edges(1e6) == []
 
 
-@pytest.mark.parametrize(
-    ("phase", "start", "soon"), [("low", 0.0, 0.5), ("middle", 0.5, 1.0), ("high", 1.0, 0.5)]
-)
+@pytest.mark.parametrize(("phase", "start", "soon"), [("low", 0.0, 0.5), ("middle", 0.5, 1.0), ("high", 1.0, 0.5)])
 def test_sine_phase(phase, start, soon):
     sine = Sine(high=1.0, frequency=1.0, phase=phase)
     assert values(sine, (0.0, 0.25)) == pytest.approx([start, soon])
@@ -187,11 +184,7 @@ def test_pwm_refuses_a_duty_above_one():
 
 
 @pytest.mark.parametrize(
-    "waveform",
-    [
-        PulseWidthModulation(high=1.0, frequency=1e6, duty=0.5),
-        Triangle(high=1.0, frequency=1e6),
-    ],
+    "waveform", [PulseWidthModulation(high=1.0, frequency=1e6, duty=0.5), Triangle(high=1.0, frequency=1e6)]
 )
 def test_too_many_edges_are_refused(waveform):
     with pytest.raises(ParameterError, match=r"has about 1.2e\+08 edges in 60 s.* 5,000,000 are"):

@@ -129,20 +129,14 @@ def test_cycle_times_are_those_of_the_run(rate: float) -> None:
     after = found.cycle.heating + found.cycle.cooling
     late = find_crossing(
         [t for t in run.times if found.cycle.heating < t <= request.period],
-        [
-            -x
-            for t, x in zip(run.times, run["position"], strict=True)
-            if found.cycle.heating < t <= request.period
-        ],
+        [-x for t, x in zip(run.times, run["position"], strict=True) if found.cycle.heating < t <= request.period],
         -0.02 * request.stroke,
     )
     assert late == pytest.approx(after, abs=2e-3 * request.period)
 
 
 def test_pulse_is_shortened_where_the_rate_asks_for_it() -> None:
-    slow, fast = (
-        judge_candidate(asked(rate=rate, supply=12.0), THIN, "90") for rate in (0.2, 0.45)
-    )
+    slow, fast = (judge_candidate(asked(rate=rate, supply=12.0), THIN, "90") for rate in (0.2, 0.45))
     assert slow.feasible and fast.feasible
     assert slow.cycle is not None and fast.cycle is not None
     assert slow.cycle.heating == 1.0
@@ -197,11 +191,7 @@ def test_current_is_the_least_that_does_it_in_time() -> None:
     system = found.strand.system(found.mechanism(3e-3, found.count))
     current = find_current(system, 3e-3, 1.0, 0.05)
     assert current is not None
-    assert (
-        simulate_pulse(system, current, 1.0)
-        >= 3e-3
-        > simulate_pulse(system, current * (1 - 1e-3), 1.0)
-    )
+    assert simulate_pulse(system, current, 1.0) >= 3e-3 > simulate_pulse(system, current * (1 - 1e-3), 1.0)
     assert find_current(system, 3e-3, 1.0, 3.0) == pytest.approx(current, rel=2e-3)
     assert find_current(system, 9e-3, 1.0, 0.05) is None
 

@@ -73,9 +73,7 @@ def test_a_delay_that_is_a_sample_off_would_be_seen() -> None:
 
 def test_a_closed_loop_has_that_of_its_loop() -> None:
     """The gain Kp = 1 around the model; limits are out of reach."""
-    found = measure_frequency_response(
-        linear_bench(), [1.5], 0.05, [0.05, 0.2, 0.4], drive="reference"
-    )
+    found = measure_frequency_response(linear_bench(), [1.5], 0.05, [0.05, 0.2, 0.4], drive="reference")
     loop = first_order(found.frequencies)
     np.testing.assert_allclose(found.response, [loop / (1.0 + loop)], rtol=1e-3)
     assert np.isnan(found.bandwidth[0])
@@ -119,9 +117,7 @@ def test_frequencies_that_are_none() -> None:
 def test_a_lag_rises_and_falls_alike_for_every_load() -> None:
     """Of the coefficient h as a load the lag follows; of the signal nothing does."""
     signals, films = H * AREA * np.array([5.0, 10.0]), (H, 2.0 * H)
-    found = compute_speeds(
-        WIRE, signals.tolist(), 12.0 * TAU, output="temperature", load="cooling.h", loads=films
-    )
+    found = compute_speeds(WIRE, signals.tolist(), 12.0 * TAU, output="temperature", load="cooling.h", loads=films)
     lags = TAU * np.array([[1.0, 1.0], [0.5, 0.5]])
     heights = np.array([[5.0, 10.0], [2.5, 5.0]])
     np.testing.assert_allclose(found.rise, math.log(10.0) * lags, rtol=1e-3)

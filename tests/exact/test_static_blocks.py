@@ -127,13 +127,9 @@ def test_a_fit_finds_limits():
     y = 2.0 * np.clip(x, -0.6, 1.2) + 0.3 + 0.01 * RNG.normal(size=len(u))
     record = Sampled("made up", 0.1, u, y, ("u",), ("y",))
     found = estimate_chain(
-        "deadzone | oe(1,1,1) | sat",
-        record,
-        Options(starts=6, refined=1, iterations=60, start="zero"),
+        "deadzone | oe(1,1,1) | sat", record, Options(starts=6, refined=1, iterations=60, start="zero")
     ).chain
-    zone, _, limits = (
-        shown(block, theta) for block, theta in zip(found.blocks, found.split(), strict=True)
-    )
+    zone, _, limits = (shown(block, theta) for block, theta in zip(found.blocks, found.split(), strict=True))
     assert [zone["lower limit"], zone["upper limit"]] == pytest.approx([-0.7, 0.5], abs=0.02)
     assert [limits["lower limit"], limits["upper limit"]] == pytest.approx([-0.6, 1.2], abs=0.01)
     assert (limits["gain"], limits["output at zero"]) == pytest.approx((2.0, 0.3), abs=0.02)
@@ -152,11 +148,7 @@ class TestNetworks:
         ("cls", "shape", "argument"),
         [
             (SigmoidNetwork, lambda q: 1 / (1 + np.exp(-q)), lambda b, c: np.exp(b) * (R - c)),
-            (
-                WaveletNetwork,
-                lambda q: (1 - q**2) * np.exp(-(q**2) / 2),
-                lambda b, c: np.exp(b) * (R - c),
-            ),
+            (WaveletNetwork, lambda q: (1 - q**2) * np.exp(-(q**2) / 2), lambda b, c: np.exp(b) * (R - c)),
             (TanhNetwork, np.tanh, lambda w, v: w * R + v),
         ],
     )
@@ -256,10 +248,7 @@ class TestSideBySide:
         block = SideBySide(blocks=self.BLOCKS)
         assert block.numbers()[:3] == ("1.offset", "1.c1", "1.c2")
         assert block.fixed == ("1.low", "1.high")
-        assert [name for name, _, _ in block.describe_numbers(block.start())][3:5] == [
-            "2.omega1",
-            "2.zeta1",
-        ]
+        assert [name for name, _, _ in block.describe_numbers(block.start())][3:5] == ["2.omega1", "2.zeta1"]
 
     def test_none_is_refused(self):
         with pytest.raises(ParameterError, match="at least one block"):

@@ -5,17 +5,7 @@ Liang–Rogers, Elahinia and Tanaka differ in what a process leaves and in Young
 
 import numpy as np
 import pytest
-from builders import (
-    ZERO,
-    along,
-    fraction_after,
-    isobar,
-    isotherm,
-    problem_a,
-    strain_of,
-    through,
-    wire_a,
-)
+from builders import ZERO, along, fraction_after, isobar, isotherm, problem_a, strain_of, through, wire_a
 from closed_forms import A_F, A_S, BOTH_RULES, C_A, C_M, M_F, M_S, exact
 from grids import over
 from strip_cases import CASES, EVERY, KINETICS, NUMBERS, exponential
@@ -84,9 +74,7 @@ class TestTail:
         assert found == pytest.approx([10.0**-k for k in range(len(found))], rel=1e-10, abs=0)
 
     def test_starts_in_the_tail(self, rule):
-        assert fraction_after(CASES["tanaka austenite"].law(rule), isobar(900, 905), 0.6) == exact(
-            0.06
-        )
+        assert fraction_after(CASES["tanaka austenite"].law(rule), isobar(900, 905), 0.6) == exact(0.06)
 
     def test_nothing_is_left_after_thousands_of_kelvin(self, rule):
         law = CASES["tanaka austenite"].law(rule)
@@ -130,9 +118,7 @@ class TestDirections:
 def test_restrained_heating_never_outruns_the_strip(case):
     """Held by an all but rigid spring: while it transforms, σ rises slower than C_A."""
     system = problem_a(
-        element=wire_a(case.law()),
-        source=PrescribedTemperature(),
-        mechanism=BiasSpring(stiffness=1e8, preload=5.0),
+        element=wire_a(case.law()), source=PrescribedTemperature(), mechanism=BiasSpring(stiffness=1e8, preload=5.0)
     )
     run = simulate(system, through([20 + ZERO, 150 + ZERO], 100.0), 100.0, step=0.05)
     xi, stress, T = (np.array(run[n]) for n in ("martensite_fraction", "stress", "temperature"))
@@ -209,9 +195,7 @@ def test_elahinia_is_liang_rogers_at_constant_stress(rule, mpa):
         case = CASES[f"liang-rogers {modulus}"]
         usual = along(case.law(rule), path, 1.0, 7)
         assert usual == enhanced
-        strains, wanted = (
-            [strain_of(law, m) for m in usual] for law in (case.law(), CASES["elahinia"].law())
-        )
+        strains, wanted = ([strain_of(law, m) for m in usual] for law in (case.law(), CASES["elahinia"].law()))
         assert (strains == wanted) == (modulus == "mixture" or mpa == 0.0)
     assert len({m.fraction for m in enhanced}) > 3
 

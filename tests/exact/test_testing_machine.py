@@ -15,17 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from builders import (
-    Swings,
-    chamber,
-    example,
-    examples,
-    label,
-    law_a,
-    problem_a,
-    through,
-    wire_a,
-)
+from builders import Swings, chamber, example, examples, label, law_a, problem_a, through, wire_a
 from elastic import REST, actuator, kelvins, machine
 
 from martensite.actuators.assembly import AbstractSystem, System
@@ -94,11 +84,7 @@ def marched(
 
 
 def point(
-    law: AbstractLaw,
-    legs: list[PathLeg],
-    start: tuple[float, float],
-    fractions: Fractions,
-    steps: int,
+    law: AbstractLaw, legs: list[PathLeg], start: tuple[float, float], fractions: Fractions, steps: int
 ) -> PointResult:
     """The law by itself in exactly so many steps per leg."""
     return material_point(law, legs, start=start, fractions=fractions, steps=steps, tolerance=None)
@@ -169,9 +155,7 @@ def test_a_force_is_followed_and_never_pushes() -> None:
     ("control", "size", "plain"),
     [("stress", {"section": 2e-6}, "force"), ("strain", {"gauge_length": 2e-6}, "elongation")],
 )
-def test_section_and_gauge_length_are_factors(
-    control: str, size: dict[str, float], plain: str
-) -> None:
+def test_section_and_gauge_length_are_factors(control: str, size: dict[str, float], plain: str) -> None:
     seen = []
     for one, factor in (
         (TensileTestingMachine(control=control, preload=2.0, **size), 1.0),
@@ -236,9 +220,7 @@ def test_a_run_to_a_tolerance_has_the_stress_of_the_law() -> None:
 
 @pytest.mark.parametrize("stiffness", [math.inf, 2e4])
 @pytest.mark.parametrize("preload", [0.0, 3.0])
-def test_an_elastic_element_and_the_frame_are_springs_in_series(
-    stiffness: float, preload: float
-) -> None:
+def test_an_elastic_element_and_the_frame_are_springs_in_series(stiffness: float, preload: float) -> None:
     """F = F₀ + (u + contraction)/(c + 1/k) while positive; position is where the element ends."""
     control = TensileTestingMachine(control="elongation", preload=preload, stiffness=stiffness)
     system = machine(control, compliance=2e-4, contraction=1e-3)
@@ -349,12 +331,7 @@ def test_a_command_taken_too_early_is_noticed() -> None:
 
 @pytest.mark.parametrize(
     ("control", "runtime"),
-    [
-        ("stress", "c"),
-        ("strain", "c"),
-        ("strain", "jax"),
-        pytest.param("stress", "jax", marks=pytest.mark.slow),
-    ],
+    [("stress", "c"), ("strain", "c"), ("strain", "jax"), pytest.param("stress", "jax", marks=pytest.mark.slow)],
 )
 def test_a_rigid_machine_is_the_same_on_all_runtimes(
     control: str, runtime: str, request: pytest.FixtureRequest
@@ -366,12 +343,7 @@ def test_a_rigid_machine_is_the_same_on_all_runtimes(
     wave = through([0.0, 400e6 if control == "stress" else 0.02, 0.0])
     runs: list[Result] = [
         simulate(
-            one[control],
-            {"drive": Constant(level=HOT), "command": wave},
-            2.0,
-            step=0.002,
-            samples=21,
-            runtime=name,
+            one[control], {"drive": Constant(level=HOT), "command": wave}, 2.0, step=0.002, samples=21, runtime=name
         )
         for name in ("floats", runtime)
     ]
@@ -427,16 +399,12 @@ def test_the_columns_of_a_report_make_a_scenario(control: str, tmp_path: Path) -
     rows = [[float(x) for x in line.split(",")] for line in REPORT.splitlines()[1:]]
     given = np.array([row[2] * 1e6 if control == "stress" else row[3] * 1e-2 for row in rows])
     found = np.array(run[control][::2])
-    assert found - (found[0] if control == "strain" else 0.0) == pytest.approx(
-        given, rel=1e-6, abs=1e-9
-    )
+    assert found - (found[0] if control == "strain" else 0.0) == pytest.approx(given, rel=1e-6, abs=1e-9)
     assert run["temperature"][::2] == pytest.approx([273.15 + row[1] for row in rows], rel=1e-9)
     assert run["command"][::2] == pytest.approx(given, rel=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("control", "name", "unit"), [("stress", "section", "m^2"), ("strain", "gauge_length", "m")]
-)
+@pytest.mark.parametrize(("control", "name", "unit"), [("stress", "section", "m^2"), ("strain", "gauge_length", "m")])
 def test_what_a_stress_or_strain_needs_is_named(control: str, name: str, unit: str) -> None:
     expected = rf'control = "{control}" needs `{name}` \[{unit.replace("^", ".")}\]; none given'
     with pytest.raises(ParameterError, match=expected):

@@ -50,9 +50,7 @@ def damage_bytes(raw: bytes, seed: int) -> bytes:
 
 
 @pytest.mark.parametrize("name", ["plain.mat", "packed.mat", "log.nc"])
-@pytest.mark.parametrize(
-    "seeds", [range(FEW), pytest.param(range(FEW, MANY), marks=pytest.mark.slow)]
-)
+@pytest.mark.parametrize("seeds", [range(FEW), pytest.param(range(FEW, MANY), marks=pytest.mark.slow)])
 def test_damaged_logs_are_refused_or_read(tmp_path: Path, name: str, seeds: range) -> None:
     path = tmp_path / name
     raw = write_log(path)
@@ -77,9 +75,7 @@ def scenario(tmp_path: Path) -> Path:
 
 
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="has no device that never ends")
-@pytest.mark.parametrize(
-    "given", ["element.material=/dev/zero", "element.material=" + 100_000 * "a"]
-)
+@pytest.mark.parametrize("given", ["element.material=/dev/zero", "element.material=" + 100_000 * "a"])
 def test_an_absurd_material_is_a_short_sentence(scenario: Path, given: str) -> None:
     done = Command("check", str(scenario), "--set", given)()
     assert done.exit_code == 2

@@ -68,11 +68,7 @@ def test_of_the_current_a_share_is_left(name):
     ratios = [
         a * R / (b * S)
         for a, b, R, S in zip(
-            found["current"],
-            HEALTHY["current"],
-            found["resistance"],
-            HEALTHY["resistance"],
-            strict=True,
+            found["current"], HEALTHY["current"], found["resistance"], HEALTHY["resistance"], strict=True
         )
     ]
     during = [0.5 - 1e-9 <= t < 0.75 - 1e-9 for t in found.times]
@@ -94,17 +90,13 @@ def test_only_a_drop_out_is_seen_in_the_age(name, age):
 def test_a_drift_grows_from_where_it_begins():
     found = run(one=fault("drift", bias=2.0, rate=4.0))
     off = [r - T for r, T in zip(found["measured.felt"], found["temperature"], strict=True)]
-    expected = [
-        2.0 + 4.0 * (t - 0.5) if 0.5 - 1e-9 <= t < 0.75 - 1e-9 else 0.0 for t in found.times
-    ]
+    expected = [2.0 + 4.0 * (t - 0.5) if 0.5 - 1e-9 <= t < 0.75 - 1e-9 else 0.0 for t in found.times]
     assert off == pytest.approx(expected, abs=1e-9)
 
 
 def slope(found, k, wire=PLANT.element):
     """Change of the heat content of a wire without latent heat, over a period [W]."""
-    return (
-        wire.heat_capacity_total() * (found["temperature"][k + 1] - found["temperature"][k]) / 0.05
-    )
+    return wire.heat_capacity_total() * (found["temperature"][k + 1] - found["temperature"][k]) / 0.05
 
 
 def test_surroundings_and_draught_change_the_heat_loss():

@@ -21,12 +21,7 @@ from martensite.control.sensors.base import SENSORS
 from martensite.control.sensors.ideal import IdealSensor
 from martensite.control.sensors.position import PositionSensor
 from martensite.control.supervisors.from_plant import guard_for
-from martensite.control.supervisors.from_sensors import (
-    CHANCE,
-    checks_for,
-    lost_after,
-    stuck_after,
-)
+from martensite.control.supervisors.from_sensors import CHANCE, checks_for, lost_after, stuck_after
 from martensite.control.supervisors.guard import Guard
 from martensite.kernels import floats
 from martensite.scenario.scenario import Scenario, load, read_scenario
@@ -161,9 +156,7 @@ def test_nothing_is_cut_without_a_fault_and_faults_are_seen() -> None:
 def test_guard_of_a_scenario_is_that_of_its_plant() -> None:
     scenario = loop(supervisor__from_plant={"hottest": "40 degC", "least_cooling": 0.8})
     assert scenario.bench is not None
-    made = guard_for(
-        scenario.system, hottest=313.15, least_cooling=0.8, checks=checks_for(scenario.bench)
-    )
+    made = guard_for(scenario.system, hottest=313.15, least_cooling=0.8, checks=checks_for(scenario.bench))
     assert guard(scenario) == made
     assert guard(read_scenario(scenario.text)) == made
     assert scenario.origins["supervisor.checks.bound_drive.power"] == "plant"
@@ -208,10 +201,7 @@ CURRENT = {"driver": {"kind": "current"}, "controller.high": "1 A"}
     ("changes", "sentence"),
     [
         ({"supervisor.from_plant": 3}, "`from_plant` must be true, false, or a table"),
-        (
-            {"supervisor.from_plant": {"hotest": "1 K"}},
-            "[supervisor.from_plant] `FromPlant` has no",
-        ),
+        ({"supervisor.from_plant": {"hotest": "1 K"}}, "[supervisor.from_plant] `FromPlant` has no"),
         (CURRENT, "[supervisor] Drive `current` takes a signal in A: give its largest value"),
     ],
     ids=["number", "name", "full"],

@@ -93,13 +93,7 @@ def test_overstress_has_its_amount() -> None:
     hot = Constant(level=2.5)
     free = simulate(system, hot, 20.0, step=0.02, samples=201)
     limit = 0.5 * (min(free["stress"]) + max(free["stress"]))
-    run = simulate(
-        system.with_values({"element.limits.stress_limit": limit}),
-        hot,
-        20.0,
-        step=0.02,
-        samples=201,
-    )
+    run = simulate(system.with_values({"element.limits.stress_limit": limit}), hot, 20.0, step=0.02, samples=201)
     alarm = only(run, "stress")
     assert alarm.excess == pytest.approx(max(free["stress"]) - limit)
     k = next(i for i, value in enumerate(free["stress"]) if value > limit)
@@ -130,9 +124,7 @@ def test_slack_has_a_time_and_a_duration() -> None:
     (alarm,) = alarms_of(run.system, run.times, {**run.columns, "force": forces})
     assert alarm.kind == "slack"
     assert when(alarm) == pytest.approx((0.2, 0.3, 0.2))
-    assert alarm.sentence == (
-        "Warning: the element is slack (no force), first at t = 0.2 s, for 0.3 s in all."
-    )
+    assert alarm.sentence == ("Warning: the element is slack (no force), first at t = 0.2 s, for 0.3 s in all.")
     never = {**run.columns, "force": [0.0] * 11}
     assert alarms_of(run.system, run.times, never) == []
 

@@ -46,9 +46,7 @@ LIMIT = 413.15
 HOT = 393.15
 """Of the measured temperature [K]."""
 PERIOD = 0.02
-WIRE = problem_a().with_parts(
-    source=Mosfet(supply=6.0, frequency=1e3, dead_time=5e-6, on_resistance=0.1)
-)
+WIRE = problem_a().with_parts(source=Mosfet(supply=6.0, frequency=1e3, dead_time=5e-6, on_resistance=0.1))
 
 
 class Noisy(AbstractSensor):
@@ -251,13 +249,7 @@ def test_a_latched_guard_does_not_come_back():
 
 
 def bound(**changes: Any) -> ThermalBound:
-    numbers: dict[str, Any] = {
-        "limit": 400.0,
-        "power": 10.0,
-        "capacity": 0.1,
-        "conductance": 0.03,
-        "ambient": 300.0,
-    }
+    numbers: dict[str, Any] = {"limit": 400.0, "power": 10.0, "capacity": 0.1, "conductance": 0.03, "ambient": 300.0}
     return ThermalBound(**(numbers | changes))
 
 
@@ -293,10 +285,7 @@ def warmed(one: ThermalBound, signals: list[float], share: float) -> tuple[float
 
 
 @settings(deadline=None, max_examples=40)
-@given(
-    signals=some.lists(some.floats(0.0, 1.0), min_size=50, max_size=50),
-    share=some.floats(0.5, 1.0),
-)
+@given(signals=some.lists(some.floats(0.0, 1.0), min_size=50, max_size=50), share=some.floats(0.5, 1.0))
 def test_the_bound_is_above_what_stores_more_heat(signals, share):
     top, hottest = warmed(bound(), signals, share)
     assert hottest <= max(top, 350.0) + 0.5
@@ -321,9 +310,7 @@ def test_the_least_heat_loss_is_where_it_is_least():
 
 
 def test_a_guard_takes_its_limit_from_the_element():
-    limited = WIRE.with_parts(
-        element=WIRE.element.with_parts(limits=ElementLimits(temperature_limit=390))
-    )
+    limited = WIRE.with_parts(element=WIRE.element.with_parts(limits=ElementLimits(temperature_limit=390)))
     (one,) = guard_for(limited).checks.members().values()
     assert (one.value_of("limit"), one.value_of("ambient")) == (390.0, 293.15)
     assert one.value_of("capacity") == WIRE.element.heat_capacity_total()
@@ -357,8 +344,7 @@ def test_the_bound_of_a_bundle_holds():
     full = {"drive": Constant(level=1.0)}
     free = Bench(plant=plant, period=PERIOD, substeps=1)
     found, hot = (
-        simulate_bench(one, 2.0, waveforms=full, runtime="floats")
-        for one in (free.with_parts(supervisor=guard), free)
+        simulate_bench(one, 2.0, waveforms=full, runtime="floats") for one in (free.with_parts(supervisor=guard), free)
     )
     assert alarms(found)[0] == 8.0
     assert 350.0 < max(found["temperature"]) < LIMIT < max(hot["temperature"])
@@ -426,13 +412,9 @@ def test_a_reading_at_rest_may_stay():
 
 def test_the_lowest_alarm_is_shown():
     checks = Checks(
-        lost=CHECK["sensor-lost"](reading="T", timeout=0.5),
-        current=CHECK["over-current"](reading="I", limit=2.0),
+        lost=CHECK["sensor-lost"](reading="T", timeout=0.5), current=CHECK["over-current"](reading="I", limit=2.0)
     )
-    rows: list[tuple[float, dict[str, float]]] = [
-        (1.0, {"T.age": 0.1, "I": -3.0}),
-        (1.0, {"T.age": 0.6, "I": 0.0}),
-    ]
+    rows: list[tuple[float, dict[str, float]]] = [(1.0, {"T.age": 0.1, "I": -3.0}), (1.0, {"T.age": 0.6, "I": 0.0})]
     assert [a for _, a in judged(Guard(checks=checks), rows[::-1])] == [4, 2]
     assert [a for _, a in judged(Guard(checks=checks, answer="resume"), rows)] == [2, 4]
 
@@ -440,18 +422,14 @@ def test_the_lowest_alarm_is_shown():
 def test_only_the_drives_of_a_check_are_cut():
     one = CHECK["overheat"](reading="T", limit=400.0, drives=("left",))
     guard = Guard(checks=Checks(one=one), safe=0.1)
-    verdict = guard.judge(
-        floats, guard.rest(floats, {}), {"left": 1.0, "right": 0.7}, {"T": 500.0}, 0.1
-    )
+    verdict = guard.judge(floats, guard.rest(floats, {}), {"left": 1.0, "right": 0.7}, {"T": 500.0}, 0.1)
     assert verdict.signals == {"left": 0.1, "right": 0.7}
 
 
 def test_every_check_has_its_alarm():
     numbers = [number for number in alarm_names() if number]
     assert numbers == list(range(1, len(numbers) + 1))
-    assert sum(len(names.split(", ")) for names in alarm_names().values()) == 1 + len(
-        CHECKS.names()
-    )
+    assert sum(len(names.split(", ")) for names in alarm_names().values()) == 1 + len(CHECKS.names())
     assert SUPERVISORS.names() == ["guard"]
 
 
@@ -466,10 +444,7 @@ def test_a_signal_of_a_cut_that_is_not_safe_is_refused():
 @pytest.mark.parametrize(
     ("check", "words"),
     [
-        (
-            CHECK["overheat"](reading="warmth", limit=400.0),
-            "reads `warmth`, which is not measured",
-        ),
+        (CHECK["overheat"](reading="warmth", limit=400.0), "reads `warmth`, which is not measured"),
         (CHECK["overheat"](reading="temperature", drives=("left",)), "speaks of drive `left`"),
         (bound(drive="heater"), "speaks of drive `heater`"),
     ],

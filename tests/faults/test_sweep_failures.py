@@ -57,9 +57,7 @@ def test_an_error_on_purpose_is_not_salvaged(tmp_path: Path) -> None:
         kept_of(job, 0)
 
 
-def test_a_run_of_a_sweep_that_raises_is_a_row(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_of_a_sweep_that_raises_is_a_row(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     expected = undisturbed(tmp_path / "whole.zarr")
     begun = begin_sweep(wire(), wanted(), tmp_path / "s.zarr", SERIAL)
     compute = type(begun.plan).compute
@@ -155,9 +153,7 @@ def test_ctrl_c_is_a_sentence_and_it_goes_on(tmp_path: Path) -> None:
 # ---------------------------------------------------------------- several at a time
 
 
-def test_whoever_comes_second_opens_what_the_first_has_made(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_whoever_comes_second_opens_what_the_first_has_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Both find nothing there; one is faster."""
     path = tmp_path / "s.zarr"
     rename = Path.rename

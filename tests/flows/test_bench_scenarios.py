@@ -67,9 +67,7 @@ def without(text: str, *lines: str) -> str:
 
 def controlled(controller: str, reference: str = REFERENCE, driver: str = DRIVER) -> Scenario:
     """The plant under another controller, everything known."""
-    return read_scenario(
-        PLANT + driver + "[controller]\nperiod = '20 ms'\n" + controller + reference
-    )
+    return read_scenario(PLANT + driver + "[controller]\nperiod = '20 ms'\n" + controller + reference)
 
 
 def placed(scenario: Scenario) -> dict[str, Any]:
@@ -84,15 +82,10 @@ def test_loop_is_that_of_its_parts() -> None:
     bench = read_scenario(LOOP).bench
     assert bench is not None
     assert bench.period == pytest.approx(0.02)
-    assert bench.sensors.members() == {
-        "position": MountedSensor(sensor=PositionSensor(), delay=0.04)
-    }
+    assert bench.sensors.members() == {"position": MountedSensor(sensor=PositionSensor(), delay=0.04)}
     assert bench.controllers.members() == {
         "drive": Pid(
-            measured="position",
-            reference=Sine(low=1e-3, high=4e-3, frequency=0.1),
-            Kp=150.0,
-            law=PidLaw(high=0.9),
+            measured="position", reference=Sine(low=1e-3, high=4e-3, frequency=0.1), Kp=150.0, law=PidLaw(high=0.9)
         )
     }
 
@@ -140,9 +133,7 @@ def test_period_may_stand_in_one_of_three_sections(section: str) -> None:
 
 def test_levels_are_in_the_units_of_their_places() -> None:
     power = "[driver]\nkind = 'power'\n"
-    found = controlled(
-        "kind = 'pid'\nmeasured = 'position'\nKp = 1\nhigh = '400 mW'\n", driver=power
-    )
+    found = controlled("kind = 'pid'\nmeasured = 'position'\nKp = 1\nhigh = '400 mW'\n", driver=power)
     leaves = placed(found)
     units = {path: found.places.unit(leaf) for path, leaf in leaves.items()}
     assert (leaves["controller.high"].value, units["controller.high"]) == (0.4, "W")
@@ -193,19 +184,14 @@ def test_changed_scenario_is_written_out_and_read_again() -> None:
 )
 def test_sensor_is_called_like_what_it_measures(section: str, name: str) -> None:
     wave = "waveform = { kind = 'constant', level = 0.1 }\n"
-    bench = read_scenario(
-        PLANT + DRIVER + wave + f"[sensor]\n{section}\n[bench]\nperiod = '20 ms'"
-    ).bench
+    bench = read_scenario(PLANT + DRIVER + wave + f"[sensor]\n{section}\n[bench]\nperiod = '20 ms'").bench
     assert bench is not None
     assert list(bench.sensors.members()) == [name]
 
 
 def test_model_of_an_observer_is_the_system_or_differs_where_it_says() -> None:
     text = without(LOOP, SENSOR) + "[sensor]\nkind = 'resistance'\n"
-    text = (
-        text.replace('"position"', '"estimated.position"')
-        + "[observer]\nkind = 'extended-kalman'\n"
-    )
+    text = text.replace('"position"', '"estimated.position"') + "[observer]\nkind = 'extended-kalman'\n"
     right = read_scenario(text)
     wrong = read_scenario(text + 'model = { "element.diameter" = "0.14 mm" }\n')
     assert right.bench is not None
@@ -225,9 +211,7 @@ def test_gains_by_points_and_components_of_components() -> None:
     found = scenario.bench.controllers.members()["drive"]
     assert isinstance(found, ScheduledPid)
     assert [p.Kp for p in found.rising.members().values()] == [100.0, 200.0]
-    inner = controlled(
-        "kind = 'feedforward'\nmeasured = 'position'\nKp = 50\nhigh = 0.7\nahead = 2\n"
-    )
+    inner = controlled("kind = 'feedforward'\nmeasured = 'position'\nKp = 50\nhigh = 0.7\nahead = 2\n")
     leaves = placed(inner)
     assert (leaves["controller.Kp"].value, leaves["controller.high"].value) == (50.0, 0.7)
     assert inner.origins["controller.high"] == "scenario"
@@ -257,11 +241,7 @@ limit = "30 degC"
 
 def test_guard_cuts_and_faults_act() -> None:
     sensors = SENSOR.replace("[sensor]", "[sensors.position]")
-    text = (
-        without(LOOP, SENSOR)
-        + sensors
-        + "[sensors.temperature]\nkind = 'ideal'\nof = 'temperature'\n"
-    )
+    text = without(LOOP, SENSOR) + sensors + "[sensors.temperature]\nkind = 'ideal'\nof = 'temperature'\n"
     text = text.replace("Kp = 150", "Kp = 3000")
     free = read_scenario(text).run(runtime="floats")
     cut = read_scenario(text + GUARD).run(runtime="floats")
@@ -341,9 +321,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("changes", "sentence"), REFUSED, ids=[next(iter(c)) for c, _ in REFUSED])
-def test_what_does_not_fit_is_refused_with_a_sentence(
-    changes: dict[str, Any], sentence: str
-) -> None:
+def test_what_does_not_fit_is_refused_with_a_sentence(changes: dict[str, Any], sentence: str) -> None:
     with pytest.raises(InputError) as raised:
         read_scenario(LOOP, None, changes)
     assert sentence in str(raised.value)

@@ -81,9 +81,7 @@ def test_mas():
     tables = {table.title: table for table in sections_mas.mas(OURS, LITTLE)}
     for wire in sections_mas.WIRES:
         table = tables[f"Problem B, {wire}: single runs"]
-        coarse, fine = (
-            row(table, engine="ours, C", setting=f"dt {ms} ms")["err"] for ms in (100, 50)
-        )
+        coarse, fine = (row(table, engine="ours, C", setting=f"dt {ms} ms")["err"] for ms in (100, 50))
         assert 1e-6 < fine < coarse < 1e-3
         assert row(table, engine="ours, floats")["err"] == pytest.approx(coarse, rel=1e-6)
         assert row(table, engine="LSODA", setting="rtol 1e-6")["err"] < 1e-5

@@ -163,12 +163,7 @@ def test_absolute_columns_leave_with_their_units():
         "operations/step": 8,
         "Gop/s": 9.0,
     }
-    assert page_parts.without_units(row).keys() == {
-        "engine",
-        "err",
-        "of memory [%]",
-        "operations/step",
-    }
+    assert page_parts.without_units(row).keys() == {"engine", "err", "of memory [%]", "operations/step"}
 
 
 def test_rates_and_memory_are_shares():

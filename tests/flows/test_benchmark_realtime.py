@@ -11,9 +11,7 @@ OURS = Options(available(["ours"]), repeats=1, calls=60)
 @pytest.mark.slow
 def test_realtime(monkeypatch):
     cheap = {
-        "pid": sections_realtime.drive(
-            sections_realtime.bench(False).controllers.members()["drive"]
-        ),
+        "pid": sections_realtime.drive(sections_realtime.bench(False).controllers.members()["drive"]),
         "loop": sections_realtime.loop(False, native=False),
     }
     monkeypatch.setattr(sections_realtime, "calls", lambda: cheap)

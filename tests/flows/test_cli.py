@@ -124,9 +124,7 @@ def test_settings_tolerance_and_runtime_change_the_run(folder: Path) -> None:
     fine_ = parsed("run", "wire.toml", "--no-figure", "--force", "--tolerance", "1e-5")
     assert short["stroke"] < 0.5 * first["stroke"]
     assert fine_["steps"] > first["steps"]
-    assert "No runtime named `float`" in refused(
-        "run", "wire.toml", "--force", "--runtime", "float"
-    )
+    assert "No runtime named `float`" in refused("run", "wire.toml", "--force", "--runtime", "float")
 
 
 def test_overheating_names_the_limit(folder: Path) -> None:
@@ -150,9 +148,7 @@ def test_comparison_with_a_record(folder: Path) -> None:
 
 def test_measured_record_of_the_scenario_is_compared_unless_unwanted(folder: Path) -> None:
     (folder / "log.csv").write_text("0\n20\n", encoding="utf-8")
-    text = (
-        SCENARIO + '[measured]\nfile = "log.csv"\ncolumns = ["position [mm]"]\ninterval = "9 s"\n'
-    )
+    text = SCENARIO + '[measured]\nfile = "log.csv"\ncolumns = ["position [mm]"]\ninterval = "9 s"\n'
     (folder / "wire.toml").write_text(text, encoding="utf-8")
     (entry,) = parsed("run", "wire.toml", "--no-figure")["comparison"]
     assert (entry["quantity"], entry["range"]) == ("position", pytest.approx(0.02))
@@ -213,9 +209,7 @@ BAD_CALLS = [
 
 
 @pytest.mark.parametrize("arguments, expected", BAD_CALLS)
-def test_bad_call_is_refused_and_nothing_written(
-    folder: Path, arguments: tuple[str, ...], expected: str
-) -> None:
+def test_bad_call_is_refused_and_nothing_written(folder: Path, arguments: tuple[str, ...], expected: str) -> None:
     assert expected in refused("run", *arguments)
     assert names(folder) == {"wire.toml"}
 
@@ -230,9 +224,7 @@ def test_existing_file_is_kept_without_force(folder: Path, name: str) -> None:
     assert (folder / name).read_bytes() != b"mine"
 
 
-def test_failed_run_leaves_existing_files_alone(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_failed_run_leaves_existing_files_alone(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object, **__: object) -> None:
         raise SolveError("The step at t = 1 s failed.")
 
@@ -243,9 +235,7 @@ def test_failed_run_leaves_existing_files_alone(
     assert (folder / "wire.nc").read_text(encoding="utf-8") == "mine"
 
 
-def test_failing_figure_leaves_no_data_behind(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_failing_figure_leaves_no_data_behind(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(*_: object, **__: object) -> None:
         raise DataError("The disk is full.")
 

@@ -74,9 +74,7 @@ def test_run_json_holds_the_loop(folder: Path) -> None:
         (("--set", "controller.measured=angle"), "there is no such reading"),
     ],
 )
-def test_run_refuses_what_has_no_effect_on_a_bench(
-    folder: Path, arguments: tuple[str, ...], sentence: str
-) -> None:
+def test_run_refuses_what_has_no_effect_on_a_bench(folder: Path, arguments: tuple[str, ...], sentence: str) -> None:
     assert sentence in refused("run", "loop.toml", *SHORT, *arguments)
     assert {path.name for path in folder.iterdir()} == {"loop.toml"}
 

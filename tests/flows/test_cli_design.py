@@ -17,14 +17,7 @@ from martensite.scenario.scenario import load
 DESIGN = Command("design")
 FREE = "--free", "element.count=2..3", "--free", "strand.diameter=0.08..0.14 mm"
 POWER = "--free", "drive.peak=2..6 W"
-LIMITS = (
-    "--subject",
-    "stroke >= 7.5 mm",
-    "--subject",
-    "rise-time <= 0.5 s",
-    "--subject",
-    "fall-time <= 1 s",
-)
+LIMITS = ("--subject", "stroke >= 7.5 mm", "--subject", "rise-time <= 0.5 s", "--subject", "fall-time <= 1 s")
 QUICK = "--sample", "16", "--descents", "1"
 pytestmark = pytest.mark.usefixtures("c_compiler")
 

@@ -75,14 +75,7 @@ def test_the_model_is_written() -> None:
 
 def test_options() -> None:
     done = call(
-        "finger.toml",
-        "--out",
-        "other.xml",
-        "--timestep",
-        "0.5 ms",
-        "--set",
-        'mechanism.offset="7 mm"',
-        "--json",
+        "finger.toml", "--out", "other.xml", "--timestep", "0.5 ms", "--set", 'mechanism.offset="7 mm"', "--json"
     )
     report = json.loads(done.stdout)
     assert report["mechanism"] == "finger"

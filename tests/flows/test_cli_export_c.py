@@ -87,15 +87,7 @@ def test_a_bench_is_written() -> None:
 
 def test_the_example_runs(c_compiler: str) -> None:
     assert call("driven.toml", "--precision", "float32").exit_code == 0
-    command = [
-        find_compiler() or "",
-        *STRICT,
-        "driven.c",
-        "driven_example.c",
-        "-o",
-        "example",
-        "-lm",
-    ]
+    command = [find_compiler() or "", *STRICT, "driven.c", "driven_example.c", "-o", "example", "-lm"]
     subprocess.run(command, check=True)
     done = subprocess.run(["./example"], capture_output=True, text=True, check=True)
     title, *rows = (line.split(",") for line in done.stdout.splitlines())

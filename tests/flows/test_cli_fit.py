@@ -92,24 +92,12 @@ def test_profile_brackets_the_truth() -> None:
 def test_direction_that_the_data_leave_open_is_told_and_warned_of() -> None:
     """A stress that is prescribed moves with its section: only the quotient counts."""
     found = FIT.report(
-        "log.csv",
-        "--scenario",
-        "isobaric.toml",
-        "--free",
-        "C_A=4..16 MPa/K,A_s,A_f",
-        "--hold-out",
-        "none",
+        "log.csv", "--scenario", "isobaric.toml", "--free", "C_A=4..16 MPa/K,A_s,A_f", "--hold-out", "none"
     )
     assert not found["identifiability"]["determined"]
     assert any("direction that the data do not determine" in w for w in found["warnings"])
     assert "weak" in FIT.fine(
-        "log.csv",
-        "--scenario",
-        "isobaric.toml",
-        "--free",
-        "C_A=4..16 MPa/K,A_s,A_f",
-        "--hold-out",
-        "none",
+        "log.csv", "--scenario", "isobaric.toml", "--free", "C_A=4..16 MPa/K,A_s,A_f", "--hold-out", "none"
     )
 
 
@@ -127,21 +115,12 @@ def test_columns_of_other_names_and_logs_without_headings() -> None:
     same = ("--set", "drive.waveform.column=chamber", "--set", "signals.command.column=machine")
     found = FIT.report("other.csv", *SMALL[1:], *same, "--column", "strain=gauge*0.01")
     right = FIT.report(*SMALL)
-    assert found["parameters"]["A_s"]["value"] == pytest.approx(
-        right["parameters"]["A_s"]["value"], abs=1e-3
-    )
+    assert found["parameters"]["A_s"]["value"] == pytest.approx(right["parameters"]["A_s"]["value"], abs=1e-3)
     fit_cases.write_rows("bare.csv", [row[1:] for row in rows[1:]])
     bare = FIT.report(
-        "bare.csv",
-        *SMALL[1:],
-        "--columns",
-        "temperature [degC],stress [MPa],strain [%]",
-        "--interval",
-        "1 s",
+        "bare.csv", *SMALL[1:], "--columns", "temperature [degC],stress [MPa],strain [%]", "--interval", "1 s"
     )
-    assert bare["parameters"]["A_s"]["value"] == pytest.approx(
-        right["parameters"]["A_s"]["value"], abs=1e-3
-    )
+    assert bare["parameters"]["A_s"]["value"] == pytest.approx(right["parameters"]["A_s"]["value"], abs=1e-3)
 
 
 def test_offsets_noise_loss_and_steps_are_passed_on() -> None:
@@ -269,9 +248,7 @@ def interrupting(after: int, monkeypatch: pytest.MonkeyPatch) -> list[SearchNote
     return notes
 
 
-def test_interrupted_search_keeps_the_best_and_is_taken_up_again(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_interrupted_search_keeps_the_best_and_is_taken_up_again(monkeypatch: pytest.MonkeyPatch) -> None:
     with monkeypatch.context() as patch:
         notes = interrupting(5, patch)
         done = FIT(*SMALL, "--resume", "state.json", "--json")
@@ -331,14 +308,10 @@ def test_constant_column() -> None:
 
 def test_swapped_columns(hot: str) -> None:
     swapped = edited(
-        "log.csv",
-        lambda rows: [["time [s]", "strain [%]", "stress [MPa]", "temperature [degC]"], *rows[1:]],
+        "log.csv", lambda rows: [["time [s]", "strain [%]", "stress [MPa]", "temperature [degC]"], *rows[1:]]
     )
     assert "swapped" in FIT.refused(swapped, *SMALL[1:])
-    swapped = edited(
-        hot,
-        lambda rows: [["time [s]", "position [mm]", "current [A]", "resistance [ohm]"], *rows[1:]],
-    )
+    swapped = edited(hot, lambda rows: [["time [s]", "position [mm]", "current [A]", "resistance [ohm]"], *rows[1:]])
     sentence = FIT.refused(swapped, *HEAT, "--column", "position")
     assert "`current` and `position` exchanged" in sentence
 
@@ -379,10 +352,7 @@ REFUSED: dict[str, tuple[tuple[str, ...], str]] = {
     "no scenario": (("log.csv", "--free", "A_s"), "needs --scenario"),
     "no free": (("log.csv", "--scenario", "isobaric.toml"), "needs --free"),
     "unknown parameter": ((*SMALL[:-1], "B_s"), "no parameter `B_s`"),
-    "unknown scenario": (
-        ("log.csv", "--scenario", "isobar.toml", "--free", "A_s"),
-        "Did you mean `isobaric.toml`",
-    ),
+    "unknown scenario": (("log.csv", "--scenario", "isobar.toml", "--free", "A_s"), "Did you mean `isobaric.toml`"),
     "unknown log": (("lag.csv", *SMALL[1:]), "Did you mean `log.csv`"),
     "unknown method": ((*SMALL, "--method", "newton"), "No method named"),
     "unknown loss": ((*SMALL, "--loss", "cauch"), "Did you mean `cauchy`"),
@@ -414,9 +384,7 @@ def test_run_follows_a_log_and_compares_with_it() -> None:
     assert {one["quantity"] for one in found["comparison"]} == {"temperature", "stress", "strain"}
     refused = run.refused("isobaric.toml", "--no-figure", "--force")
     assert "follows a log" in refused
-    part = run.report(
-        "isobaric.toml", "--log", "log.csv", "--no-figure", "--force", "--set", "run.duration=50 s"
-    )
+    part = run.report("isobaric.toml", "--log", "log.csv", "--no-figure", "--force", "--set", "run.duration=50 s")
     assert part["duration"] == 50.0
     assert part["comparison"][-1]["time"] <= 50.0
 

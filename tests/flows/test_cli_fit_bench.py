@@ -108,19 +108,10 @@ def test_bad_vibrations() -> None:
 
 
 def test_motor() -> None:
-    found = report(
-        *MOTOR, "--locked", "locked.csv", "--current-rise", "rise.csv", "--run-up", "run_up.csv"
-    )
+    found = report(*MOTOR, "--locked", "locked.csv", "--current-rise", "rise.csv", "--run-up", "run_up.csv")
     coil = 0.2 * R
     inertia = TAU * (B + K**2 / (R - coil / TAU))
-    truth = {
-        "resistance": R,
-        "constant": K,
-        "friction": B,
-        "dry_friction": F_C,
-        "inductance": coil,
-        "inertia": inertia,
-    }
+    truth = {"resistance": R, "constant": K, "friction": B, "dry_friction": F_C, "inductance": coil, "inertia": inertia}
     for name, value in truth.items():
         assert found[name]["value"] == pytest.approx(value, rel=1e-7)
     assert found["run_up_time"] == pytest.approx(R * inertia / K**2)
@@ -151,9 +142,7 @@ def test_what_is_printed_of_a_motor() -> None:
 
 def test_bad_motors() -> None:
     assert "resistance in one way" in refused(*MOTOR)
-    assert "resistance in one way" in refused(
-        *MOTOR, "--locked", "locked.csv", "--resistance", "6 ohm"
-    )
+    assert "resistance in one way" in refused(*MOTOR, "--locked", "locked.csv", "--resistance", "6 ohm")
     given = (*MOTOR, "--resistance", "6 ohm")
     assert "not both" in refused(*given, "--inductance", "3 mH", "--current-rise", "rise.csv")
     assert "`--inductance` must be above 0" in refused(*given, "--inductance", "0 H")

@@ -81,17 +81,9 @@ def test_kossoski() -> None:
     ("heading", "rows", "options"),
     [
         ("temperature [degC],power [mW]", ("50,100", "60,200", "80,500"), ()),
-        (
-            "temperature [K],voltage [V],current [A]",
-            ("323.15,0.2,0.5", "333.15,0.4,0.5", "353.15,0.5,1"),
-            (),
-        ),
+        ("temperature [K],voltage [V],current [A]", ("323.15,0.2,0.5", "333.15,0.4,0.5", "353.15,0.5,1"), ()),
         ("temperature [degC],voltage [V],resistance [ohm]", ("50,1,10", "60,2,20", "80,3,18"), ()),
-        (
-            "temperature [degC],voltage [V]",
-            ("50,1", "60,1.41421356", "80,2.23606798"),
-            ("--resistance", "10 ohm"),
-        ),
+        ("temperature [degC],voltage [V]", ("50,1", "60,1.41421356", "80,2.23606798"), ("--resistance", "10 ohm")),
     ],
 )
 def test_every_kind_of_column_gives_the_same_points(
@@ -163,9 +155,7 @@ def test_what_the_figure_shows() -> None:
     assert len(left.collections) == 2  # bands of the line and of the parabola
     shown = {line.get_label(): line.get_ydata() for line in right.lines}
     assert shown["41 °C (+2.5 K)"] == pytest.approx([65.8, 61.1, 61.9, 68.1], abs=0.05)
-    (alone,) = plot_film(
-        judge_film(FilmPoints((40.0, 50.0, 60.0), (5.0, 6.0, 6.5))), ["linear"]
-    ).axes
+    (alone,) = plot_film(judge_film(FilmPoints((40.0, 50.0, 60.0), (5.0, 6.0, 6.5))), ["linear"]).axes
     assert len(alone.collections) == 1
 
 

@@ -58,14 +58,8 @@ def test_columns_of_which_there_is_no_choice_need_not_be_named() -> None:
     Path("two.csv").write_text("\n".join([*two, ""]), encoding="utf-8")
     assert choose_columns("two.csv", [], None, []) == (["duty"], "temperature")
     assert choose_columns("two.csv", [], "temperature", []) == (["duty"], "temperature")
-    assert choose_columns("pulses.csv", [], None, ["temperature", "position"]) == (
-        ["duty"],
-        "position",
-    )
-    assert choose_columns("pulses.csv", ["duty"], None, ["temperature"]) == (
-        ["duty"],
-        "temperature",
-    )
+    assert choose_columns("pulses.csv", [], None, ["temperature", "position"]) == (["duty"], "position")
+    assert choose_columns("pulses.csv", ["duty"], None, ["temperature"]) == (["duty"], "temperature")
     with pytest.raises(InputError, match="--input, a column of the logs: `duty`, `temperature`"):
         choose_columns("pulses.csv", [], None, [])
     with pytest.raises(InputError, match="--output"):
@@ -81,8 +75,7 @@ def test_without_another_record_nothing_is_proved() -> None:
 def test_json_holds_what_python_finds() -> None:
     found = IDENTIFY.report("pulses.csv", *ONE, "--validate", "ramps.csv")
     records = [
-        read_sampled(f"{name}.csv", ["duty"], ["temperature"], units={"duty": "%"})
-        for name in ("pulses", "ramps")
+        read_sampled(f"{name}.csv", ["duty"], ["temperature"], units={"duty": "%"}) for name in ("pulses", "ramps")
     ]
     same = identify_stages(records[0], STRUCTURE, records[1], options=Options(starts=3, anchor=0.1))
     fits = {score["role"]: score["fit"] for score in found["scores"]}
@@ -117,9 +110,7 @@ def test_a_search_and_what_it_uses_up() -> None:
     text = IDENTIFY.fine("pulses.csv", *given, "--validate", "ramps.csv")
     assert "> poly2 | oe(1,1,1)" in text
     assert "no final figure" in text
-    found = IDENTIFY.report(
-        "pulses.csv", *given, "--validate", "ramps.csv", "--other", "pulses.csv"
-    )
+    found = IDENTIFY.report("pulses.csv", *given, "--validate", "ramps.csv", "--other", "pulses.csv")
     assert found["stages"][0]["search"]["chosen"] == "poly2 | oe(1,1,1)"
     assert [c["numbers"] for c in found["stages"][0]["search"]["candidates"]] == [4, 3]
     assert not any("final figure" in sentence for sentence in found["warnings"])
@@ -154,35 +145,14 @@ def test_an_interrupted_search_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> 
     ("arguments", "words"),
     [
         (("absent.csv", *ONE), "There is no file `absent.csv`"),
-        (
-            ("pulses.csv", "--input", "dutty", "--output", "temperature", "--stage", "poly1"),
-            "Did you mean `duty`",
-        ),
+        (("pulses.csv", "--input", "dutty", "--output", "temperature", "--stage", "poly1"), "Did you mean `duty`"),
         (("pulses.csv", "--output", "temperature", "--stage", "poly1"), "needs --input"),
         (("pulses.csv", "--input", "duty", "--stage", "poly1"), "needs --output"),
         (("pulses.csv", "--input", "duty", "--output", "temperature"), "give one of the two"),
         (("pulses.csv", *ONE, "--search", "poly{1,2}"), "give one of the two"),
-        (
-            ("pulses.csv", *SIGNALS, "--output", "temperature", "--stage", "polly1"),
-            "There is no block `polly`",
-        ),
-        (
-            ("pulses.csv", *SIGNALS, "--output", "position", "--stage", STRUCTURE),
-            "The last stage gives `temperature`",
-        ),
-        (
-            (
-                "pulses.csv",
-                *SIGNALS,
-                "--output",
-                "position",
-                "--stage",
-                "poly1",
-                "--stage",
-                "poly1",
-            ),
-            "names no output",
-        ),
+        (("pulses.csv", *SIGNALS, "--output", "temperature", "--stage", "polly1"), "There is no block `polly`"),
+        (("pulses.csv", *SIGNALS, "--output", "position", "--stage", STRUCTURE), "The last stage gives `temperature`"),
+        (("pulses.csv", *SIGNALS, "--output", "position", "--stage", "poly1", "--stage", "poly1"), "names no output"),
         (("pulses.csv", *ONE, "--initial", "resting"), "Did you mean `rest`"),
         (("pulses.csv", *ONE, "--interval", "20"), "`--interval`"),
         (("pulses.csv", *ONE, "--interval", "0 s"), "above 0 s"),

@@ -191,17 +191,13 @@ def test_the_table_of_one_path_is_a_measured_table(folder: Path) -> None:
         (("tanaka", "--figure", "nowhere/a.png"), "no folder `nowhere`"),
     ],
 )
-def test_bad_input_is_one_sentence_and_writes_nothing(
-    folder: Path, arguments: tuple[str, ...], sentence: str
-) -> None:
+def test_bad_input_is_one_sentence_and_writes_nothing(folder: Path, arguments: tuple[str, ...], sentence: str) -> None:
     wanted = () if {"--out", "--figure"} & set(arguments) else ("--out", "a.csv")
     assert sentence in refused(*arguments, *wanted)
     assert list(folder.iterdir()) == []
 
 
-def test_a_law_without_a_material_says_what_is_missing(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_law_without_a_material_says_what_is_missing(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("martensite.scenario.laws.material_names", lambda: ["flexinol-90"])
     said = refused("brinson")
     assert "`flexinol-90` comes nearest and lacks `sigma_s`, `sigma_f`" in said

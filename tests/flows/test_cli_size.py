@@ -61,9 +61,7 @@ def test_json_is_in_si_and_names_the_chosen_one() -> None:
     assert found["request"]["stroke"] == pytest.approx(3e-3)
     best = found["candidates"][0]
     assert best["length"] == pytest.approx(0.075)
-    assert best["drive"]["power"] == pytest.approx(
-        best["drive"]["current"] ** 2 * best["strand_resistance"]
-    )
+    assert best["drive"]["power"] == pytest.approx(best["drive"]["current"] ** 2 * best["strand_resistance"])
     assert best["strand"]["heating"] + best["strand"]["cooling"] <= 5.0
     assert found["files"] == []
 
@@ -108,9 +106,7 @@ REFUSED = [
     ((*SMALL, "--alloy", "80"), "Option `alloy`"),
     ((*SMALL, "--out", "wire.txt"), "must end in .toml"),
     ((*SMALL, "--out", "nowhere/wire.toml"), "no folder"),
-    pytest.param(
-        (*SMALL, "--alloy", "90", "--pick", "13"), "between 1 and 12", marks=pytest.mark.slow
-    ),
+    pytest.param((*SMALL, "--alloy", "90", "--pick", "13"), "between 1 and 12", marks=pytest.mark.slow),
     pytest.param(
         (*SMALL[:4], "--rate", "30 Hz", "--supply", "5 V", "--strands", "1", "--out", "x.toml"),
         "No wire does, so no scenario was written",
@@ -125,9 +121,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(("arguments", "sentence"), REFUSED)
-def test_bad_input_is_refused_in_one_sentence(
-    folder: Path, arguments: tuple[str, ...], sentence: str
-) -> None:
+def test_bad_input_is_refused_in_one_sentence(folder: Path, arguments: tuple[str, ...], sentence: str) -> None:
     assert sentence in refused(*arguments)
     assert list(folder.iterdir()) == []
 

@@ -44,12 +44,7 @@ def test_it_is_the_function(here: Path) -> None:
     expected = undisturbed(here / "whole.zarr", traces=(("position", 6),))
     report = SWEEP.report("wire.toml", *AXES, *QUICK, "--trace", "position:6", "--out", "s.zarr")
     assert dict(arrays(here / "s.zarr")) == expected
-    assert (report["runs"], report["done"], report["made"], report["chunks"]) == (
-        12,
-        12,
-        12,
-        [4, 4],
-    )
+    assert (report["runs"], report["done"], report["made"], report["chunks"]) == (12, 12, 12, [4, 4])
     assert report["status"] == {s.name.lower(): 12 * (s is Status.OK) for s in Status}
     stroke = Store(here / "s.zarr").group["stroke"][:]
     assert report["measures"]["stroke"]["highest"] == stroke.max()
@@ -57,9 +52,7 @@ def test_it_is_the_function(here: Path) -> None:
 
 
 def test_parts_of_a_job_array_and_then_the_rest(here: Path) -> None:
-    parts = [
-        SWEEP.report("wire.toml", *AXES, *QUICK, "--chunk", f"{i}/3")["done"] for i in (1, 3, 1)
-    ]
+    parts = [SWEEP.report("wire.toml", *AXES, *QUICK, "--chunk", f"{i}/3")["done"] for i in (1, 3, 1)]
     assert parts == [6, 3, 6]
     assert SWEEP.report("wire.toml", *AXES, *QUICK)["made"] == 3
 
@@ -138,9 +131,7 @@ def test_another_sweep_in_the_store_is_refused_and_replaced_by_force(here: Path)
     assert SWEEP.report(*other, "--force")["made"] == 12
 
 
-def test_a_full_disk_exits_with_1_and_the_command_goes_on(
-    here: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_full_disk_exits_with_1_and_the_command_goes_on(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     expected = undisturbed(here / "whole.zarr")
     write = Store.write
 

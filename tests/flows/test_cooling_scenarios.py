@@ -66,24 +66,16 @@ BUILT: list[tuple[str, AbstractCooling]] = [
         '{ kind = "morgan", fluid = { kind = "air", pressure = "60 kPa" } }',
         ms.thermal.Morgan(fluid=ms.thermal.Air(pressure=60e3)),
     ),
+    ('{ kind = "morgan", fluid = { pressure = "60 kPa" } }', ms.thermal.Morgan(fluid=ms.thermal.Air(pressure=60e3))),
     (
-        '{ kind = "morgan", fluid = { pressure = "60 kPa" } }',
-        ms.thermal.Morgan(fluid=ms.thermal.Air(pressure=60e3)),
-    ),
-    (
-        '{ kind = "lefevre-ede", gravity = "9.81 m/s^2", '
-        'fluid = { kind = "air-table", rows = "kossoski" } }',
+        '{ kind = "lefevre-ede", gravity = "9.81 m/s^2", fluid = { kind = "air-table", rows = "kossoski" } }',
         ms.thermal.LeFevreEde(gravity=9.81, fluid=ms.thermal.AirTable(rows="kossoski")),
     ),
-    (
-        '{ kind = "churchill-bernstein", speed = "1.5 m/s" }',
-        ms.thermal.ChurchillBernstein(speed=1.5),
-    ),
+    ('{ kind = "churchill-bernstein", speed = "1.5 m/s" }', ms.thermal.ChurchillBernstein(speed=1.5)),
     (
         COMBINED,
         ms.thermal.CombinedCooling(
-            convection=ms.thermal.LeFevreEde(fluid=ms.thermal.Water()),
-            radiation=ms.thermal.Radiation(emissivity=0.5),
+            convection=ms.thermal.LeFevreEde(fluid=ms.thermal.Water()), radiation=ms.thermal.Radiation(emissivity=0.5)
         ),
     ),
 ]
@@ -105,13 +97,10 @@ def test_a_subsection_means_the_same_as_an_inline_table() -> None:
 
 def test_a_fluid_that_is_not_named_can_be_changed() -> None:
     found: Any = change_document(
-        {"environment": {"cooling": {"kind": "churchill-chu"}}},
-        {"environment.cooling.fluid.pressure": "50 kPa"},
+        {"environment": {"cooling": {"kind": "churchill-chu"}}}, {"environment.cooling.fluid.pressure": "50 kPa"}
     )
     assert found["environment"]["cooling"]["fluid"] == {"pressure": "50 kPa"}
-    assert "environment.cooling.fluid.pressure" in {
-        leaf.path for leaf in scenario('"churchill-chu"').system.leaves()
-    }
+    assert "environment.cooling.fluid.pressure" in {leaf.path for leaf in scenario('"churchill-chu"').system.leaves()}
 
 
 @pytest.mark.parametrize(

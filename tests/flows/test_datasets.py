@@ -60,10 +60,7 @@ def listed(tmp_path, monkeypatch, upstream):
     monkeypatch.setattr(datasets, "_LISTED", folder)
 
     def write(base="", entry=ENTRY):
-        files = [
-            entry.format(name=name, sha=hashlib.sha256(content).hexdigest())
-            for name, content in CONTENT.items()
-        ]
+        files = [entry.format(name=name, sha=hashlib.sha256(content).hexdigest()) for name, content in CONTENT.items()]
         text = HEAD.format(base=base or f"{upstream.as_uri()}/") + "\n".join(files)
         (folder / "two-cycles.toml").write_text(text, encoding="utf-8")
 

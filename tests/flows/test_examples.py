@@ -54,9 +54,7 @@ def test_isobaric_example_follows_the_measurement(stress: int) -> None:
 
 
 @pytest.mark.parametrize(("level", "stroke"), [("150 MPa", 4.44e-3), ("50 MPa", 4.21e-3)])
-def test_machine_that_holds_a_stress_shows_the_strokes_of_its_comments(
-    level: str, stroke: float
-) -> None:
+def test_machine_that_holds_a_stress_shows_the_strokes_of_its_comments(level: str, stroke: float) -> None:
     changes = {"signals.command.level": level}
     result = load(EXAMPLES / "isobaric.toml", changes).run()
     assert result.warnings == []
@@ -76,17 +74,8 @@ def test_machine_may_follow_the_stress_as_measured(stress: int) -> None:
         EXAMPLES / "flexinol_isobaric.toml",
         {
             "drive.waveform.file": file,
-            "mechanism": {
-                "kind": "testing-machine",
-                "control": "stress",
-                "section": "0.1140092 mm^2",
-            },
-            "signals.command": {
-                "kind": "table",
-                "file": file,
-                "column": "stress",
-                "interval": "1 s",
-            },
+            "mechanism": {"kind": "testing-machine", "control": "stress", "section": "0.1140092 mm^2"},
+            "signals.command": {"kind": "table", "file": file, "column": "stress", "interval": "1 s"},
             "measured.file": file,
         },
     )
@@ -119,15 +108,9 @@ def test_pwm_example_stays_within_its_limits_and_the_hint_does_not() -> None:
 
 @pytest.mark.parametrize(
     ("changes", "lift"),
-    [
-        ({}, 50e-3),
-        ({"element.deflection": "large"}, 48e-3),
-        ({"element.coil_measure": "mean"}, 66e-3),
-    ],
+    [({}, 50e-3), ({"element.deflection": "large"}, 48e-3), ({"element.coil_measure": "mean"}, 66e-3)],
 )
-def test_platform_spring_lifts_and_lowers_what_its_comments_say(
-    changes: dict[str, str], lift: float
-) -> None:
+def test_platform_spring_lifts_and_lowers_what_its_comments_say(changes: dict[str, str], lift: float) -> None:
     result = load(EXAMPLES / "platform_spring.toml", changes).run(tolerance=1e-3)
     assert result.warnings == []
     assert result.stroke == pytest.approx(lift, abs=0.5e-3)
@@ -136,16 +119,10 @@ def test_platform_spring_lifts_and_lowers_what_its_comments_say(
 
 @pytest.mark.parametrize(
     ("changes", "stroke"),
-    [
-        ({}, 1.04e-3),
-        ({"element.contact": "0 W/K"}, 1.28e-3),
-        ({"element.spans": 3}, 0.53e-3),
-    ],
+    [({}, 1.04e-3), ({"element.contact": "0 W/K"}, 1.28e-3), ({"element.spans": 3}, 0.53e-3)],
     ids=["clamped", "insulated", "three spans"],
 )
-def test_clamped_wire_loses_the_stroke_that_its_comments_say(
-    changes: dict[str, Any], stroke: float
-) -> None:
+def test_clamped_wire_loses_the_stroke_that_its_comments_say(changes: dict[str, Any], stroke: float) -> None:
     result = load(EXAMPLES / "clamped_wire.toml", changes).run()
     assert result.warnings == []
     assert result.stroke == pytest.approx(stroke, abs=0.01e-3)
@@ -162,9 +139,7 @@ def test_clamped_wire_loses_the_stroke_that_its_comments_say(
     ],
     ids=["free", "friction", "end stop", "rates"],
 )
-def test_finger_bends_and_comes_back_as_its_comments_say(
-    changes: dict[str, Any], angle: float
-) -> None:
+def test_finger_bends_and_comes_back_as_its_comments_say(changes: dict[str, Any], angle: float) -> None:
     result = load(EXAMPLES / "finger.toml", changes).run(tolerance=1e-3)
     assert result.warnings == []
     assert math.degrees(max(result["angle"])) == pytest.approx(angle, abs=0.1)
@@ -173,10 +148,7 @@ def test_finger_bends_and_comes_back_as_its_comments_say(
 
 @pytest.mark.parametrize(
     "changes",
-    [
-        {},
-        pytest.param({"mechanism.tendons": "passing", "run.step": "0.1 s"}, marks=pytest.mark.slow),
-    ],
+    [{}, pytest.param({"mechanism.tendons": "passing", "run.step": "0.1 s"}, marks=pytest.mark.slow)],
     ids=["own", "passing"],
 )
 def test_hand_closes_finger_by_finger_and_opens_again(changes: dict[str, Any]) -> None:
@@ -184,9 +156,7 @@ def test_hand_closes_finger_by_finger_and_opens_again(changes: dict[str, Any]) -
     assert changes or result.warnings == []
     for finger, begin in (("thumb", 1.0), ("index", 3.0), ("middle", 5.0)):
         bent = [math.degrees(a) for a in result[f"{finger}_proximal"]]
-        before, closed, cold, opened = (
-            bent[result.times.index(t)] for t in (begin, begin + 3.0, 14.0, begin + 17.0)
-        )
+        before, closed, cold, opened = (bent[result.times.index(t)] for t in (begin, begin + 3.0, 14.0, begin + 17.0))
         assert before == pytest.approx(0.0, abs=1e-6)
         assert closed == pytest.approx(80.0, abs=0.2)
         assert 75.0 < cold < 79.0
@@ -303,16 +273,12 @@ def test_closed_loop_holds_its_levels_and_is_slow_in_hot_air() -> None:
     hot = closed("", environment__temperature="50 degC")
     assert apart(hot, 12.0) > 1.2 * apart(result, 12.0)
     noisy = closed("", sensor__noise="0.05 mm", run__duration="8 s")
-    moves = [
-        sum(abs(b - a) for a, b in itertools.pairwise(r["wanted"][:400])) for r in (noisy, result)
-    ]
+    moves = [sum(abs(b - a) for a, b in itertools.pairwise(r["wanted"][:400])) for r in (noisy, result)]
     assert moves[0] > 2.0 * moves[1]
 
 
 def test_platform_sensed_late_overshoots() -> None:
-    late, now = (
-        closed("_platform", run__duration="12 s", sensor__delay=d) for d in ("0.3 s", "0 s")
-    )
+    late, now = (closed("_platform", run__duration="12 s", sensor__delay=d) for d in ("0.3 s", "0 s"))
     over = [math.degrees(max(r["alpha"])) - 15.0 for r in (late, now)]
     assert 0.0 < over[1] < 0.3 < over[0] < 1.0
 
@@ -331,9 +297,7 @@ def test_position_is_followed_without_a_sensor_for_it() -> None:
     rows = zip(result["estimated.position"], result["position"], strict=True)
     miss = [a - b for a, b in rows]
     assert math.sqrt(sum(e * e for e in miss) / len(miss)) < 0.03 * result.stroke
-    wrong = closed(
-        "_sensorless", observer__model={"element.diameter": "0.148 mm"}, run__duration="10 s"
-    )
+    wrong = closed("_sensorless", observer__model={"element.diameter": "0.148 mm"}, run__duration="10 s")
     rows = zip(wrong["estimated.position"], wrong["position"], strict=True)
     assert max(abs(a - b) for a, b in rows) > 2.0 * max(map(abs, miss))
 
@@ -357,9 +321,7 @@ def test_planned_wire_cools_while_its_stroke_holds_and_lags_as_its_comments_say(
     assert min(result["wanted"][at[4.4] : at[6.2]]) == 0.0
     short = closed("_predictive", controller__horizon="0.2 s", run__duration="3 s")
     assert max(short["wanted"]) == 0.0
-    cut = closed(
-        "_predictive", supervisor__from_plant__temperature_limit="80 degC", run__duration="4 s"
-    )
+    cut = closed("_predictive", supervisor__from_plant__temperature_limit="80 degC", run__duration="4 s")
     assert 8.0 in cut["alarm"]
     assert max(cut["temperature"]) < 80.0 + 273.15
 
@@ -367,7 +329,5 @@ def test_planned_wire_cools_while_its_stroke_holds_and_lags_as_its_comments_say(
 def test_wire_of_the_beam_is_switched_when_its_comments_say() -> None:
     result = closed("_beam")
     current = result["drive"]
-    switched = [
-        t for t, a, b in zip(result.times[1:], current, current[1:], strict=False) if a != b
-    ]
+    switched = [t for t, a, b in zip(result.times[1:], current, current[1:], strict=False) if a != b]
     assert switched == pytest.approx([3.12, 28.3], abs=0.06)

@@ -54,19 +54,11 @@ BENCH = Bench(
     plant=PLANT,
     period=PERIOD,
     substeps=2,
-    sensors=Sensors(
-        position=MountedSensor(
-            sensor=PositionSensor(noise=0.02 * MM), delay=2 * PERIOD, jitter=PERIOD
-        )
-    ),
-    controllers=Controllers(
-        drive=Pid(measured="position", reference=COURSE, Kp=150.0, Ki=6.0, Kd=20.0)
-    ),
+    sensors=Sensors(position=MountedSensor(sensor=PositionSensor(noise=0.02 * MM), delay=2 * PERIOD, jitter=PERIOD)),
+    controllers=Controllers(drive=Pid(measured="position", reference=COURSE, Kp=150.0, Ki=6.0, Kd=20.0)),
 )
 WATCHED = BENCH.with_parts(
-    observers=Observers(
-        ekf=ExtendedKalman(model=PLANT, measured=("position",), reading_deviation=0.02 * MM)
-    )
+    observers=Observers(ekf=ExtendedKalman(model=PLANT, measured=("position",), reading_deviation=0.02 * MM))
 )
 
 Steps = list[tuple[tuple[float, ...], float]]
@@ -75,19 +67,13 @@ Steps = list[tuple[tuple[float, ...], float]]
 def pulses(count: int, seed: int = 0) -> Steps:
     """Inputs and lengths of steps: pulses far beyond the rating of the wire, and rests."""
     rng = random.Random(seed)
-    return [
-        ((rng.choice((0.0, 0.0, 30.0 * rng.random())),), 10.0 ** rng.uniform(-3.0, 0.5))
-        for _ in range(count)
-    ]
+    return [((rng.choice((0.0, 0.0, 30.0 * rng.random())),), 10.0 ** rng.uniform(-3.0, 0.5)) for _ in range(count)]
 
 
 def followed(count: int, seed: int = 0) -> Steps:
     """References with noise and jitter of a sensor."""
     rng = random.Random(seed)
-    return [
-        ((COURSE.value(k * PERIOD), rng.gauss(0.0, 1.0), rng.gauss(0.0, 1.0)), PERIOD)
-        for k in range(count)
-    ]
+    return [((COURSE.value(k * PERIOD), rng.gauss(0.0, 1.0), rng.gauss(0.0, 1.0)), PERIOD) for k in range(count)]
 
 
 def on_floats(
@@ -177,9 +163,7 @@ def test_changed_parameters_are_those_of_another_system(wire: Called) -> None:
 def test_a_loop_is_that_of_the_bench_bit_for_bit(tmp_path: Path) -> None:
     core = build_c_loop(WATCHED, name="loop")
     names = ["position", "position.age", "reference"]
-    assert [(one.name, one.unit) for one in core.inputs] == list(
-        zip(names, ["m", "s", "m"], strict=True)
-    )
+    assert [(one.name, one.unit) for one in core.inputs] == list(zip(names, ["m", "s", "m"], strict=True))
     assert core.outputs[0].name == "drive"
     assert core.sample_time == PERIOD
     assert len(core.parameters) < len(list(WATCHED.leaves()))
@@ -203,10 +187,7 @@ FLOAT_BOUND = 2e-5
 def test_float32_stays_close(tmp_path: Path) -> None:
     steps: Steps = [((volts_a(0.02 * k),), 0.02) for k in range(2000)]
     single = Called(build_c_core(SYSTEM, name="single", precision="float32"), tmp_path)
-    meant, found = (
-        np.array([seen for _, seen in rows])
-        for rows in (on_floats(SYSTEM, steps), in_c(single, steps))
-    )
+    meant, found = (np.array([seen for _, seen in rows]) for rows in (on_floats(SYSTEM, steps), in_c(single, steps)))
     span = np.ptp(meant, axis=0)
     moving = span > 0.0
     error = np.abs(found - meant).max(axis=0)[moving] / span[moving]
@@ -266,9 +247,7 @@ def test_no_number_is_ever_none(wire: Called) -> None:
     assert ("step", NOT_FINITE) in found
 
 
-def test_a_step_that_is_not_solved_leaves_the_state(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_step_that_is_not_solved_leaves_the_state(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a core to which no step is solved."""
     hard = replace(PRECISIONS["float64"], solved=-1.0)
     monkeypatch.setitem(PRECISIONS, "float64", hard)
@@ -393,12 +372,7 @@ def test_operations_are_those_counted_by_hand() -> None:
         "compare": 1 + 3,
         "select": 1 + 3,
     }
-    assert count_operations(program.graph, program.hoisted_nodes) == {
-        "mul": 1,
-        "exp": 1,
-        "compare": 1,
-        "select": 1,
-    }
+    assert count_operations(program.graph, program.hoisted_nodes) == {"mul": 1, "exp": 1, "compare": 1, "select": 1}
 
 
 @pytest.mark.parametrize(

@@ -85,9 +85,7 @@ def scenario() -> Scenario:
 def made(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Fmu]:
     """A wire as an FMU of every version, and a loop."""
     folder, here = tmp_path_factory.mktemp("fmu"), [binaries.find_target()]
-    found = {
-        v: to_fmu(scenario, folder / f"wire{v[0]}.fmu", fmi=v, platforms=here) for v in VERSIONS
-    }
+    found = {v: to_fmu(scenario, folder / f"wire{v[0]}.fmu", fmi=v, platforms=here) for v in VERSIONS}
     return found | {"loop": to_fmu(read_scenario(LOOP), folder / "loop.fmu", platforms=here)}
 
 
@@ -105,12 +103,7 @@ def played(path: Path, levels: list[float], outputs: list[str], **start: float) 
     rows = [(t, u) for k, u in enumerate(levels) for t, u in ((times[k], u), (times[k + 1], u))]
     signal = np.array(rows, dtype=[("time", float), ("drive", float)])
     return fmpy.simulate_fmu(
-        str(path),
-        stop_time=times[-1],
-        output_interval=STEP,
-        input=signal,
-        output=outputs,
-        start_values=start,
+        str(path), stop_time=times[-1], output_interval=STEP, input=signal, output=outputs, start_values=start
     )
 
 
@@ -124,9 +117,7 @@ LEVELS = [float(u) for u in np.repeat(np.random.default_rng(3).uniform(0.0, 8.0,
 
 
 @pytest.mark.parametrize("version", VERSIONS)
-def test_an_fmu_gives_the_numbers_of_a_run(
-    version: str, made: dict[str, Fmu], scenario: Scenario
-) -> None:
+def test_an_fmu_gives_the_numbers_of_a_run(version: str, made: dict[str, Fmu], scenario: Scenario) -> None:
     """Every level is held for two steps: within it outputs follow the same input."""
     outputs = [one.name for one in made[version].named("output")]
     given = {"mechanism.preload": 1.4, "drive.series_resistance": 0.3}
@@ -149,9 +140,7 @@ def test_other_parameters_give_other_numbers(made: dict[str, Fmu]) -> None:
     assert np.abs(usual - other).max() > 1e-4
 
 
-def test_inputs_with_slopes_are_followed_within_a_step(
-    made: dict[str, Fmu], scenario: Scenario
-) -> None:
+def test_inputs_with_slopes_are_followed_within_a_step(made: dict[str, Fmu], scenario: Scenario) -> None:
     """FMI 2.0: a slope over a step gives what a line between samples gives.
 
     But for the squares of the line within an inner step, of which the core takes the middle.
@@ -193,10 +182,7 @@ def test_a_loop_gives_the_numbers_of_its_run(made: dict[str, Fmu]) -> None:
 
 def test_what_decides_the_program_of_a_loop_is_constant(made: dict[str, Fmu]) -> None:
     """Period and delay fix how much is kept; they are shown but cannot be set."""
-    assert {one.name for one in made["loop"].named("local")} == {
-        "controller.period",
-        "sensor.delay",
-    }
+    assert {one.name for one in made["loop"].named("local")} == {"controller.period", "sensor.delay"}
     instance = Instance(made["loop"].path)
     assert instance.set({"sensor.delay": 0.1}) == ERROR
     assert "is a constant" in instance.said[-1]
@@ -282,13 +268,9 @@ def test_units_are_taken_apart() -> None:
             find_dimensions(wrong)
 
 
-def test_an_archive_is_reproducible_and_its_token_follows_its_content(
-    made: dict[str, Fmu], tmp_path: Path
-) -> None:
+def test_an_archive_is_reproducible_and_its_token_follows_its_content(made: dict[str, Fmu], tmp_path: Path) -> None:
     """The same bytes from the same scenario; another token from another number."""
-    again = to_fmu(
-        read_scenario(SCENARIO), tmp_path / "wire2.fmu", platforms=[binaries.find_target()]
-    )
+    again = to_fmu(read_scenario(SCENARIO), tmp_path / "wire2.fmu", platforms=[binaries.find_target()])
     assert again.path.read_bytes() == made["2.0"].path.read_bytes()
     other = read_scenario(SCENARIO, overrides={"mechanism.preload": "1.4 N"})
     changed = to_fmu(other, tmp_path / "wire2.fmu", platforms=[])
@@ -305,9 +287,7 @@ def compiled(compiler: str, sources: Path, library: Path) -> None:
     subprocess.run(command, cwd=sources, check=True)
 
 
-def test_sources_alone_can_be_compiled(
-    made: dict[str, Fmu], c_compiler: str, tmp_path: Path
-) -> None:
+def test_sources_alone_can_be_compiled(made: dict[str, Fmu], c_compiler: str, tmp_path: Path) -> None:
     """From all.c in an empty folder, with every warning an error; the numbers are the same."""
     with zipfile.ZipFile(made["3.0"].path) as archive:
         archive.extractall(tmp_path)
@@ -316,9 +296,7 @@ def test_sources_alone_can_be_compiled(
     library.unlink()
     flags = ["-std=c99", "-O0", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared"]
     sources = tmp_path / "sources"
-    subprocess.run(
-        [c_compiler, *flags, "all.c", "-o", str(library), "-lm"], cwd=sources, check=True
-    )
+    subprocess.run([c_compiler, *flags, "all.c", "-o", str(library), "-lm"], cwd=sources, check=True)
     after = played(tmp_path, LEVELS, ["position"])["position"]
     assert np.abs(after - before).max() < 1e-12
 
@@ -343,9 +321,7 @@ def test_every_function_of_the_standard_is_there(made: dict[str, Fmu], tmp_path:
         assert [name for name in sorted(names) if not hasattr(loaded, name)] == []
 
 
-def test_cross_compilers_are_used(
-    scenario: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_cross_compilers_are_used(scenario: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A compiler for Windows on the path: here one that copies the source it is given."""
     folder = tmp_path / "bin"
     folder.mkdir()
@@ -355,9 +331,7 @@ def test_cross_compilers_are_used(
     monkeypatch.setenv("PATH", str(folder), prepend=":")
     assert "x86_64-windows" in binaries.checked_targets(None)
     for version, place in (("2.0", "win64"), ("3.0", "x86_64-windows")):
-        made = to_fmu(
-            scenario, tmp_path / "wire.fmu", fmi=version, name="w", platforms=["x86_64-windows"]
-        )
+        made = to_fmu(scenario, tmp_path / "wire.fmu", fmi=version, name="w", platforms=["x86_64-windows"])
         with zipfile.ZipFile(made.path) as archive:
             assert archive.read(f"binaries/{place}/w.dll") == archive.read("sources/all.c")
     cross.write_text("#!/bin/sh\necho no such header >&2\nexit 1\n")
@@ -365,9 +339,7 @@ def test_cross_compilers_are_used(
         to_fmu(scenario, tmp_path / "wire.fmu", platforms=["x86_64-windows"])
 
 
-def test_zig_is_used_for_platforms_that_are_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_zig_is_used_for_platforms_that_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Not by default, for it may take minutes when it is used first."""
     zig = tmp_path / "zig"
     zig.write_text("#!/bin/sh\n")
@@ -443,9 +415,7 @@ def test_a_state_of_another_size_or_fmu_is_refused(wire: Instance) -> None:
     before = advance(wire, 0, 5)
     second = wire.second
     save, give = (
-        ("serializeFMUstate", "deSerializeFMUstate")
-        if second
-        else ("serializeFMUState", "deserializeFMUState")
+        ("serializeFMUstate", "deSerializeFMUstate") if second else ("serializeFMUState", "deserializeFMUState")
     )
     state = (wire.fmu.getFMUstate if second else wire.fmu.getFMUState)()
     data = bytes(getattr(wire.fmu, save)(state))

@@ -17,13 +17,7 @@ from fit_cases import HEATED, ISOBARIC, TRUE, cycle, heated, isobaric, pulse, wr
 
 from martensite.base.errors import DataError, InputError, UnitError
 from martensite.fit.api import fit_logs, read_problem
-from martensite.fit.column_matching import (
-    ComparedColumn,
-    list_echoes,
-    match_columns,
-    read_columns,
-    read_noise,
-)
+from martensite.fit.column_matching import ComparedColumn, list_echoes, match_columns, read_columns, read_noise
 from martensite.fit.fit_file import read_fit_file
 from martensite.fit.free_parameters import read_ranges
 from martensite.fit.hold_out import ALL, choose_held_out
@@ -203,9 +197,7 @@ def systems(log: Record | None = None) -> list[Any]:
 def test_wish_is_read_with_bounds_and_start(text: str, wish: SearchRange) -> None:
     (found,) = read_ranges([text], systems())
     assert found.name == wish.name
-    for mine, right in zip(
-        (found.low, found.high, found.start), (wish.low, wish.high, wish.start), strict=True
-    ):
+    for mine, right in zip((found.low, found.high, found.start), (wish.low, wish.high, wish.start), strict=True):
         assert mine == (None if right is None else pytest.approx(right, rel=1e-12))
 
 
@@ -299,9 +291,7 @@ def test_everything_is_compared_but_what_drives_and_what_never_changes() -> None
 def test_column_of_another_name_is_scaled() -> None:
     log = heated()
     odd = Record(
-        "odd",
-        {"time": log.times, "laser_pos": [500.0 * x for x in log["position"]]},
-        {"time": "s", "laser_pos": "1"},
+        "odd", {"time": log.times, "laser_pos": [500.0 * x for x in log["position"]]}, {"time": "s", "laser_pos": "1"}
     )
     system = systems()[0]
     columns, record, _ = match_columns(odd, system, read_columns("position=Laser Pos*2e-3"), {})
@@ -369,13 +359,7 @@ def test_hold_out_that_cannot_be_is_refused(rule: str, words: str) -> None:
 
 def test_problem_from_files_compares_strain_and_knows_its_bounds() -> None:
     logs = [write_log(isobaric(s * 1e6), f"at_{s}.csv", begin=5.0) for s in (50, 100, 200)]
-    found = read_problem(
-        "isobaric.toml",
-        logs,
-        "A_s,A_f=60..120 degC@85 degC",
-        each="offset",
-        noise={"strain": "1 %"},
-    )
+    found = read_problem("isobaric.toml", logs, "A_s,A_f=60..120 degC@85 degC", each="offset", noise={"strain": "1 %"})
     assert [one.name for one in found.experiments] == ["at_50", "at_100", "at_200"]
     assert [one.held_out for one in found.experiments] == [False, True, False]
     assert {one.outputs for one in found.experiments} == {("strain",)}

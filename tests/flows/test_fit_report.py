@@ -23,22 +23,12 @@ from finished_fits import FREE, Sample, poor_sample, sample
 from matplotlib.figure import Figure
 
 from martensite.base.errors import InputError
-from martensite.fit.compared_outputs import (
-    HELD_OUT,
-    TRAINING,
-    compute_rms,
-    find_covered_range,
-    list_compared,
-)
+from martensite.fit.compared_outputs import HELD_OUT, TRAINING, compute_rms, find_covered_range, list_compared
 from martensite.fit.fit import Fit
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
 from martensite.search.profile import Profile, ProfileEnd, ProfilePoint
 from martensite.show.figures.fit import HELD, SEEN, plot_fit, plot_fit_loops
-from martensite.show.figures.fit_knowledge import (
-    plot_correlation,
-    plot_search,
-    plot_singular_values,
-)
+from martensite.show.figures.fit_knowledge import plot_correlation, plot_search, plot_singular_values
 from martensite.show.figures.fit_likelihood import plot_likelihood
 from martensite.show.figures.fit_residuals import plot_fit_residuals
 from martensite.show.figures.style import SIMULATED
@@ -67,11 +57,7 @@ def profiles(fit: Fit) -> list[Profile]:
         best, error = fit[name], fit.uncertainty.errors[fit.problem.names.index(name)]
         steps = np.linspace(-2.2, 2.2 if not open_side else 1.0, 9)
         points = tuple(ProfilePoint(best + k * error, float(k * k), ()) for k in steps)
-        high = (
-            ProfileEnd(best + error, "bound")
-            if open_side
-            else ProfileEnd(best + 2 * error, "limit")
-        )
+        high = ProfileEnd(best + error, "bound") if open_side else ProfileEnd(best + 2 * error, "limit")
         ends = ProfileEnd(best - 2 * error, "limit"), high
         unit = "K" if name == "A_s" else "Pa/K"
         found.append(Profile(name, unit, best, 0.95, 4.0, points, *ends, None))
@@ -183,9 +169,7 @@ def test_the_table_of_parameters_shows_value_and_intervals(plain: Sample) -> Non
             assert shown == pytest.approx(exact, abs=0.5001 * digit), (name, column)
         low, high = (float(text) for text in row["bounds"].split(" to "))
         free = plain.fit.problem.free[FREE.index(name)]
-        assert (low, high) == pytest.approx(
-            ((free.low - zero) / factor, (free.high - zero) / factor), rel=1e-3
-        )
+        assert (low, high) == pytest.approx(((free.low - zero) / factor, (free.high - zero) / factor), rel=1e-3)
     assert [rows[name]["unit"] for name in FREE] == ["°C", "MPa/K", ""]
 
 
@@ -199,10 +183,7 @@ def test_errors_are_those_of_the_rows(plain: Sample) -> None:
     rows = page(plain).table("rms error")
     expected: list[tuple[str, str, float]] = []
     for one, fitted, used in zip(
-        plain.fit.problem.experiments,
-        plain.fit.evaluation.fitted,
-        plain.fit.problem.used,
-        strict=True,
+        plain.fit.problem.experiments, plain.fit.evaluation.fitted, plain.fit.problem.used, strict=True
     ):
         error = (fitted.model - one.measured)[:, 0]
         for kind, part in (("", used[:, 0]), ("held", np.isfinite(error) & ~used[:, 0])):
@@ -402,11 +383,7 @@ def test_loops_run_over_the_measured_temperature(plain: Sample) -> None:
     (line,) = [one for one in axes.lines if one.get_color() == SIMULATED]
     record = plain.fit.problem.experiments[0].record
     np.testing.assert_allclose(line.get_xdata(), np.asarray(record["temperature"]) - 273.15)
-    without = replace(
-        record,
-        columns={k: record[k] for k in ("time", "strain")},
-        units={"time": "s", "strain": "1"},
-    )
+    without = replace(record, columns={k: record[k] for k in ("time", "strain")}, units={"time": "s", "strain": "1"})
     first = replace(plain.fit.problem.experiments[0], record=without)
     problem = replace(plain.fit.problem, experiments=(first,))
     alone = replace(
@@ -433,10 +410,7 @@ def test_residuals_and_their_memory_are_those_of_the_fit(plain: Sample) -> None:
 
 def test_correlations_are_printed_once_each(plain: Sample) -> None:
     axes = plot_correlation(plain.fit).axes[0]
-    printed = {
-        (round(t.get_position()[0]), round(t.get_position()[1])): float(t.get_text())
-        for t in axes.texts
-    }
+    printed = {(round(t.get_position()[0]), round(t.get_position()[1])): float(t.get_text()) for t in axes.texts}
     matrix = plain.fit.uncertainty.correlation
     count = len(matrix)
     assert len(printed) == count * (count - 1) // 2
@@ -500,15 +474,10 @@ def long_names(fit: Fit) -> Fit:
     }
     seen = tuple(replace(one, name=names[one.name]) for one in fit.problem.experiments)
     free = tuple(
-        replace(one, record=names[one.record], name=f"{one.path}@{names[one.record]}")
-        if one.record
-        else one
+        replace(one, record=names[one.record], name=f"{one.path}@{names[one.record]}") if one.record else one
         for one in fit.problem.free
     )
-    kept = tuple(
-        replace(one, experiment=replace(one.experiment, name=names[one.experiment.name]))
-        for one in fit.kept
-    )
+    kept = tuple(replace(one, experiment=replace(one.experiment, name=names[one.experiment.name])) for one in fit.kept)
     problem = replace(fit.problem, experiments=seen, free=free)
     return replace(fit, problem=problem, kept=kept)
 

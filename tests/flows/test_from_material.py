@@ -39,9 +39,7 @@ def test_the_material_gives_numbers_law_resistance_and_limits() -> None:
     assert ms.Wire(material=ms.load_material("flexinol-90"), **WIRE) == expected
     coil = {"diameter": "0.25 mm", "coil_diameter": "2.5 mm", "turns": "20"}
     coil |= {"coil_measure": "mean", "free_length": "20 mm"}
-    assert ms.CoilSpring(material="flexinol-90", **coil) == build_in_scenario(
-        "coil-spring", "liang-rogers", coil
-    )
+    assert ms.CoilSpring(material="flexinol-90", **coil) == build_in_scenario("coil-spring", "liang-rogers", coil)
 
 
 def test_what_is_given_wins() -> None:

@@ -43,9 +43,7 @@ def test_a_guess_is_read_by_the_reader_of_logs(heading: str) -> None:
 
 
 def test_a_name_gives_way_to_a_unit_that_contradicts_it() -> None:
-    assert (
-        guess_heading("temperature [V]").name == "temperature"
-    )  # as it is called: the reader refuses it
+    assert guess_heading("temperature [V]").name == "temperature"  # as it is called: the reader refuses it
     assert guess_heading("temp drive [V]").name == "voltage"
 
 

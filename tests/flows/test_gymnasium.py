@@ -33,14 +33,7 @@ from martensite.simulate.api import simulate
 EXAMPLE = Path(__file__).parents[2] / "examples" / "reinforcement_learning.py"
 PERIOD = 0.05
 SPREADS = {"element.diameter": 0.03, "environment.temperature": 3.0}
-TASK = LearningTask(
-    output="position",
-    low=0.0,
-    high=5e-3,
-    duration=1.0,
-    preview=(0.1, 0.5),
-    spreads=SPREADS,
-)
+TASK = LearningTask(output="position", low=0.0, high=5e-3, duration=1.0, preview=(0.1, 0.5), spreads=SPREADS)
 PLAIN = dataclasses.replace(TASK, spreads={}, preview=())
 
 
@@ -202,9 +195,7 @@ WRONG: list[tuple[dict[str, Any], type[Exception], str]] = [
 
 
 @pytest.mark.parametrize(("changes", "error", "said"), WRONG)
-def test_what_does_not_fit_is_said(
-    bench: Bench, changes: dict[str, Any], error: type[Exception], said: str
-) -> None:
+def test_what_does_not_fit_is_said(bench: Bench, changes: dict[str, Any], error: type[Exception], said: str) -> None:
     with pytest.raises(error, match=said):
         SmaEnv(bench, dataclasses.replace(PLAIN, **changes))
 
@@ -235,17 +226,13 @@ def test_options_are_known_and_seeds_are_as_many(bench: Bench) -> None:
         SmaVectorEnv(bench, PLAIN, 0)
 
 
-def test_without_gymnasium_it_says_what_to_install(
-    bench: Bench, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_gymnasium_it_says_what_to_install(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "gymnasium", None)
     with pytest.raises(InputError, match=r"pip install martensite\[gymnasium\]"):
         SmaEnv(bench, PLAIN)
 
 
-def test_the_example_plays_and_its_second_policy_is_the_better(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_the_example_plays_and_its_second_policy_is_the_better(capsys: pytest.CaptureFixture[str]) -> None:
     run_path(str(EXAMPLE))["main"](count=4)
     first, second = capsys.readouterr().out.splitlines()
     assert first.startswith("Random") and second.startswith("Pi")

@@ -41,9 +41,7 @@ def test_another_program_makes_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("package", ["martensite", "martensite_studies"])
-def test_the_program_is_its_source(
-    package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_program_is_its_source(package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     source = tmp_path / "package" / "law.py"
     source.parent.mkdir()
     source.write_text("E_A = 75e9")
@@ -64,9 +62,7 @@ def test_what_cannot_be_read_is_made_anew() -> None:
     assert len(MADE) == 4
 
 
-def test_a_folder_that_cannot_be_written_to_keeps_nothing(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_folder_that_cannot_be_written_to_keeps_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "file"))
     assert cache_results(doubled)(1.5) == cache_results(doubled)(1.5) == {"twice": 3.0}

@@ -69,14 +69,9 @@ class TestStructure:
     @pytest.mark.parametrize(
         ("made", "words"),
         [
+            (lambda: Machine(mechanism=PULLEY, group=Group(protagonist=actuator())), "none given for antagonist"),
             (
-                lambda: Machine(mechanism=PULLEY, group=Group(protagonist=actuator())),
-                "none given for antagonist",
-            ),
-            (
-                lambda: Machine(
-                    mechanism=PULLEY, group=Group(protagonist=actuator(), antagonists=actuator())
-                ),
+                lambda: Machine(mechanism=PULLEY, group=Group(protagonist=actuator(), antagonists=actuator())),
                 "no port `antagonists`.*Did you mean `antagonist`",
             ),
             (lambda: System(mechanism=PULLEY, **actuator().__dict__), "use `Machine`"),
@@ -174,10 +169,7 @@ class TestResult:
         figure = plot_result(run(), title="A title")
         over_time = figure.axes[:5]
         assert [len(axes.lines) for axes in over_time] == [1, 2, 2, 2, 2]
-        assert [text.get_text() for text in figure.legends[0].texts] == [
-            "protagonist",
-            "antagonist",
-        ]
+        assert [text.get_text() for text in figure.legends[0].texts] == ["protagonist", "antagonist"]
         drawn = np.asarray(over_time[0].lines[0].get_ydata())
         np.testing.assert_allclose(drawn, np.degrees(run()["angle"]))
 
@@ -209,9 +201,7 @@ class TestControlled:
 
     def test_a_controller_sees_all_and_is_held(self):
         told: list[Mapping[str, float]] = []
-        result = simulate_controlled(
-            machine(), {"protagonist": Watcher(told)}, 6.0, 0.1, step=0.02, every=2
-        )
+        result = simulate_controlled(machine(), {"protagonist": Watcher(told)}, 6.0, 0.1, step=0.02, every=2)
         assert len(told) == 60 and len(result.times) == 31
         assert set(told[0]) == {"time", *machine().outputs()}
         assert told[10]["angle"] == pytest.approx(result["angle"][5])

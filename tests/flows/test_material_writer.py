@@ -105,12 +105,7 @@ def test_exact_text_reads_back_the_same(unit: str, value: float) -> None:
 
 @pytest.mark.parametrize(
     ("value", "unit", "words"),
-    [
-        (0.3e-3, "m", "0.3 mm"),
-        (70e-3, "m", "70 mm"),
-        (339.95, "K", "66.8 degC"),
-        (0.45, "1", "0.45"),
-    ],
+    [(0.3e-3, "m", "0.3 mm"), (70e-3, "m", "70 mm"), (339.95, "K", "66.8 degC"), (0.45, "1", "0.45")],
 )
 def test_exact_text_is_no_longer_than_it_must_be(value: float, unit: str, words: str) -> None:
     assert exact_text(value, unit) == words
@@ -144,11 +139,7 @@ def test_what_is_not_fitted_keeps_its_kind_and_its_source(plain: Sample) -> None
 def test_what_the_scenario_changed_is_assumed(plain: Sample) -> None:
     found = document(plain)
     number = found["values"]["heat_capacity"]
-    assert (number["value"], number["kind"], number["source"]) == (
-        "500 J/kg/K",
-        "assumed",
-        "scenario",
-    )
+    assert (number["value"], number["kind"], number["source"]) == ("500 J/kg/K", "assumed", "scenario")
     assert "A wire in a chamber" in found["sources"]["scenario"]["text"]
 
 
@@ -254,12 +245,7 @@ def wrong_hashes(one: Sample, found: dict[str, Any]) -> list[str]:
 
 def test_hashes_are_those_of_the_data(plain: Sample) -> None:
     found = document(plain)
-    assert [record["name"] for record in found["fit"]["records"]] == [
-        "light",
-        "middle",
-        "heavy",
-        "kept",
-    ]
+    assert [record["name"] for record in found["fit"]["records"]] == ["light", "middle", "heavy", "kept"]
     assert wrong_hashes(plain, found) == []
 
 
@@ -285,9 +271,7 @@ def test_counts_errors_and_bounds_are_those_of_the_fit(plain: Sample) -> None:
         written = fit["free"][free.name]
         assert units.parse_quantity(written["value"], free.unit) == plain.fit[free.name]
         assert units.parse_quantity(written["low"], free.unit) == pytest.approx(free.low, rel=1e-3)
-        assert units.parse_quantity(written["high"], free.unit) == pytest.approx(
-            free.high, rel=1e-3
-        )
+        assert units.parse_quantity(written["high"], free.unit) == pytest.approx(free.high, rel=1e-3)
     assert (fit["cost"], fit["loss"], fit["method"]) == (plain.fit.cost, "linear", "trf")
 
 
@@ -361,10 +345,7 @@ def test_the_law_command_takes_the_options_of_the_material(plain: Sample) -> Non
 def test_numbers_of_a_law_without_a_canonical_name_go_with_it(tmp_path: Path) -> None:
     path = tmp_path / "mine.toml"
     first = load_material("finger-mas")
-    lines = [
-        f'{n} = {{ value = "{v.text}", kind = "assumed", source = "a" }}'
-        for n, v in first.values.items()
-    ]
+    lines = [f'{n} = {{ value = "{v.text}", kind = "assumed", source = "a" }}' for n, v in first.values.items()]
     path.write_text(
         '[law]\nkind = "mas-polycrystal"\nspread = "33 MPa"\n'
         '[sources.a]\ncite = "martensite"\ntext = "t"\n[values]\n' + "\n".join(lines),
@@ -372,8 +353,7 @@ def test_numbers_of_a_law_without_a_canonical_name_go_with_it(tmp_path: Path) ->
     )
     text = TEXT.replace('"flexinol-90"', f'"{path}"').replace(LAW, "")
     text = text.replace(
-        'kind = "wire"',
-        'kind = "wire"\nresistance = { kind = "per-length", r_A = "8 ohm/m", r_M = "9 ohm/m" }',
+        'kind = "wire"', 'kind = "wire"\nresistance = { kind = "per-length", r_A = "8 ohm/m", r_M = "9 ohm/m" }'
     )
     found = read_scenario(text)
     law = found.single_system.element.law

@@ -46,12 +46,7 @@ def test_numbers_are_si_and_carry_their_origin(tmp_path: Path) -> None:
     material = load_material(write(tmp_path, SOUND))
     number = material.values["E_A"]
     assert (number.value, number.unit, number.text) == (75e9, "Pa", "75 GPa")
-    assert (number.kind, number.source, number.where, number.note) == (
-        "assumed",
-        "a",
-        "page 3",
-        "why",
-    )
+    assert (number.kind, number.source, number.where, number.note) == ("assumed", "a", "page 3", "why")
     assert material.values["A_s"].value == pytest.approx(341.15)
 
 
@@ -89,9 +84,7 @@ SPOILED = [
 
 
 @pytest.mark.parametrize("old, new, expected", SPOILED)
-def test_spoiled_file_is_refused_with_a_sentence(
-    tmp_path: Path, old: str, new: str, expected: str
-) -> None:
+def test_spoiled_file_is_refused_with_a_sentence(tmp_path: Path, old: str, new: str, expected: str) -> None:
     assert old in SOUND
     with pytest.raises(InputError) as caught:
         load_material(write(tmp_path, SOUND.replace(old, new, 1)))

@@ -50,8 +50,7 @@ samples = 61
 def chain():
     blocks = parse_chain("poly2 | oe(2,2,1) | poly1")
     blocks = tuple(
-        b.with_parts(high=40.0 if i else 100.0) if isinstance(b, AbstractStatic) else b
-        for i, b in enumerate(blocks)
+        b.with_parts(high=40.0 if i else 100.0) if isinstance(b, AbstractStatic) else b for i, b in enumerate(blocks)
     )
     theta = np.concatenate([b.start() for b in blocks])
     theta = theta + 0.1 * np.random.default_rng(1).normal(size=len(theta))
@@ -187,9 +186,7 @@ class Proportional(AbstractDrive):
 
 def test_a_model_closes_a_loop_with_a_controller(chain):
     period, count = 2 * DT, 40
-    found = simulate_controlled(
-        build_plant(chain), Proportional(measured="position"), count * period, period
-    )
+    found = simulate_controlled(build_plant(chain), Proportional(measured="position"), count * period, period)
     state, y, u = operating_point(chain, 0.0).state, [], 0.0
     for _ in range(count):
         seen = chain.engine.simulate(chain.theta, np.array([[u]]), state.copy())[0, 0]
@@ -238,9 +235,7 @@ def test_python_control_runs_the_same_model(chain):
     control = pytest.importorskip("control")
     system = to_control(chain)
     u = np.random.default_rng(4).uniform(0.0, 40.0, 80)
-    found = control.input_output_response(
-        system, DT * np.arange(80), u, operating_point(chain, u[0]).state
-    )
+    found = control.input_output_response(system, DT * np.arange(80), u, operating_point(chain, u[0]).state)
     assert system.dt == DT
     assert np.allclose(found.outputs, chain.simulate(u)[:, 0], atol=1e-12)
 

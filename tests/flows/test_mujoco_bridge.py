@@ -25,13 +25,7 @@ from mujoco_cases import GRAVITY, actuator, hanging, lever, weighed
 import martensite as ms
 from martensite.actuators.assembly import OUTPUTS
 from martensite.actuators.elements.base import ELEMENTS
-from martensite.base.errors import (
-    InputError,
-    MartensiteError,
-    ParameterError,
-    SolveError,
-    UnitError,
-)
+from martensite.base.errors import InputError, MartensiteError, ParameterError, SolveError, UnitError
 from martensite.base.status import Status
 from martensite.export import balance, mujoco_render
 from martensite.export.balance import LineStepEnd, settle_lines
@@ -183,9 +177,7 @@ def test_a_joint_limit_is_met() -> None:
 
 
 def test_a_floor_carries_the_mass() -> None:
-    model = hanging(1e-3, MASS).replace(
-        "<worldbody>", '<worldbody><geom type="plane" size="1 1 1" pos="0 0 0.68"/>'
-    )
+    model = hanging(1e-3, MASS).replace("<worldbody>", '<worldbody><geom type="plane" size="1 1 1" pos="0 0 0.68"/>')
     bridge = MujocoBridge(model, [actuator(elastic=True, slack=0.05)])
     result = bridge.run(0.5, {"wire": 0.0}, samples=51)
     assert result["x"][-1] == pytest.approx(-0.01, abs=1e-3)
@@ -247,9 +239,7 @@ def test_balance_of_many_springs_that_yield_to_each_other() -> None:
     levers = rng.normal(size=(12, 2))
     give, compliances = 50.0 * levers @ levers.T, rng.uniform(0.5, 2.0, 12)
     reach = rng.uniform(-0.5, 1.0, 12)
-    found = settle_lines(
-        springs(list(compliances)), list(reach), give.tolist(), [0.0] * 12, [1e-3] * 12
-    )
+    found = settle_lines(springs(list(compliances)), list(reach), give.tolist(), [0.0] * 12, [1e-3] * 12)
     forces = np.array([answer.force for answer in found.answers])
     gap = reach - give @ forces - compliances * forces  # 0 where taut, below where slack
     assert found.error < 1e-8
@@ -290,17 +280,13 @@ BIASED = LINE.replace('"none"', '"affine" biasprm="0 -1 0"')
         (hanging(1e-3, MASS).replace(LINE, BIASED), "exactly one actuator .* has 0"),
         (hanging(1e-3, MASS).replace(LINE, LIMITED), "limits its control"),
         (
-            hanging(1e-3, MASS)
-            .replace('name="wire"', 'name="wirr"')
-            .replace('tendon="wire"', 'tendon="wirr"'),
+            hanging(1e-3, MASS).replace('name="wire"', 'name="wirr"').replace('tendon="wire"', 'tendon="wirr"'),
             "No tendon .* `wire`. Did you mean `wirr`",
         ),
         ("no-such-file.xml", "There is no MJCF file `no-such-file.xml`"),
         ("<mujoco><wrong/></mujoco>", "MuJoCo cannot read the model"),
         (
-            hanging(1e-3, MASS).replace(
-                "/>\n<worldbody>", '><flag actuation="disable"/></option>\n<worldbody>'
-            ),
+            hanging(1e-3, MASS).replace("/>\n<worldbody>", '><flag actuation="disable"/></option>\n<worldbody>'),
             "disables actuation",
         ),
     ],
@@ -378,15 +364,11 @@ def test_models_come_in_three_ways(tmp_path: Path) -> None:
     path.write_text(text, encoding="utf-8")
     model = mujoco.MjModel.from_xml_string(text)
     assert read_model(model) is model
-    assert (
-        read_model(path).ntendon == read_model(str(path)).ntendon == read_model(text).ntendon == 1
-    )
+    assert read_model(path).ntendon == read_model(str(path)).ntendon == read_model(text).ntendon == 1
 
 
 def test_a_keyframe_is_where_it_starts() -> None:
-    text = hanging(1e-3, MASS).replace(
-        "</mujoco>", '<keyframe><key name="low" qpos="-0.1"/></keyframe></mujoco>'
-    )
+    text = hanging(1e-3, MASS).replace("</mujoco>", '<keyframe><key name="low" qpos="-0.1"/></keyframe></mujoco>')
     bridge = MujocoBridge(text, [actuator(start_force=MASS * GRAVITY)], keyframe="low")
     seen = bridge.observe()["wire"]
     assert seen["length"] == pytest.approx(0.4)
@@ -468,9 +450,7 @@ def test_a_film_without_ffmpeg_is_a_gif(
 def test_no_graphics_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
     bridge = lifted()
     monkeypatch.setenv("MUJOCO_GL", "no-such-way")
-    with pytest.raises(
-        MartensiteError, match=r"No OpenGL .* was found \(no-such-way: .*apt install"
-    ):
+    with pytest.raises(MartensiteError, match=r"No OpenGL .* was found \(no-such-way: .*apt install"):
         draw_poses(bridge.model, [[0.0]], (32, 24))
 
 

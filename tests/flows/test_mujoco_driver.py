@@ -204,9 +204,7 @@ def test_the_viewer_follows(monkeypatch: pytest.MonkeyPatch) -> None:
     assert columns("finger_driver.csv")["time"][-1] <= 0.024 + 1e-9
 
 
-def test_a_film_is_drawn(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_film_is_drawn(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     EXPORT.fine("finger.toml", "--driver", "--set", "run.duration=0.01 s")
     drawn: list[Any] = []
 
@@ -241,9 +239,7 @@ def test_fast_switching_is_refused() -> None:
     wave = {"kind": "triangle", "high": "1 W", "frequency": "400 Hz"}
     inline = ", ".join(f'{name} = "{value}"' for name, value in wave.items())
     EXPORT.fine("finger.toml", "--driver", "--set", f"drive.waveform={{ {inline} }}")
-    with pytest.raises(
-        SystemExit, match=r"The drive of `element` switches more than once in 0.002"
-    ):
+    with pytest.raises(SystemExit, match=r"The drive of `element` switches more than once in 0.002"):
         call("finger_driver.py")
 
 
@@ -266,13 +262,7 @@ def test_files_are_found_from_elsewhere(tmp_path: Path, monkeypatch: pytest.Monk
     (tmp_path / "out").mkdir()
     Path("own.py").write_text("LOADED = True\n", encoding="utf-8")
     report = EXPORT.report(
-        "finger.toml",
-        "--driver",
-        "out/move.py",
-        "--import",
-        "own.py",
-        "--set",
-        "run.duration=0.01 s",
+        "finger.toml", "--driver", "out/move.py", "--import", "own.py", "--set", "run.duration=0.01 s"
     )
     assert report["files"] == ["finger.xml", "out/move.py"]
     monkeypatch.delitem(sys.modules, "own")
@@ -300,11 +290,7 @@ def test_a_snippet_is_what_the_model_holds() -> None:
     _, whole = bridge_of(scenario.system)
     one, start = scenario.single_system, float(whole.strands[0].force)
     wire = TendonActuator(
-        tendon="element",
-        element=one.element,
-        environment=one.environment,
-        source=one.source,
-        start_force=start,
+        tendon="element", element=one.element, environment=one.environment, source=one.source, start_force=start
     )
     pasted = MujocoBridge(model, [wire], coupling="centred")
     for bridge in (whole, pasted):
@@ -326,9 +312,7 @@ def test_sites_stand_under_their_bodies() -> None:
         assert found == [site.attrib for site in root.findall(f"{body}/site")]
         assert len(found) == 3
     pasted = ElementTree.fromstring(document)
-    assert [m.attrib["tendon"] for m in pasted.findall("actuator/motor")] == list(
-        system.actuators()
-    )
+    assert [m.attrib["tendon"] for m in pasted.findall("actuator/motor")] == list(system.actuators())
     assert {m.attrib["gear"] for m in pasted.findall("actuator/motor")} == {"-1"}
 
 
@@ -353,8 +337,7 @@ def test_drivers_by_name() -> None:
 
 def test_what_is_left_out_is_said() -> None:
     pulled = (
-        HUNG.partition("[mechanism]")[0]
-        + '[mechanism]\nkind = "testing-machine"\ncontrol = "elongation"\n[drive]\n'
+        HUNG.partition("[mechanism]")[0] + '[mechanism]\nkind = "testing-machine"\ncontrol = "elongation"\n[drive]\n'
         'kind = "power"\nwaveform = { kind = "constant", level = "0 W" }\n[signals]\n'
         'command = { kind = "constant", level = "0 mm" }\n[run]\nduration = "1 s"\n'
     )

@@ -70,9 +70,7 @@ def test_a_saved_result_is_the_dataset(tmp_path: Path, known: bool) -> None:
     read = open_result(tmp_path / "a.nc")
     made = to_dataset(result, scenario, None, citations)
     xarray.testing.assert_identical(comparable(read), comparable(made))
-    assert {n: v.dtype for n, v in read.variables.items()} == {
-        n: v.dtype for n, v in made.variables.items()
-    }
+    assert {n: v.dtype for n, v in read.variables.items()} == {n: v.dtype for n, v in made.variables.items()}
 
 
 def test_the_dataset_holds_the_columns() -> None:
@@ -132,9 +130,7 @@ def test_a_long_scenario_is_kept_whole(tmp_path: Path) -> None:
     assert open_result(tmp_path / "a.nc").attrs["scenario"] == text
 
 
-def test_a_failed_replacement_leaves_the_old_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failed_replacement_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     target = tmp_path / "a.nc"
     save_result(make_result(), target)
     before = target.read_bytes()
@@ -168,9 +164,7 @@ def test_a_disk_that_fills_is_a_sentence(tmp_path: Path, limit: int) -> None:
     """HDF5 would end the process with a segmentation fault when it cannot finish its file."""
     path, file = [str(Path(__file__).parent), *sys.path], str(tmp_path / "a.nc")
     code = FULL_DISK.format(path=path, limit=limit, file=file)
-    done = subprocess.run(
-        [sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     fits = limit > 1_000_000
     said = "" if fits else f"The file `{file}` could not be written: File too large.\n"

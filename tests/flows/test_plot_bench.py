@@ -112,9 +112,7 @@ def test_alarms_are_shaded_while_they_last() -> None:
     result = guarded()
     raised = np.array(result["alarm"]) > 0.5
     assert 0 < raised.sum() < len(raised)
-    begins = [
-        t for t, a, b in zip(result.times[1:], raised, raised[1:], strict=False) if b and not a
-    ]
+    begins = [t for t, a, b in zip(result.times[1:], raised, raised[1:], strict=False) if b and not a]
     for axes in plot_bench(result).axes:
         shades: list[Any] = list(axes.patches)
         spans = sorted(shade.get_x() for shade in shades)
@@ -134,9 +132,7 @@ def test_estimates_stand_beside_the_truth() -> None:
     observer = InverseModel(model=plant, wanted=("temperature", "position"))
     pid = Pid(measured="estimated.position", reference=REFERENCE, Kp=300.0)
     made = bench(
-        sensors=Sensors(resistance=meter),
-        observers=Observers(model=observer),
-        controllers=Controllers(drive=pid),
+        sensors=Sensors(resistance=meter), observers=Observers(model=observer), controllers=Controllers(drive=pid)
     )
     result = simulate_bench(made, 1.0, runtime="floats")
     found = panels(plot_bench(result))

@@ -48,9 +48,7 @@ def lines(figure: Figure, style: str, width: float) -> list[Any]:
     return [
         line
         for line in figure.axes[0].lines
-        if line.get_linewidth() == width
-        and line.get_linestyle() == style
-        and np.size(line.get_xdata())
+        if line.get_linewidth() == width and line.get_linestyle() == style and np.size(line.get_xdata())
     ]
 
 

@@ -86,9 +86,7 @@ class Measured:
     units: dict[str, str]
 
 
-def make_result(
-    law: AbstractLaw | None = None, source: AbstractSource | None = None, **columns: Any
-) -> Result:
+def make_result(law: AbstractLaw | None = None, source: AbstractSource | None = None, **columns: Any) -> Result:
     system = plain_system(law, source)
     others = {name: np.full(N, 0.5) for name in OUTPUTS}
     lists = {n: np.asarray(c).tolist() for n, c in {**others, **SI, **columns}.items()}
@@ -375,12 +373,8 @@ def test_legends_stand_outside_the_data(case: str) -> None:
 # ------------------------------------------------------------------ files
 
 
-@pytest.mark.parametrize(
-    ("suffix", "start"), [(".png", b"\x89PNG"), (".SVG", b"<?xml"), (".pdf", b"%PDF")]
-)
-def test_a_figure_is_saved_in_the_format_of_its_suffix(
-    tmp_path: Path, suffix: str, start: bytes
-) -> None:
+@pytest.mark.parametrize(("suffix", "start"), [(".png", b"\x89PNG"), (".SVG", b"<?xml"), (".pdf", b"%PDF")])
+def test_a_figure_is_saved_in_the_format_of_its_suffix(tmp_path: Path, suffix: str, start: bytes) -> None:
     target = tmp_path / f"figure{suffix}"
     save_figure(make_result(), target)
     assert target.read_bytes().startswith(start)
@@ -399,9 +393,7 @@ def test_a_missing_folder_is_refused(tmp_path: Path) -> None:
         save_figure(make_result(), tmp_path / "none" / "figure.png")
 
 
-def test_a_failed_replacement_leaves_the_old_figure(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_failed_replacement_leaves_the_old_figure(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     target = tmp_path / "figure.png"
     target.write_bytes(b"old")
 

@@ -19,11 +19,7 @@ def test_a_file_a_scenario_and_its_system_give_the_same(c_compiler: str) -> None
     by_file, by_scenario = ms.run(EXAMPLE, runtime="c"), ms.run(scenario, runtime="c")
     assert by_file.columns == by_scenario.columns == scenario.run(runtime="c").columns
     again = ms.run(
-        scenario.system,
-        scenario.waveform,
-        scenario.duration,
-        samples=scenario.samples,
-        tolerance=scenario.tolerance,
+        scenario.system, scenario.waveform, scenario.duration, samples=scenario.samples, tolerance=scenario.tolerance
     )
     assert again["position"] == pytest.approx(by_file["position"], abs=1e-12)
 
@@ -38,9 +34,7 @@ def test_columns_are_arrays_with_units() -> None:
 def test_a_bench_runs_and_has_no_batches() -> None:
     loop = ms.load(EXAMPLE.with_name("closed_loop.toml"))
     assert loop.bench is not None
-    assert (
-        ms.run(loop.bench, duration=0.2).columns.keys() == ms.run(loop, duration=0.2).columns.keys()
-    )
+    assert ms.run(loop.bench, duration=0.2).columns.keys() == ms.run(loop, duration=0.2).columns.keys()
     with pytest.raises(ms.InputError, match="A bench has no batches"):
         ms.run(loop, over={"mass": [0.1]})
 

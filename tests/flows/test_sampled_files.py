@@ -40,9 +40,7 @@ def text(path: Path, heads: str, *columns: Any) -> Path:
 
 
 def test_text(tmp_path: Path) -> None:
-    log = text(
-        tmp_path / "log.csv", "time [ms],duty [%],position [m]", 1e3 * TIMES, DUTY, 1e-3 * MM
-    )
+    log = text(tmp_path / "log.csv", "time [ms],duty [%],position [m]", 1e3 * TIMES, DUTY, 1e-3 * MM)
     check(read_sampled(log, ["duty"], ["position"], units=UNITS))
     slower = read_sampled(log, ["duty"], ["position"], interval=0.1, units=UNITS)
     assert (slower.interval, len(slower)) == (0.1, 10)

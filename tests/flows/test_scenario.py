@@ -113,9 +113,7 @@ def test_scenario_wins_over_material_and_material_over_default() -> None:
 
 def test_subsections_mean_the_same_as_inline_tables() -> None:
     assert SOUND.count("[environment]") == 1
-    split = edited(LAW + "\n", "").replace(
-        "[environment]", '[element.law]\nkind = "liang-rogers"\n\n[environment]'
-    )
+    split = edited(LAW + "\n", "").replace("[environment]", '[element.law]\nkind = "liang-rogers"\n\n[environment]')
     assert read_scenario(split).system == read_scenario(SOUND).system
 
 
@@ -219,9 +217,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize("old, new, where, remedy", REFUSED)
-def test_bad_scenario_is_refused_with_a_sentence(
-    old: str, new: str, where: str, remedy: str
-) -> None:
+def test_bad_scenario_is_refused_with_a_sentence(old: str, new: str, where: str, remedy: str) -> None:
     found = sentence(edited(old, new))
     assert where in found
     assert remedy in found
@@ -352,9 +348,6 @@ def test_changing_leaves_the_original_alone() -> None:
 
 
 def test_changing_leaves_what_it_is_given_alone() -> None:
-    settings: dict[str, dict[str, str] | str] = {
-        "element": {"law": "brinson"},
-        "element.law.A_s": "1 K",
-    }
+    settings: dict[str, dict[str, str] | str] = {"element": {"law": "brinson"}, "element.law.A_s": "1 K"}
     assert change_document({}, settings)["element"]["law"]["A_s"] == "1 K"
     assert settings["element"] == {"law": "brinson"}

@@ -89,10 +89,7 @@ def test_printed_numbers(printed: Printed) -> None:
         ('source = "a"\nforce = 2.0', "`force` .* must stand under a place"),
         ('source = "a"\n["T 1"]\nf = { value = 1.0 }', "must have `unit`"),
         ('source = "a"\n["T 1"]\nf = { value = 1.0, unit = "N", page = 3 }', "no key `page`"),
-        (
-            'source = "a"\n["T 1"]\nf = {value=1.0, unit="N"}\n["T 2"]\nf = {value=1.0, unit="N"}',
-            "must have one place",
-        ),
+        ('source = "a"\n["T 1"]\nf = {value=1.0, unit="N"}\n["T 2"]\nf = {value=1.0, unit="N"}', "must have one place"),
     ],
 )
 def test_printed_numbers_that_are_refused(
@@ -114,10 +111,7 @@ def test_claims(tmp_path: Path, printed: Printed) -> None:
     assert (force.source, force.why) == ("tanaka1986, Table 1", "as printed: 2.4")
     assert (free.verdict, free.computed, free.why) == ("not checkable", 7.0, "for good")
     assert [one.id for one in strokes] == ["stroke-1", "stroke-2"]
-    assert [(one.published, one.computed, one.tolerance) for one in strokes] == [
-        (1.0, 2.0, 4),
-        (3.0, 6.0, 4),
-    ]
+    assert [(one.published, one.computed, one.tolerance) for one in strokes] == [(1.0, 2.0, 4), (3.0, 6.0, 4)]
     with pytest.raises(DataError, match="names no number: `free`"):
         list(settle_claims(table, "one", {"force": 2.4, "words": ""}, printed))
 

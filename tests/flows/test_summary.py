@@ -11,15 +11,7 @@ from command import Command
 
 from martensite.base.errors import DataError
 from martensite.base.formats import typeset_unit, write_difference, write_quantity
-from martensite.base.summary import (
-    BulletList,
-    DataTable,
-    Heading,
-    Notice,
-    Sentence,
-    Summary,
-    Tone,
-)
+from martensite.base.summary import BulletList, DataTable, Heading, Notice, Sentence, Summary, Tone
 from martensite.base.table_layout import format_table
 from martensite.show.html import render_fragment
 from martensite.show.markdown import render_markdown

@@ -276,8 +276,7 @@ def test_wrong_backends_are_refused(backend: SweepExecution, sentence: str) -> N
 
 def test_energy_of_pulses_is_cautioned() -> None:
     pulses = WIRE.replace(
-        '"step", high = "3 V", at = "0.1 s", until = "1.3 s"',
-        '"pwm", high = "3 V", frequency = "10 Hz", duty = 0.4',
+        '"step", high = "3 V", at = "0.1 s", until = "1.3 s"', '"pwm", high = "3 V", frequency = "10 Hz", duty = 0.4'
     )
     assert plan().cautions() == []
     assert plan(text=pulses, measures=("stroke",)).cautions() == []
@@ -350,9 +349,7 @@ def test_a_job_travels_and_refuses_to_make_another_sweep(tmp_path: Path) -> None
 # ---------------------------------------------------------------- summaries
 
 
-def test_summaries_in_stretches_are_those_of_the_whole(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_summaries_in_stretches_are_those_of_the_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     made, chosen = prepare_plan(wire(), wanted("high=2..4 V:1000", chunk=41))
     store = create_store(tmp_path / "s.zarr", made, build_spec(wire(), chosen))
     rng, kept = np.random.default_rng(1), []
@@ -415,7 +412,5 @@ def test_the_function_is_the_command(whole: Path, tmp_path: Path) -> None:
         (SweepExecution(scheduler="tcp://a:1"), 9, "c", "dask"),
     ],
 )
-def test_who_runs_chunks_by_itself(
-    how: SweepExecution, chunks: int, runtime: str, name: str
-) -> None:
+def test_who_runs_chunks_by_itself(how: SweepExecution, chunks: int, runtime: str, name: str) -> None:
     assert how.made(chunks, runtime).registered_name == name

@@ -28,11 +28,7 @@ distributed: Any = pytest.importorskip("distributed")
 def scheduler() -> Iterator[str]:
     """A cluster of threads that speaks TCP, as one elsewhere would."""
     with distributed.LocalCluster(
-        n_workers=2,
-        threads_per_worker=1,
-        processes=False,
-        protocol="tcp",
-        dashboard_address="127.0.0.1:0",
+        n_workers=2, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address="127.0.0.1:0"
     ) as cluster:
         yield cluster.scheduler_address
 
@@ -40,15 +36,9 @@ def scheduler() -> Iterator[str]:
 def test_a_cluster_makes_the_same_bits(scheduler: str, tmp_path: Path) -> None:
     expected = undisturbed(tmp_path / "whole.zarr")
     path = tmp_path / "s.zarr"
-    assert (
-        begin_sweep(wire(), wanted(), path, SweepExecution("dask", scheduler=scheduler)).run().made
-        == 12
-    )
+    assert begin_sweep(wire(), wanted(), path, SweepExecution("dask", scheduler=scheduler)).run().made == 12
     assert dict(arrays(path)) == expected
-    assert (
-        begin_sweep(wire(), wanted(), path, SweepExecution("dask", scheduler=scheduler)).run().made
-        == 0
-    )
+    assert begin_sweep(wire(), wanted(), path, SweepExecution("dask", scheduler=scheduler)).run().made == 0
 
 
 @dataclass(frozen=True)

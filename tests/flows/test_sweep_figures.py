@@ -20,9 +20,7 @@ from martensite.show.figures.sensitivity import plot_sensitivity
 from martensite.show.figures.sweep import plot_sweep
 
 GRID = [replace(one, count=7) for one in ANGLES]
-LOG = parse_axis(
-    "h=10..1000 W/m^2/K log", {"h": replace(ANGLES[0].target, name="h", unit="W/m^2/K")}
-)
+LOG = parse_axis("h=10..1000 W/m^2/K log", {"h": replace(ANGLES[0].target, name="h", unit="W/m^2/K")})
 
 
 def cosine(x: np.ndarray) -> np.ndarray:
@@ -82,15 +80,11 @@ def test_of_many_numbers_the_leading_ones_are_drawn() -> None:
 
 @pytest.mark.parametrize("sample", ["saltelli:64", "sobol:128"])
 def test_bars_are_as_long_as_the_indices(sample: str) -> None:
-    found = compute_sensitivity(
-        table(sample, y=ishigami, z=lambda x: x[:, 2], same=lambda x: 0 * x[:, 0])
-    )
+    found = compute_sensitivity(table(sample, y=ishigami, z=lambda x: x[:, 2], same=lambda x: 0 * x[:, 0]))
     panels = drawn(plot_sensitivity(found, "Functions"))
     assert [p.get_title("left") for p in panels] == ["y", "z", "same (always the same)"]
     one, panel = found[0], panels[0]
-    bars = {
-        c.get_label(): c for c in panel.containers if len(c) == 3 and c.get_label() in one.indices
-    }
+    bars = {c.get_label(): c for c in panel.containers if len(c) == 3 and c.get_label() in one.indices}
     for kind, container in bars.items():
         lengths = [bar.get_width() for bar in container]
         assert lengths == pytest.approx(one.indices[kind].values[one.order])

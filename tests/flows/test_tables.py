@@ -34,17 +34,10 @@ def write(tmp_path):
 
 def test_columns_are_read_in_si(write):
     path = write(
-        "time [ms],temperature [degC],stress (MPa),strain [%],position [mm]\n"
-        "0,20,100,1,2\n500,100.5,-200,4.5,0\n"
+        "time [ms],temperature [degC],stress (MPa),strain [%],position [mm]\n0,20,100,1,2\n500,100.5,-200,4.5,0\n"
     )
     record = read_table(path)
-    assert record.units == {
-        "time": "s",
-        "temperature": "K",
-        "stress": "Pa",
-        "strain": "1",
-        "position": "m",
-    }
+    assert record.units == {"time": "s", "temperature": "K", "stress": "Pa", "strain": "1", "position": "m"}
     assert record.times == [0.0, 0.5]
     assert record["temperature"] == pytest.approx([293.15, 373.65], rel=1e-15)
     assert record["stress"] == pytest.approx([1e8, -2e8], rel=1e-15)
@@ -240,10 +233,7 @@ class Run:
 
     def __init__(self):
         self.times = [float(t) for t in range(11)]
-        self.columns = {
-            "position": [2.0 * t for t in self.times],
-            "drive": [t * t for t in self.times],
-        }
+        self.columns = {"position": [2.0 * t for t in self.times], "drive": [t * t for t in self.times]}
 
     def __getitem__(self, name):
         return self.columns[name]

@@ -66,9 +66,7 @@ def loop(controller: str, measured: str = "position", more: str = "", **changes:
     level = REFERENCES.get(measured, "2 mm")
     reference = f"\n[reference]\nkind = 'constant'\nlevel = '{level}'\n"
     document = f"{LOOP}measured = '{measured}'\n{controller}{reference}{more}{RUN}"
-    return read_scenario(
-        document, None, {path.replace("__", "."): v for path, v in changes.items()}
-    )
+    return read_scenario(document, None, {path.replace("__", "."): v for path, v in changes.items()})
 
 
 def numbers(scenario: Scenario) -> dict[str, tuple[float, str]]:
@@ -108,9 +106,7 @@ def test_unit_of_a_number_is_that_of_its_reading(declared: str, reading: str, un
         ("stress", "2 MPa", 2e6, "Pa"),
     ],
 )
-def test_band_is_in_a_unit_of_what_is_measured(
-    measured: str, band: Any, value: float, unit: str
-) -> None:
+def test_band_is_in_a_unit_of_what_is_measured(measured: str, band: Any, value: float, unit: str) -> None:
     found = numbers(loop(ON_OFF, measured, controller__band=band))
     assert found["controller.band"] == (pytest.approx(value), unit)
 
@@ -147,9 +143,7 @@ def test_schedule_is_over_the_reading_that_decides() -> None:
         ("kind = 'sliding-mode'\ngain = 1\nslope = '1 1/s'\n", "layer", "2 mm/s", 2e-3, "m/s"),
     ],
 )
-def test_controllers_take_texts(
-    controller: str, path: str, given: str, value: float, unit: str
-) -> None:
+def test_controllers_take_texts(controller: str, path: str, given: str, value: float, unit: str) -> None:
     found = numbers(loop(controller, **{f"controller__{path}": given}))
     assert found[f"controller.{path}"] == (pytest.approx(value), unit)
 
@@ -271,11 +265,7 @@ def test_number_without_a_reading_is_noticed() -> None:
 @pytest.mark.parametrize(
     ("measured", "band", "sentence"),
     [
-        (
-            "position",
-            0.2,
-            '[controller] `band` is 0.2 without a unit; write for example `band = "0.2 mm"`.',
-        ),
+        ("position", 0.2, '[controller] `band` is 0.2 without a unit; write for example `band = "0.2 mm"`.'),
         ("position", "0.2", "`0.2` has no unit"),
         ("position", "2 K", "Parameter `band` of `on-off`: The unit `K` cannot be converted"),
         ("position", "-1 mm", "`band` of `on-off` must be at least 0 mm, but is -1 mm."),
@@ -284,9 +274,7 @@ def test_number_without_a_reading_is_noticed() -> None:
         ("", "1 mm", "No reading is named"),
     ],
 )
-def test_what_does_not_fit_is_refused_with_a_sentence(
-    measured: str, band: Any, sentence: str
-) -> None:
+def test_what_does_not_fit_is_refused_with_a_sentence(measured: str, band: Any, sentence: str) -> None:
     with pytest.raises(InputError) as raised:
         loop(ON_OFF, measured, controller__band=band)
     assert sentence in str(raised.value)
@@ -295,9 +283,7 @@ def test_what_does_not_fit_is_refused_with_a_sentence(
 def test_what_is_missing_is_named_with_its_unit() -> None:
     with pytest.raises(ParameterError) as raised:
         loop("kind = 'two-level'\nhigh = 1\nnear = 0.5\n")
-    assert 'needs `far` [mm] (error φ from which it is full); write `far = "… mm"`' in str(
-        raised.value
-    )
+    assert 'needs `far` [mm] (error φ from which it is full); write `far = "… mm"`' in str(raised.value)
 
 
 def test_in_python_they_are_floats_in_si() -> None:
@@ -337,10 +323,7 @@ def test_set_and_params_speak_of_the_everyday_unit() -> None:
 
 
 def test_descriptions_say_that_the_unit_is_that_of_the_reading() -> None:
-    rows = {
-        r["name"]: r
-        for r in json.loads(call("list", "controller", "on-off", "--json").stdout)["parameters"]
-    }
+    rows = {r["name"]: r for r in json.loads(call("list", "controller", "on-off", "--json").stdout)["parameters"]}
     assert rows["band"]["unit"] == units.DIFFERENCE
     assert rows["band"]["allowed"] == "at least 0, in the unit of the reading"
     assert "1e-06 in SI" in call("list", "controller", "feedforward").stdout

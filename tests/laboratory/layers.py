@@ -55,9 +55,7 @@ class Layers:
 
     def jump(self, distance: float, modulus: float, T: float) -> float:
         d = max(distance, 0.0)
-        return (
-            math.exp(-self.layer_volume * d * d / (2.0 * modulus * BOLTZMANN * T)) / self.layer_time
-        )
+        return math.exp(-self.layer_volume * d * d / (2.0 * modulus * BOLTZMANN * T)) / self.layer_time
 
     def rates(self, u: float, y: Sequence[float]) -> list[float]:
         plus, minus, T = y
@@ -81,14 +79,7 @@ class Layers:
                 return self.rates(self.signal(min(max(t, a), b)), y)
 
             found = solve_ivp(
-                slopes,
-                (a, b),
-                y,
-                "Radau",
-                rtol=RTOL,
-                atol=ATOL,
-                dense_output=True,
-                max_step=self.longest,
+                slopes, (a, b), y, "Radau", rtol=RTOL, atol=ATOL, dense_output=True, max_step=self.longest
             )
             while len(rows) < len(times) and times[len(rows)] <= b * (1.0 + 1e-12):
                 rows.append(list(found.sol(min(times[len(rows)], b))))
@@ -134,21 +125,15 @@ def make_layers(seed: int, drive: str | None = None) -> Scenario:
         ),
         environment=Environment(temperature=ambient, cooling=ConstantCooling(h=h)),
         source=SOURCES[source](),
-        mechanism=(
-            BiasSpring(stiffness=stiffness, preload=weight)
-            if spring
-            else DeadWeight(mass=weight / 9.80665)
-        ),
+        mechanism=(BiasSpring(stiffness=stiffness, preload=weight) if spring else DeadWeight(mass=weight / 9.80665)),
     )
     mass, hS = density * section * length, h * surface
     constant = mass * c / hS
     hot = law["T_L"] + (stress + width - law["sigma_L"] + width) / slope + rng.uniform(10.0, 60.0)
     watts = hS * max(hot - ambient, 40.0)
-    level = {
-        "power": watts,
-        "voltage": math.sqrt(watts * r_A * length),
-        "current": math.sqrt(watts / (r_A * length)),
-    }[source]
+    level = {"power": watts, "voltage": math.sqrt(watts * r_A * length), "current": math.sqrt(watts / (r_A * length))}[
+        source
+    ]
     waveform, duration = make_wave(rng, drive, level, constant, source)
     numbers = {
         **law,

@@ -110,11 +110,9 @@ def make_scenario(seed: int, drive: str | None = None) -> Scenario:
     constant = mass * c / hS
     hot = law["A_f"] + stress * (1.0 + stiffness) ** 0 / law["C_A"] + rng.uniform(10.0, 60.0)
     watts = hS * (hot - ambient)
-    level = {
-        "power": watts,
-        "voltage": math.sqrt(watts * r_A * length),
-        "current": math.sqrt(watts / (r_A * length)),
-    }[source]
+    level = {"power": watts, "voltage": math.sqrt(watts * r_A * length), "current": math.sqrt(watts / (r_A * length))}[
+        source
+    ]
     waveform, duration = make_wave(rng, drive, level, constant, source)
     E = law["E_M"]
     numbers = {
@@ -131,19 +129,11 @@ def make_scenario(seed: int, drive: str | None = None) -> Scenario:
         "lowest": 1.0,
         "longest": min([0.05 * constant, *(0.0125 / tone.rate for tone in waveform.tones())]),
     }
-    equations = Equations(
-        kind,
-        source,
-        numbers,
-        waveform.value,
-        waveform.edges(duration),
-    )
+    equations = Equations(kind, source, numbers, waveform.value, waveform.edges(duration))
     return Scenario(f"{kind}, {source}, {drive}", system, waveform, duration, equations)
 
 
-def make_wave(
-    rng: Any, drive: str, level: float, constant: float, source: str
-) -> tuple[AbstractWaveform, float]:
+def make_wave(rng: Any, drive: str, level: float, constant: float, source: str) -> tuple[AbstractWaveform, float]:
     """A drive that now and then reaches a level, and how long it goes on [s]."""
     span = constant * rng.uniform(3.0, 8.0)
     if drive == "step":

@@ -56,14 +56,7 @@ def try_layers(seed: int, tolerance: float, drive: str | None = None) -> Outcome
 
 def _compare(case: Scenario, seed: int, tolerance: float) -> Outcome:
     meant = case.equations.run(case.times)
-    found = simulate(
-        case.system,
-        case.waveform,
-        case.duration,
-        tolerance=tolerance,
-        samples=SAMPLES,
-        runtime="c",
-    )
+    found = simulate(case.system, case.waveform, case.duration, tolerance=tolerance, samples=SAMPLES, runtime="c")
     assert not found.status.failed, (seed, found.warnings)
     assert found.accuracy is not None
     true = true_error([found[name] for name in JUDGED], meant)
@@ -84,8 +77,7 @@ def quantile(ratios: Iterable[float], share: float) -> float:
 def page(outcomes: list[Outcome]) -> str:
     """The page, in Markdown."""
     rows = [
-        "| drive | cases | worst true error / tolerance | true / claimed: median | 99 % | worst "
-        "| steps, median |",
+        "| drive | cases | worst true error / tolerance | true / claimed: median | 99 % | worst | steps, median |",
         "| --- | --- | --- | --- | --- | --- | --- |",
     ]
     for drive in (*DRIVES, RATES, "all"):

@@ -121,9 +121,7 @@ def test_work_that_is_lost_on_the_way_is_noticed(runtime: str, c_compiler: None)
 
     spring = problem_a().mechanism
     soft = both_of(spring, Leaky)[1]
-    runs = [
-        simulate(problem_a(mechanism=one), SINE_A, 20.0, runtime=runtime) for one in (spring, soft)
-    ]
+    runs = [simulate(problem_a(mechanism=one), SINE_A, 20.0, runtime=runtime) for one in (spring, soft)]
     honest, leaks = (one.work for one in runs)
     assert honest is not None and leaks is not None
     assert (honest.residual or 0.0) < 1e-12 < 1e-3 < (leaks.residual or 0.0)
@@ -136,9 +134,7 @@ def both_of(honest: Any, kind: type[Any]) -> tuple[Any, Any]:
 
 
 @pytest.mark.parametrize("runtime", ["floats", "c"])
-def test_a_mechanism_that_does_not_say_what_it_holds_has_no_balance(
-    runtime: str, c_compiler: None
-) -> None:
+def test_a_mechanism_that_does_not_say_what_it_holds_has_no_balance(runtime: str, c_compiler: None) -> None:
     class Silent(BiasSpring):
         def energy(self, xp: Any, shortening: Any) -> Any:
             return None
@@ -152,9 +148,7 @@ def test_a_mechanism_that_does_not_say_what_it_holds_has_no_balance(
 
 
 def test_both_runtimes_keep_the_same_ledger(c_compiler: None) -> None:
-    floats, c = (
-        simulate(problem_a(), SINE_A, 20.0, runtime=runtime) for runtime in ("floats", "c")
-    )
+    floats, c = (simulate(problem_a(), SINE_A, 20.0, runtime=runtime) for runtime in ("floats", "c"))
     for name in ("heat", "work"):
         one, other = (getattr(run, name).as_dict() for run in (floats, c))
         del one["residual"], other["residual"]
@@ -170,9 +164,7 @@ def test_runs_on_given_steps_have_no_balance() -> None:
 
 
 @pytest.mark.parametrize("runtime", ["floats", "c"])
-def test_the_work_of_a_wire_that_hangs_slack_for_a_while_is_accounted_for(
-    runtime: str, c_compiler: None
-) -> None:
+def test_the_work_of_a_wire_that_hangs_slack_for_a_while_is_accounted_for(runtime: str, c_compiler: None) -> None:
     """A slack element has an end of its own, which does no work."""
     system = machine(BiasSpring(stiffness=500.0, preload=2.0), compliance=5e-4)
     longer = raised_cosine(-20.0, 0.1, 300.0)

@@ -72,9 +72,7 @@ def test_the_page_is_of_its_numbers_and_they_are_good() -> None:
 @needs_c
 def test_a_bound_that_does_not_hold_is_noticed() -> None:
     case = make_scenario(1, "step")
-    coarse = simulate(
-        case.system, case.waveform, case.duration, step=case.duration / 12, samples=13
-    )
+    coarse = simulate(case.system, case.waveform, case.duration, step=case.duration / 12, samples=13)
     times = [case.duration * k / 12 for k in range(13)]
     assert true_error([coarse[name] for name in JUDGED], case.equations.run(times)) > 1e-3
 
@@ -101,9 +99,7 @@ def test_a_sine_that_divides_the_step_heats() -> None:
     case = switched()
     sine = Sine(high=3.0, frequency=50.0)
     steady = Constant(level=1.5 * math.sqrt(1.5))
-    runs = [
-        simulate(case.system, wave, 40.0, samples=501, tolerance=1e-4) for wave in (sine, steady)
-    ]
+    runs = [simulate(case.system, wave, 40.0, samples=501, tolerance=1e-4) for wave in (sine, steady)]
     tops = [max(run["temperature"]) - 273.15 for run in runs]
     assert tops[0] == pytest.approx(97.7, abs=0.2)
     assert tops[0] == pytest.approx(tops[1], abs=0.1)
@@ -120,12 +116,7 @@ def test_sines_of_round_numbers_heat() -> None:
         sine = Sine(low=-2.0, high=2.0, frequency=frequency)
         found = simulate(case.system, sine, duration, samples=samples, tolerance=1e-3, runtime="c")
         meant = simulate(
-            case.system,
-            Constant(level=math.sqrt(2.0)),
-            duration,
-            samples=samples,
-            tolerance=1e-3,
-            runtime="c",
+            case.system, Constant(level=math.sqrt(2.0)), duration, samples=samples, tolerance=1e-3, runtime="c"
         )
         apart = np.abs(np.subtract(found["temperature"], meant["temperature"])).max()
         assert apart < 0.5 + 4e-3 * meant.range("temperature"), (duration, samples, frequency)
@@ -177,10 +168,7 @@ def test_the_command_line_says_so(setting: str, command: str, code: int, tmp_pat
     arguments = [str(ROOT / "examples/pwm_bias_spring.toml"), "--set", setting]
     more = ["--out", str(tmp_path / "x.nc"), "--no-figure"] if command == "run" else []
     done = subprocess.run(
-        [sys.executable, "-m", "martensite", command, *arguments, *more],
-        capture_output=True,
-        text=True,
-        check=False,
+        [sys.executable, "-m", "martensite", command, *arguments, *more], capture_output=True, text=True, check=False
     )
     assert done.returncode == code, done.stdout + done.stderr
     assert ("The run stopped at t = " in done.stdout + done.stderr) == (code > 0)
@@ -194,9 +182,7 @@ def test_a_train_of_pulses_costs_as_many_pulses() -> None:
     """36 short pulses in 18 minutes take at most 40 times the steps of one."""
     system = problem_a()
     one = PulseWidthModulation(high=6.0, frequency=1.0 / 30.0, duty=0.01)
-    steps = [
-        simulate(system, one, 30.0 * count, samples=101, runtime="c").steps for count in (1, 36)
-    ]
+    steps = [simulate(system, one, 30.0 * count, samples=101, runtime="c").steps for count in (1, 36)]
     assert steps[1] <= 40 * steps[0]
 
 
@@ -227,14 +213,7 @@ def test_memory_grows_with_what_is_kept_alone() -> None:
 def test_a_budget_is_kept_to() -> None:
     begin = time.process_time()
     with pytest.raises(Exception, match=r"budget of 0.2 s of CPU time was spent at"):
-        simulate(
-            problem_a(),
-            Sine(high=3.0, frequency=5.0),
-            1000.0,
-            tolerance=1e-9,
-            budget=0.2,
-            runtime="floats",
-        )
+        simulate(problem_a(), Sine(high=3.0, frequency=5.0), 1000.0, tolerance=1e-9, budget=0.2, runtime="floats")
     assert time.process_time() - begin < 5.0
 
 
@@ -261,8 +240,7 @@ def test_runtimes_agree_on_narrow_strips(law: type[AbstractLaw]) -> None:
         narrow = LAW_A | {"A_f": LAW_A["A_s"] + width, "M_f": LAW_A["M_s"] - width}
         system = problem_a(element=wire_a(law(**narrow)))
         meant, *others = (
-            simulate(system, SINE_A, 30.0, step=0.02, samples=101, runtime=name)
-            for name in ("floats", "c", "jax")
+            simulate(system, SINE_A, 30.0, step=0.02, samples=101, runtime=name) for name in ("floats", "c", "jax")
         )
         assert meant.range("martensite_fraction") > 0.9
         for found in others:
@@ -270,14 +248,7 @@ def test_runtimes_agree_on_narrow_strips(law: type[AbstractLaw]) -> None:
                 apart = np.abs(np.subtract(found[name], meant[name])).max()
                 assert apart <= 1e-12 * meant.range(name)
         single = simulate_batch(
-            system,
-            SINE_A,
-            30.0,
-            {"heat_capacity": [400.0]},
-            step=0.02,
-            samples=101,
-            precision="float32",
-            runtime="jax",
+            system, SINE_A, 30.0, {"heat_capacity": [400.0]}, step=0.02, samples=101, precision="float32", runtime="jax"
         )
         apart = np.abs(single["position"][0] - meant["position"]).max()
         assert apart < 1e-2 * meant.range("position")

@@ -12,8 +12,7 @@ from martensite.studies.base import STUDIES
 
 ROOT = Path(__file__).resolve().parents[2]
 CORE, STUDIED = (
-    tomllib.loads((ROOT / folder / "pyproject.toml").read_text("utf-8"))["project"]
-    for folder in ("", "studies")
+    tomllib.loads((ROOT / folder / "pyproject.toml").read_text("utf-8"))["project"] for folder in ("", "studies")
 )
 
 

@@ -27,17 +27,13 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
     paths = os.pathsep.join([str(folder), str(ROOT / "studies" / "src")])
     changes = {"PYTHONPATH": paths, "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "200"}
     environment = os.environ | changes
-    return subprocess.run(
-        command, cwd=folder, env=environment, capture_output=True, text=True, check=False
-    )
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
 
 
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
     """A copy of the package to be spoiled."""
-    shutil.copytree(
-        PACKAGE, tmp_path / "martensite", ignore=shutil.ignore_patterns("__pycache__", "*.toml")
-    )
+    shutil.copytree(PACKAGE, tmp_path / "martensite", ignore=shutil.ignore_patterns("__pycache__", "*.toml"))
     return tmp_path
 
 
@@ -50,17 +46,9 @@ def test_contracts_hold() -> None:
 @pytest.mark.parametrize(
     ("file", "line", "contract"),
     [
-        (
-            "physics/thermal/base.py",
-            "import martensite.actuators.elements.wire",
-            "A module imports only",
-        ),
+        ("physics/thermal/base.py", "import martensite.actuators.elements.wire", "A module imports only"),
         ("actuators/assembly/single.py", "import martensite.simulate.api", "layers below its own"),
-        (
-            "physics/laws/liang_rogers.py",
-            "import martensite.physics.laws.extra",
-            "No law imports another",
-        ),
+        ("physics/laws/liang_rogers.py", "import martensite.physics.laws.extra", "No law imports another"),
         ("actuators/elements/wire.py", "import pint", "martensite.base.units imports pint"),
         ("simulate/march.py", "import xarray", "import xarray"),
         ("actuators/assembly/base.py", "import jax", "import jax"),

@@ -11,11 +11,7 @@ from martensite.physics.thermal.constant import ConstantCooling
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_march
 
-CLASSES = [
-    cls
-    for kind in ("law", "cooling", "element", "mechanism", "drive")
-    for cls in builders.registered(kind)
-]
+CLASSES = [cls for kind in ("law", "cooling", "element", "mechanism", "drive") for cls in builders.registered(kind)]
 
 
 @pytest.mark.parametrize("cls", CLASSES, ids=lambda cls: cls.registered_name)
@@ -33,9 +29,7 @@ def test_every_method_with_a_namespace_is_covered(kind):
     """Run all kernels of a kind on recording subclasses and compare with the methods there are."""
     for cls in builders.registered(kind):
         called: set[str] = set()
-        recorded = type(
-            cls.__name__, (cls,), {n: recording(cls, n, called) for n in xp_methods(cls)}
-        )
+        recorded = type(cls.__name__, (cls,), {n: recording(cls, n, called) for n in xp_methods(cls)})
         for thing in builders.variants(cls):
             twin = recorded(**{name: getattr(thing, name) for name in cls.declarations})
             for kernel in KERNELS[kind].values():
@@ -106,9 +100,7 @@ class Loop(LiangRogers):
         return super().follow(xp, move, stress, temperature, dt)
 
 
-@pytest.mark.parametrize(
-    "thing", [Slack(stiffness=1000.0), builders.example(Loop)], ids=["mechanism", "law"]
-)
+@pytest.mark.parametrize("thing", [Slack(stiffness=1000.0), builders.example(Loop)], ids=["mechanism", "law"])
 def test_a_system_with_a_branching_part_is_refused(thing):
     with pytest.raises(TypeError, match="must not branch on a value"):
         simulate(example_system(thing), SINE_A, 1.0, step=0.1)

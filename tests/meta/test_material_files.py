@@ -241,15 +241,9 @@ def test_material_holds_what_its_use_needs(stem: str) -> None:
 
 @pytest.mark.parametrize(
     "stem, table",
-    [
-        ("flexinol-90", (88, 98, 72, 62)),
-        ("flexinol-70", (68, 78, 52, 42)),
-        ("migaone-15", (88, 98, 72, 62)),
-    ],
+    [("flexinol-90", (88, 98, 72, 62)), ("flexinol-70", (68, 78, 52, 42)), ("migaone-15", (88, 98, 72, 62))],
 )
-def test_zero_stress_temperatures_return_the_makers_table(
-    stem: str, table: tuple[float, ...]
-) -> None:
+def test_zero_stress_temperatures_return_the_makers_table(stem: str, table: tuple[float, ...]) -> None:
     """Shifted to 172 MPa with its own slopes, the set gives the maker's A_s, A_f, M_s, M_f."""
     values = read(DATA / f"{stem}.toml")["values"]
     names = (("A_s", "C_A"), ("A_f", "C_A"), ("M_s", "C_M"), ("M_f", "C_M"))
@@ -300,9 +294,7 @@ SPOILED = [
 
 
 @pytest.mark.parametrize("table, name, change, sentence", SPOILED)
-def test_check_catches_a_spoiled_file(
-    table: str, name: str, change: dict[str, str], sentence: str
-) -> None:
+def test_check_catches_a_spoiled_file(table: str, name: str, change: dict[str, str], sentence: str) -> None:
     sound = read(DATA / "flexinol-90.toml")
     spoiled = copy.deepcopy(sound)
     spoiled[table].setdefault(name, {}).update(change)
@@ -310,10 +302,7 @@ def test_check_catches_a_spoiled_file(
     assert [problem for problem in problems_of(spoiled) if problem.startswith(sentence)]
 
 
-FIT = {
-    "law": {"kind": "liang-rogers"},
-    "fit": {"records": [{"name": "one", "sha256": "0" * 64}]},
-}
+FIT = {"law": {"kind": "liang-rogers"}, "fit": {"records": [{"name": "one", "sha256": "0" * 64}]}}
 SPOILED_FITS = [
     ({"law": {"kind": "liang"}}, "law: no law `liang`"),
     ({"fit": {}}, "fit: rests on no record"),
@@ -326,6 +315,4 @@ def test_check_catches_a_spoiled_fit(change: dict[str, Any], sentence: str) -> N
     sound = read(DATA / "flexinol-90.toml")
     assert problems_of(sound | FIT) == []
     assert sentence in problems_of(sound | FIT | change)
-    assert "fit: comes with the law that was fitted, and only with one" in problems_of(
-        sound | {"law": FIT["law"]}
-    )
+    assert "fit: comes with the law that was fitted, and only with one" in problems_of(sound | {"law": FIT["law"]})

@@ -21,8 +21,7 @@ from martensite.base.lazy import list_public_names
 PROMISED = {
     name: set(names.split())
     for name, _, names in (
-        line.partition(":")
-        for line in Path(__file__).with_name("public_names.txt").read_text("utf-8").splitlines()
+        line.partition(":") for line in Path(__file__).with_name("public_names.txt").read_text("utf-8").splitlines()
     )
 }
 

@@ -9,20 +9,13 @@ import numpy as np
 import pytest
 
 from martensite.actuators.mechanics import beam_modes as module
-from martensite.actuators.mechanics.beam_modes import (
-    CantileverBeam,
-    beam_modes,
-    exact_omega,
-    exact_roots,
-)
+from martensite.actuators.mechanics.beam_modes import CantileverBeam, beam_modes, exact_omega, exact_roots
 
 COUNTS = (8, 16, 32, 64)
 
 
 def beam(tip_mass: float) -> CantileverBeam:
-    return CantileverBeam(
-        E=69e9, density=2700.0, width=0.038, height=0.003, length=0.32, tip_mass=tip_mass
-    )
+    return CantileverBeam(E=69e9, density=2700.0, width=0.038, height=0.003, length=0.32, tip_mass=tip_mass)
 
 
 def errors(tip_mass: float, mode: int) -> np.ndarray:

@@ -7,20 +7,13 @@ from itertools import pairwise
 
 import pytest
 
-from martensite.actuators.mechanics.motion import (
-    MotionHistory,
-    move_dynamically,
-    predict_position,
-    quasi_static,
-)
+from martensite.actuators.mechanics.motion import MotionHistory, move_dynamically, predict_position, quasi_static
 from martensite.kernels import floats
 
 OMEGA, ZETA = 2.0 * math.pi, 0.05
 
 
-def march(
-    dt: float, end: float, rho: float, omega: float = OMEGA, zeta: float = ZETA
-) -> MotionHistory:
+def march(dt: float, end: float, rho: float, omega: float = OMEGA, zeta: float = ZETA) -> MotionHistory:
     """An oscillator released at 1: each step is linear in the position at its end."""
     course = MotionHistory((1.0,), (0.0,), (-omega * omega,), (-omega * omega,))
     for _ in range(round(end / dt)):

@@ -21,10 +21,7 @@ JUDGED = tuple(problem_a().convergence_scales())
 RULES = ("resume", "restart")
 STEPS = (50e-3, 20e-3, 10e-3, 5e-3)
 FINE = 0.25e-3
-WAVES = {
-    "sine": SINE_A,
-    "pwm": PulseWidthModulation(high=5.0, frequency=1.0, duty=0.16),
-}
+WAVES = {"sine": SINE_A, "pwm": PulseWidthModulation(high=5.0, frequency=1.0, duty=0.16)}
 
 
 def judged(result):

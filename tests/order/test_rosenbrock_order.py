@@ -79,10 +79,7 @@ def test_the_order_is_four(case: str, voltage: bool) -> None:
     posed = system(SLOW, case.split(",")[0], **CASES[case])
     if voltage:
         posed = System(
-            element=posed.element,
-            environment=posed.environment,
-            source=VoltageSource(),
-            mechanism=posed.mechanism,
+            element=posed.element, environment=posed.environment, source=VoltageSource(), mechanism=posed.mechanism
         )
     course = Course(posed, voltage)
     exact = course.end(640)
@@ -99,9 +96,7 @@ def test_one_step_and_what_is_inside(case: str) -> None:
     for length in (0.02, 0.01):
         exact = [course.end(64, length), course.end(64, 0.5 * length), course.end(64, length)]
         found = course.step(course.start, 0.0, length)
-        rows.append(
-            [abs(course.read_outputs(a)[1] - b[1]) for a, b in zip(found, exact, strict=True)]
-        )
+        rows.append([abs(course.read_outputs(a)[1] - b[1]) for a, b in zip(found, exact, strict=True)])
     orders = np.log2(np.divide(*rows))
     assert orders[0] > 4.3
     assert orders[1] > 3.5

@@ -77,10 +77,7 @@ def test_a_cost_has_its_derivatives(error: str) -> None:
     seen = Seen(*rng.normal(1.0, 0.5, (5, 24)))._replace(reference=reference)
     cost = Cost(TuningGoal(error=error, overshoot=0.7, energy=0.3, activity=0.4), Course(seen, 0.1))
     moved = Seen(*rng.normal(0.0, 1.0, (5, 24, 1)))._replace(reference=np.zeros((24, 1)))
-    ends = [
-        cost(Seen(*((a + h * b[:, 0])[None] for a, b in zip(seen, moved, strict=True))))[0]
-        for h in (1e-6, -1e-6)
-    ]
+    ends = [cost(Seen(*((a + h * b[:, 0])[None] for a, b in zip(seen, moved, strict=True))))[0] for h in (1e-6, -1e-6)]
     slope = float(cost.slope(seen, moved)[0])
     assert slope == pytest.approx((ends[0] - ends[1]) / 2e-6, rel=1e-6)
     assert abs(slope) > 1e-3
@@ -94,9 +91,7 @@ def test_parts_of_a_cost_count_by_their_weights() -> None:
         parts: Any = {"overshoot": 0.0, "energy": 0.0, "activity": 0.0, name: 1.0}
         goal = TuningGoal(**parts)
         assert Cost(goal, course)(rows)[0] > bare + 0.01
-    assert Cost(TuningGoal(overshoot=0.0, energy=2.0, activity=0.0), course)(rows)[
-        0
-    ] == pytest.approx(bare + 2.0)
+    assert Cost(TuningGoal(overshoot=0.0, energy=2.0, activity=0.0), course)(rows)[0] == pytest.approx(bare + 2.0)
 
 
 def test_the_worst_share_of_a_batch() -> None:
@@ -296,9 +291,7 @@ def test_without_a_compiler_the_search_has_no_derivatives() -> None:
     assert found.cost < found.cost_before
 
 
-def test_a_loop_that_cannot_be_run_is_an_error(
-    sensed: LoopRuns, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_loop_that_cannot_be_run_is_an_error(sensed: LoopRuns, monkeypatch: pytest.MonkeyPatch) -> None:
     failed = lambda self, table: Seen(*(np.full((len(table), 161), np.nan),) * 5)  # noqa: E731
     monkeypatch.setattr(LoopRuns, "run", failed)
     with pytest.raises(SolveError, match="cannot be run with its own numbers"):
@@ -332,15 +325,10 @@ def test_tuned_gains_beat_the_best_rule_on_plants_they_have_not_seen(sensed: Loo
     tests = run_loop_tests(bench, 0.004)
     assert tests.cycle is not None
     assert tests.holding.heating > tests.holding.cooling + 0.1
-    rules = {
-        name: convert_to_pid(bench, gains)
-        for name, gains in gains_by_tests(tests, bench.period).items()
-    }
+    rules = {name: convert_to_pid(bench, gains) for name, gains in gains_by_tests(tests, bench.period).items()}
     seen, unseen = (draw_plants(bench, SPREADS, 64, seed=seed) for seed in (1, 2))
     start = compare_over_plants(sensed, rules, seen).best()
-    tuned = tune_bench(
-        bench, 8.0, plants=seen, starts=[rules[start]], search=TuningSearch(searches=1)
-    )
+    tuned = tune_bench(bench, 8.0, plants=seen, starts=[rules[start]], search=TuningSearch(searches=1))
     found = compare_over_plants(sensed, {**rules, "tuned": tuned.after}, unseen)
     best = OverPlants({name: v for name, v in found.itae.items() if name != "tuned"}).best()
     ratio = found.ratio("tuned", best)

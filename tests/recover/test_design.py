@@ -8,17 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from design_cases import (
-    COUNT,
-    DIAMETER,
-    POWER,
-    SAMPLES,
-    STEP,
-    bundle,
-    designs,
-    differences,
-    steering,
-)
+from design_cases import COUNT, DIAMETER, POWER, SAMPLES, STEP, bundle, designs, differences, steering
 from numpy.typing import NDArray
 
 from martensite.base.errors import InputError, ParameterError, UnitError
@@ -94,9 +84,7 @@ def agree(exact: NDArray[np.float64], near: NDArray[np.float64]) -> bool:
 
 
 @pytest.mark.parametrize("z", [(0.3, 0.1, 0.55, 0.3), (0.2, 0.05, 0.4, 0.6)])
-def test_derivatives_are_those_of_differences(
-    all_measures: DesignEvaluator, z: tuple[float, ...]
-) -> None:
+def test_derivatives_are_those_of_differences(all_measures: DesignEvaluator, z: tuple[float, ...]) -> None:
     place = np.array(z)
     exact = all_measures.slopes(place)
     assert exact is not None
@@ -108,9 +96,7 @@ def test_derivatives_are_those_of_differences(
 
 def test_without_a_compiler_differences_serve(all_measures: DesignEvaluator) -> None:
     z = np.array([0.3, 0.1, 0.55, 0.3])
-    plain = DesignEvaluator(
-        steering(), all_measures.question, samples=SAMPLES, step=STEP, native=False
-    )
+    plain = DesignEvaluator(steering(), all_measures.question, samples=SAMPLES, step=STEP, native=False)
     exact, near = all_measures.slopes(z), plain.slopes(z)
     assert exact is not None
     assert near is not None
@@ -129,10 +115,7 @@ def test_a_steered_run_is_the_run_itself() -> None:
     steered = given.with_levels([given.level("drive", "high"), given.level("drive", "low")])
     plain, other = (
         simulate(system, waves, one.duration, step=STEP, samples=SAMPLES, runtime="c")
-        for system, waves in (
-            (one.system, one.waveform),
-            (steered.whole, steered.system_waveforms()),
-        )
+        for system, waves in ((one.system, one.waveform), (steered.whole, steered.system_waveforms()))
     )
     np.testing.assert_allclose(other["position"], plain["position"], atol=1e-12)
     assert max(plain["position"]) > 1e-3
@@ -143,9 +126,7 @@ def test_the_peak_scales_all_of_a_waveform() -> None:
     given = WaveformLevels(bundle().system, wave, 2.0)
     assert given.level("drive", "peak").value == pytest.approx(3.0)
     twice = given.at("drive", {"peak": 6.0})
-    assert [twice.value(t) for t in (0.0, 0.3)] == pytest.approx(
-        [2.0 * wave.value(t) for t in (0.0, 0.3)]
-    )
+    assert [twice.value(t) for t in (0.0, 0.3)] == pytest.approx([2.0 * wave.value(t) for t in (0.0, 0.3)])
     with pytest.raises(ParameterError, match="cannot both be free"):
         given.with_levels([given.level("drive", "peak"), given.level("drive", "high")])
 
@@ -318,15 +299,7 @@ def test_scales_and_bounds_are_chosen() -> None:
     texts = ["element.count=1..6", "diameter=0.08..0.1 mm", "stiffness", "preload=1..10 N linear"]
     count, diameter, stiffness, preload = read_question(steering(), texts, "energy").free
     assert count.whole
-    assert (diameter.logarithmic, stiffness.logarithmic, preload.logarithmic) == (
-        False,
-        True,
-        False,
-    )
+    assert (diameter.logarithmic, stiffness.logarithmic, preload.logarithmic) == (False, True, False)
     assert (stiffness.low, stiffness.high) == pytest.approx((80.0, 2000.0))
     assert stiffness.value(stiffness.share(400.0)) == pytest.approx(400.0)
-    assert (stiffness.bound(0.0), stiffness.bound(0.5), stiffness.bound(1.0)) == (
-        "lower",
-        None,
-        "upper",
-    )
+    assert (stiffness.bound(0.0), stiffness.bound(0.5), stiffness.bound(1.0)) == ("lower", None, "upper")

@@ -20,11 +20,7 @@ from martensite.simulate.waveform_levels import WaveformLevels
 
 SCENARIO = Path(__file__).parents[2] / "examples" / "finger_design.toml"
 BOX = ("strand.diameter=0.06..0.1 mm", "mechanism.offset=4..8 mm", "drive.waveform.high=2..6 W")
-NEAR = (
-    "strand.diameter=0.068..0.076 mm",
-    "mechanism.offset=5.3..5.9 mm",
-    "drive.waveform.high=3.6..4 W",
-)
+NEAR = ("strand.diameter=0.068..0.076 mm", "mechanism.offset=5.3..5.9 mm", "drive.waveform.high=3.6..4 W")
 LIMITS = ("stroke >= 60 deg", "rise-time <= 0.5 s", "fall-time <= 0.5 s")
 pytestmark = pytest.mark.usefixtures("c_compiler")
 

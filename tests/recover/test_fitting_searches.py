@@ -143,9 +143,7 @@ def test_starts_are_the_best_and_apart():
     assert found[0].cost == two_bowls(tried).min()
     assert [s.cost for s in found] == sorted(s.cost for s in found)
     places = [np.asarray(s.values) for s in found]
-    gaps = [
-        np.linalg.norm(a - b) / math.sqrt(3.0) for i, a in enumerate(places) for b in places[:i]
-    ]
+    gaps = [np.linalg.norm(a - b) / math.sqrt(3.0) for i, a in enumerate(places) for b in places[:i]]
     assert min(gaps) >= 0.3
     near = find_starts(two_bowls, 3, count=128, keep=3, apart=0.0)
     assert near[2].cost < found[2].cost

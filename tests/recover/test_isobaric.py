@@ -15,13 +15,7 @@ from isobaric_cases import Bent, edited, record
 
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.isobaric_cycles import cut_cycle, find_turning_points
-from martensite.characterise.straight_lines import (
-    average_cells,
-    fit_isotonic,
-    fit_line,
-    fit_three_lines,
-    smooth_median,
-)
+from martensite.characterise.straight_lines import average_cells, fit_isotonic, fit_line, fit_three_lines, smooth_median
 from martensite.characterise.tangent_fit import fit_tangents
 from martensite.characterise.tangent_points import find_tangent_points
 from martensite.characterise.transformation_strain import fit_transformation_strain

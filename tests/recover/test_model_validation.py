@@ -68,18 +68,7 @@ def test_scores_are_those_of_the_definition_and_leave_out_what_is_missing(truth)
 
 
 def test_an_input_rises_until_it_comes_back_by_more_than_its_noise():
-    assert find_rising([0, 0, 5, 5, 5, 0, 0, 5, 5, 0.0]).astype(int).tolist() == [
-        0,
-        0,
-        1,
-        1,
-        1,
-        0,
-        0,
-        1,
-        1,
-        0,
-    ]
+    assert find_rising([0, 0, 5, 5, 5, 0, 0, 5, 5, 0.0]).astype(int).tolist() == [0, 0, 1, 1, 1, 0, 0, 1, 1, 0]
     t = np.linspace(0.0, 1.0, 201)
     noisy = np.where(t < 0.5, t, 1.0 - t) + 0.005 * np.random.default_rng(0).normal(size=201)
     assert np.mean(find_rising(noisy, 0.1) == (t < 0.5)) > 0.97
@@ -153,10 +142,7 @@ def test_bands_of_blocks_hold_under_coloured_noise_and_those_of_white_noise_do_n
     samples, model, white, errors = [], [], [], []
     for _ in range(30):
         chain, squares = fitted(truth, rng)
-        whole, plain = (
-            estimate_chain_uncertainty(chain, squares),
-            estimate_chain_uncertainty(chain, squares, 1),
-        )
+        whole, plain = (estimate_chain_uncertainty(chain, squares), estimate_chain_uncertainty(chain, squares, 1))
         band = whole.band(clean)
         away = np.abs(band.outputs - clean.outputs)
         model.append(np.mean(away <= band.model))
@@ -191,9 +177,7 @@ def test_directions_that_the_records_leave_open_are_named_and_not_drawn():
     u = np.random.default_rng(7).uniform(-1.0, 1.0, 400)
     noise = 0.1 * np.random.default_rng(8).normal(size=(400, 1))
     record = Sampled("r", DT, u, chain.simulate(u) + noise, ("u",), ("y",))
-    found = estimate_chain_uncertainty(
-        chain, ResidualSquares(chain.engine, [RecordResidual(record)])
-    )
+    found = estimate_chain_uncertainty(chain, ResidualSquares(chain.engine, [RecordResidual(record)]))
     (flat,) = found.flat
     assert set(flat.names) == {"1.c1", "2.c1", "2.c2"}
     assert "not determined separately" in flat.sentence
@@ -217,10 +201,7 @@ def test_directions_of_many_numbers_are_parted():
     rows = np.random.default_rng(13).normal(size=(200, 30))
     rows[:, 4], rows[:, 9] = rows[:, 20], 2.0 * rows[:, 21]
     found = invert_normal(rows.T @ rows, [f"n{i}" for i in range(30)])
-    assert {frozenset(one.names) for one in found.flat} == {
-        frozenset({"n4", "n20"}),
-        frozenset({"n9", "n21"}),
-    }
+    assert {frozenset(one.names) for one in found.flat} == {frozenset({"n4", "n20"}), frozenset({"n9", "n21"})}
     assert all(one.more == 0 for one in found.flat) and found.null.shape == (30, 2)
 
 
@@ -254,11 +235,7 @@ def test_figures_show_what_they_say(truth):
     static = plot_static_blocks(chain, record).axes[0]
     line = static.lines[1]
     assert np.min(np.asarray(line.get_xdata())) >= chain.before(1, record).min() - 1e-12
-    assert [axes.get_ylabel() for axes in plot_linear_blocks(chain).axes] == [
-        "step response",
-        "gain [dB]",
-        "phase [°]",
-    ]
+    assert [axes.get_ylabel() for axes in plot_linear_blocks(chain).axes] == ["step response", "gain [dB]", "phase [°]"]
 
 
 def test_a_report_tells_scores_faults_and_numbers(truth, tmp_path):

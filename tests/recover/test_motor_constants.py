@@ -19,29 +19,12 @@ from scipy import stats
 from martensite.base.confidence import Interval, interval_contains
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import MeasuredValue
-from martensite.characterise.motor_constants import (
-    LONG,
-    UNITS,
-    MotorConstants,
-    estimate_motor_constants,
-)
-from martensite.characterise.motor_tests import (
-    SteadyRunning,
-    Winding,
-    steady_running,
-    winding_resistance,
-)
+from martensite.characterise.motor_constants import LONG, UNITS, MotorConstants, estimate_motor_constants
+from martensite.characterise.motor_tests import SteadyRunning, Winding, steady_running, winding_resistance
 from martensite.characterise.time_constant import Rise, fit_rise
 
 R, L, K, B, F_C, J = 6.22, 3.1e-3, 0.0211, 2e-6, 4e-4, 8.68e-5
-TRUTH = {
-    "resistance": R,
-    "inductance": L,
-    "constant": K,
-    "friction": B,
-    "dry_friction": F_C,
-    "inertia": J,
-}
+TRUTH = {"resistance": R, "inductance": L, "constant": K, "friction": B, "dry_friction": F_C, "inertia": J}
 REPETITIONS = 200
 ALLOWED = stats.binom.interval(0.9999, REPETITIONS, 0.95)
 SPEEDS = np.linspace(40.0, 300.0, 8)
@@ -87,10 +70,7 @@ def run_up(noise: float = 0.0, seed: int = 0, *, coil: float = L, start: float =
 def made(seed: int) -> MotorConstants:
     """All tests with noise: 10 mV held, 5 mV and 0.1 mA running, 3 mA, 1 rad/s."""
     return estimate_motor_constants(
-        running(1e-3, seed),
-        held_rotor(0.01, seed),
-        current_rise=held_current(3e-3, seed),
-        run_up=run_up(1.0, seed),
+        running(1e-3, seed), held_rotor(0.01, seed), current_rise=held_current(3e-3, seed), run_up=run_up(1.0, seed)
     )
 
 
@@ -109,9 +89,7 @@ def half_as_wide(found: MeasuredValue) -> Interval:
 
 
 def test_without_noise_everything_is_exact() -> None:
-    found = estimate_motor_constants(
-        running(), held_rotor(), current_rise=held_current(), run_up=run_up(start=0.05)
-    )
+    found = estimate_motor_constants(running(), held_rotor(), current_rise=held_current(), run_up=run_up(start=0.05))
     assert set(TRUTH) == set(UNITS)
     for name, truth in TRUTH.items():
         assert getattr(found, name).value == pytest.approx(truth, rel=1e-8)
@@ -164,9 +142,7 @@ def test_friction_that_is_dropped_is_missed() -> None:
 
 def test_errors_of_the_resistance_are_carried_on() -> None:
     exact = estimate_motor_constants(running(1e-3), Winding(MeasuredValue(R)), run_up=run_up(1.0))
-    vague = estimate_motor_constants(
-        running(1e-3), Winding(MeasuredValue(R, 0.3, 9)), run_up=run_up(1.0)
-    )
+    vague = estimate_motor_constants(running(1e-3), Winding(MeasuredValue(R, 0.3, 9)), run_up=run_up(1.0))
     for name in ("constant", "friction", "dry_friction", "inertia"):
         sure, unsure = getattr(exact, name), getattr(vague, name)
         assert unsure.value == sure.value
@@ -191,9 +167,7 @@ def test_two_states_leave_the_errors_unknown() -> None:
 
 def test_doubt_about_published_constants() -> None:
     """R J/K² of Table 3 is more than seven seconds; with R = 6.22 ohm it is one."""
-    table = estimate_motor_constants(
-        running(), Winding(MeasuredValue(41.0)), inductance=L, run_up=fit_rise(*rise(7.0))
-    )
+    table = estimate_motor_constants(running(), Winding(MeasuredValue(41.0)), inductance=L, run_up=fit_rise(*rise(7.0)))
     assert any("is long for a small motor" in remark for remark in table.remarks)
     assert 41.0 * 0.82e-4 / 0.0211**2 > 7.0 > LONG > R * 0.82e-4 / 0.0211**2
 
@@ -208,14 +182,10 @@ def test_remarks_on_what_does_not_fit() -> None:
     assert any("V at no current" in remark for remark in brushes.remarks)
     smooth = steady_running((2.0, 4.0, 6.0), (0.02, 0.0199, 0.0201), (90.0, 180.0, 270.0))
     assert any(
-        "b above 0 is not supported" in r
-        for r in estimate_motor_constants(smooth, Winding(MeasuredValue(6.0))).remarks
+        "b above 0 is not supported" in r for r in estimate_motor_constants(smooth, Winding(MeasuredValue(6.0))).remarks
     )
     falling = steady_running((2.0, 4.0, 6.0), (0.03, 0.0199, 0.01), (90.0, 180.0, 270.0))
-    assert any(
-        "is below 0" in r
-        for r in estimate_motor_constants(falling, Winding(MeasuredValue(6.0))).remarks
-    )
+    assert any("is below 0" in r for r in estimate_motor_constants(falling, Winding(MeasuredValue(6.0))).remarks)
     times = np.linspace(-2.0, 6.0, 800)
     early = fit_rise(times.tolist(), np.where(times > 0, 1 - np.exp(-times / 0.5), 0.0).tolist())
     found = estimate_motor_constants(running(), held_rotor(), run_up=early)
@@ -271,9 +241,7 @@ def test_noise_is_told_from_another_curve() -> None:
         (range(6), [0.0, 1.0, math.inf, 1.0, 1.0, 1.0], "finite"),
     ],
 )
-def test_rises_that_are_refused(
-    times: Sequence[float], values: Sequence[float], sentence: str
-) -> None:
+def test_rises_that_are_refused(times: Sequence[float], values: Sequence[float], sentence: str) -> None:
     with pytest.raises(DataError, match=sentence):
         fit_rise(times, values)
 
@@ -299,8 +267,6 @@ def test_tests_that_contradict_each_other() -> None:
     with pytest.raises(DataError, match="no voltage behind R i"):
         estimate_motor_constants(running(), Winding(MeasuredValue(400.0)))
     with pytest.raises(DataError, match="more slowly than the current"):
-        estimate_motor_constants(
-            running(), held_rotor(), current_rise=run_up(), run_up=held_current()
-        )
+        estimate_motor_constants(running(), held_rotor(), current_rise=run_up(), run_up=held_current())
     with pytest.raises(ParameterError, match="not both"):
         estimate_motor_constants(running(), held_rotor(), current_rise=held_current(), inductance=L)

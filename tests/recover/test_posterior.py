@@ -49,9 +49,7 @@ def fit(c_compiler: str) -> Fit:
     strain = (np.array(run["strain"]) + noise).tolist()
     record = Record("pull", {"time": run.times, "strain": strain}, {"time": "s", "strain": "1"})
     one = Experiment("pull", scenario.system, scenario.waveform, record, {"strain": "strain"})
-    return solve_problem(
-        build_problem([one], [SearchRange("eps_L", 0.03, 0.05), SearchRange("A_f", 340.0, 365.0)])
-    )
+    return solve_problem(build_problem([one], [SearchRange("eps_L", 0.03, 0.05), SearchRange("A_f", 340.0, 365.0)]))
 
 
 @pytest.fixture(scope="module")

@@ -22,14 +22,8 @@ SECOND = [np.log(2.0), np.log(0.6), 0.5]
 TRUTHS = {
     "hammerstein": ("poly3 | oe(2,2,1)", [[0.1, 1.0, 0.6, -0.5], SECOND]),
     "wiener": ("oe(1,1,1) | poly3", [[np.log(0.5)], [0.3, 1.0, 0.5, 0.4]]),
-    "hammerstein-wiener": (
-        "poly2 | oe(2,2,1) | poly3",
-        [[1.0, 0.4], SECOND, [0.1, 1.0, 0.3, 0.3]],
-    ),
-    "wiener-hammerstein": (
-        "oe(1,1,1) | poly3 | oe(2,2,1)",
-        [[np.log(0.3)], [0.1, 1.0, 0.6, 0.5], SECOND],
-    ),
+    "hammerstein-wiener": ("poly2 | oe(2,2,1) | poly3", [[1.0, 0.4], SECOND, [0.1, 1.0, 0.3, 0.3]]),
+    "wiener-hammerstein": ("oe(1,1,1) | poly3 | oe(2,2,1)", [[np.log(0.3)], [0.1, 1.0, 0.6, 0.5], SECOND]),
 }
 QUICK = Options(starts=4, refined=1, iterations=40)
 
@@ -62,13 +56,7 @@ def _validated(truth: Chain, found: Chain) -> float:
 
 
 @pytest.mark.parametrize(
-    "name",
-    [
-        "hammerstein",
-        pytest.param("wiener", marks=pytest.mark.slow),
-        "hammerstein-wiener",
-        "wiener-hammerstein",
-    ],
+    "name", ["hammerstein", pytest.param("wiener", marks=pytest.mark.slow), "hammerstein-wiener", "wiener-hammerstein"]
 )
 def test_structure_is_recovered_with_samples_missing(name: str) -> None:
     truth = _truth(*TRUTHS[name])
@@ -110,10 +98,7 @@ def test_prediction_error_beats_simulation_error_under_coloured_noise() -> None:
         noise[t] = 0.99 * noise[t - 1] + rng.normal()
     y = y + 0.2 * np.std(y) / np.std(noise) * noise[:, None]
     record = Sampled("coloured", DT, u, y, ("u",), ("y",))
-    ends = [
-        estimate_chain("poly3 | oe(2,2,1)", record, Options(starts=4, refined=1, noise=order))
-        for order in (0, 1)
-    ]
+    ends = [estimate_chain("poly3 | oe(2,2,1)", record, Options(starts=4, refined=1, noise=order)) for order in (0, 1)]
     fits = [_validated(truth, end.chain) for end in ends]
     assert fits[1] > fits[0]
     assert ends[1].aims[0].whitening[1] == pytest.approx(-0.99, abs=0.01)

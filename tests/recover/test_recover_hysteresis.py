@@ -30,10 +30,7 @@ def excitation(seed: int, samples: int = 1500) -> np.ndarray:
     while sum(map(len, made)) < samples:
         turn = rng.uniform(x, 100.0) if upward else rng.uniform(20.0, x)
         turn = 100.0 if len(made) == 1 else turn
-        made += [
-            np.linspace(x, turn, int(rng.integers(5, 60))),
-            np.full(int(rng.integers(1, 20)), turn),
-        ]
+        made += [np.linspace(x, turn, int(rng.integers(5, 60))), np.full(int(rng.integers(1, 20)), turn)]
         x, upward = turn, not upward
     return np.concatenate(made)[:samples]
 
@@ -121,9 +118,7 @@ def test_backlash(c_compiler: str) -> None:
     truth = truth_of(text, [[np.log(0.8)], [np.log(0.2)], [3.0, 7.0]])
     made, fit = found_again(truth, text, Options(starts=6, refined=2))
     assert fit > 99.0
-    radii = [
-        chain.blocks[1].describe_numbers(chain.split()[1])[0][1] for chain in (made.chain, truth)
-    ]
+    radii = [chain.blocks[1].describe_numbers(chain.split()[1])[0][1] for chain in (made.chain, truth)]
     assert radii[0] == pytest.approx(radii[1], rel=0.03)
 
 

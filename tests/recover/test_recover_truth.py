@@ -88,51 +88,29 @@ CELLS = (
         wire("flexinol-90", 'kind = "liang-rogers", modulus = "mixture"') + WEIGHT + HEATED,
         "position",
         "m",
-        (
-            SearchRange("A_s", 330.0, 352.0),
-            SearchRange("eps_L", 0.03, 0.05),
-            SearchRange("cooling.h", 55.0, 90.0),
-        ),
+        (SearchRange("A_s", 330.0, 352.0), SearchRange("eps_L", 0.03, 0.05), SearchRange("cooling.h", 55.0, 90.0)),
     ),
     Cell(
         "brinson, bias spring, heated by current",
-        wire("flexinol-90", 'kind = "brinson", sigma_s = "50 MPa", sigma_f = "90 MPa"')
-        + SPRING
-        + HEATED,
+        wire("flexinol-90", 'kind = "brinson", sigma_s = "50 MPa", sigma_f = "90 MPa"') + SPRING + HEATED,
         "position",
         "m",
-        (
-            SearchRange("A_f", 343.0, 357.0),
-            SearchRange("M_s", 316.0, 328.0),
-            SearchRange("eps_L", 0.03, 0.05),
-        ),
+        (SearchRange("A_f", 343.0, 357.0), SearchRange("M_s", 316.0, 328.0), SearchRange("eps_L", 0.03, 0.05)),
     ),
     Cell(
         "lagoudas, testing machine, in a chamber",
-        wire("niti-lagoudas", 'kind = "lagoudas"')
-        + MACHINE
-        + CHAMBER.format(low="-20 degC", high="110 degC"),
+        wire("niti-lagoudas", 'kind = "lagoudas"') + MACHINE + CHAMBER.format(low="-20 degC", high="110 degC"),
         "strain",
         "1",
-        (
-            SearchRange("A_f", 320.0, 342.0),
-            SearchRange("M_s", 298.0, 314.0),
-            SearchRange("H_sat", 0.04, 0.07),
-        ),
+        (SearchRange("A_f", 320.0, 342.0), SearchRange("M_s", 298.0, 314.0), SearchRange("H_sat", 0.04, 0.07)),
         step=1.0,
     ),
     Cell(
         "tanaka, dead weight, in a chamber",
-        wire("flexinol-90", 'kind = "tanaka"')
-        + WEIGHT
-        + CHAMBER.format(low="20 degC", high="130 degC"),
+        wire("flexinol-90", 'kind = "tanaka"') + WEIGHT + CHAMBER.format(low="20 degC", high="130 degC"),
         "strain",
         "1",
-        (
-            SearchRange("A_s", 330.0, 348.0),
-            SearchRange("M_f", 305.0, 318.0),
-            SearchRange("eps_L", 0.03, 0.05),
-        ),
+        (SearchRange("A_s", 330.0, 348.0), SearchRange("M_f", 305.0, 318.0), SearchRange("eps_L", 0.03, 0.05)),
         step=1.0,
     ),
 )

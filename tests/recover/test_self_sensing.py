@@ -23,11 +23,7 @@ PLANT = sensing_plant()
 QUIET: dict[str, Any] = {"model": PLANT, "temperature_noise": 0.3, "fraction_noise": 0.01}
 EXTENDED, UNSCENTED = ExtendedKalman(**QUIET), UnscentedKalman(**QUIET)
 DIAMETER = ExtendedKalman(
-    **QUIET,
-    drifting=("element.diameter",),
-    first_drift=0.03,
-    drift_noise=1e-4,
-    first_fraction=0.002,
+    **QUIET, drifting=("element.diameter",), first_drift=0.03, drift_noise=1e-4, first_fraction=0.002
 )
 SETTLED = 7.5
 """Of the 15 s of a step, those in which it may move [s]."""
@@ -57,9 +53,7 @@ def test_it_tracks_by_its_resistance(reference: Any) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("reference", [SINE, STEPS], ids=["sine", "steps"])
-@pytest.mark.parametrize(
-    "observer", [UNSCENTED, InverseModel(model=PLANT, lag=0.3)], ids=["unscented", "inverse"]
-)
+@pytest.mark.parametrize("observer", [UNSCENTED, InverseModel(model=PLANT, lag=0.3)], ids=["unscented", "inverse"])
 def test_so_do_the_other_observers(observer: Any, reference: Any) -> None:
     estimate, tracking = shares(observer, reference)
     assert estimate < 0.015

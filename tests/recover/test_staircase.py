@@ -82,10 +82,7 @@ def test_one_row_per_plateau_from_its_settled_half() -> None:
 
 def test_the_whole_plateau_differs_where_it_has_not_settled() -> None:
     record = staircase([1.0, 1.1])
-    half, whole = (
-        reduce_to_plateaus(record, "level"),
-        reduce_to_plateaus(record, "level", settled=1.0),
-    )
+    half, whole = (reduce_to_plateaus(record, "level"), reduce_to_plateaus(record, "level", settled=1.0))
     assert half["current"][0] == pytest.approx((1.0 - 0.23) / 1.5, rel=1e-14)
     assert whole["current"][0] == pytest.approx(half["current"][0] + 0.05, rel=1e-12)
     assert max(half["current_deviation"]) < 1e-15 < min(whole["current_deviation"])
@@ -140,9 +137,7 @@ def test_a_missing_column_and_a_taken_name_are_refused() -> None:
 
 def test_offset_and_resistance_are_found_again() -> None:
     levels = [1.0 + 0.1 * k for k in range(13)]
-    exact = supply_offset(
-        reduce_to_plateaus(staircase(levels), "level"), "level", "current", 1.0, 2.2
-    )
+    exact = supply_offset(reduce_to_plateaus(staircase(levels), "level"), "level", "current", 1.0, 2.2)
     assert exact.offset == pytest.approx(0.23, abs=1e-12)
     assert exact.resistance == pytest.approx(1.5, rel=1e-12)
     assert exact.offset_error < 1e-12

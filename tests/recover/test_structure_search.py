@@ -118,9 +118,7 @@ def test_a_search_tells_how_far_it_is_and_can_be_ended() -> None:
         if text.startswith("2 of 2"):
             raise KeyboardInterrupt
 
-    made = search_structures(
-        PATTERN, stage_one(FITTED), stage_one(SLOW), replace(FEW, starts=1), watch
-    )
+    made = search_structures(PATTERN, stage_one(FITTED), stage_one(SLOW), replace(FEW, starts=1), watch)
     assert not made.complete
     assert [c.structure for c in made.candidates] == ["poly1 | oe(1,1,1)"]
     assert told == sorted(told)
@@ -145,9 +143,7 @@ def test_stages_and_their_series(found: Identified) -> None:
     assert rows["series", "validation"].rms == pytest.approx(0.01, rel=0.2)
     assert rows["stage 1", "validation"].unit == "degC"
     run = found.model.simulate(select_signals(SLOW, ["duty"], ["position"]))
-    assert rows["series", "validation"].worst == pytest.approx(
-        np.max(np.abs(run - SLOW.outputs[:, 1:]))
-    )
+    assert rows["series", "validation"].worst == pytest.approx(np.max(np.abs(run - SLOW.outputs[:, 1:])))
 
 
 def test_rest_is_anchored(found: Identified) -> None:
@@ -158,9 +154,7 @@ def test_rest_is_anchored(found: Identified) -> None:
 
 
 def test_a_stage_may_give_several_outputs() -> None:
-    made = identify_stages(
-        FITTED, "ss(1,1,2,1) -> temperature, position", options=replace(FEW, starts=1)
-    )
+    made = identify_stages(FITTED, "ss(1,1,2,1) -> temperature, position", options=replace(FEW, starts=1))
     assert made.model.output_names == ("temperature", "position")
     assert [s.output for s in made.scores] == ["temperature", "position"]
 
@@ -184,10 +178,7 @@ def test_free_runs_begin_as_is_said(found: Identified) -> None:
     chain = found.estimates[0].chain
     late = stage_one(log("late", ramps()[120:], noise=0.0))
     late = late.rows(5)  # in motion, neither at rest nor at zero
-    fits = {
-        start: mean_fit(score_chain(chain, [late], "other", start))
-        for start in ("rest", "estimate")
-    }
+    fits = {start: mean_fit(score_chain(chain, [late], "other", start)) for start in ("rest", "estimate")}
     assert fits["estimate"] > 99.0 > fits["rest"] + 1.0
     assert free_run(chain, late, "zero")[0, 0] == 0.0
     assert free_run(chain, late, "rest")[0, 0] > 20.0

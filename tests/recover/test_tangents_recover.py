@@ -20,10 +20,7 @@ from martensite.base.confidence import Interval, interval_contains
 from martensite.characterise.tangent_fit import TangentFit, fit_tangents
 from martensite.characterise.tangent_lines import CORE
 from martensite.characterise.tangent_points import TangentPoints, find_tangent_points
-from martensite.characterise.transformation_strain import (
-    fit_transformation_strain,
-    saturating_strain,
-)
+from martensite.characterise.transformation_strain import fit_transformation_strain, saturating_strain
 from martensite.physics.laws.brinson import Brinson
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.signals.records import Record
@@ -41,10 +38,7 @@ TEMPERATURES = ("A_s", "A_f", "M_s", "M_f")
 
 def off(found: TangentPoints, sample: Bent = SAMPLE, stress: float = STRESS) -> float:
     """Largest distance from the truth of all temperatures [K], and of strains by their size."""
-    truth = sample.at(stress) | {
-        "A_half": sample.half(stress, False),
-        "M_half": sample.half(stress, True),
-    }
+    truth = sample.at(stress) | {"A_half": sample.half(stress, False), "M_half": sample.half(stress, True)}
     kelvins = [abs(getattr(found, name) - value) for name, value in truth.items()]
     residual = sample.residual if found.cycle.cold_start else 0.0
     H = 0.5 * (sample.gap(stress, False) + sample.gap(stress, True))
@@ -198,16 +192,7 @@ def test_widths_that_change_with_stress_are_remarked_upon() -> None:
 
 
 LIANG = LiangRogers(
-    E_A=60e9,
-    E_M=60e9,
-    Theta=0.0,
-    eps_L=0.045,
-    A_s=330.0,
-    A_f=350.0,
-    M_s=325.0,
-    M_f=303.0,
-    C_A=8e6,
-    C_M=7e6,
+    E_A=60e9, E_M=60e9, Theta=0.0, eps_L=0.045, A_s=330.0, A_f=350.0, M_s=325.0, M_f=303.0, C_A=8e6, C_M=7e6
 )
 BRINSON = Brinson(
     E_A=60e9,
@@ -305,19 +290,12 @@ def test_a_cosine_with_noise() -> None:
 def fits() -> list[TangentFit]:
     """Four stresses each, with noise of 1 % of the transformation strain."""
     return [
-        fit_tangents(
-            [SAMPLE.cycle(s, rows=100, noise=0.01, seed=10 * k + i) for i, s in enumerate(STRESSES)]
-        )
+        fit_tangents([SAMPLE.cycle(s, rows=100, noise=0.01, seed=10 * k + i) for i, s in enumerate(STRESSES)])
         for k in range(REPETITIONS)
     ]
 
 
-def held(
-    fits: list[TangentFit],
-    interval: Callable[[TangentFit], Interval],
-    truth: float,
-    factor: float = 1.0,
-) -> int:
+def held(fits: list[TangentFit], interval: Callable[[TangentFit], Interval], truth: float, factor: float = 1.0) -> int:
     """How many intervals, made longer by a factor, hold the truth."""
     count = 0
     for fit in fits:
@@ -368,9 +346,7 @@ MANY = (10e6, 50e6, 100e6, 150e6, 200e6, 300e6, 400e6, 500e6)
         (MANY[2:7], (0.02, 0.05, 4e-9, 0.0)),
     ],
 )
-def test_the_saturating_form_is_recovered(
-    stresses: tuple[float, ...], numbers: tuple[float, ...]
-) -> None:
+def test_the_saturating_form_is_recovered(stresses: tuple[float, ...], numbers: tuple[float, ...]) -> None:
     fit = fit_transformation_strain(stresses, strains(stresses, *numbers))
     assert fit.form == "saturating" and fit.H_k is not None
     found = fit.H_min.value, fit.H_sat.value, fit.H_k.value * 1e8

@@ -78,9 +78,7 @@ def held(interval_of: Callable[[LogDecrement], Interval], truth: float) -> int:
 @pytest.mark.parametrize("f", [3.3, 8.42, 20.01])
 def test_frequency_of_a_sine_lies_between_the_bins(f: float) -> None:
     times = np.arange(1000) / 250.0
-    peak = natural_frequency(
-        times.tolist(), (5.0 + 2.0 * np.sin(2 * np.pi * f * times)).tolist(), steady=True
-    )
+    peak = natural_frequency(times.tolist(), (5.0 + 2.0 * np.sin(2 * np.pi * f * times)).tolist(), steady=True)
     assert peak.resolution == pytest.approx(0.25)
     assert peak.frequency == pytest.approx(f, abs=1e-3 * peak.resolution)
     assert peak.amplitude == pytest.approx(2.0, rel=2e-3)
@@ -141,9 +139,7 @@ def test_decay_without_noise(zeta: float, rate: float) -> None:
     assert found.zeta.value == pytest.approx(zeta, rel=1e-5)
     assert found.frequency.value == pytest.approx(F, rel=1e-5)
     assert found.damped_frequency.value == pytest.approx(F * math.sqrt(1.0 - zeta**2), rel=1e-5)
-    assert found.decrement.value == pytest.approx(
-        2.0 * math.pi * zeta / math.sqrt(1.0 - zeta**2), rel=1e-5
-    )
+    assert found.decrement.value == pytest.approx(2.0 * math.pi * zeta / math.sqrt(1.0 - zeta**2), rel=1e-5)
     assert found.offset.value == pytest.approx(OFFSET, abs=1e-5)
 
 

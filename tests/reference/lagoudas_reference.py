@@ -74,9 +74,7 @@ class State:
 def constants(p: Parameters) -> dict[str, float]:
     """The solution of the seven conditions, unknowns s, D, u, a₁, a₂, a₃, Y."""
     h = 1e-6 * p.sigma_cal
-    G = ((p.sigma_cal + h) * p.H(p.sigma_cal + h) - (p.sigma_cal - h) * p.H(p.sigma_cal - h)) / (
-        2 * h
-    )
+    G = ((p.sigma_cal + h) * p.H(p.sigma_cal + h) - (p.sigma_cal - h) * p.H(p.sigma_cal - h)) / (2 * h)
     soft = p.sigma_cal * (1 / p.E_M - 1 / p.E_A)
     mean = [2 * float(quad(p.h, 0, 1, back, epsabs=1e-12)[0]) for back in (False, True)]
     rows = [
@@ -102,9 +100,7 @@ def forward(p: Parameters, c: dict[str, float], xi: float, sigma: float, T: floa
     return drive - hardening - c["a3"] - c["Y"]
 
 
-def reverse(
-    p: Parameters, c: dict[str, float], ratio: float, xi: float, sigma: float, T: float
-) -> float:
+def reverse(p: Parameters, c: dict[str, float], ratio: float, xi: float, sigma: float, T: float) -> float:
     """Φ of the reverse surface."""
     elastic = 0.5 * (1 / p.E_M - 1 / p.E_A) * sigma**2
     hardening = c["a2"] * p.h(xi, back=True)

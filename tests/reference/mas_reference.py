@@ -136,16 +136,7 @@ def radau(f, y0, times, kinks, rtol=1e-9):
     found[:, 0] = y = y0
     for a, b in pairwise(ends):
         here = (times > a + 1e-9) & (times < b - 1e-9)
-        done = solve_ivp(
-            f,
-            (a, b),
-            y,
-            "Radau",
-            t_eval=[*times[here], b],
-            rtol=rtol,
-            atol=atol,
-            max_step=(b - a) / 20,
-        )
+        done = solve_ivp(f, (a, b), y, "Radau", t_eval=[*times[here], b], rtol=rtol, atol=atol, max_step=(b - a) / 20)
         assert done.success, done.message
         found[:, here], y = done.y[:, :-1], done.y[:, -1]
         found[:, abs(times - b) <= 1e-9] = y[:, None]
@@ -187,9 +178,7 @@ def kvaerno_solver(form, rtol):
 
         f = actuator(p, d, form, power, jnp, jax.scipy.special)
         size = rtol * jnp.array([0.01, 0.01, 1.0])
-        control = diffrax.ClipStepSizeController(
-            diffrax.PIDController(rtol, size, dtmax=0.25), jump_ts=kinks[1:-1]
-        )
+        control = diffrax.ClipStepSizeController(diffrax.PIDController(rtol, size, dtmax=0.25), jump_ts=kinks[1:-1])
         return diffrax.diffeqsolve(
             diffrax.ODETerm(lambda t, y, _: f(t, y)),
             diffrax.Kvaerno5(),

@@ -53,10 +53,7 @@ class Platform:
 
     def force(self, fraction: float, length: float) -> float:
         """k(ξ) (L - L_A) - k_M (L_0 - L_A) ξ [N]."""
-        rates = [
-            g * self.wire**4 / (8 * self.turns * self.coil**3)
-            for g in (self.shear_hot, self.shear_cold)
-        ]
+        rates = [g * self.wire**4 / (8 * self.turns * self.coil**3) for g in (self.shear_hot, self.shear_cold)]
         rate = rates[0] + fraction * (rates[1] - rates[0])
         return rate * (length - self.closed) - rates[1] * (self.height - self.closed) * fraction
 

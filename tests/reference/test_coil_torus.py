@@ -11,10 +11,7 @@ from martensite.actuators.elements import coil_theory
 INDICES = (3.0, 3.3, 4.0, 5.0, 7.0, 11.0, 20.0)
 
 
-@pytest.mark.parametrize(
-    "index",
-    [n if n in (3.0, 7.0) else pytest.param(n, marks=pytest.mark.slow) for n in INDICES],
-)
+@pytest.mark.parametrize("index", [n if n in (3.0, 7.0) else pytest.param(n, marks=pytest.mark.slow) for n in INDICES])
 def test_the_two_solutions_agree(index: float) -> None:
     energy, points = ritz(index, 26 if index < 4.0 else 22), collocated(index)
     assert energy.stiffness == pytest.approx(points.stiffness, abs=1e-11)

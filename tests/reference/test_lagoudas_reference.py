@@ -72,12 +72,7 @@ PATHS = {
         (150 * MPA, 343.0),
         (150 * MPA, 400.0),
     ],
-    "stretched cold, heated loaded": [
-        (0.0, 330.0),
-        (150 * MPA, 290.0),
-        (60 * MPA, 290.0),
-        (60 * MPA, 380.0),
-    ],
+    "stretched cold, heated loaded": [(0.0, 330.0), (150 * MPA, 290.0), (60 * MPA, 290.0), (60 * MPA, 380.0)],
 }
 
 
@@ -150,9 +145,7 @@ def test_the_paths_mean_something():
     assert len({fraction for fraction, _ in seen}) > 5
 
 
-@pytest.mark.parametrize(
-    "name", ["A_s", "A_f", "M_s", "M_f", "C_A", "C_M", "H_sat", "H_k", "n_1", "n_3"]
-)
+@pytest.mark.parametrize("name", ["A_s", "A_f", "M_s", "M_f", "C_A", "C_M", "H_sat", "H_k", "n_1", "n_3"])
 def test_a_wrong_parameter_is_noticed(name):
     law = law_of(P, **{name: getattr(P, name) * (1 - 1e-5)})
     fraction, strain = worst(P, law, PATHS["partial superelastic"], 0.0, 0.0)
@@ -172,6 +165,4 @@ def test_constants_agree():
     """Closed forms of calibration against the linear system."""
     for p in SETS.values():
         found, wanted = law_of(p).constants(floats), reference.constants(p)
-        assert list(found) == pytest.approx(
-            [wanted[name] for name in ("s", "u", "a1", "a2", "a3", "Y", "D")], rel=1e-8
-        )
+        assert list(found) == pytest.approx([wanted[name] for name in ("s", "u", "a1", "a2", "a3", "Y", "D")], rel=1e-8)

@@ -71,9 +71,7 @@ class TestTwoProcessesInOneLeg:
 
     def test_both_act(self):
         """Forward through its whole strip, then reverse part of the way, from nothing."""
-        forward = reference.advance(
-            self.P, "resume", reference.State(0.0, 320.0, 0.0), 515e6, 396.0
-        )
+        forward = reference.advance(self.P, "resume", reference.State(0.0, 320.0, 0.0), 515e6, 396.0)
         assert forward.branch == "R"
         assert 0.1 < forward.xi < 0.9
 

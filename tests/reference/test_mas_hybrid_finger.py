@@ -27,9 +27,7 @@ FULL = {1.5: 92.75, 3.5: 75.44, 5.5: 62.19}
 """Angle [deg] of the whole stroke for r [mm], a = 8 mm; computed for this project."""
 SLOW = pytest.mark.slow
 QUICK = [(1.5, 8.0), (5.5, 6.0)]
-CYCLES = [
-    pytest.param(r, a, marks=[] if (r, a) in QUICK else [SLOW]) for r in FULL for a in (8.0, 6.0)
-]
+CYCLES = [pytest.param(r, a, marks=[] if (r, a) in QUICK else [SLOW]) for r in FULL for a in (8.0, 6.0)]
 TWO = [(1.5, 8.0), pytest.param(3.5, 6.0, marks=SLOW)]
 
 
@@ -91,9 +89,7 @@ def ours(law, r, a, watts=2.0, step=0.02, transit=None):
 
 
 def columns(angle, stress, strain, temperature, fraction):
-    return SimpleNamespace(
-        angle=angle, stress=stress, strain=strain, temperature=temperature, fraction=fraction
-    )
+    return SimpleNamespace(angle=angle, stress=stress, strain=strain, temperature=temperature, fraction=fraction)
 
 
 def apart(a, b):

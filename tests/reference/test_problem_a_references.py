@@ -78,9 +78,7 @@ def test_re_anchored_return_map_is_rule_r(tight_rate_form, fine_x):
 
 
 def test_return_map_is_of_second_order(fine_x):
-    errors = [
-        rms_error(return_map.displacements(Wire(), uniform(sine(), n)), fine_x) for n in (5, 10, 20)
-    ]
+    errors = [rms_error(return_map.displacements(Wire(), uniform(sine(), n)), fine_x) for n in (5, 10, 20)]
     assert errors[1] == pytest.approx(6.3e-7, rel=0.1)
     assert np.log2(errors[0] / errors[2]) / 2 == pytest.approx(2.0, abs=0.25)
 

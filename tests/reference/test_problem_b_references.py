@@ -95,9 +95,7 @@ def test_half_the_step_leaves_a_quarter_of_the_error():
     ],
 )
 def test_the_tolerance_is_met(wire, form, tolerance):
-    run = simulate(
-        system(WIRES[wire], rates=form), waveform(), 20.0, tolerance=tolerance, samples=201
-    )
+    run = simulate(system(WIRES[wire], rates=form), waveform(), 20.0, tolerance=tolerance, samples=201)
     columns = (run["martensite_fraction"], run["temperature"], run["position"])
     exact = by_radau(wire, form)
     for found, truth in zip(columns, (exact[0] + exact[1], *exact[2:]), strict=True):
@@ -163,7 +161,5 @@ def test_the_package_fails_in_no_case_within_reach():
 
 
 def test_a_wrong_barrier_would_be_noticed():
-    wrong = simulate(
-        system(Wire(Delta_sigma=52.5e6), rates="edge"), waveform(), 20.0, step=20e-3, samples=201
-    )
+    wrong = simulate(system(Wire(Delta_sigma=52.5e6), rates="edge"), waveform(), 20.0, step=20e-3, samples=201)
     assert np.abs(wrong["position"] - by_radau()[3]).max() / np.ptp(by_radau()[3]) > 1e-3

@@ -80,10 +80,7 @@ def fourier_matrices(m: int) -> tuple[Any, Any]:
     waves = np.fft.fftfreq(m, 1.0 / m)
     identity = np.eye(m)
     first = np.where(np.abs(waves) == m // 2, 0.0, 1j * waves)
-    derivatives = [
-        np.fft.ifft(f[:, None] * np.fft.fft(identity, axis=0), axis=0).real
-        for f in (first, -waves * waves)
-    ]
+    derivatives = [np.fft.ifft(f[:, None] * np.fft.fft(identity, axis=0), axis=0).real for f in (first, -waves * waves)]
     return derivatives[0], derivatives[1]
 
 

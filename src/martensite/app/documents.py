@@ -32,9 +32,7 @@ def read_request_scenario(request: Request, desk: Desk) -> Scenario:
     """
     text, changes = require_entry(request, "text", str), require_entry(request, "changes", dict, {})
     if len(text) > LONGEST_TEXT:
-        raise ParameterError(
-            f"The scenario has {len(text):,} letters; at most {LONGEST_TEXT:,} do."
-        )
+        raise ParameterError(f"The scenario has {len(text):,} letters; at most {LONGEST_TEXT:,} do.")
     check_files(text, changes)
     scenario = build_packaged(text, changes or None)
     if count_steps(scenario) > MOST_STEPS:

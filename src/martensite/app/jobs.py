@@ -44,9 +44,7 @@ class PageJob:
     last: JsonTable | None = None
     outcome: Any = None
     """The answer, or the sentence of a refusal."""
-    listeners: set[asyncio.Queue[JsonTable]] = field(
-        default_factory=set["asyncio.Queue[JsonTable]"]
-    )
+    listeners: set[asyncio.Queue[JsonTable]] = field(default_factory=set["asyncio.Queue[JsonTable]"])
     task: asyncio.Task[None] | None = None
 
     def summary(self) -> JsonTable:
@@ -62,12 +60,7 @@ class PageJob:
 
     def whole(self) -> JsonTable:
         """The job with all that is known of it."""
-        return {
-            **self.summary(),
-            "request": self.request,
-            "trail": self.trail,
-            "outcome": self.outcome,
-        }
+        return {**self.summary(), "request": self.request, "trail": self.trail, "outcome": self.outcome}
 
     def add_note(self, note: JsonTable) -> None:
         """Keep a note and pass it on."""
@@ -117,9 +110,7 @@ class PageJobs:
         """
         running = [job for job in self.known.values() if job.state == "running"]
         if len(running) >= AT_ONCE:
-            raise Refusal(
-                f"{AT_ONCE} jobs are running already; wait for one to end, or cancel one.", 429
-            )
+            raise Refusal(f"{AT_ONCE} jobs are running already; wait for one to end, or cancel one.", 429)
         job = PageJob(tab, call, request, Worker(self.folder))
         self.known[job.id] = job
         job.task = asyncio.create_task(self._work(job))

@@ -58,10 +58,7 @@ def read_message(data: bytes) -> JsonTable:
         raise BadMessageError(f"The message has {len(data):,} bytes; at most {MOST_BYTES:,} do.")
     try:
         found = json.loads(
-            data.decode("utf-8"),
-            parse_constant=_replace_infinite,
-            parse_float=_replace_infinite,
-            parse_int=_is_whole,
+            data.decode("utf-8"), parse_constant=_replace_infinite, parse_float=_replace_infinite, parse_int=_is_whole
         )
         _check_depth(found)
         if b"\\u" in data:  # halves of characters, which no file can hold

@@ -35,9 +35,7 @@ def describe_scenarios(texts: Mapping[str, str]) -> JsonTable:
     return {"scenarios": found}
 
 
-def build_packaged(
-    text: str, changes: Request | None = None, log: Record | None = None
-) -> Scenario:
+def build_packaged(text: str, changes: Request | None = None, log: Record | None = None) -> Scenario:
     """The scenario in a text; files that it names lie beside the packaged ones."""
     from martensite.scenario.scenario import read_scenario
 

@@ -37,10 +37,7 @@ HEADERS: Mapping[str, str] = {
 NAMES = ("127.0.0.1", "localhost")
 TOKEN_ONCE = ("host", "origin", "authorization", "cookie", "sec-fetch-site", "sec-fetch-mode")
 """Headers of which there is one at most, lest this reads one and others another."""
-STRANGER = (
-    "This page needs the token of the running bench: open the address that `martensite app` "
-    "printed."
-)
+STRANGER = "This page needs the token of the running bench: open the address that `martensite app` printed."
 
 
 @dataclass(frozen=True)

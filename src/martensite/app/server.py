@@ -49,15 +49,11 @@ def bind_socket(port: int) -> socket.socket:
         made.bind((LOOPBACK, port))
     except OSError as error:
         made.close()
-        raise InputError(
-            f"Port {port} cannot be used ({error.strerror}); leave `--port` out for a free one."
-        ) from None
+        raise InputError(f"Port {port} cannot be used ({error.strerror}); leave `--port` out for a free one.") from None
     return made
 
 
-def serve_bench(
-    port: int = 0, folder: Path | None = None, ready: Callable[[Served], None] = lambda at: None
-) -> None:
+def serve_bench(port: int = 0, folder: Path | None = None, ready: Callable[[Served], None] = lambda at: None) -> None:
     """Serve the bench until it is interrupted (Ctrl-C) or told to end (SIGTERM, SIGHUP).
 
     Args:
@@ -74,13 +70,10 @@ def serve_bench(
         from martensite.app.site import STATIC, build_site
     except ModuleNotFoundError as error:
         raise InputError(
-            f"The bench needs `{error.name}`, which is not installed; install the extra "
-            "`martensite[app]`."
+            f"The bench needs `{error.name}`, which is not installed; install the extra `martensite[app]`."
         ) from None
     if not (STATIC / "index.html").is_file():
-        raise InputError(
-            f"The page of the bench is not in `{STATIC}`; build it: `npm run build` in `web`."
-        )
+        raise InputError(f"The page of the bench is not in `{STATIC}`; build it: `npm run build` in `web`.")
     with ExitStack() as stack:
         stack.enter_context(_end_on_signals())
         opened = stack.enter_context(bind_socket(port))

@@ -37,13 +37,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from martensite.app import messages
 from martensite.app.jobs import PageJob, PageJobs
-from martensite.app.messages import (
-    BadMessageError,
-    Refusal,
-    describe_refusal,
-    read_message,
-    require_entry,
-)
+from martensite.app.messages import BadMessageError, Refusal, describe_refusal, read_message, require_entry
 from martensite.app.request_guard import RequestGuard
 from martensite.app.responses import json_response, refusal_response
 from martensite.app.uploads import UploadFolder
@@ -86,10 +80,7 @@ class Site:
     async def begin(self, request: Request) -> Response:
         """Begin a job."""
         message = read_message(await _read_body(request))
-        call, asked = (
-            require_entry(message, "call", str),
-            require_entry(message, "request", dict, {}),
-        )
+        call, asked = (require_entry(message, "call", str), require_entry(message, "request", dict, {}))
         job = self.jobs.begin(_read_tab(request.headers.get("x-tab")), call, asked)
         return json_response(job.summary(), 201)
 
@@ -107,17 +98,13 @@ class Site:
     async def watch(self, socket: WebSocket) -> None:
         """Tell what is known of a job until it ends; what the page sends is passed over."""
         try:
-            job = self.jobs.find(
-                _read_tab(socket.query_params.get("tab")), socket.path_params["id"]
-            )
+            job = self.jobs.find(_read_tab(socket.query_params.get("tab")), socket.path_params["id"])
         except (Refusal, InputError) as error:
             await socket.accept()
             await socket.close(4404, str(error)[:120])
             return
         await socket.accept()
-        tasks = [
-            asyncio.create_task(work) for work in (_send_notes(job, socket), _await_leaving(socket))
-        ]
+        tasks = [asyncio.create_task(work) for work in (_send_notes(job, socket), _await_leaving(socket))]
         try:
             await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         finally:
@@ -179,9 +166,7 @@ async def _read_body(request: Request) -> bytes:
         if size > most:
             parts.clear()
             await _drain_stream(stream)
-            raise Refusal(
-                f"The message has more than {most:,} bytes; a scenario needs far fewer.", 413
-            )
+            raise Refusal(f"The message has more than {most:,} bytes; a scenario needs far fewer.", 413)
     return b"".join(parts)
 
 
@@ -219,9 +204,7 @@ async def _answer_refusal(request: Request, error: Exception) -> Response:
 
 async def _answer_missing(request: Request, error: Exception) -> Response:
     status = getattr(error, "status_code", 404)
-    words = {405: "This address does not take that."}.get(
-        status, "There is nothing at this address."
-    )
+    words = {405: "This address does not take that."}.get(status, "There is nothing at this address.")
     return refusal_response(Refusal(words, status))
 
 

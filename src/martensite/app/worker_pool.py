@@ -28,12 +28,9 @@ LONG_ANSWER = 2**16
 LOOKED_AFTER = 1.0
 """Seconds after which a silent process is looked after."""
 LOST_SENTENCE = (
-    "The process that computed this ended unexpectedly (out of memory?); try a shorter run or "
-    "fewer samples."
+    "The process that computed this ended unexpectedly (out of memory?); try a shorter run or fewer samples."
 )
-GARBLED_SENTENCE = (
-    "The process that computed this gave an answer that cannot be read. Please report it."
-)
+GARBLED_SENTENCE = "The process that computed this gave an answer that cannot be read. Please report it."
 
 Tell = Callable[[JsonTable], None]
 
@@ -68,9 +65,7 @@ class Worker:
         """
         try:
             process = await self.start()
-            await _write_line(
-                process, {"call": call, "request": request, "folder": str(self.folder)}
-            )
+            await _write_line(process, {"call": call, "request": request, "folder": str(self.folder)})
             if self._stopped:  # before it had begun
                 await _write_line(process, {"stop": True})
             while True:
@@ -174,9 +169,7 @@ class WorkerPool:
     """[s]"""
     idle: list[Worker] = field(default_factory=list[Worker])
     """The last used is the next: it remembers what it has compiled."""
-    waiting: dict[str, asyncio.Future[Worker]] = field(
-        default_factory=dict[str, "asyncio.Future[Worker]"]
-    )
+    waiting: dict[str, asyncio.Future[Worker]] = field(default_factory=dict[str, "asyncio.Future[Worker]"])
     """In the order of asking, by who asks for what."""
     made: list[Worker] = field(default_factory=list[Worker])
     _anonymous: int = 0

@@ -34,9 +34,7 @@ def guard_arguments(function: Function) -> Function:
     return guarded  # type: ignore[return-value]
 
 
-def describe_mismatch(
-    function: Callable[..., Any], values: tuple[Any, ...], named: dict[str, Any]
-) -> str | None:
+def describe_mismatch(function: Callable[..., Any], values: tuple[Any, ...], named: dict[str, Any]) -> str | None:
     """Which argument does not fit its annotation, in a sentence; None if all do."""
     name = getattr(function, "__name__", "it")
     signature = inspect.signature(function)

@@ -56,6 +56,5 @@ def interval_contains(interval: Interval, value: float = 0.0) -> bool:
 def _check_freedom(freedom: int) -> None:
     if freedom < 1:
         raise ParameterError(
-            f"Argument `freedom` must be at least 1 (more points than coefficients), "
-            f"but is {freedom}."
+            f"Argument `freedom` must be at least 1 (more points than coefficients), but is {freedom}."
         )

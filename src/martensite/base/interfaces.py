@@ -43,18 +43,14 @@ def make_missing_error(cls: type[Any], names: Iterable[str]) -> MissingMethodErr
     bases = {f"`{base.__qualname__}` in {base.__module__}": None for _, base, _ in missing}
     near = "".join(_suggest_names(cls, (name for name, _, _ in missing)))
     return MissingMethodError(
-        f"`{cls.__qualname__}` in {cls.__module__} must define {asked} "
-        f"(see {' and '.join(bases)}).{near}"
+        f"`{cls.__qualname__}` in {cls.__module__} must define {asked} (see {' and '.join(bases)}).{near}"
     )
 
 
 def _find_missing(cls: type[Any]) -> list[str]:
     """Names of the methods that a class must define and does not, in the order of its bases."""
     asked = {
-        name: None
-        for base in reversed(cls.__mro__)
-        for name, value in vars(base).items()
-        if _is_required(value, cls)
+        name: None for base in reversed(cls.__mro__) for name, value in vars(base).items() if _is_required(value, cls)
     }
     return [name for name in asked if _is_required(_find_attribute(cls, name), cls)]
 

@@ -59,23 +59,16 @@ class Declared:
         if self.kind == "option" and isinstance(value, int):
             value = str(value)  # a count, such as `cells = 20`
         if self.kind == "option" and value not in self.choices:
-            raise ParameterError(
-                f"Option `{name}` of `{owner}` is `{value}`. "
-                f"{suggest_name(str(value), self.choices)}"
-            )
+            raise ParameterError(f"Option `{name}` of `{owner}` is `{value}`. {suggest_name(str(value), self.choices)}")
         return value
 
     def _number(self, owner: str, name: str, value: Any) -> float:
         try:
-            number = (
-                units.parse_quantity(value, self.unit) if isinstance(value, str) else float(value)
-            )
+            number = units.parse_quantity(value, self.unit) if isinstance(value, str) else float(value)
         except UnitError as error:
             raise UnitError(f"Parameter `{name}` of `{owner}`: {error}") from None
         except (TypeError, ValueError):
-            raise ParameterError(
-                f"Parameter `{name}` of `{owner}` must be {self._sort()}, but is {value!r}."
-            ) from None
+            raise ParameterError(f"Parameter `{name}` of `{owner}` must be {self._sort()}, but is {value!r}.") from None
         if math.isinf(number) and number != self.default:
             raise ParameterError(f"Parameter `{name}` of `{owner}` must be finite, but is {value}.")
         too_low = number <= self.low if self.open_low else number < self.low
@@ -144,9 +137,7 @@ def param(
         typical: an ordinary value, in SI or as text with a unit (`Declared.typical`).
     """
     least = low if above is None else above
-    return Declared(
-        "parameter", doc, default, unit, least, high, above is not None, typical=typical
-    )
+    return Declared("parameter", doc, default, unit, least, high, above is not None, typical=typical)
 
 
 def option(doc: str, *choices: str, default: str = REQUIRED) -> Any:
@@ -162,13 +153,7 @@ def text(doc: str, *, default: str | tuple[str, ...] = REQUIRED, typical: str | 
     return Declared("text", doc, default, typical=typical)
 
 
-def part(
-    doc: str,
-    registry: Registry[Any] | None = None,
-    *,
-    default: Any = REQUIRED,
-    typical: Any = None,
-) -> Any:
+def part(doc: str, registry: Registry[Any] | None = None, *, default: Any = REQUIRED, typical: Any = None) -> Any:
     """Declare a component, chosen by name from `registry` in files.
 
     The typical one is a name or a table, as files have it; by default that of the registry.
@@ -192,15 +177,11 @@ def _convert_texts(owner: str, name: str, value: Any) -> str | tuple[str, ...]:
         return value
     found: tuple[Any, ...] = tuple(cast("Any", value)) if isinstance(value, list | tuple) else (0,)
     if not all(isinstance(one, str) for one in found):
-        raise ParameterError(
-            f"`{name}` of `{owner}` must be a text or a list of texts, but is {value!r}."
-        )
+        raise ParameterError(f"`{name}` of `{owner}` must be a text or a list of texts, but is {value!r}.")
     return found
 
 
-@dataclass_transform(
-    kw_only_default=True, frozen_default=True, field_specifiers=(param, option, text, part)
-)
+@dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(param, option, text, part))
 class Parametrised:
     """A frozen object whose fields are declared by `param`, `option` and `part`."""
 
@@ -229,16 +210,11 @@ class Parametrised:
         owner = type(self).registered_name or type(self).__name__
         unknown = next((name for name in values if name not in self.declarations), None)
         if unknown is not None:
-            raise ParameterError(
-                f"`{owner}` has no parameter `{unknown}`. "
-                f"{suggest_name(unknown, self.declarations)}"
-            )
+            raise ParameterError(f"`{owner}` has no parameter `{unknown}`. {suggest_name(unknown, self.declarations)}")
         for name, declared in self.declarations.items():
             value = values.get(name, declared.default)
             if value is REQUIRED:
-                raise ParameterError(
-                    f"`{owner}` needs `{name}` [{declared.unit}] ({declared.doc}); none given."
-                )
+                raise ParameterError(f"`{owner}` needs `{name}` [{declared.unit}] ({declared.doc}); none given.")
             self.__dict__[name] = declared.convert(owner, name, value)
         self.check()
 
@@ -300,9 +276,7 @@ class Parametrised:
     def with_values(self, values: Mapping[str, Any]) -> Self:
         """A checked copy with the numbers at the given paths (or unique endings) changed."""
         paths = [leaf.path for leaf in self.leaves()]
-        return self._with_paths(
-            {_resolve_path(name, paths): value for name, value in values.items()}
-        )
+        return self._with_paths({_resolve_path(name, paths): value for name, value in values.items()})
 
     def with_parts(self, **parts: Any) -> Self:
         """A checked copy with whole components (or numbers) of its own exchanged."""

@@ -46,8 +46,7 @@ _SENTENCES = {
         "Try a shorter step; if it stays, the law's parameters contradict each other."
     ),
     Status.NOT_FINITE: (
-        "A number became infinite or undefined. "
-        "Try a shorter step, and check the parameters for zero widths or masses."
+        "A number became infinite or undefined. Try a shorter step, and check the parameters for zero widths or masses."
     ),
     Status.REFUSED: (
         "A parameter is out of its range, or contradicts another; nothing was run. "

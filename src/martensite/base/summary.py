@@ -79,10 +79,7 @@ class DataTable:
         kept = [k for k in range(len(self.head)) if k not in self.detail]
         return DataTable(
             [self.head[k] for k in kept],
-            [
-                [row[k].replace("`", "") + self._tag(i) * (k == 0) for k in kept]
-                for i, row in enumerate(self.rows)
-            ],
+            [[row[k].replace("`", "") + self._tag(i) * (k == 0) for k in kept] for i, row in enumerate(self.rows)],
             [place for place, k in enumerate(kept) if k in self.right],
             tones=self.tones,
         )
@@ -160,11 +157,7 @@ def _format_block(block: Block, width: int, paint: Callable[[str, Tone], str]) -
             table = block.drop_details()
             yield ""
             yield from format_table(
-                table.head,
-                table.rows,
-                table.right,
-                width,
-                lambda cell, text: paint(text, table.tones.get(cell, "")),
+                table.head, table.rows, table.right, width, lambda cell, text: paint(text, table.tones.get(cell, ""))
             )
             yield ""
         case _:

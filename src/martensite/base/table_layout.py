@@ -38,10 +38,7 @@ class _Column:
 
 def _wrap_cell(text: str, width: int) -> list[str]:
     """The lines of a cell or a heading."""
-    lines = (
-        wrap(line, max(width, 1), break_long_words=False, break_on_hyphens=False)
-        for line in text.split("\n")
-    )
+    lines = (wrap(line, max(width, 1), break_long_words=False, break_on_hyphens=False) for line in text.split("\n"))
     return [part for found in lines for part in found or [""]]
 
 
@@ -112,9 +109,7 @@ def _format_group(group: Sequence[_Column], count: int, width: int, paint: Paint
         parts = [_wrap_cell(cell, w) for cell, w in zip(cells, widths, strict=True)]
         for line in range(max(map(len, parts))):
             texts = [part[line] if line < len(part) else "" for part in parts]
-            yield _join_cells(
-                group, widths, texts, [lambda text, cell=cell: paint(cell, text) for cell in cells]
-            )
+            yield _join_cells(group, widths, texts, [lambda text, cell=cell: paint(cell, text) for cell in cells])
 
 
 def _join_cells(

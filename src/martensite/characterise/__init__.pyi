@@ -11,9 +11,7 @@ from martensite.characterise.free_vibration import frequency_of as frequency_of
 from martensite.characterise.free_vibration import log_decrement as log_decrement
 from martensite.characterise.free_vibration import moving_mass as moving_mass
 from martensite.characterise.motor_constants import MotorConstants as MotorConstants
-from martensite.characterise.motor_constants import (
-    estimate_motor_constants as estimate_motor_constants,
-)
+from martensite.characterise.motor_constants import estimate_motor_constants as estimate_motor_constants
 from martensite.characterise.motor_tests import steady_running as steady_running
 from martensite.characterise.motor_tests import winding_resistance as winding_resistance
 from martensite.characterise.moving_average import average_moving as average_moving

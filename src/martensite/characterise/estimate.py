@@ -48,19 +48,11 @@ class MeasuredValue:
         half = 0.5 * (high - low)
         if half == 0.0:
             return f"{self.value:.6g}"
-        return (
-            f"{self.value:.6g} ± {half:.2g}"
-            if math.isfinite(half)
-            else f"{self.value:.6g} ± unknown"
-        )
+        return f"{self.value:.6g} ± {half:.2g}" if math.isfinite(half) else f"{self.value:.6g} ± unknown"
 
     def to_dict(self, level: float = LEVEL) -> dict[str, Any]:
         """All numbers by name, for JSON."""
-        return {
-            "value": self.value,
-            "standard_error": self.error,
-            "interval": list(self.interval(level)),
-        }
+        return {"value": self.value, "standard_error": self.error, "interval": list(self.interval(level))}
 
 
 def propagate_errors(function: Callable[..., float], *inputs: MeasuredValue) -> MeasuredValue:
@@ -74,8 +66,7 @@ def propagate_errors(function: Callable[..., float], *inputs: MeasuredValue) -> 
         if one.error == 0.0:
             continue
         above, below = (
-            function(*values[:place], one.value + sign * one.error, *values[place + 1 :])
-            for sign in (1.0, -1.0)
+            function(*values[:place], one.value + sign * one.error, *values[place + 1 :]) for sign in (1.0, -1.0)
         )
         if above != below:
             square += 0.25 * (above - below) ** 2

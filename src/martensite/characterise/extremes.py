@@ -111,12 +111,7 @@ class _Scan:
             found.append(vertex)
             sign = -sign
             vertex = self._vertex(vertex.time + self.half, sign)
-        return Extremes(
-            tuple(v.time for v in found),
-            tuple(v.value for v in found),
-            first_sign,
-            _estimate_noise(found),
-        )
+        return Extremes(tuple(v.time for v in found), tuple(v.value for v in found), first_sign, _estimate_noise(found))
 
     def _first(self) -> tuple[float, _Vertex | None]:
         """The largest extreme that has a vertex, and its sign."""
@@ -155,9 +150,7 @@ class _Scan:
         rows = abs(self.times - centre) <= 0.5 * self.half
         angle = (self.times[rows] - centre) * math.pi / self.half
         fall = np.exp(-self.alpha * angle)
-        columns = np.stack(
-            [np.ones_like(angle), fall * np.cos(angle), fall * np.sin(angle)], axis=1
-        )
+        columns = np.stack([np.ones_like(angle), fall * np.cos(angle), fall * np.sin(angle)], axis=1)
         fitted, *_ = np.linalg.lstsq(columns, self.values[rows], rcond=None)
         level, even, odd = map(float, fitted)
         if not sign * even > abs(odd):

@@ -53,9 +53,7 @@ class FreeAmbient:
         """Ambient temperature [°C] of the best fit; NaN if the flux is zero nowhere below."""
         import numpy as np
 
-        below = [
-            root for root in _real_roots(np.roots(self.flux.values[::-1])) if root < self.coldest
-        ]
+        below = [root for root in _real_roots(np.roots(self.flux.values[::-1])) if root < self.coldest]
         return max(below, default=math.nan)
 
     def ambient_interval(self, level: float = LEVEL) -> Interval:

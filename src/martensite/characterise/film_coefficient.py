@@ -24,12 +24,7 @@ from martensite.base.errors import DataError
 from martensite.characterise.columns import check_columns
 from martensite.characterise.polynomial_regression import LinearFit, fit_powers
 
-FORMS: dict[str, tuple[int, ...]] = {
-    "constant": (0,),
-    "linear": (0, 1),
-    "quadratic": (0, 1, 2),
-    "h1=0": (0, 2),
-}
+FORMS: dict[str, tuple[int, ...]] = {"constant": (0,), "linear": (0, 1), "quadratic": (0, 1, 2), "h1=0": (0, 2)}
 """Name of a form -> powers of the temperature in it."""
 
 
@@ -105,9 +100,7 @@ def film_value(coefficients: Sequence[float], temperature_degC: float) -> float:
     return sum(c * temperature_degC**k for k, c in enumerate(coefficients))
 
 
-def film_r_squared(
-    temperatures_degC: Sequence[float], h: Sequence[float], coefficients: Sequence[float]
-) -> float:
+def film_r_squared(temperatures_degC: Sequence[float], h: Sequence[float], coefficients: Sequence[float]) -> float:
     """R² of a given polynomial on given points: temperatures [°C], h [W/(m² K)].
 
     Raises:
@@ -123,9 +116,7 @@ def film_r_squared(
     return 1.0 - left / scatter
 
 
-def fit_film(
-    temperatures_degC: Sequence[float], h: Sequence[float], terms: Sequence[int] = (0, 1, 2)
-) -> FilmFit:
+def fit_film(temperatures_degC: Sequence[float], h: Sequence[float], terms: Sequence[int] = (0, 1, 2)) -> FilmFit:
     """Fit a polynomial to film coefficients by linear least squares.
 
     Args:

@@ -68,10 +68,7 @@ class FilmPoints:
         _check_ambient(ambient_degC, self.temperatures_degC)
         return FilmPoints(
             self.temperatures_degC,
-            tuple(
-                flux / (at - ambient_degC)
-                for at, flux in zip(self.temperatures_degC, self.fluxes, strict=True)
-            ),
+            tuple(flux / (at - ambient_degC) for at, flux in zip(self.temperatures_degC, self.fluxes, strict=True)),
             ambient_degC,
         )
 
@@ -81,12 +78,7 @@ class FilmPoints:
 
 
 def points_from_power(
-    temperatures_degC: Sequence[float],
-    powers: Sequence[float],
-    *,
-    diameter: float,
-    length: float,
-    ambient_degC: float,
+    temperatures_degC: Sequence[float], powers: Sequence[float], *, diameter: float, length: float, ambient_degC: float
 ) -> FilmPoints:
     """Film coefficients of a wire from steady temperatures and heating powers.
 
@@ -102,9 +94,7 @@ def points_from_power(
         DataError: the points are not of a wire heated above its ambient.
     """
     if not (0.0 < diameter < math.inf and 0.0 < length < math.inf):
-        raise ParameterError(
-            f"Diameter and length must be above 0 m, but are {diameter:g} m and {length:g} m."
-        )
+        raise ParameterError(f"Diameter and length must be above 0 m, but are {diameter:g} m and {length:g} m.")
     check_columns("a wire", "points", 2, temperatures=temperatures_degC, powers=powers)
     _check_ambient(ambient_degC, temperatures_degC)
     surface = math.pi * diameter * length
@@ -113,9 +103,7 @@ def points_from_power(
     return FilmPoints(tuple(temperatures_degC), h, ambient_degC)
 
 
-def powers_from_voltage(
-    voltages: Sequence[float], resistances: Sequence[float] | float
-) -> list[float]:
+def powers_from_voltage(voltages: Sequence[float], resistances: Sequence[float] | float) -> list[float]:
     """Heating powers V²/R [W] from voltages [V] and one resistance, or one per voltage [ohm].
 
     Raises:
@@ -124,10 +112,7 @@ def powers_from_voltage(
     """
     each = [resistances] * len(voltages) if isinstance(resistances, (int, float)) else resistances
     if len(each) != len(voltages):
-        raise DataError(
-            f"There must be one resistance per voltage, but there are {len(each)} and "
-            f"{len(voltages)}."
-        )
+        raise DataError(f"There must be one resistance per voltage, but there are {len(each)} and {len(voltages)}.")
     if not all(ohms > 0.0 for ohms in each):
         raise ParameterError(f"A resistance must be above 0 ohm, but one is {min(each):g} ohm.")
     return [volts * volts / ohms for volts, ohms in zip(voltages, each, strict=True)]
@@ -137,6 +122,5 @@ def _check_ambient(ambient: float, temperatures: Sequence[float]) -> None:
     coldest = min(temperatures)
     if not ABSOLUTE_ZERO <= ambient < coldest:
         raise DataError(
-            f"The ambient temperature must be below the coldest point, {coldest:g} degC, "
-            f"but is {ambient:g} degC."
+            f"The ambient temperature must be below the coldest point, {coldest:g} degC, but is {ambient:g} degC."
         )

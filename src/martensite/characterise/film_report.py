@@ -29,12 +29,7 @@ from martensite.characterise.film_sensitivity import (
     shift_ambients,
     slope_per_kelvin,
 )
-from martensite.characterise.film_verdicts import (
-    FilmVerdict,
-    judge_ambient,
-    judge_curvature,
-    judge_slope,
-)
+from martensite.characterise.film_verdicts import FilmVerdict, judge_ambient, judge_curvature, judge_slope
 
 
 @dataclass(frozen=True)

@@ -43,9 +43,7 @@ def judge_curvature(
     verdict = partial(FilmVerdict, "curvature")
     fit = fits.get("quadratic")
     if fit is None or not fit.linear.freedom:
-        return verdict(
-            False, "Curvature is not tested: that takes at least four points at three temperatures."
-        )
+        return verdict(False, "Curvature is not tested: that takes at least four points at three temperatures.")
     given, line = fit.interval(2, level), fits["linear"]
     number = f"beside a linear term {_word_coefficient(2, fit.coefficients[2], given, level)}"
     change = "falls" if fit.adjusted < line.adjusted else "rises"
@@ -98,16 +96,12 @@ def judge_slope(
     return verdict(True, f"A slope of h is supported: {at}{number}.")
 
 
-def judge_ambient(
-    free: Mapping[str, FreeAmbient], form: str, confounding: Confounding, level: float
-) -> FilmVerdict:
+def judge_ambient(free: Mapping[str, FreeAmbient], form: str, confounding: Confounding, level: float) -> FilmVerdict:
     """Whether the points hold the ambient temperature, were it not known."""
     verdict = partial(FilmVerdict, "ambient")
     fit, beside = free.get(form), "a slope" if form == "linear" else "a bend"
     if fit is None or not fit.flux.freedom:
-        return verdict(
-            False, "The ambient temperature is not tested: that takes at least four points."
-        )
+        return verdict(False, "The ambient temperature is not tested: that takes at least four points.")
     span = _word_span(fit.ambient_interval(level), fit.coldest)
     share = f"{100.0 * level:g} %"
     if fit.bounded(level):
@@ -141,10 +135,7 @@ def _contradict_slope(free: FreeAmbient, given: float, level: float) -> str:
 def _word_coefficient(term: int, value: float, interval: Interval, level: float = LEVEL) -> str:
     low, high = interval
     share = f"{100.0 * level:g} %"
-    if not math.isfinite(low):
-        between = f"{share} interval unbounded"
-    else:
-        between = f"{share} interval {low:.3g} to {high:.3g}"
+    between = f"{share} interval unbounded" if not math.isfinite(low) else f"{share} interval {low:.3g} to {high:.3g}"
     return f"h{_DIGITS[term]} = {value:.3g} {UNITS[term]}, {between}"
 
 

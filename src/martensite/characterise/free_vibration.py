@@ -64,9 +64,7 @@ class LogDecrement:
     def frequency(self) -> MeasuredValue:
         """Natural frequency f_n of the undamped vibration [Hz]."""
         return propagate_errors(
-            lambda period, delta: math.sqrt(1.0 + (delta / (2.0 * math.pi)) ** 2) / period,
-            self.period,
-            self.decrement,
+            lambda period, delta: math.sqrt(1.0 + (delta / (2.0 * math.pi)) ** 2) / period, self.period, self.decrement
         )
 
     @property
@@ -107,17 +105,10 @@ def log_decrement(
         DataError: the rows are no vibration, or have fewer than three peaks.
     """
     _check_options(cycles, least)
-    first = _fit_extremes(
-        find_extremes(times, values, cycles=cycles, least=least, frequency=frequency)
-    )
+    first = _fit_extremes(find_extremes(times, values, cycles=cycles, least=least, frequency=frequency))
     period = first.period.value
     again = find_extremes(
-        times,
-        values,
-        cycles=cycles,
-        least=least,
-        frequency=1.0 / period,
-        decay=first.decrement.value / period,
+        times, values, cycles=cycles, least=least, frequency=1.0 / period, decay=first.decrement.value / period
     )
     return _fit_extremes(again)
 
@@ -176,9 +167,7 @@ def _fit_period(found: Extremes, ratio: float) -> MeasuredValue:
 
 def _check_options(cycles: int | None, least: float) -> None:
     if cycles is not None and cycles < FEWEST_PEAKS - 1:
-        raise ParameterError(
-            f"Argument `cycles` must be at least {FEWEST_PEAKS - 1}, but is {cycles}."
-        )
+        raise ParameterError(f"Argument `cycles` must be at least {FEWEST_PEAKS - 1}, but is {cycles}.")
     if not 0.0 <= least < 1.0:
         raise ParameterError(f"Argument `least` must be from 0 to below 1, but is {least:g}.")
 

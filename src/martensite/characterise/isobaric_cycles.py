@@ -163,9 +163,7 @@ def _mean_stress(record: Record, rows: list[int], given: float | None) -> tuple[
             raise ParameterError(f"Argument `stress` must be finite, but is {given} Pa.")
         return given, 0.0
     if "stress" not in record.columns:
-        raise DataError(
-            f"Record `{record.name}` has no column `stress`; give the constant stress of the cycle."
-        )
+        raise DataError(f"Record `{record.name}` has no column `stress`; give the constant stress of the cycle.")
     values = [record["stress"][row] for row in rows]
     _check_finite(record.name, "stress", values)
     mean = math.fsum(values) / len(values)
@@ -186,8 +184,7 @@ def _check_columns(name: str, kelvin: Sequence[float], strain: Sequence[float]) 
     """Raise `DataError` unless the columns can be a temperature [K] and a strain [-]."""
     if len(kelvin) < FEWEST_ROWS:
         raise DataError(
-            f"Record `{name}` has {len(kelvin)} rows, but a heating-cooling cycle needs at least "
-            f"{FEWEST_ROWS}."
+            f"Record `{name}` has {len(kelvin)} rows, but a heating-cooling cycle needs at least {FEWEST_ROWS}."
         )
     _check_finite(name, "temperature", kelvin)
     _check_finite(name, "strain", strain)

@@ -173,8 +173,7 @@ def _list_remarks(
     time, offset = found.run_up_time, winding.offset
     if time is not None and time > LONG:
         yield (
-            f"R J/(K_T K_B) = {time:.3g} s is long for a small motor: doubt J and R before "
-            "anything is built on them."
+            f"R J/(K_T K_B) = {time:.3g} s is long for a small motor: doubt J and R before anything is built on them."
         )
     if offset is not None and not interval_contains(offset.interval()):
         yield (

@@ -94,9 +94,7 @@ def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> 
     return Winding(resistance, fit_powers(currents, voltages, (0, 1)).coefficient(0))
 
 
-def steady_running(
-    voltages: Sequence[float], currents: Sequence[float], speeds: Sequence[float]
-) -> SteadyRunning:
+def steady_running(voltages: Sequence[float], currents: Sequence[float], speeds: Sequence[float]) -> SteadyRunning:
     """Steady states, those of backward rotation turned forward.
 
     Args:
@@ -118,7 +116,6 @@ def steady_running(
     states = SteadyRunning(*columns)
     if len(set(states.speeds)) < 2:
         raise DataError(
-            f"All steady states run at {states.speeds[0]:.4g} rad/s, but a line of friction "
-            "takes at least two speeds."
+            f"All steady states run at {states.speeds[0]:.4g} rad/s, but a line of friction takes at least two speeds."
         )
     return states

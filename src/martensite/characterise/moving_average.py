@@ -29,9 +29,7 @@ def average_moving(values: Sequence[float], window: int) -> list[float]:
     """
     _check_window(window)
     if window > len(values):
-        raise DataError(
-            f"A window of {window} rows is longer than the record of {len(values)} rows."
-        )
+        raise DataError(f"A window of {window} rows is longer than the record of {len(values)} rows.")
     reach, last = (window - 1) // 2, len(values) - 1
     means: list[float] = []
     for i in range(len(values)):

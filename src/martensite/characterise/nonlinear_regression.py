@@ -47,9 +47,7 @@ def root_mean_square(numbers: Sequence[float]) -> float:
     return math.sqrt(sum(number * number for number in numbers) / len(numbers))
 
 
-def fit_residuals(
-    residuals: Callable[[tuple[float, ...]], Any], start: Sequence[float]
-) -> NonlinearFit:
+def fit_residuals(residuals: Callable[[tuple[float, ...]], Any], start: Sequence[float]) -> NonlinearFit:
     """Minimise the sum of squared residuals.
 
     Args:

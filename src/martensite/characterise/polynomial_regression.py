@@ -16,13 +16,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from martensite.base.confidence import (
-    EVERYTHING,
-    LEVEL,
-    Interval,
-    student_quantile,
-    two_sided_probability,
-)
+from martensite.base.confidence import EVERYTHING, LEVEL, Interval, student_quantile, two_sided_probability
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.columns import check_columns
 from martensite.characterise.estimate import MeasuredValue
@@ -87,11 +81,7 @@ class LinearFit:
         if not self.freedom:
             return math.inf
         powers = [x**k for k in self.terms]
-        variance = sum(
-            a * b * self.covariance[i][j]
-            for i, a in enumerate(powers)
-            for j, b in enumerate(powers)
-        )
+        variance = sum(a * b * self.covariance[i][j] for i, a in enumerate(powers) for j, b in enumerate(powers))
         return student_quantile(level, self.freedom) * math.sqrt(max(variance, 0.0))
 
     def _place(self, term: int) -> int:
@@ -125,9 +115,7 @@ def fit_powers(x: Sequence[float], y: Sequence[float], terms: Sequence[int]) -> 
     spread = (right.T / sizes**2) @ right / np.outer(units, units)
     freedom = len(x) - len(terms)
     spread *= squares / freedom if freedom else math.nan
-    return LinearFit(
-        tuple(terms), _as_floats(values / units), tuple(map(_as_floats, spread)), squares, len(x)
-    )
+    return LinearFit(tuple(terms), _as_floats(values / units), tuple(map(_as_floats, spread)), squares, len(x))
 
 
 def _as_floats(numbers: Any) -> tuple[float, ...]:
@@ -136,6 +124,4 @@ def _as_floats(numbers: Any) -> tuple[float, ...]:
 
 def _check_terms(terms: Sequence[int]) -> None:
     if not terms or len(set(terms)) != len(terms) or min(terms) < 0:
-        raise ParameterError(
-            f"Argument `terms` must be distinct powers from 0 on, but is {tuple(terms)}."
-        )
+        raise ParameterError(f"Argument `terms` must be distinct powers from 0 on, but is {tuple(terms)}.")

@@ -110,9 +110,7 @@ def sampling_interval(times: Sequence[float], values: Sequence[float]) -> float:
     return step
 
 
-def _check_band(
-    low: float | None, high: float | None, least: float, most: float
-) -> tuple[float, float]:
+def _check_band(low: float | None, high: float | None, least: float, most: float) -> tuple[float, float]:
     """Band that is looked at [Hz]."""
     first = _CYCLES * least if low is None else low
     last = most if high is None else high
@@ -123,8 +121,7 @@ def _check_band(
         )
     if last - first < 2.0 * least:
         raise ParameterError(
-            f"The band of {first:.6g} to {last:.6g} Hz is narrower than two steps of the "
-            f"resolution, {least:.3g} Hz."
+            f"The band of {first:.6g} to {last:.6g} Hz is narrower than two steps of the resolution, {least:.3g} Hz."
         )
     return first, min(last, most)
 

@@ -25,8 +25,7 @@ def bending_strain(force: float, arm: float, E: float, width: float, height: flo
     """
     if min(E, width, height) <= 0.0:
         raise ParameterError(
-            f"Modulus, width and height must be above 0, but are {E:g} Pa, {width:g} m and "
-            f"{height:g} m."
+            f"Modulus, width and height must be above 0, but are {E:g} Pa, {width:g} m and {height:g} m."
         )
     return 6.0 * force * arm / (E * width * height**2)
 

@@ -141,10 +141,7 @@ class TangentFit:
 
 
 def fit_tangents(
-    cycles: Sequence[Record | TangentPoints],
-    *,
-    stresses: Sequence[float] | None = None,
-    cycle: int = -1,
+    cycles: Sequence[Record | TangentPoints], *, stresses: Sequence[float] | None = None, cycle: int = -1
 ) -> TangentFit:
     """Read isobaric cycles under several stresses by the tangent method.
 
@@ -159,9 +156,7 @@ def fit_tangents(
         ParameterError: stresses and records are not equally many.
     """
     if stresses is not None and len(stresses) != len(cycles):
-        raise ParameterError(
-            f"There must be one stress per record, but there are {len(stresses)} and {len(cycles)}."
-        )
+        raise ParameterError(f"There must be one stress per record, but there are {len(stresses)} and {len(cycles)}.")
     given = [None] * len(cycles) if stresses is None else stresses
     levels = [_read_points(one, stress, cycle) for one, stress in zip(cycles, given, strict=True)]
     levels.sort(key=lambda points: points.stress)

@@ -148,9 +148,7 @@ def _is_straight(kelvin: Any, strain: Any) -> bool:
     return bool(abs(strain - fit_line(kelvin, strain).value(kelvin)).max() < LEAST)
 
 
-def _find_way(
-    outer: tuple[StraightLine, StraightLine], middle: float, kelvin: Any, strain: Any, where: str
-) -> Any:
+def _find_way(outer: tuple[StraightLine, StraightLine], middle: float, kelvin: Any, strain: Any, where: str) -> Any:
     """Share of the way from the cold to the hot line, growing from row to row."""
     import numpy as np
 

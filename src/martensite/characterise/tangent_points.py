@@ -129,9 +129,7 @@ class TangentPoints:
         }
 
 
-def find_tangent_points(
-    record: Record, *, stress: float | None = None, cycle: int = -1
-) -> TangentPoints:
+def find_tangent_points(record: Record, *, stress: float | None = None, cycle: int = -1) -> TangentPoints:
     """Read one isobaric cycle by the tangent method.
 
     Args:
@@ -189,12 +187,7 @@ def _reverse_cycle(cut: IsobaricCycle) -> IsobaricCycle:
             "its times run backwards, or its thermometer lags by more than the hysteresis."
         )
     remark = "The rows stand in reverse order: heating and cooling are exchanged."
-    return replace(
-        cut,
-        heating=cut.cooling,
-        cooling=cut.heating,
-        remarks=(*cut.remarks, remark),
-    )
+    return replace(cut, heating=cut.cooling, cooling=cut.heating, remarks=(*cut.remarks, remark))
 
 
 def _residual_strain(heating: BranchTangents, cooling: BranchTangents, cold_start: bool) -> float:

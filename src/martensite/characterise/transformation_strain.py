@@ -102,8 +102,7 @@ def fit_transformation_strain(stresses: Sequence[float], strains: Sequence[float
     """
     if not strains or len(stresses) != len(strains):
         raise DataError(
-            f"There must be one transformation strain per stress, but there are {len(strains)} "
-            f"and {len(stresses)}."
+            f"There must be one transformation strain per stress, but there are {len(strains)} and {len(stresses)}."
         )
     mean = _mean_strain(strains)
     squares = math.fsum((h - mean.value) ** 2 for h in strains)
@@ -112,9 +111,7 @@ def fit_transformation_strain(stresses: Sequence[float], strains: Sequence[float
         shape = _search_grid(stresses, strains, [0.0])
         spare = len(strains) - 3
         if shape.high > shape.low and _is_worthwhile(shape.squares, squares, spare):
-            return _refine_shape(
-                stresses, strains, _try_critical(stresses, strains, shape, levels), mean
-            )
+            return _refine_shape(stresses, strains, _try_critical(stresses, strains, shape, levels), mean)
     deviation = math.sqrt(squares / len(strains))
     return StrainFit("constant", mean, mean, mean, None, None, deviation)
 
@@ -133,9 +130,7 @@ def _is_worthwhile(squares: float, constant: float, spare: int) -> bool:
     return constant > 0.0 and (squares / constant) ** (0.5 * spare) < 1.0 - LEVEL
 
 
-def _try_critical(
-    stresses: Sequence[float], strains: Sequence[float], shape: _Shape, levels: int
-) -> _Shape:
+def _try_critical(stresses: Sequence[float], strains: Sequence[float], shape: _Shape, levels: int) -> _Shape:
     """The shape with a critical stress, if there are stresses enough and it is worth it."""
     if levels < FEWEST_CRITICAL:
         return shape
@@ -149,9 +144,7 @@ def _try_critical(
     return critical if two_sided_probability(t, spare) < 1.0 - LEVEL else shape
 
 
-def _search_grid(
-    stresses: Sequence[float], strains: Sequence[float], places: Sequence[float]
-) -> _Shape:
+def _search_grid(stresses: Sequence[float], strains: Sequence[float], places: Sequence[float]) -> _Shape:
     """The best of many values of k and σ_crit; H_min and H_sat follow by least squares."""
     import numpy as np
 
@@ -177,9 +170,7 @@ def _search_grid(
 # ---------------------------------------------------------------- from the best of many to the best
 
 
-def _refine_shape(
-    stresses: Sequence[float], strains: Sequence[float], shape: _Shape, mean: MeasuredValue
-) -> StrainFit:
+def _refine_shape(stresses: Sequence[float], strains: Sequence[float], shape: _Shape, mean: MeasuredValue) -> StrainFit:
     """The fit nearest to a shape, with standard errors; the shape itself if there is none."""
     solved = None
     if shape.rate > 1.001 * LEAST_RATE / max(stresses):
@@ -189,14 +180,10 @@ def _refine_shape(
     pairs = zip(stresses, strains, strict=True)
     left = [saturating_strain(*values, stress=s) - h for s, h in pairs]
     low, high, rate, crit = (found[name] for name in NAMES)
-    return StrainFit(
-        "saturating", mean, low, high, rate, crit if shape.crit else None, root_mean_square(left)
-    )
+    return StrainFit("saturating", mean, low, high, rate, crit if shape.crit else None, root_mean_square(left))
 
 
-def _solve_shape(
-    stresses: Sequence[float], strains: Sequence[float], shape: _Shape
-) -> dict[str, MeasuredValue] | None:
+def _solve_shape(stresses: Sequence[float], strains: Sequence[float], shape: _Shape) -> dict[str, MeasuredValue] | None:
     """All free numbers by least squares; None if they do not settle within their range."""
     # what is zero in the shape is held there; the others are fitted in units of about their size
     units = {"low": shape.high, "high": shape.high, "rate": shape.rate, "crit": shape.crit}

@@ -34,9 +34,7 @@ class Commands(TyperGroup):
         for title, names in {**GROUPS, "Others": tuple(left)}.items():
             found = {name: self.get_command(ctx, name) for name in names if name in left}
             rows = [
-                (name, one.get_short_help_str(66))
-                for name, one in found.items()
-                if one is not None and not one.hidden
+                (name, one.get_short_help_str(66)) for name, one in found.items() if one is not None and not one.hidden
             ]
             left = [name for name in left if name not in found]
             if rows:
@@ -79,12 +77,9 @@ def _print_version(wanted: bool) -> None:
 @app.callback()
 def read_options(
     version: Annotated[
-        bool,
-        typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version."),
+        bool, typer.Option("--version", callback=_print_version, is_eager=True, help="Show the version.")
     ] = False,
-    debug: Annotated[
-        bool, typer.Option("--debug", help="Show the traceback of an error (with any command).")
-    ] = False,
+    debug: Annotated[bool, typer.Option("--debug", help="Show the traceback of an error (with any command).")] = False,
 ) -> None:
     """Simulate shape-memory-alloy actuators, and reproduce published results.
 

@@ -74,10 +74,7 @@ def _find_ends(scenario: Scenario) -> dict[str, Any]:
     case = scenario.system, scenario.waveform, scenario.duration
     found = find_end_states(*case)
     leaves = leaves_envelope(*case) if any(end.leaves for end in found) else ""
-    rows = [
-        _collect_end(end, f"all drives at their {which}")
-        for end, which in zip(found, LEVELS, strict=False)
-    ]
+    rows = [_collect_end(end, f"all drives at their {which}") for end, which in zip(found, LEVELS, strict=False)]
     return {"end_states": rows, "leaves": leaves}
 
 
@@ -89,8 +86,7 @@ def _collect_end(end: EndState, all_drives: str) -> dict[str, Any]:
     levels = [f"{name} {write_quantity(v, units[name])}" for name, v in end.levels.items()]
     held = levels[0].split(" ", 1)[1] if len(levels) == 1 else ", ".join(levels)
     words = [
-        f"{result.outputs[name].long_name} "
-        f"{write_quantity(result.columns[name][-1], result.unit(name))}"
+        f"{result.outputs[name].long_name} {write_quantity(result.columns[name][-1], result.unit(name))}"
         for name in system.convergence_scales()
     ]
     if len(levels) > FEW:
@@ -130,9 +126,7 @@ def _collect_report(scenario: Scenario) -> dict[str, Any]:
     from martensite.simulate.api import first_step
 
     period = None if scenario.bench is None else scenario.bench.period
-    step = (
-        period or scenario.step or first_step(scenario.system, scenario.duration, scenario.samples)
-    )
+    step = period or scenario.step or first_step(scenario.system, scenario.duration, scenario.samples)
     samples = 1 if period else scenario.samples
     doubtful = [p for p, o in scenario.origins.items() if o.partition(",")[0] in DOUBTFUL]
     return {
@@ -150,9 +144,7 @@ def _collect_report(scenario: Scenario) -> dict[str, Any]:
 
 @app.command()
 def params(
-    name: Annotated[
-        str, typer.Argument(metavar="NAME|SCENARIO", help="A part, or a scenario file.")
-    ],
+    name: Annotated[str, typer.Argument(metavar="NAME|SCENARIO", help="A part, or a scenario file.")],
     settings: Settings = None,
     json: Json = False,
     modules: Imports = None,
@@ -164,10 +156,7 @@ def params(
 
     if name.endswith(".toml"):
         rows = _list_values(load_scenario(name, settings, modules))
-        cells = [
-            (r["path"], write_quantity(r["value"], r["unit"]), r["from"], r["meaning"])
-            for r in rows
-        ]
+        cells = [(r["path"], write_quantity(r["value"], r["unit"]), r["from"], r["meaning"]) for r in rows]
         table = DataTable(("path", "value", "from", "meaning"), cells)
         print_summary(Summary("", [table], rows), json)
         return

@@ -12,9 +12,7 @@ from martensite.cli.options import Imports, Json, Settings, import_modules, load
 
 @app.command()
 def cite(
-    name: Annotated[
-        str, typer.Argument(metavar="SCENARIO|STUDY", help="A scenario file, or a study's name.")
-    ],
+    name: Annotated[str, typer.Argument(metavar="SCENARIO|STUDY", help="A scenario file, or a study's name.")],
     settings: Settings = None,
     json: Json = False,
     modules: Imports = None,

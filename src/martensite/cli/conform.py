@@ -17,9 +17,7 @@ if TYPE_CHECKING:
 
 @app.command()
 def conform(
-    target: Annotated[
-        str, typer.Argument(metavar="FILE|NAME", help="A .py or .toml file, or a name.")
-    ],
+    target: Annotated[str, typer.Argument(metavar="FILE|NAME", help="A .py or .toml file, or a name.")],
     json: Json = False,
     modules: Imports = None,
 ) -> None:

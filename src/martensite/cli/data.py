@@ -52,9 +52,7 @@ def _count_here(name: str) -> str:
 
 
 @data.command("show")
-def show_one(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="A data set.")], json: Json = False
-) -> None:
+def show_one(name: Annotated[str, typer.Argument(metavar="NAME", help="A data set.")], json: Json = False) -> None:
     """Show a data set: what it holds, what it is not, where it comes from, its files."""
     from martensite.scenario.datasets import describe_dataset
     from martensite.show.terminal import print_summary

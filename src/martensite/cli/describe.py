@@ -36,9 +36,7 @@ def describe(
 
     parts = describe_parts()
     if scenario is None:
-        rows = [
-            (k, str(len(v)), str(sum(len(p["parameters"]) for p in v))) for k, v in parts.items()
-        ]
+        rows = [(k, str(len(v)), str(sum(len(p["parameters"]) for p in v))) for k, v in parts.items()]
         blocks: list[Block] = [DataTable(("kind of part", "parts", "entries"), rows, right=(1, 2))]
         print_summary(Summary("", blocks, {"parts": parts}), json)
         return

@@ -32,35 +32,25 @@ class DesignOptions:
             '--free "drive.peak=1..5 W"; repeatable.',
         ),
     ] = None
-    minimise: Annotated[
-        Text, Option(help='What shall be least, e.g. "max(stress)" [default: energy].')
-    ] = None
+    minimise: Annotated[Text, Option(help='What shall be least, e.g. "max(stress)" [default: energy].')] = None
     maximise: Annotated[Text, Option(help='What shall be most, e.g. "stroke".')] = None
     subject: Annotated[
         Texts,
-        Option(
-            metavar="MEASURE<=LIMIT",
-            help='What must hold, e.g. --subject "max(stress) <= 200 MPa"; repeatable.',
-        ),
+        Option(metavar="MEASURE<=LIMIT", help='What must hold, e.g. --subject "max(stress) <= 200 MPa"; repeatable.'),
     ] = None
     life: Annotated[
-        Text,
-        Option(
-            help='Keep the limits that the elements declare, with this much to spare, e.g. "10 %".'
-        ),
+        Text, Option(help='Keep the limits that the elements declare, with this much to spare, e.g. "10 %".')
     ] = None
     case: Annotated[
         Texts,
         Option(
             metavar="PATH=VALUE",
-            help='Another case in which it must hold, e.g. --case "environment.temperature='
-            '35 degC"; repeatable.',
+            help='Another case in which it must hold, e.g. --case "environment.temperature=35 degC"; repeatable.',
         ),
     ] = None
-    grid: Annotated[
-        int | None,
-        Option(help="Compare with all designs of a grid of so many points along a number."),
-    ] = None
+    grid: Annotated[int | None, Option(help="Compare with all designs of a grid of so many points along a number.")] = (
+        None
+    )
     sample: Annotated[int, Option(help="Designs of the first sample, a power of 2.")] = 64
     descents: Annotated[int, Option(help="Designs from which it is descended.")] = 3
     seed: Annotated[int, Option(help="Of the sample.")] = 0
@@ -68,9 +58,7 @@ class DesignOptions:
     def check(self) -> None:
         """Raise `ParameterError` for a number out of range."""
         if self.sample < 1 or self.sample & (self.sample - 1):
-            raise ParameterError(
-                f"Option `--sample` must be a power of 2, such as 64, but is {self.sample}."
-            )
+            raise ParameterError(f"Option `--sample` must be a power of 2, such as 64, but is {self.sample}.")
         if self.descents < 1:
             raise ParameterError(f"Option `--descents` must be at least 1, but is {self.descents}.")
         if self.grid is not None and self.grid < 2:
@@ -131,9 +119,7 @@ def design(
     source: ScenarioSource,
     options: DesignOptions,
     answer: AnswerOptions,
-    save: Annotated[
-        Path | None, Option(help="Scenario with the numbers found to write: .toml.")
-    ] = None,
+    save: Annotated[Path | None, Option(help="Scenario with the numbers found to write: .toml.")] = None,
 ) -> None:
     """Find numbers for which a goal is best and limits are kept.
 

@@ -61,9 +61,7 @@ def write_design(found: OptimisedDesign, scenario: Scenario) -> str:
     return "\n".join([goal, *limits, *missed, "", as_toml(document)])
 
 
-def _write_settings(
-    target: Target, value: float, scenario: Scenario, *, whole: bool
-) -> dict[str, Any]:
+def _write_settings(target: Target, value: float, scenario: Scenario, *, whole: bool) -> dict[str, Any]:
     """What a number is in the scenario: by path, as text with a unit."""
     from martensite.scenario.exact_text import exact_text
     from martensite.simulate.waveform_levels import PEAK
@@ -84,9 +82,7 @@ def _scale_levels(target: Target, factor: float, scenario: Scenario) -> dict[str
     before = target.name.removesuffix("peak")
     held = _find_waveform(scenario, before).get("values")
     if isinstance(held, list):
-        values = [
-            units.parse_quantity(v, target.unit) if isinstance(v, str) else float(v) for v in held
-        ]
+        values = [units.parse_quantity(v, target.unit) if isinstance(v, str) else float(v) for v in held]
         return {f"{before}waveform.values": [exact_text(factor * v, target.unit) for v in values]}
     level = target.level
     drive = "" if level is None else level.drive

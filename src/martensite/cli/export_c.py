@@ -82,8 +82,7 @@ def _make_core(loaded: Scenario, name: str, part: str, precision: str) -> tuple[
     if loaded.outside and part != "plant":
         kind = next(iter(loaded.outside.values())).registered_name
         raise ParameterError(
-            f"The controller `{kind}` is no kernel and cannot be written as C; "
-            "the plant alone can: `--part plant`."
+            f"The controller `{kind}` is no kernel and cannot be written as C; the plant alone can: `--part plant`."
         )
     if part != "loop":
         system = loaded.system if part == "plant" else loaded.whole

@@ -11,15 +11,7 @@ from martensite.base.errors import InputError
 from martensite.base.formats import write_quantity
 from martensite.base.summary import Sentence, Summary
 from martensite.cli.export import export
-from martensite.cli.options import (
-    Force,
-    Json,
-    ScenarioSource,
-    Text,
-    Texts,
-    read_quantity,
-    spread_options,
-)
+from martensite.cli.options import Force, Json, ScenarioSource, Text, Texts, read_quantity, spread_options
 from martensite.cli.outputs import Outputs
 
 if TYPE_CHECKING:
@@ -39,9 +31,7 @@ def fmu(
             "[default: that with which `run` reaches its tolerance]."
         ),
     ] = None,
-    name: Annotated[
-        Text, Option(help="Model identifier [default: made of the name of the file].")
-    ] = None,
+    name: Annotated[Text, Option(help="Model identifier [default: made of the name of the file].")] = None,
     platforms: Annotated[
         Texts,
         Option(

@@ -13,13 +13,7 @@ from martensite.base.errors import InputError
 from martensite.base.formats import write_quantity
 from martensite.base.summary import Sentence, Summary
 from martensite.cli.export import export
-from martensite.cli.options import (
-    Force,
-    Json,
-    ScenarioSource,
-    read_quantity,
-    spread_options,
-)
+from martensite.cli.options import Force, Json, ScenarioSource, read_quantity, spread_options
 from martensite.cli.outputs import Outputs
 
 if TYPE_CHECKING:
@@ -47,12 +41,10 @@ class Driving(TyperCommand):
 def mujoco(
     source: ScenarioSource,
     out: Annotated[
-        Path | None,
-        Option(help="MJCF file to write [default: ./SCENARIO.xml, or ./SCENARIO_snippet.xml]."),
+        Path | None, Option(help="MJCF file to write [default: ./SCENARIO.xml, or ./SCENARIO_snippet.xml].")
     ] = None,
     snippet: Annotated[
-        bool,
-        Option("--snippet", help="Write sites, tendons and motors alone, for a model of your own."),
+        bool, Option("--snippet", help="Write sites, tendons and motors alone, for a model of your own.")
     ] = False,
     driver: Annotated[
         Path | None,
@@ -81,15 +73,11 @@ def mujoco(
     out = out or Path(f"{source.file.stem}{'_snippet' if snippet else ''}.xml")
     Outputs(out, None).check(force, data=(".xml",))
     dt = read_quantity("timestep", timestep, "s")
-    texts = {
-        out: to_mjcf_snippet(loaded.system) if snippet else to_mjcf(loaded.system, timestep=dt)
-    }
+    texts = {out: to_mjcf_snippet(loaded.system) if snippet else to_mjcf(loaded.system, timestep=dt)}
     if driver:
         driver = out.with_name(f"{source.file.stem}_driver.py") if driver == HERE else driver
         Outputs(driver, None).check(force, data=(".py",))
-        texts[driver] = _write_driver(
-            loaded, driver, None if snippet else out, source.modules or []
-        )
+        texts[driver] = _write_driver(loaded, driver, None if snippet else out, source.modules or [])
     for path, text in texts.items():
         with replace_file(path) as part:
             part.write_text(text, encoding="utf-8")
@@ -106,12 +94,7 @@ def _write_driver(loaded: Scenario, driver: Path, model: Path | None, modules: l
             "and call your controller before every `step` of a `MujocoBridge`."
         )
     return driver_text(
-        loaded.system,
-        loaded.text,
-        driver,
-        source=loaded.path or Path(),
-        model=model,
-        modules=tuple(modules),
+        loaded.system, loaded.text, driver, source=loaded.path or Path(), model=model, modules=tuple(modules)
     )
 
 
@@ -123,9 +106,6 @@ def _summarise_model(loaded: Scenario) -> Summary:
     data = {"mechanism": mechanism.registered_name, "tendons": tendons, "left_out": left_out}
     lines = [
         *(f"tendon `{one}`: {write_quantity(f, 'N')} at assembly" for one, f in tendons.items()),
-        *(
-            f"signal `{one}` of the mechanism is left out: it is for the model to say"
-            for one in left_out
-        ),
+        *(f"signal `{one}` of the mechanism is left out: it is for the model to say" for one in left_out),
     ]
     return Summary("", [Sentence(line) for line in lines], data)

@@ -36,9 +36,7 @@ class HeatedWire:
     diameter: Annotated[Text, Option(help='Diameter of the wire, e.g. "0.381 mm".')] = None
     length: Annotated[Text, Option(help='Length of the wire, e.g. "273 mm".')] = None
     ambient: Annotated[Text, Option(help='Ambient temperature, e.g. "38.5 degC".')] = None
-    resistance: Annotated[
-        Text, Option(help='Resistance that the voltage heats, e.g. "2.7 ohm".')
-    ] = None
+    resistance: Annotated[Text, Option(help='Resistance that the voltage heats, e.g. "2.7 ohm".')] = None
 
     def read(self, name: str) -> float | None:
         """A number in SI."""
@@ -61,15 +59,11 @@ class HeatedWire:
 @fit.command("h")
 @spread_options
 def film(
-    table: Annotated[
-        Path, Argument(metavar="TABLE", help="Steady states, one per row (see below).")
-    ],
+    table: Annotated[Path, Argument(metavar="TABLE", help="Steady states, one per row (see below).")],
     wire: HeatedWire,
     answer: AnswerOptions,
     form: Annotated[str, Option(help="all, constant, linear, quadratic, or h1=0.")] = ALL,
-    out: Annotated[
-        Path | None, Option(help="Heat-loss model to write: .toml; takes one --form.")
-    ] = None,
+    out: Annotated[Path | None, Option(help="Heat-loss model to write: .toml; takes one --form.")] = None,
 ) -> None:
     """Fit a film coefficient h(T) to steady states, and judge the fit.
 
@@ -137,8 +131,7 @@ def read_points(table: Path, wire: HeatedWire) -> tuple[FilmPoints, str]:
         return FilmPoints(at, tuple(record["h"]), given), "column `h`"
     powers, origin = _read_powers(record, wire)
     sizes = {
-        name: wire.need(name, "h = P/[π d l (T - T_a)] is to be found")
-        for name in ("diameter", "length", "ambient")
+        name: wire.need(name, "h = P/[π d l (T - T_a)] is to be found") for name in ("diameter", "length", "ambient")
     }
     ambient = _to_celsius(sizes.pop("ambient"))
     return points_from_power(at, powers, **sizes, ambient_degC=ambient), origin

@@ -44,9 +44,7 @@ REPORTS, MATERIAL = (".md", ".html"), (".toml",)
 class FitOptions:
     """What is fitted, and how."""
 
-    scenario: Annotated[
-        list[Path] | None, Option(help="Scenario file; one for all logs, or repeated for each.")
-    ] = None
+    scenario: Annotated[list[Path] | None, Option(help="Scenario file; one for all logs, or repeated for each.")] = None
     free: Annotated[
         Texts,
         Option(
@@ -54,14 +52,9 @@ class FitOptions:
             help='Free parameters, comma-separated or repeated, e.g. A_s,A_f,"C_A=5..12 MPa/K".',
         ),
     ] = None
-    each: Annotated[
-        Texts, Option(help="What every log has for itself: parameters, offset[.OUTPUT], delay.")
-    ] = None
+    each: Annotated[Texts, Option(help="What every log has for itself: parameters, offset[.OUTPUT], delay.")] = None
     hold_out: Annotated[
-        Text,
-        Option(
-            help='Kept back from the fit: auto, none, names of logs, or "25 %" [default: auto].'
-        ),
+        Text, Option(help='Kept back from the fit: auto, none, names of logs, or "25 %" [default: auto].')
     ] = None
     column: Annotated[
         Texts,
@@ -70,25 +63,15 @@ class FitOptions:
             help="What is compared [default: all that log and scenario share]; repeatable.",
         ),
     ] = None
-    noise: Annotated[
-        Texts, Option(metavar="OUTPUT=AMOUNT", help='Noise of a measurement, e.g. "strain=0.02 %".')
-    ] = None
+    noise: Annotated[Texts, Option(metavar="OUTPUT=AMOUNT", help='Noise of a measurement, e.g. "strain=0.02 %".')] = (
+        None
+    )
     method: Annotated[Text, Option(help="trf, coordinate, or evolution [default: trf].")] = None
-    loss: Annotated[Text, Option(help="linear, soft-l1, huber, or cauchy [default: linear].")] = (
-        None
-    )
-    starts: Annotated[
-        int | None, Option(help="Further starts spread over the bounds [default: 0].")
-    ] = None
-    step: Annotated[
-        Text, Option(help='Longest step, e.g. "0.5 s" [default: to the tolerance].')
-    ] = None
-    columns: Annotated[Text, Option(help="Headings of logs that have none, comma-separated.")] = (
-        None
-    )
-    interval: Annotated[
-        Text, Option(help='Time between rows of logs without times, e.g. "0.1 s".')
-    ] = None
+    loss: Annotated[Text, Option(help="linear, soft-l1, huber, or cauchy [default: linear].")] = None
+    starts: Annotated[int | None, Option(help="Further starts spread over the bounds [default: 0].")] = None
+    step: Annotated[Text, Option(help='Longest step, e.g. "0.5 s" [default: to the tolerance].')] = None
+    columns: Annotated[Text, Option(help="Headings of logs that have none, comma-separated.")] = None
+    interval: Annotated[Text, Option(help='Time between rows of logs without times, e.g. "0.1 s".')] = None
 
     def read_task(self, logs: Sequence[str], settings: list[str] | None) -> FitTask:
         """The task; options go over what a fit file says.
@@ -121,9 +104,7 @@ class FitOptions:
         if not self.scenario:
             raise InputError("A fit needs --scenario, the file of one; none given.")
         if not self.free:
-            raise InputError(
-                "A fit needs --free, what is to be found, such as `--free A_s,A_f`; none given."
-            )
+            raise InputError("A fit needs --free, what is to be found, such as `--free A_s,A_f`; none given.")
         task = build_task(self.scenario, logs, self.free)
         interval = read_quantity("interval", self.interval, "s")
         headings = None if self.columns is None else tuple(self.columns.split(","))
@@ -148,22 +129,13 @@ class FitOptions:
 class FitExtras:
     """What is asked for beside the fit itself, and the files."""
 
-    profile: Annotated[
-        Texts, Option(metavar="NAME", help="Profile likelihood of a parameter; repeatable.")
-    ] = None
-    posterior: Annotated[
-        int | None, Option(metavar="DRAWS", help="Posterior samples to draw; needs NumPyro.")
-    ] = None
+    profile: Annotated[Texts, Option(metavar="NAME", help="Profile likelihood of a parameter; repeatable.")] = None
+    posterior: Annotated[int | None, Option(metavar="DRAWS", help="Posterior samples to draw; needs NumPyro.")] = None
     resume: Annotated[
-        Path | None,
-        Option(metavar="STATE", help="File that keeps the search, and takes it up again."),
+        Path | None, Option(metavar="STATE", help="File that keeps the search, and takes it up again.")
     ] = None
-    report: Annotated[
-        Path | None, Option(help="Report to write: .md (figures beside it) or .html.")
-    ] = None
-    out: Annotated[
-        Path | None, Option(metavar="MATERIAL", help="Material file to write: .toml.")
-    ] = None
+    report: Annotated[Path | None, Option(help="Report to write: .md (figures beside it) or .html.")] = None
+    out: Annotated[Path | None, Option(metavar="MATERIAL", help="Material file to write: .toml.")] = None
 
     def check(self, arranged: ArrangedFit) -> None:
         """Refuse before the search what would fail after it."""
@@ -174,10 +146,7 @@ class FitExtras:
         if self.posterior is not None and self.posterior < 1:
             raise InputError(f"Option `--posterior` must be at least 1, but is {self.posterior}.")
         if self.posterior is not None and find_spec("numpyro") is None:
-            raise InputError(
-                "Option `--posterior` needs NumPyro; install it with "
-                "`pip install martensite[posterior]`."
-            )
+            raise InputError("Option `--posterior` needs NumPyro; install it with `pip install martensite[posterior]`.")
 
     def check_files(self, force: bool) -> None:
         """Raise `DataError` if a file has a wrong ending, no folder, or is there already."""

@@ -24,20 +24,12 @@ SPEEDS = (SPEED, "rpm")
 
 @fit.command("motor")
 def motor(
-    steady: Annotated[
-        Path, Argument(metavar="STEADY", help="Steady states: `voltage`, `current`, `speed`.")
-    ],
-    locked: Annotated[
-        Path | None, Option(help="Rotor held still: `voltage` and `current`.")
-    ] = None,
+    steady: Annotated[Path, Argument(metavar="STEADY", help="Steady states: `voltage`, `current`, `speed`.")],
+    locked: Annotated[Path | None, Option(help="Rotor held still: `voltage` and `current`.")] = None,
     resistance: Annotated[Text, Option(help='Resistance instead, e.g. "41 ohm".')] = None,
-    current_rise: Annotated[
-        Path | None, Option(help="Step of the voltage, rotor held: `time` and `current`.")
-    ] = None,
+    current_rise: Annotated[Path | None, Option(help="Step of the voltage, rotor held: `time` and `current`.")] = None,
     inductance: Annotated[Text, Option(help='Inductance instead, e.g. "3 mH".')] = None,
-    run_up: Annotated[
-        Path | None, Option(help="Step of the voltage, rotor free: `time` and `speed`.")
-    ] = None,
+    run_up: Annotated[Path | None, Option(help="Step of the voltage, rotor free: `time` and `speed`.")] = None,
     json: Json = False,
 ) -> None:
     """Constants of a DC motor from its tests.

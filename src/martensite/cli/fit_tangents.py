@@ -28,12 +28,8 @@ def tangents(
         ),
     ],
     answer: AnswerOptions,
-    stress: Annotated[
-        Texts, Option(help='Constant stress of each LOG, e.g. "100 MPa"; repeatable.')
-    ] = None,
-    cycle: Annotated[
-        int | None, Option(help="Which cycle of each LOG, from 1 on; the last if left out.")
-    ] = None,
+    stress: Annotated[Texts, Option(help='Constant stress of each LOG, e.g. "100 MPa"; repeatable.')] = None,
+    cycle: Annotated[int | None, Option(help="Which cycle of each LOG, from 1 on; the last if left out.")] = None,
 ) -> None:
     """Transformation temperatures, slopes and strain of isobaric cycles, by tangents.
 
@@ -53,9 +49,7 @@ def tangents(
     outputs.answer(summary, answer.json, draw=lambda: plot_tangents(found, title))
 
 
-def read_cycles(
-    logs: Sequence[str], stresses: Sequence[str] | None, cycle: int | None
-) -> list[TangentPoints]:
+def read_cycles(logs: Sequence[str], stresses: Sequence[str] | None, cycle: int | None) -> list[TangentPoints]:
     """The tangents of each log, in the order given.
 
     Raises:
@@ -70,14 +64,9 @@ def read_cycles(
         raise InputError(f"Option `--cycle` counts from 1 on, but is {cycle}.")
     if stresses and len(stresses) != len(logs):
         raise InputError(
-            "Give --stress once for every LOG, in their order; "
-            f"stresses: {len(stresses)}, logs: {len(logs)}."
+            f"Give --stress once for every LOG, in their order; stresses: {len(stresses)}, logs: {len(logs)}."
         )
-    given = (
-        [read_quantity("stress", text, "Pa") for text in stresses]
-        if stresses
-        else [None] * len(logs)
-    )
+    given = [read_quantity("stress", text, "Pa") for text in stresses] if stresses else [None] * len(logs)
     which = -1 if cycle is None else cycle - 1
     return [
         find_tangent_points(read_table(log), stress=stress, cycle=which)

@@ -19,16 +19,12 @@ if TYPE_CHECKING:
 
 @fit.command("vibration")
 def vibration(
-    record: Annotated[
-        Path, Argument(metavar="RECORD", help="A record with `time` and what vibrates.")
-    ],
+    record: Annotated[Path, Argument(metavar="RECORD", help="A record with `time` and what vibrates.")],
     column: Annotated[Text, Option(help="Column that vibrates, if there are several.")] = None,
     start: Annotated[Text, Option(help='Time from which on it is free, e.g. "0.5 s".')] = None,
     end: Annotated[Text, Option(help='Time of the last row used, e.g. "4 s".')] = None,
     cycles: Annotated[int | None, Option(help="Most cycles used; all if left out.")] = None,
-    stiffness: Annotated[
-        Text, Option(help='Stiffness, e.g. "540 N/m": gives the moving mass.')
-    ] = None,
+    stiffness: Annotated[Text, Option(help='Stiffness, e.g. "540 N/m": gives the moving mass.')] = None,
     mass: Annotated[Text, Option(help='Moving mass, e.g. "190 g": gives the stiffness.')] = None,
     json: Json = False,
 ) -> None:
@@ -85,13 +81,8 @@ def _choose_column(record: Record, column: str | None) -> str:
     if column is None:
         if len(others) != 1:
             listed = ", ".join(f"`{name}`" for name in others) or "none"
-            raise DataError(
-                f"Give --column: record `{record.name}` has {len(others)} columns beside `time`, "
-                f"{listed}."
-            )
+            raise DataError(f"Give --column: record `{record.name}` has {len(others)} columns beside `time`, {listed}.")
         return others[0]
     if column not in others:
-        raise DataError(
-            f"Record `{record.name}` has no column `{column}`. {suggest_name(column, others)}"
-        )
+        raise DataError(f"Record `{record.name}` has no column `{column}`. {suggest_name(column, others)}")
     return column

@@ -13,15 +13,7 @@ from typer import Argument, Option
 from martensite.base.errors import InputError, suggest_name
 from martensite.cli.app import app
 from martensite.cli.identify_columns import choose_columns
-from martensite.cli.options import (
-    Imports,
-    Text,
-    Texts,
-    import_modules,
-    read_positive,
-    read_quantity,
-    spread_options,
-)
+from martensite.cli.options import Imports, Text, Texts, import_modules, read_positive, read_quantity, spread_options
 from martensite.cli.outputs import AnswerOptions, Outputs, open_parts
 from martensite.cli.progress import show_share, show_spinner
 
@@ -38,13 +30,10 @@ ANCHOR = 0.1
 class IdentifyOptions:
     """What is identified, and how."""
 
-    inputs: Annotated[
-        Texts, Option("--input", metavar="COLUMN", help="Column that goes in; repeatable.")
-    ] = None
-    output: Annotated[
-        Text,
-        Option(metavar="COLUMN", help="Column that comes out at the end; several with commas."),
-    ] = None
+    inputs: Annotated[Texts, Option("--input", metavar="COLUMN", help="Column that goes in; repeatable.")] = None
+    output: Annotated[Text, Option(metavar="COLUMN", help="Column that comes out at the end; several with commas.")] = (
+        None
+    )
     stage: Annotated[
         Texts,
         Option(
@@ -57,34 +46,21 @@ class IdentifyOptions:
     search: Annotated[
         Text,
         Option(
-            metavar="PATTERN",
-            help='Structures to choose from, e.g. --search "poly{1..3} | oe({2,3},3,1) | pwl10".',
+            metavar="PATTERN", help='Structures to choose from, e.g. --search "poly{1..3} | oe({2,3},3,1) | pwl10".'
         ),
     ] = None
     validate: Annotated[
-        Texts,
-        Option(metavar="LOG", help="Log of another cadence that a search chooses by; repeatable."),
+        Texts, Option(metavar="LOG", help="Log of another cadence that a search chooses by; repeatable.")
     ] = None
-    other: Annotated[Texts, Option(metavar="LOG", help="Log that is only scored; repeatable.")] = (
-        None
-    )
-    interval: Annotated[
-        Text, Option(help='Sample time to fit at, e.g. "20 ms" [default: that of the log].')
-    ] = None
+    other: Annotated[Texts, Option(metavar="LOG", help="Log that is only scored; repeatable.")] = None
+    interval: Annotated[Text, Option(help='Sample time to fit at, e.g. "20 ms" [default: that of the log].')] = None
     unit: Annotated[
-        Texts,
-        Option(
-            metavar="COLUMN=UNIT", help='Unit of a column in the model, e.g. "duty=%"; repeatable.'
-        ),
+        Texts, Option(metavar="COLUMN=UNIT", help='Unit of a column in the model, e.g. "duty=%"; repeatable.')
     ] = None
     starts: Annotated[int, Option(min=1, help="Searches from different starts.")] = 12
     seed: Annotated[int, Option(min=0, help="Of the random starts.")] = 0
-    skip: Annotated[
-        Text, Option(help='Time at the start of every log that does not count, e.g. "2 s".')
-    ] = None
-    initial: Annotated[str, Option(help="State at the first row: rest, zero, or estimate.")] = (
-        "rest"
-    )
+    skip: Annotated[Text, Option(help='Time at the start of every log that does not count, e.g. "2 s".')] = None
+    initial: Annotated[str, Option(help="State at the first row: rest, zero, or estimate.")] = "rest"
     anchor: Annotated[
         float | None,
         Option(
@@ -93,9 +69,7 @@ class IdentifyOptions:
             "[default: 0.1 where --initial is rest, else 0].",
         ),
     ] = None
-    ridge: Annotated[
-        float, Option(min=0.0, help="Pull of free numbers to their start, e.g. 1e-6.")
-    ] = 0.0
+    ridge: Annotated[float, Option(min=0.0, help="Pull of free numbers to their start, e.g. 1e-6.")] = 0.0
 
     def plan_stages(self) -> list[ModelStage]:
         """The stages.
@@ -112,14 +86,9 @@ class IdentifyOptions:
             )
         texts = [self.search] if self.search is not None else list(self.stage or ())
         output = self.output or ""
-        read = [
-            ModelStage.read(text, output if k == len(texts) else None)
-            for k, text in enumerate(texts, start=1)
-        ]
+        read = [ModelStage.read(text, output if k == len(texts) else None) for k, text in enumerate(texts, start=1)]
         if read[-1].outputs != ModelStage("", output).outputs:
-            raise InputError(
-                f"The last stage gives `{read[-1].output}`, but --output is `{output}`."
-            )
+            raise InputError(f"The last stage gives `{read[-1].output}`, but --output is `{output}`.")
         return read
 
     def complete_columns(self, log: str) -> IdentifyOptions:
@@ -128,18 +97,14 @@ class IdentifyOptions:
         Raises:
             InputError: it leaves a choice.
         """
-        given = [
-            name.strip() for text in self.inputs or () for name in text.split(",") if name.strip()
-        ]
+        given = [name.strip() for text in self.inputs or () for name in text.split(",") if name.strip()]
         arrows = [text.partition("->")[2].strip() for text in self.stage or ()]
         named = [name.strip() for arrow in arrows for name in arrow.split(",") if name.strip()]
         last = arrows[-1] if arrows else ""
         inputs, output = choose_columns(log, given, self.output or last or None, named)
         return replace(self, inputs=inputs, output=output)
 
-    def read_records(
-        self, fitted: Sequence[str], outputs: Sequence[str]
-    ) -> tuple[list[Sampled], ...]:
+    def read_records(self, fitted: Sequence[str], outputs: Sequence[str]) -> tuple[list[Sampled], ...]:
         """Records to fit, to validate with, and others, all of one sample time."""
         interval = read_positive("interval", self.interval, "s")
         groups: list[list[Sampled]] = []
@@ -172,9 +137,7 @@ class IdentifyOptions:
         from martensite.identify.chains.residuals import STARTS
 
         if self.initial not in STARTS:
-            raise InputError(
-                f"Option `--initial` is `{self.initial}`. {suggest_name(self.initial, STARTS)}"
-            )
+            raise InputError(f"Option `--initial` is `{self.initial}`. {suggest_name(self.initial, STARTS)}")
         rest = ANCHOR if self.initial == "rest" else 0.0
         seconds = read_quantity("skip", self.skip, "s") or 0.0
         return Options(
@@ -200,9 +163,7 @@ def identify(
     ],
     options: IdentifyOptions,
     answer: AnswerOptions,
-    save: Annotated[
-        Path | None, Option(metavar="MODEL", help="Model file to write: .json.")
-    ] = None,
+    save: Annotated[Path | None, Option(metavar="MODEL", help="Model file to write: .json.")] = None,
     modules: Imports = None,
 ) -> None:
     """Find a model of blocks that repeats logs in free run.

@@ -17,9 +17,7 @@ def list_columns(log: str) -> list[str]:
     return [name for name in read_table(log, gaps=True, interval=None).columns if name != "time"]
 
 
-def choose_columns(
-    log: str, inputs: Sequence[str], output: str | None, named: Sequence[str]
-) -> tuple[list[str], str]:
+def choose_columns(log: str, inputs: Sequence[str], output: str | None, named: Sequence[str]) -> tuple[list[str], str]:
     """Inputs and last output: those given, else what alone is left in the log.
 
     Args:

@@ -22,22 +22,16 @@ RATES = {"temperature": "K/s", "stress": "Pa/s", "strain": "1/s"}
 @app.command()
 @spread_options
 def law(
-    names: Annotated[
-        list[str], Argument(metavar="NAME...", help="Laws; several are drawn side by side.")
-    ],
+    names: Annotated[list[str], Argument(metavar="NAME...", help="Laws; several are drawn side by side.")],
     answer: AnswerOptions,
     path: Annotated[
         str,
         Option(
-            help="superelastic, tension, isobaric, free-recovery, shape-memory, "
-            "constrained-recovery, or minor-loops."
+            help="superelastic, tension, isobaric, free-recovery, shape-memory, constrained-recovery, or minor-loops."
         ),
     ] = "superelastic",
     material: Annotated[
-        Text,
-        Option(
-            metavar="NAME|FILE", help="Whose numbers [default: the first that has all of them]."
-        ),
+        Text, Option(metavar="NAME|FILE", help="Whose numbers [default: the first that has all of them].")
     ] = None,
     settings: Annotated[
         Texts,
@@ -48,22 +42,14 @@ def law(
             "for one of several; repeatable.",
         ),
     ] = None,
-    at: Annotated[
-        Text, Option(help='Temperatures of the path, such as "40 degC, 60 degC".')
-    ] = None,
-    stress: Annotated[
-        Text, Option(help='Stresses of the path, such as "100 MPa, 200 MPa".')
-    ] = None,
+    at: Annotated[Text, Option(help='Temperatures of the path, such as "40 degC, 60 degC".')] = None,
+    stress: Annotated[Text, Option(help='Stresses of the path, such as "100 MPa, 200 MPa".')] = None,
     strain: Annotated[Text, Option(help='Largest strain of the path, such as "5 %".')] = None,
     start: Annotated[
         Text, Option("--from", help="austenite, martensite, or twinned [default: the path's own].")
     ] = None,
-    rate: Annotated[
-        Text, Option(help='How fast, such as "1 K/s, 10 MPa/s, 0.1 %/s", for laws with rates.')
-    ] = None,
-    tolerance: Annotated[
-        float, Option(help="Accepted change on halving the steps, as a share of range.")
-    ] = 1e-3,
+    rate: Annotated[Text, Option(help='How fast, such as "1 K/s, 10 MPa/s, 0.1 %/s", for laws with rates.')] = None,
+    tolerance: Annotated[float, Option(help="Accepted change on halving the steps, as a share of range.")] = 1e-3,
     runtime: Annotated[str, Option(help="floats, or c.")] = "floats",
     out: Annotated[Path | None, Option(help="Table to write: .csv.")] = None,
     modules: Imports = None,

@@ -33,12 +33,9 @@ def complete_name(ctx: typer.Context, incomplete: str) -> list[str]:
 
 @app.command(name="list")
 def list_parts(
-    kind: Annotated[
-        Text, Argument(metavar="[KIND]", help="A kind of parts.", autocompletion=complete_kind)
-    ] = None,
+    kind: Annotated[Text, Argument(metavar="[KIND]", help="A kind of parts.", autocompletion=complete_kind)] = None,
     name: Annotated[
-        Text,
-        Argument(metavar="[NAME]", help="One of them, in detail.", autocompletion=complete_name),
+        Text, Argument(metavar="[NAME]", help="One of them, in detail.", autocompletion=complete_name)
     ] = None,
     json: Json = False,
     modules: Imports = None,
@@ -86,8 +83,7 @@ def _write_block(block: type[AbstractBlock]) -> str:
 
 @app.command()
 def materials(
-    name: Annotated[Text, Argument(metavar="[NAME|FILE]", help="One of them, in detail.")] = None,
-    json: Json = False,
+    name: Annotated[Text, Argument(metavar="[NAME|FILE]", help="One of them, in detail.")] = None, json: Json = False
 ) -> None:
     """List the materials, or show one with all sources."""
     from martensite.physics.materials.base import load_material, material_names

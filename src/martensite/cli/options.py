@@ -91,9 +91,7 @@ def import_modules(names: list[str] | None) -> None:
     registry.import_modules(names or [])
 
 
-def load_scenario(
-    path: str | Path, settings: list[str] | None, modules: list[str] | None = None
-) -> Scenario:
+def load_scenario(path: str | Path, settings: list[str] | None, modules: list[str] | None = None) -> Scenario:
     """The scenario of a file with what `--set` changes and `--import` adds."""
     import_modules(modules)
     from martensite.scenario.overrides import read_settings
@@ -121,9 +119,7 @@ def spread_options(command: Callable[..., None]) -> Callable[..., None]:
     The options of a command are declared once, as the fields of the value that it works with.
     """
     own = inspect.signature(command, eval_str=True).parameters.values()
-    groups: dict[str, Any] = {
-        one.name: one.annotation for one in own if is_dataclass(one.annotation)
-    }
+    groups: dict[str, Any] = {one.name: one.annotation for one in own if is_dataclass(one.annotation)}
     parameters: list[inspect.Parameter] = []
     for one in own:
         named = _list_fields(groups[one.name]) if one.name in groups else [one]

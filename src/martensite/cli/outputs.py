@@ -64,9 +64,7 @@ class Outputs:
         self.write(text, draw)
         print_summary(summary, json, self.paths())
 
-    def write(
-        self, text: Callable[[], str] | None = None, draw: Callable[[], Figure] | None = None
-    ) -> None:
+    def write(self, text: Callable[[], str] | None = None, draw: Callable[[], Figure] | None = None) -> None:
         """Write the text that is wanted, and the figure."""
         from martensite.show.figures.files import write_figure
 
@@ -107,9 +105,7 @@ def check_folder(path: Path) -> None:
 def check_absent(path: Path, force: bool, option: str = "--force") -> None:
     """Raise `DataError` if a file is there and must not be replaced."""
     if path.exists() and not force:
-        raise DataError(
-            f"`{path}` is there already; use {option} to replace it, or write to another file."
-        )
+        raise DataError(f"`{path}` is there already; use {option} to replace it, or write to another file.")
 
 
 @contextmanager

@@ -24,12 +24,9 @@ def pareto(
     store: StoreFolder,
     answer: AnswerOptions,
     minimise: Annotated[
-        Texts,
-        Option(metavar="MEASURE", help="What shall be small, a varied number too; repeatable."),
+        Texts, Option(metavar="MEASURE", help="What shall be small, a varied number too; repeatable.")
     ] = None,
-    maximise: Annotated[
-        Texts, Option(metavar="MEASURE", help="What shall be large; repeatable.")
-    ] = None,
+    maximise: Annotated[Texts, Option(metavar="MEASURE", help="What shall be large; repeatable.")] = None,
     save: Annotated[Path | None, Option(help="Table of the front to write: .csv.")] = None,
 ) -> None:
     """Find the runs of a sweep that no other beats."""

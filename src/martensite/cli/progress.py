@@ -107,9 +107,7 @@ def show_sweep(label: str) -> Iterator[Callable[[Swept], None] | None]:
         task = bar.add_task(label, total=None, rate="")
 
         def tell(now: Swept) -> None:
-            bar.update(
-                task, total=now.runs, completed=now.done, rate=_write_rate(now, bar.tasks[0])
-            )
+            bar.update(task, total=now.runs, completed=now.done, rate=_write_rate(now, bar.tasks[0]))
 
         yield tell
 

@@ -43,32 +43,22 @@ ROUNDING = 1e-12
 class RunOptions:
     """How a scenario is run, and what its run is compared with."""
 
-    compare: Annotated[
-        Text, Option(metavar="FILE", help="A record to compare with [default: the scenario's own].")
-    ] = None
-    log: Annotated[
-        Text,
-        Option(
-            metavar="FILE", help="The log that the scenario follows; it is compared with as well."
-        ),
-    ] = None
-    columns: Annotated[
-        Text, Option(help="What the columns of such a record or log are, comma-separated.")
-    ] = None
-    no_compare: Annotated[bool, Option("--no-compare", help="Compare with nothing.")] = False
-    tolerance: Annotated[float | None, Option(help="Replaces the tolerance of the scenario.")] = (
+    compare: Annotated[Text, Option(metavar="FILE", help="A record to compare with [default: the scenario's own].")] = (
         None
     )
+    log: Annotated[
+        Text, Option(metavar="FILE", help="The log that the scenario follows; it is compared with as well.")
+    ] = None
+    columns: Annotated[Text, Option(help="What the columns of such a record or log are, comma-separated.")] = None
+    no_compare: Annotated[bool, Option("--no-compare", help="Compare with nothing.")] = False
+    tolerance: Annotated[float | None, Option(help="Replaces the tolerance of the scenario.")] = None
     runtime: Annotated[
         Text,
         Option(
-            help="auto, floats, c or jax [default: auto, what is done first; on a bench c, if "
-            "there is a compiler]."
+            help="auto, floats, c or jax [default: auto, what is done first; on a bench c, if there is a compiler]."
         ),
     ] = None
-    budget: Annotated[
-        Text, Option(metavar="TIME", help='Give up after so much CPU time, e.g. "30 s".')
-    ] = None
+    budget: Annotated[Text, Option(metavar="TIME", help='Give up after so much CPU time, e.g. "30 s".')] = None
     carrier: Annotated[
         Text,
         Option(
@@ -122,9 +112,7 @@ class RunOptions:
                 return scenario.run(runtime=self.runtime)
         most = read_quantity("budget", self.budget, "s")
         with show_run(scenario.title, quiet) as tell:
-            return scenario.run(
-                tolerance=self.tolerance, runtime=self.runtime, budget=most, tell=tell
-            )
+            return scenario.run(tolerance=self.tolerance, runtime=self.runtime, budget=most, tell=tell)
 
 
 @app.command()
@@ -133,16 +121,13 @@ def run(
     scenario: ScenarioFile,
     options: RunOptions,
     settings: Settings = None,
-    out: Annotated[
-        Path | None, Option(help="netCDF file to write [default: ./SCENARIO.nc].")
-    ] = None,
+    out: Annotated[Path | None, Option(help="netCDF file to write [default: ./SCENARIO.nc].")] = None,
     figure: Annotated[
         Path | None, Option(help="Figure to write: .png, .svg or .pdf [default: ./SCENARIO.png].")
     ] = None,
     no_figure: Annotated[bool, Option("--no-figure", help="Draw nothing.")] = False,
     profile: Annotated[
-        Path | None,
-        Option(help="Figure of temperature and fraction along an axial-wire or a ribbon."),
+        Path | None, Option(help="Figure of temperature and fraction along an axial-wire or a ribbon.")
     ] = None,
     modules: Imports = None,
     force: Force = False,
@@ -171,12 +156,7 @@ def run(
 
 
 def run_scenario(
-    scenario: Scenario,
-    options: RunOptions,
-    outputs: Outputs,
-    log: Record | None = None,
-    *,
-    quiet: bool = False,
+    scenario: Scenario, options: RunOptions, outputs: Outputs, log: Record | None = None, *, quiet: bool = False
 ) -> tuple[Result, Summary]:
     """Run a scenario and write what is wanted; nothing is written if anything fails."""
     record = options.read_record(scenario, log)
@@ -202,9 +182,7 @@ def _make_pulses(scenario: Scenario, carrier: float) -> Averaging:
     if alone and isinstance(system, System) and isinstance(waveform, AbstractWaveform):
         with show_spinner(f"simulating the pulses of {scenario.title}"):
             return compare_averaging(system, waveform, scenario.duration, carrier)
-    raise InputError(
-        "Option `--carrier` is for a system of one element and one drive, without a bench."
-    )
+    raise InputError("Option `--carrier` is for a system of one element and one drive, without a bench.")
 
 
 def _cut_log(log: Record, scenario: Scenario) -> Record:

@@ -24,26 +24,16 @@ def size(
     stroke: Annotated[Text, Option(help='Way of the load, e.g. "5 mm".')] = None,
     rate: Annotated[Text, Option(help='Cycles, e.g. "0.5 Hz".')] = None,
     supply: Annotated[Text, Option(help='Voltage of the supply, e.g. "12 V".')] = None,
-    ambient: Annotated[
-        Text, Option(help="Temperature of the still air [default: 22 degC].")
-    ] = None,
+    ambient: Annotated[Text, Option(help="Temperature of the still air [default: 22 degC].")] = None,
     strain: Annotated[Text, Option(help="Largest strain used [default: 4 %].")] = None,
     stress: Annotated[Text, Option(help="Largest stress [default: 172 MPa].")] = None,
-    bias: Annotated[
-        Text, Option(help="What stretches the wire: spring, or weight [default: spring].")
-    ] = None,
-    current_limit: Annotated[
-        Text, Option(help='Largest current of the supply, e.g. "3 A".')
-    ] = None,
+    bias: Annotated[Text, Option(help="What stretches the wire: spring, or weight [default: spring].")] = None,
+    current_limit: Annotated[Text, Option(help='Largest current of the supply, e.g. "3 A".')] = None,
     alloy: Annotated[str, Option(help="70, 90, or any.")] = "any",
     strands: Annotated[int | None, Option(help="Most wires side by side [default: 12].")] = None,
     every: Annotated[bool, Option("--all", help="Show the wires that do not do, too.")] = (False),
-    catalogue: Annotated[
-        bool, Option("--catalogue", help="Only compare the model with the maker's table.")
-    ] = False,
-    pick: Annotated[
-        int | None, Option(help="Number of the wire to describe and write [default: best].")
-    ] = None,
+    catalogue: Annotated[bool, Option("--catalogue", help="Only compare the model with the maker's table.")] = False,
+    pick: Annotated[int | None, Option(help="Number of the wire to describe and write [default: best].")] = None,
     out: Annotated[Path | None, Option(help="Scenario file to write: .toml.")] = None,
     overwrite: Annotated[bool, Option("--overwrite", help="Replace an existing file.")] = False,
     json: Json = False,
@@ -108,9 +98,7 @@ def _choose_candidate(sizing: Sizing, pick: int | None) -> int | None:
     if pick is None:
         return 0 if sizing.best else None
     if not 1 <= pick <= len(sizing.candidates):
-        raise InputError(
-            f"Option `--pick` must be between 1 and {len(sizing.candidates)}, but is {pick}."
-        )
+        raise InputError(f"Option `--pick` must be between 1 and {len(sizing.candidates)}, but is {pick}.")
     return pick - 1
 
 

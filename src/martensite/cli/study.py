@@ -26,12 +26,10 @@ TONES: dict[str, Tone] = {"reproduced": "good", "not reproduced": "bad", "calibr
 @app.command()
 def study(
     names: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="[NAME]...", help="Studies, or `all`; without one they are listed."),
+        list[str] | None, typer.Argument(metavar="[NAME]...", help="Studies, or `all`; without one they are listed.")
     ] = None,
     figures: Annotated[
-        Path | None,
-        typer.Option(metavar="FOLDER", help="Write the figure of each study into this folder."),
+        Path | None, typer.Option(metavar="FOLDER", help="Write the figure of each study into this folder.")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace existing figures.")] = False,
     json: Json = False,
@@ -68,9 +66,7 @@ def _summarise_all(found: list[AbstractStudy]) -> Summary:
     return Summary("", [table, told], [{"key": one.key, "title": one.title} for one in found])
 
 
-def _check_figures(
-    studies: list[AbstractStudy], folder: Path | None, force: bool
-) -> dict[str, Path]:
+def _check_figures(studies: list[AbstractStudy], folder: Path | None, force: bool) -> dict[str, Path]:
     """File of each figure, checked before anything is computed."""
     if folder is None:
         return {}

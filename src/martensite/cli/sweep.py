@@ -9,14 +9,7 @@ from typer import Option
 
 from martensite.base.errors import InputError
 from martensite.cli.app import app
-from martensite.cli.options import (
-    Json,
-    ScenarioSource,
-    Text,
-    Texts,
-    read_quantity,
-    spread_options,
-)
+from martensite.cli.options import Json, ScenarioSource, Text, Texts, read_quantity, spread_options
 from martensite.cli.outputs import Outputs
 from martensite.cli.progress import show_spinner, show_sweep
 
@@ -29,13 +22,10 @@ def sweep(
         Texts,
         Option(
             metavar="NAME=NUMBERS",
-            help='What is varied: "diameter=0.1..0.5 mm:9", "A_s=68, 70 degC", '
-            '"length=250 mm +- 2 %"; repeatable.',
+            help='What is varied: "diameter=0.1..0.5 mm:9", "A_s=68, 70 degC", "length=250 mm +- 2 %"; repeatable.',
         ),
     ] = None,
-    sample: Annotated[
-        str, Option(help="grid, or a sample and its size: sobol:1024, latin-hypercube:1000 …")
-    ] = "grid",
+    sample: Annotated[str, Option(help="grid, or a sample and its size: sobol:1024, latin-hypercube:1000 …")] = "grid",
     output: Annotated[
         Texts,
         Option(
@@ -44,19 +34,11 @@ def sweep(
             "repeatable [default: stroke, max(temperature), max(stress), energy].",
         ),
     ] = None,
-    trace: Annotated[
-        Texts, Option(metavar="OUTPUT:SAMPLES", help="A column kept over time; repeatable.")
-    ] = None,
-    out: Annotated[
-        Path | None, Option(help="Zarr store to write, or to go on with [./SCENARIO.zarr].")
-    ] = None,
+    trace: Annotated[Texts, Option(metavar="OUTPUT:SAMPLES", help="A column kept over time; repeatable.")] = None,
+    out: Annotated[Path | None, Option(help="Zarr store to write, or to go on with [./SCENARIO.zarr].")] = None,
     seed: Annotated[int, Option(help="Of the sample.")] = 0,
-    step: Annotated[
-        Text, Option(help="Longest of equal steps [default: an error control].")
-    ] = None,
-    runtime: Annotated[
-        Text, Option(help="c, jax or floats [default: c, if there is a compiler].")
-    ] = None,
+    step: Annotated[Text, Option(help="Longest of equal steps [default: an error control].")] = None,
+    runtime: Annotated[Text, Option(help="c, jax or floats [default: c, if there is a compiler].")] = None,
     precision: Annotated[str, Option(help="float64, or float32 on JAX.")] = "float64",
     backend: Annotated[
         Text,
@@ -66,16 +48,10 @@ def sweep(
         ),
     ] = None,
     workers: Annotated[int, Option(min=0, help="How many processes; 0 for one per core.")] = 0,
-    scheduler: Annotated[
-        Text, Option(help="Address of a Dask scheduler, such as tcp://host:8786.")
-    ] = None,
+    scheduler: Annotated[Text, Option(help="Address of a Dask scheduler, such as tcp://host:8786.")] = None,
     chunk_size: Annotated[int, Option(min=1, help="Runs in a chunk.")] = 512,
-    chunk: Annotated[
-        Text, Option(metavar="I/N", help="Run only part I of N of the chunks, for job arrays.")
-    ] = None,
-    figure: Annotated[
-        Path | None, Option(help="Figure to write, or to replace: .png, .svg or .pdf.")
-    ] = None,
+    chunk: Annotated[Text, Option(metavar="I/N", help="Run only part I of N of the chunks, for job arrays.")] = None,
+    figure: Annotated[Path | None, Option(help="Figure to write, or to replace: .png, .svg or .pdf.")] = None,
     force: Annotated[bool, Option("--force", help="Replace an existing store.")] = False,
     json: Json = False,
 ) -> None:

@@ -20,23 +20,17 @@ METHODS = ("rules", "relay", "gradient")
 class TuneOptions:
     """How a controller is tuned."""
 
-    method: Annotated[
-        str, Option(help="rules (step test), relay, or gradient (through the loop itself).")
-    ] = "gradient"
+    method: Annotated[str, Option(help="rules (step test), relay, or gradient (through the loop itself).")] = "gradient"
     rule: Annotated[
         Text,
         Option(
-            help="Of --method rules [default: simc], such as amigo or cohen-coon; "
-            "of relay [default: tyreus-luyben]."
+            help="Of --method rules [default: simc], such as amigo or cohen-coon; of relay [default: tyreus-luyben]."
         ),
     ] = None
     form: Annotated[Text, Option(help="pi or pid, for rules and relay [default: pid].")] = None
     level: Annotated[
         Text,
-        Option(
-            help='Level of step and relay test, e.g. "4 mm" [default: the middle of what the '
-            "reference asks for]."
-        ),
+        Option(help='Level of step and relay test, e.g. "4 mm" [default: the middle of what the reference asks for].'),
     ] = None
     free: Annotated[
         Text,
@@ -54,16 +48,10 @@ class TuneOptions:
             '--spread environment.temperature="3 K"; repeatable.',
         ),
     ] = None
-    plants: Annotated[int | None, Option(help="Plants drawn within the spreads [default: 64].")] = (
-        None
-    )
+    plants: Annotated[int | None, Option(help="Plants drawn within the spreads [default: 64].")] = None
     seed: Annotated[int, Option(help="Of the plants and of scattered starts.")] = 0
-    loop: Annotated[Text, Option(help="Drive whose controller is tuned, if there are several.")] = (
-        None
-    )
-    duration: Annotated[
-        Text, Option(help='Length of a run, e.g. "10 s" [default: the scenario\'s].')
-    ] = None
+    loop: Annotated[Text, Option(help="Drive whose controller is tuned, if there are several.")] = None
+    duration: Annotated[Text, Option(help='Length of a run, e.g. "10 s" [default: the scenario\'s].')] = None
 
     def check(self) -> None:
         """Raise `InputError` for an unknown method, or an option without effect."""
@@ -95,9 +83,7 @@ def tune(
     source: ScenarioSource,
     options: TuneOptions,
     answer: AnswerOptions,
-    save: Annotated[
-        Path | None, Option(help="Scenario with the new numbers to write: .toml.")
-    ] = None,
+    save: Annotated[Path | None, Option(help="Scenario with the new numbers to write: .toml.")] = None,
 ) -> None:
     """Tune the controller of a scenario, and show its loop.
 

@@ -32,9 +32,7 @@ def draw_both_plants(
     from martensite.design.tuning.plant_spread import draw_plants
 
     spreads = dict(_read_spread(text, scenario, bench) for text in texts)
-    first, second = (
-        draw_plants(bench, spreads, PLANTS if count is None else count, seed + k) for k in (0, 1)
-    )
+    first, second = (draw_plants(bench, spreads, PLANTS if count is None else count, seed + k) for k in (0, 1))
     return first, second
 
 
@@ -42,9 +40,7 @@ def _read_spread(text: str, scenario: Scenario, bench: Bench) -> tuple[str, floa
     """Path in the plant and spread of an option."""
     name, equals, size = (part.strip() for part in text.partition("="))
     if not equals:
-        raise InputError(
-            f'`{text}` is no spread; write `PATH=SPREAD`, e.g. element.diameter="3 %".'
-        )
+        raise InputError(f'`{text}` is no spread; write `PATH=SPREAD`, e.g. element.diameter="3 %".')
     places = scenario.places
     written = {leaf.path: places.path(f"plant.{leaf.path}") for leaf in bench.plant.leaves()}
     paths = [p for p, w in written.items() if name in (p, w)] or [

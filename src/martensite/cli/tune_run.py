@@ -39,9 +39,7 @@ def run_tuning(scenario: Scenario, options: TuneOptions) -> TuningOutcome:
     length = _read_duration(options, scenario)
     with show_spinner("reading"):
         runs = _make_runs(bench, length, drive, scenario)
-    seen, others = draw_both_plants(
-        options.spread or [], options.plants, options.seed, scenario, bench
-    )
+    seen, others = draw_both_plants(options.spread or [], options.plants, options.seed, scenario, bench)
     if options.method == "gradient":
         found, tests, origin = _search_gains(runs, options, length, scenario, seen)
     else:
@@ -106,17 +104,11 @@ def _run_tests(options: TuneOptions, runs: LoopRuns, scenario: Scenario) -> Loop
     waves = by_name(scenario.system, scenario.waveform)
     with show_spinner("step and relay test"):
         return run_loop_tests(
-            runs.bench,
-            _choose_level(options, runs),
-            drive=runs.drive,
-            seed=scenario.seed,
-            waveforms=waves,
+            runs.bench, _choose_level(options, runs), drive=runs.drive, seed=scenario.seed, waveforms=waves
         )
 
 
-def _apply_rule(
-    runs: LoopRuns, options: TuneOptions, scenario: Scenario
-) -> tuple[TunedBench, LoopTests, str]:
+def _apply_rule(runs: LoopRuns, options: TuneOptions, scenario: Scenario) -> tuple[TunedBench, LoopTests, str]:
     """Gains by one rule, and the loop before and after."""
     from martensite.design.rules.formulas import gains_by_rule
     from martensite.design.rules.relay import gains_by_relay

@@ -23,12 +23,9 @@ def bench_app(
         Path | None, typer.Argument(metavar="[SCENARIO]", help="A scenario file to begin with.")
     ] = None,
     port: Annotated[int, typer.Option(help="Port on this machine; 0 for a free one.")] = 0,
-    no_browser: Annotated[
-        bool, typer.Option("--no-browser", help="Only print the address.")
-    ] = False,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Only print the address.")] = False,
     folder: Annotated[
-        Path | None,
-        typer.Option(help="Where files are kept [default: a folder that ends with the bench]."),
+        Path | None, typer.Option(help="Where files are kept [default: a folder that ends with the bench].")
     ] = None,
     json: Json = False,
 ) -> None:

@@ -1,9 +1,7 @@
 from martensite.design.analysis.energy import CycleEnergies as CycleEnergies
 from martensite.design.analysis.energy import compute_cycle_energies as compute_cycle_energies
 from martensite.design.analysis.frequency import FrequencyResponse as FrequencyResponse
-from martensite.design.analysis.frequency import (
-    measure_frequency_response as measure_frequency_response,
-)
+from martensite.design.analysis.frequency import measure_frequency_response as measure_frequency_response
 from martensite.design.analysis.speed import Speeds as Speeds
 from martensite.design.analysis.speed import compute_speeds as compute_speeds
 from martensite.design.backends.base import StoppedError as StoppedError
@@ -32,13 +30,9 @@ from martensite.design.sweep.pareto import ParetoFront as ParetoFront
 from martensite.design.sweep.pareto import find_pareto_front as find_pareto_front
 from martensite.design.sweep.reading import read_sweep as read_sweep
 from martensite.design.sweep.table import SweepTable as SweepTable
-from martensite.design.synthesis.inverse_hysteresis import (
-    IdentifiedHysteresis as IdentifiedHysteresis,
-)
+from martensite.design.synthesis.inverse_hysteresis import IdentifiedHysteresis as IdentifiedHysteresis
 from martensite.design.synthesis.inverse_hysteresis import fit_rising_curve as fit_rising_curve
-from martensite.design.synthesis.inverse_hysteresis import (
-    identify_hysteresis as identify_hysteresis,
-)
+from martensite.design.synthesis.inverse_hysteresis import identify_hysteresis as identify_hysteresis
 from martensite.design.synthesis.linear import average_plants as average_plants
 from martensite.design.synthesis.linear import linearise_plant as linearise_plant
 from martensite.design.synthesis.linear import realise_readings as realise_readings

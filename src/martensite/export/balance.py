@@ -127,9 +127,7 @@ def _ask_elements(
             met[i] = seen[i].answer.force
     found = [one.answer.force for one in seen]
     errors = [
-        compute_share(
-            reach[i] - _sum_others(give[i], found, i) - left, answer, give[i][i], least[i]
-        )
+        compute_share(reach[i] - _sum_others(give[i], found, i) - left, answer, give[i][i], least[i])
         for i, (left, answer) in enumerate(seen)
     ]
     return seen, float(np.max(errors))

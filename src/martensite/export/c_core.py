@@ -16,13 +16,7 @@ from martensite.actuators.assembly import PROFILES, AbstractSystem
 from martensite.base.files import replace_file
 from martensite.control.loop.names import JITTER, NOISE
 from martensite.export.c_kernels import Precision, precision_of, used_parameters
-from martensite.export.c_names import (
-    CoreVariable,
-    checked_identifier,
-    list_parameters,
-    list_variables,
-    make_identifier,
-)
+from martensite.export.c_names import CoreVariable, checked_identifier, list_parameters, list_variables, make_identifier
 from martensite.export.c_operations import count_operations
 from martensite.export.c_source import source_text
 from martensite.export.c_text import CoreLayout, count_elements, header_text
@@ -80,9 +74,7 @@ class CCore:
         return found
 
 
-def build_c_core(
-    system: AbstractSystem, *, name: str | None = None, precision: str = "float64"
-) -> CCore:
+def build_c_core(system: AbstractSystem, *, name: str | None = None, precision: str = "float64") -> CCore:
     """A system or a bench as C.
 
     Args:
@@ -182,11 +174,7 @@ def _count_operations(program: Program) -> dict[str, dict[str, int]]:
 def _describe_drives(system: AbstractSystem) -> Rows:
     known = system.outputs()
     return [
-        (
-            one.name,
-            one.unit,
-            known[one.name].long_name if one.name in known else _describe_drive(one.name),
-        )
+        (one.name, one.unit, known[one.name].long_name if one.name in known else _describe_drive(one.name))
         for one in system.drives()
     ]
 

@@ -105,9 +105,7 @@ def precision_of(name: str) -> Precision:
         ParameterError: there is none of that name.
     """
     if name not in PRECISIONS:
-        raise ParameterError(
-            f"There is no precision `{name}`. {suggest_name(name, list(PRECISIONS))}"
-        )
+        raise ParameterError(f"There is no precision `{name}`. {suggest_name(name, list(PRECISIONS))}")
     return PRECISIONS[name]
 
 
@@ -140,11 +138,7 @@ def used_parameters(program: Program) -> set[int]:
 
 
 def kernels_text(
-    program: Program,
-    kept: Sequence[int],
-    kernels: Sequence[CKernel],
-    prefix: str,
-    precision: Precision,
+    program: Program, kept: Sequence[int], kernels: Sequence[CKernel], prefix: str, precision: Precision
 ) -> str:
     """C of `PREFIXkernel_prepare(p, c)`, and of `PREFIXkernel_NAME(c, x, u, dt, y)` of each.
 
@@ -161,17 +155,13 @@ def kernels_text(
     return (_print_erfcx(precision, prefix) + text) if "erfcx(" in text else text
 
 
-def _print_function(
-    name: str, taken: Sequence[str], given: str, made: Statements, precision: Precision
-) -> str:
+def _print_function(name: str, taken: Sequence[str], given: str, made: Statements, precision: Precision) -> str:
     number, lines = precision.number, list(made.lines)
     one, zero = precision.literal(1.0), precision.literal(0.0)
     for i, (value, flag) in enumerate(zip(made.results, made.flags, strict=True)):
         lines.append(f"{given}[{i}] = {f'({value}) ? {one} : {zero}' if flag else value};")
     body = "".join(f"    {line}\n" for line in lines)
-    arguments = ", ".join(
-        f"{number} {a}" if a == "dt" else f"const {number} *restrict {a}" for a in taken
-    )
+    arguments = ", ".join(f"{number} {a}" if a == "dt" else f"const {number} *restrict {a}" for a in taken)
     unused = [a for a in taken if (a if a == "dt" else f"{a}[") not in body]
     unused += [] if made.results else [given]
     idle = "".join(f"    (void){a};\n" for a in unused)

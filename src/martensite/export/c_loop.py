@@ -10,13 +10,7 @@ from typing import Any
 
 from martensite.base.errors import ParameterError
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import (
-    AGE,
-    ALARM,
-    list_readings,
-    list_references,
-    reference_units,
-)
+from martensite.control.loop.names import AGE, ALARM, list_readings, list_references, reference_units
 from martensite.control.loop.names import list_estimates as estimate_outputs
 from martensite.control.loop.period import collect_estimates
 from martensite.control.loop.realtime_program import LoopState, TracedLoop, list_reads, trace_loop

@@ -114,8 +114,7 @@ def checked_identifier(name: str) -> str:
     """The name itself, or `ParameterError` if C does not take it."""
     if not re.fullmatch(r"[A-Za-z][0-9A-Za-z_]*", name) or name in KEYWORDS:
         raise ParameterError(
-            f"The name of a C core must be an identifier of C, but is `{name}`; "
-            f"`{make_identifier(name)}` is one."
+            f"The name of a C core must be an identifier of C, but is `{name}`; `{make_identifier(name)}` is one."
         )
     return name
 
@@ -147,22 +146,11 @@ def _describe_parameter(index: int, leaf: Leaf, name: str, used: bool) -> CoreVa
     unit = "of the reading" if declared.unit in units.OF_READINGS else declared.unit
     endless = isinstance(default, float) and math.isinf(default)
     return CoreVariable(
-        index,
-        leaf.path,
-        name,
-        unit,
-        declared.doc,
-        float(leaf.value),
-        low,
-        declared.high,
-        endless,
-        used,
+        index, leaf.path, name, unit, declared.doc, float(leaf.value), low, declared.high, endless, used
     )
 
 
-def list_variables(
-    letter: str, rows: Iterable[tuple[str, str, str]], default: float
-) -> tuple[CoreVariable, ...]:
+def list_variables(letter: str, rows: Iterable[tuple[str, str, str]], default: float) -> tuple[CoreVariable, ...]:
     """Inputs or outputs by name, unit and words."""
     every = list(rows)
     names = make_identifiers(letter, (name for name, _, _ in every))

@@ -61,9 +61,7 @@ ORDER = (
 )
 
 
-def count_operations(
-    graph: Graph, outputs: Iterable[Expr], known: Iterable[Expr] = ()
-) -> dict[str, int]:
+def count_operations(graph: Graph, outputs: Iterable[Expr], known: Iterable[Expr] = ()) -> dict[str, int]:
     """The most that computing `outputs` takes where the nodes `known` are there already."""
     found: Counter[str] = Counter()
     _count_nodes(graph, [o.index for o in outputs], {k.index for k in known}, 0, 1, found)
@@ -71,12 +69,7 @@ def count_operations(
 
 
 def _count_nodes(
-    graph: Graph,
-    wanted: Iterable[int],
-    known: set[int],
-    inside: int,
-    turns: int,
-    found: Counter[str],
+    graph: Graph, wanted: Iterable[int], known: set[int], inside: int, turns: int, found: Counter[str]
 ) -> None:
     """Add up nodes and what they need, `turns` times; in a loop only those with its bit."""
     seen, stack = set(known), list(wanted)

@@ -22,9 +22,7 @@ def source_text(core: CoreLayout) -> str:
     kernels += [CKernel.of(traced[name], core.states, count) for name in ("step", "observe")]
     prefix = f"{core.name}_"
     begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, core.precision) + "\n"
-    return _fill_text(
-        core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + _print_step(core) + _SEEN
-    )
+    return _fill_text(core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + _print_step(core) + _SEEN)
 
 
 def _fill_text(core: CoreLayout, text: str) -> str:
@@ -56,9 +54,7 @@ def _print_tables(core: CoreLayout) -> str:
 
 def _print_table(name: str, numbers: Sequence[str]) -> str:
     rows = ",\n".join(f"    {text}" for text in numbers or ["0"])
-    return (
-        f"static const $REAL ${{NAME}}_{name}[{count_elements(len(numbers))}] = {{\n{rows}\n}};\n\n"
-    )
+    return f"static const $REAL ${{NAME}}_{name}[{count_elements(len(numbers))}] = {{\n{rows}\n}};\n\n"
 
 
 def _print_bound(core: CoreLayout, variable: CoreVariable, value: float) -> str:

@@ -63,10 +63,7 @@ def _describe_core(core: CoreLayout) -> str:
     kind = f"`{core.precision.number}`"
     pace = "" if core.sample is None else _PACE
     return (
-        _format_comment(
-            f"{core.name}: {core.description}.\n\n{_ABOUT.format(kind=kind, name=core.name)}{pace}"
-        )
-        + "\n"
+        _format_comment(f"{core.name}: {core.description}.\n\n{_ABOUT.format(kind=kind, name=core.name)}{pace}") + "\n"
     )
 
 
@@ -136,9 +133,7 @@ _STATUS = {
 
 def _print_declarations(core: CoreLayout) -> str:
     name = core.name
-    status = "".join(
-        f"    {name}_{one.name} = {int(one)}, /* {words} */\n" for one, words in _STATUS.items()
-    )
+    status = "".join(f"    {name}_{one.name} = {int(one)}, /* {words} */\n" for one, words in _STATUS.items())
     bad = "/* an argument is not finite, out of its range, or no sample time */"
     return (
         f"/* How a call ended. */\nenum {name}_status {{\n{status}"

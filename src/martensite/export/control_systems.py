@@ -186,9 +186,7 @@ def _choose_names(wanted: Sequence[str] | None, known: Sequence[str]) -> list[st
 class _PlantStep:
     """One period of a plant, as python-control calls it."""
 
-    def __init__(
-        self, system: AbstractSystem, period: float | None, outputs: Sequence[str] | None
-    ) -> None:
+    def __init__(self, system: AbstractSystem, period: float | None, outputs: Sequence[str] | None) -> None:
         own = system.sample_time()
         interval = own or period
         if not interval or interval <= 0.0:
@@ -231,9 +229,7 @@ class _Step:
     def __init__(self, chain: Chain) -> None:
         self.chain = chain
         self.names = [
-            f"{k}.x{i}"
-            for k, block in enumerate(chain.blocks, start=1)
-            for i in range(1, block.states() + 1)
+            f"{k}.x{i}" for k, block in enumerate(chain.blocks, start=1) for i in range(1, block.states() + 1)
         ]
 
     def _run(self, x: Any, u: Any) -> tuple[Any, Any]:
@@ -261,6 +257,5 @@ def _import_control() -> Any:
         return import_module("control")
     except ImportError:
         raise InputError(
-            "This needs python-control, which is not installed; "
-            "run `pip install martensite[control]`."
+            "This needs python-control, which is not installed; run `pip install martensite[control]`."
         ) from None

@@ -57,9 +57,7 @@ class Outcome(NamedTuple):
 class Episodes:
     """Environments side by side."""
 
-    def __init__(
-        self, bench: Bench, task: LearningTask, count: int = 1, native: bool | None = None
-    ) -> None:
+    def __init__(self, bench: Bench, task: LearningTask, count: int = 1, native: bool | None = None) -> None:
         """Environments that have not begun.
 
         Args:
@@ -81,9 +79,7 @@ class Episodes:
         self.signals = free_signals(bench, task)
         self.observed = observed_readings(bench, task)
         self._spreads = spreads_of(bench, task)
-        self._values: dict[str, Numbers] = {
-            one.path: np.full(count, one.middle) for one in self._spreads
-        }
+        self._values: dict[str, Numbers] = {one.path: np.full(count, one.middle) for one in self._spreads}
         self._lanes = Lanes(bench, count, self._values, native)
         self._find_places()
         self._set_tables()
@@ -96,14 +92,11 @@ class Episodes:
         self._noisy = [k for k, name in enumerate(drives) if name.startswith((NOISE, JITTER))]
         self._followed = [drives.index(name) for name in list_references(bench)]
         if task.output not in plant.outputs():
-            raise InputError(
-                f"There is no output `{task.output}`. {suggest_name(task.output, plant.outputs())}"
-            )
+            raise InputError(f"There is no output `{task.output}`. {suggest_name(task.output, plant.outputs())}")
         self._output, self._read = seen(task.output), [seen(name) for name in self.observed]
         ports = list(plant.actuators())
         self._power, self._hottest, self._stress = (
-            [seen(plant.label(port, name)) for port in ports]
-            for name in ("power", "hottest", "stress")
+            [seen(plant.label(port, name)) for port in ports] for name in ("power", "hottest", "stress")
         )
         limits = [one.element.limits for one in plant.actuators().values()]
         hot, high = task.temperature_limit, task.stress_limit
@@ -123,10 +116,7 @@ class Episodes:
         low, high = np.array(list(self.signals.values())).T
         self._low, self._span = low[:, None], (high - low)[:, None]
         self._idle = np.clip(0.0, low, high)[:, None]
-        self._ranges = [
-            *self.observed.values(),
-            *[(self.task.low, self.task.high)] * len(self._ahead),
-        ]
+        self._ranges = [*self.observed.values(), *[(self.task.low, self.task.high)] * len(self._ahead)]
 
     @property
     def sizes(self) -> tuple[int, int]:
@@ -136,10 +126,7 @@ class Episodes:
     # ---------------------------------------------------------------- an episode
 
     def begin(
-        self,
-        which: Any,
-        random: Sequence[np.random.Generator],
-        options: Mapping[str, Any] | None = None,
+        self, which: Any, random: Sequence[np.random.Generator], options: Mapping[str, Any] | None = None
     ) -> tuple[Any, dict[str, Numbers]]:
         """Begin episodes in some environments; the others stay where they are.
 

@@ -59,12 +59,7 @@ class SmaEnv(BASE):
     metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
 
     def __init__(
-        self,
-        bench: Bench,
-        task: LearningTask,
-        *,
-        native: bool | None = None,
-        render_mode: None = None,
+        self, bench: Bench, task: LearningTask, *, native: bool | None = None, render_mode: None = None
     ) -> None:
         """An environment that has not been reset.
 
@@ -83,9 +78,7 @@ class SmaEnv(BASE):
         self.action_space, self.observation_space = build_spaces(self._episodes)
         self.render_mode = render_mode
 
-    def reset(
-        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
-    ) -> tuple[Any, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Begin an episode.
 
         Args:
@@ -115,7 +108,5 @@ class SmaEnv(BASE):
 
 if HERE:
     import_gymnasium().register(
-        NAME,
-        entry_point=f"{__name__}:SmaEnv",
-        vector_entry_point=f"{__name__}_vector:SmaVectorEnv",
+        NAME, entry_point=f"{__name__}:SmaEnv", vector_entry_point=f"{__name__}_vector:SmaVectorEnv"
     )

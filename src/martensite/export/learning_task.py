@@ -24,12 +24,7 @@ from numpy.typing import NDArray
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE, MEASURED, list_readings
-from martensite.design.tuning.plant_spread import (
-    PLANT,
-    find_plant_leaf,
-    parse_half_width,
-    require_allowed,
-)
+from martensite.design.tuning.plant_spread import PLANT, find_plant_leaf, parse_half_width, require_allowed
 
 Numbers = NDArray[np.float64]
 SHARES = (0.1, 0.4)
@@ -76,9 +71,7 @@ class LearningTask:
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
-            raise ParameterError(
-                f"A reference needs a range, but goes from {self.low:g} to {self.high:g}."
-            )
+            raise ParameterError(f"A reference needs a range, but goes from {self.low:g} to {self.high:g}.")
         if not (math.isfinite(self.duration) and self.duration > 0.0):
             raise ParameterError(f"An episode must last above 0 s, but lasts {self.duration:g} s.")
         if not self.references:
@@ -175,8 +168,7 @@ def free_signals(bench: Bench, task: LearningTask) -> dict[str, tuple[float, flo
     for name, unit in free.items():
         if name not in task.signals and unit != "1":
             raise InputError(
-                f"Drive `{name}` takes a signal in {unit}: give its lowest and highest value in "
-                f"`signals`."
+                f"Drive `{name}` takes a signal in {unit}: give its lowest and highest value in `signals`."
             )
     found = {name: task.signals.get(name, (0.0, 1.0)) for name in free}
     _require_ranges(found)
@@ -193,9 +185,7 @@ def observed_readings(bench: Bench, task: LearningTask) -> dict[str, tuple[float
     wanted = dict(task.observed) or {task.output: (task.low, task.high)}
     for name in wanted:
         if name not in known:
-            raise InputError(
-                f"There is no reading `{name}` to observe. {suggest_name(name, known)}"
-            )
+            raise InputError(f"There is no reading `{name}` to observe. {suggest_name(name, known)}")
     _require_ranges(wanted)
     mounted = bench.sensors.members()
     return {MEASURED + n if n in mounted else n: span for n, span in wanted.items()}

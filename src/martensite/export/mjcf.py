@@ -32,10 +32,7 @@ TIMESTEP = 2e-3
 Writer = Callable[[Model, Any, float], None]
 """Fills a model with a mechanism, for a time step [s]."""
 
-WRITERS: dict[type[AbstractMechanism], Writer] = {
-    Finger: write_finger,
-    ParallelPlatform: write_platform,
-}
+WRITERS: dict[type[AbstractMechanism], Writer] = {Finger: write_finger, ParallelPlatform: write_platform}
 """Mechanism -> writer; a subclass may have other equations and needs one of its own."""
 
 
@@ -59,9 +56,7 @@ def model_of(system: AbstractSystem, *, timestep: float = TIMESTEP) -> Model:
         InputError: as `to_mjcf`.
     """
     if not 0.0 < timestep < 1.0:
-        raise ParameterError(
-            f"Argument `timestep` must be above 0 s and below 1 s, but is {timestep:.6g}."
-        )
+        raise ParameterError(f"Argument `timestep` must be above 0 s and below 1 s, but is {timestep:.6g}.")
     mechanism = system.mechanism
     write = WRITERS.get(type(mechanism))
     if write is None:
@@ -97,11 +92,7 @@ def bridge_of(
     forces = start_forces(system)
     actuators = [
         TendonActuator(
-            tendon=port,
-            element=one.element,
-            environment=one.environment,
-            source=one.source,
-            start_force=forces[port],
+            tendon=port, element=one.element, environment=one.environment, source=one.source, start_force=forces[port]
         )
         for port, one in system.actuators().items()
     ]

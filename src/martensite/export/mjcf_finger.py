@@ -49,26 +49,14 @@ def write_finger(model: Model, finger: Finger, timestep: float) -> None:
     r, g = finger.offset, finger.bracket
     (port,), (start,) = finger.ports(), finger.start_forces(floats)
     append_element(
-        model.world,
-        "camera",
-        name="view",
-        pos=(0.2 * g, -20.0 * g, -1.3 * g),
-        xyaxes="1 0 0 0 0 1",
-        fovy="20",
+        model.world, "camera", name="view", pos=(0.2 * g, -20.0 * g, -1.3 * g), xyaxes="1 0 0 0 0 1", fovy="20"
     )
     _add_phalanx(model.world, finger, -1.0, GREY)
     append_element(model.world, "site", name="near", pos=(-g, 0.0, -r), size=0.1 * r)
     body = append_element(model.world, "body", name="phalanx")
     append_element(body, "joint", **_describe_joint(finger, timestep))
     append_element(body, "inertial", pos="0 0 0", mass="0.001", diaginertia=[finger.inertia] * 3)
-    append_element(
-        body,
-        "geom",
-        type="cylinder",
-        size=(0.5 * r, 0.6 * r),
-        euler=(0.5 * math.pi, 0, 0),
-        rgba=DARK,
-    )
+    append_element(body, "geom", type="cylinder", size=(0.5 * r, 0.6 * r), euler=(0.5 * math.pi, 0, 0), rgba=DARK)
     _add_phalanx(body, finger, 1.0, BLUE)
     append_element(body, "site", name="far", pos=(g, 0.0, -r), size=0.1 * r)
     add_element(model, port, ("near", "far"), start, finger.passes)
@@ -116,9 +104,7 @@ def _describe_limits(finger: Finger, settles: float) -> dict[str, Value]:
 
 def _fixed_spring(model: Model, body: Element, finger: Finger) -> None:
     """From the phalanx at a to a fixed point at (a, H)."""
-    append_element(
-        model.world, "site", name="anchor", pos=(finger.arm, 0.0, finger.height), size="0.0005"
-    )
+    append_element(model.world, "site", name="anchor", pos=(finger.arm, 0.0, finger.height), size="0.0005")
     append_element(body, "site", name="arm", pos=(finger.arm, 0.0, 0.0), size="0.0005")
     rest = finger.height - finger.extension
     spring = append_element(
@@ -138,18 +124,8 @@ def _add_phalanx(parent: Element, finger: Finger, side: float, colour: str) -> N
     """What is seen of a phalanx: a bar of four bracket distances, and its bracket."""
     r, g = finger.offset, finger.bracket
     append_element(
-        parent,
-        "geom",
-        type="box",
-        size=(1.9 * g, 0.6 * r, 0.3 * r),
-        pos=(2.1 * side * g, 0, 0),
-        rgba=colour,
+        parent, "geom", type="box", size=(1.9 * g, 0.6 * r, 0.3 * r), pos=(2.1 * side * g, 0, 0), rgba=colour
     )
     append_element(
-        parent,
-        "geom",
-        type="box",
-        size=(0.1 * r, 0.6 * r, 0.55 * r),
-        pos=(side * g, 0.0, -0.55 * r),
-        rgba=colour,
+        parent, "geom", type="box", size=(0.1 * r, 0.6 * r, 0.55 * r), pos=(side * g, 0.0, -0.55 * r), rgba=colour
     )

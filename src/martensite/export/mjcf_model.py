@@ -47,16 +47,7 @@ def new_model(name: str, timestep: float) -> Model:
     append_element(visual, "headlight", ambient="0.5 0.5 0.5")
     append_element(visual, "map", znear="0.01")
     asset = append_element(root, "asset")
-    append_element(
-        asset,
-        "texture",
-        type="skybox",
-        builtin="flat",
-        rgb1="1 1 1",
-        rgb2="1 1 1",
-        width="8",
-        height="8",
-    )
+    append_element(asset, "texture", type="skybox", builtin="flat", rgb1="1 1 1", rgb2="1 1 1", width="8", height="8")
     append_element(append_element(root, "default"), "geom", contype="0", conaffinity="0", mass="0")
     sections = ("worldbody", "tendon", "actuator", "custom")
     return Model(root, option, asset, *(append_element(root, name) for name in sections))
@@ -64,14 +55,10 @@ def new_model(name: str, timestep: float) -> Model:
 
 def append_element(parent: Element, tag: str, **attributes: Value) -> Element:
     """A new element in another, with its attributes."""
-    return SubElement(
-        parent, tag, {name: write_attribute(value) for name, value in attributes.items()}
-    )
+    return SubElement(parent, tag, {name: write_attribute(value) for name, value in attributes.items()})
 
 
-def add_element(
-    model: Model, port: str, sites: Sequence[str], start_force: Scalar, passes: Scalar = 1.0
-) -> None:
+def add_element(model: Model, port: str, sites: Sequence[str], start_force: Scalar, passes: Scalar = 1.0) -> None:
     """A tendon through sites for the shape-memory element at a port, and its actuator.
 
     With `passes` n a pulley in front of the sites makes every length, and so every moment arm,

@@ -33,14 +33,7 @@ def write_platform(model: Model, platform: ParallelPlatform, timestep: float) ->
     )
     _add_mesh(model, side)
     append_element(model.world, "geom", type="mesh", mesh="plate", rgba=GREY)
-    append_element(
-        model.world,
-        "geom",
-        type="capsule",
-        fromto=(0, 0, 0, 0, 0, joint),
-        size=0.02 * side,
-        rgba=GREY,
-    )
+    append_element(model.world, "geom", type="capsule", fromto=(0, 0, 0, 0, 0, joint), size=0.02 * side, rgba=GREY)
     body = append_element(model.world, "body", name="plate", pos=(0.0, 0.0, joint))
     for name, axis in (("beta", "0 -1 0"), ("alpha", "1 0 0")):
         append_element(body, "joint", name=name, axis=axis, damping=platform.damping)

@@ -27,8 +27,7 @@ from martensite.export.mjcf_model import ORANGE, append_element
 FRAMES: dict[type[AbstractMechanism], str] = {
     Finger: "The origin is on the hinge, which turns about +y; the phalanges lie along -x and +x, "
     "the\n   wire is below them.",
-    ParallelPlatform: "The origin is in the middle of the base, z is up; that of the plate is on "
-    "the joint.",
+    ParallelPlatform: "The origin is in the middle of the base, z is up; that of the plate is on the joint.",
 }
 """Where the sites of a mechanism are measured from, in words."""
 ANYWHERE = (
@@ -58,16 +57,12 @@ def to_mjcf_snippet(system: AbstractSystem) -> str:
     """
     if not system.actuators():
         raise InputError(f"There is no shape-memory element in {system.description()}.")
-    parts = (
-        _list_sites_and_paths(system) if type(system.mechanism) in WRITERS else _left_open(system)
-    )
+    parts = _list_sites_and_paths(system) if type(system.mechanism) in WRITERS else _left_open(system)
     root = Element("mujocoinclude")
     append_element(root, "tendon").extend(parts.tendons)
     motors = append_element(root, "actuator")
     for tendon in parts.tendons:
-        append_element(
-            motors, "motor", name=tendon.get("name", ""), tendon=tendon.get("name", ""), gear="-1"
-        )
+        append_element(motors, "motor", name=tendon.get("name", ""), tendon=tendon.get("name", ""), gear="-1")
     indent(root)
     comment = COMMENT.format(
         where=parts.where,
@@ -84,21 +79,14 @@ def _list_sites_and_paths(system: AbstractSystem) -> Parts:
     used = {site.get("site") for one in tendons for site in one}
     places = [("<worldbody>", model.world)]
     places += [(f'<body name="{one.get("name")}">', one) for one in model.world.iter("body")]
-    sites = [
-        (place, site)
-        for place, body in places
-        for site in body.findall("site")
-        if site.get("name") in used
-    ]
+    sites = [(place, site) for place, body in places for site in body.findall("site") if site.get("name") in used]
     return Parts(sites, tendons, FRAMES.get(type(system.mechanism), ""))
 
 
 def _left_open(system: AbstractSystem) -> Parts:
     """Two sites per element, and a tendon between them."""
     sites: list[tuple[str, Element]] = []
-    tendons = [
-        Element("spatial", name=port, width="0.0006", rgba=ORANGE) for port in system.actuators()
-    ]
+    tendons = [Element("spatial", name=port, width="0.0006", rgba=ORANGE) for port in system.actuators()]
     for end, body in (("holder", "the body that holds one end"), ("pulled", "the body it pulls")):
         for tendon in tendons:
             name = f"{tendon.get('name')}_{end}"

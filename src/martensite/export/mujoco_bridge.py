@@ -55,9 +55,7 @@ class TendonActuator(Actuator):
 
     tendon: str = part("name of the tendon")
     start_force: Scalar = param("N", "force at the start", low=0.0, high=1e6, default=0.0)
-    slack: Scalar = param(
-        "m", "how much the tendon is shorter than the element at the start", low=0.0, default=0.0
-    )
+    slack: Scalar = param("m", "how much the tendon is shorter than the element at the start", low=0.0, default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` for an element that is loose and under force."""
@@ -178,9 +176,7 @@ class MujocoBridge:
             result.judge(strand)
         return result
 
-    def _sample(
-        self, result: MujocoResult, waves: Mapping[str, AbstractWaveform], places: dict[str, int]
-    ) -> None:
+    def _sample(self, result: MujocoResult, waves: Mapping[str, AbstractWaveform], places: dict[str, int]) -> None:
         now = {name: wave.value(self.plant.time) for name, wave in waves.items()}
         result.sample(self.data, self.observe(now), places)
 

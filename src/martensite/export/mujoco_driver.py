@@ -44,10 +44,7 @@ def driver_text(
     forces = start_forces(system)
     if not forces:
         raise InputError(f"There is no shape-memory element in {system.description()}.")
-    rows = [
-        f"    {_write_text(port)}: ({_write_text(port)}, {force!r}),"
-        for port, force in forces.items()
-    ]
+    rows = [f"    {_write_text(port)}: ({_write_text(port)}, {force!r})," for port, force in forces.items()]
     own = [_load_module(path, name) for name in modules]
     return Template(_DRIVER).substitute(
         NAME=re.sub(r'[\\"]', "_", path.name),
@@ -71,11 +68,7 @@ def _make_relative(path: Path, other: Path) -> str:
 
 
 def _load_module(path: Path, name: str) -> str:
-    return (
-        f"str(HERE / {_write_text(_make_relative(path, Path(name)))})"
-        if name.endswith(".py")
-        else _write_text(name)
-    )
+    return f"str(HERE / {_write_text(_make_relative(path, Path(name)))})" if name.endswith(".py") else _write_text(name)
 
 
 def _write_text(value: str) -> str:

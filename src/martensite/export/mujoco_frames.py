@@ -32,17 +32,13 @@ def draw_poses(folder: Path) -> None:
     data, poses = mujoco.MjData(model), np.load(folder / "poses.npy")
     renderer = mujoco.Renderer(model, height, width)
     try:
-        frames = [
-            _draw_frame(renderer, mujoco, model, data, pose, view["camera"]) for pose in poses
-        ]
+        frames = [_draw_frame(renderer, mujoco, model, data, pose, view["camera"]) for pose in poses]
     finally:
         renderer.close()
     np.save(folder / "frames.npy", np.stack(frames))
 
 
-def _draw_frame(
-    renderer: Any, mujoco: Any, model: Any, data: Any, pose: Any, camera: str | None
-) -> np.ndarray:
+def _draw_frame(renderer: Any, mujoco: Any, model: Any, data: Any, pose: Any, camera: str | None) -> np.ndarray:
     data.qpos[:] = pose
     mujoco.mj_forward(model, data)
     renderer.update_scene(data, camera=-1 if camera is None else camera)

@@ -88,9 +88,7 @@ class TendonPlant:
         self.mujoco.mj_setState(self.model, self.scratch, self.held, self.what)
         return self._step(self.scratch, tensions)
 
-    def gives(
-        self, tensions: Sequence[float], ends: Sequence[float], changes: Sequence[float]
-    ) -> list[list[float]]:
+    def gives(self, tensions: Sequence[float], ends: Sequence[float], changes: Sequence[float]) -> list[list[float]]:
         """How much tendon i yields to tension j over a step [m/N], by differences.
 
         Args:

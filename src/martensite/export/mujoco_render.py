@@ -72,9 +72,7 @@ def render_mujoco(
     if camera is not None and camera not in known:
         raise UnknownNameError("camera of the model is", camera, known)
     film = path.suffix.lower() in FILMS
-    times = (
-        _film_times(result, fps, speed) if film else [result.times[-1] if time is None else time]
-    )
+    times = _film_times(result, fps, speed) if film else [result.times[-1] if time is None else time]
     frames = draw_poses(model, [_find_pose(result, t) for t in times], size, camera)
     return _write_film(frames, path, fps) if film else _write_png(frames[0], path)
 
@@ -209,10 +207,5 @@ def _write_gif(frames: np.ndarray, path: Path, fps: float) -> None:
     images = [Image.fromarray(frame) for frame in frames]
     with replace_file(path) as part:
         images[0].save(
-            part,
-            format="gif",
-            save_all=True,
-            append_images=images[1:],
-            loop=0,
-            duration=max(1000.0 / fps, 20.0),
+            part, format="gif", save_all=True, append_images=images[1:], loop=0, duration=max(1000.0 / fps, 20.0)
         )

@@ -20,9 +20,7 @@ class MujocoResult:
     """[s]"""
     times: list[float] = field(default_factory=list[float])
     """Sample times, those of the model [s]."""
-    tendons: dict[str, dict[str, list[float]]] = field(
-        default_factory=dict[str, dict[str, list[float]]]
-    )
+    tendons: dict[str, dict[str, list[float]]] = field(default_factory=dict[str, dict[str, list[float]]])
     """By tendon and output: those of `martensite.actuators.assembly.OUTPUTS`, the `elongation` of
     the tendon
     from where its element is at zero strain [m], and its `length` [m]."""
@@ -69,9 +67,7 @@ class MujocoResult:
         self.error = max(self.error, error)
         self.turns, self.asked = max(self.turns, turns), max(self.asked, asked)
 
-    def sample(
-        self, data: Any, rows: Mapping[str, Mapping[str, float]], joints: Mapping[str, int]
-    ) -> None:
+    def sample(self, data: Any, rows: Mapping[str, Mapping[str, float]], joints: Mapping[str, int]) -> None:
         """Append the present: rows of outputs by tendon, coordinates by their numbers."""
         self.times.append(float(data.time))
         self.poses.append(data.qpos.tolist())

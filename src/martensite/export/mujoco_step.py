@@ -54,10 +54,7 @@ class Solved(NamedTuple):
 
 
 def solve_step(
-    plant: TendonPlant,
-    strands: Sequence[TracedStrand],
-    weights: ForceWeights,
-    drives: Sequence[float],
+    plant: TendonPlant, strands: Sequence[TracedStrand], weights: ForceWeights, drives: Sequence[float]
 ) -> Solved:
     """Elements and machine at the end of a step.
 
@@ -93,9 +90,7 @@ def solve_step(
     return Solved(found.answers, tensions, worst, turn + 1, asked)
 
 
-def _find_tensions(
-    known: Sequence[float], weights: ForceWeights, forces: Sequence[float]
-) -> list[float]:
+def _find_tensions(known: Sequence[float], weights: ForceWeights, forces: Sequence[float]) -> list[float]:
     """Tensions of the step [N] from the forces of the elements at its end."""
     return [k + weights.end * f for k, f in zip(known, forces, strict=True)]
 

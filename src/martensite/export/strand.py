@@ -38,9 +38,7 @@ CENTRED = ForceWeights(0.25, 0.5, 0.25)
 class TracedStrand:
     """The step of one element, traced, and what it remembers."""
 
-    def __init__(
-        self, name: str, actuator: Actuator, start_force: float, slack: float, length: float
-    ) -> None:
+    def __init__(self, name: str, actuator: Actuator, start_force: float, slack: float, length: float) -> None:
         self.name = name
         self.system = System(
             element=actuator.element,
@@ -79,9 +77,7 @@ class TracedStrand:
             *state, residual, crossing = self._step(*self.state, drive, reach, give, dt)
         except ArithmeticError:  # a division by zero or an overflow
             return LineStepEnd(self.state, math.nan, math.nan, math.nan, math.inf, 0.0)
-        force, free, compliance = state[
-            -len(ElementEnd._fields) :
-        ]  # what the line holds comes last
+        force, free, compliance = state[-len(ElementEnd._fields) :]  # what the line holds comes last
         return LineStepEnd(tuple(state), force, free, compliance, residual, crossing)
 
     def held(self, weights: ForceWeights) -> float:
@@ -95,8 +91,7 @@ class TracedStrand:
             status = Status.NOT_FINITE
         if status.failed:
             raise SolveError(
-                f"The element at tendon `{self.name}` failed in the step at t = {time:.6g} s. "
-                f"{status.sentence}"
+                f"The element at tendon `{self.name}` failed in the step at t = {time:.6g} s. {status.sentence}"
             )
         return status
 

@@ -55,11 +55,7 @@ class TendonLine(AbstractMechanism):
         return [self.start]
 
     def init(
-        self,
-        xp: Namespace,
-        elements: Sequence[AbstractElement],
-        elongations: Column,
-        signals: Column,
+        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> ElementEnd:
         """The start force."""
         return ElementEnd(self.start, 0.0, 0.0)
@@ -82,9 +78,7 @@ class TendonLine(AbstractMechanism):
         def tangent(xp: Namespace, force: Scalar) -> Spring:
             return element.tangent(xp, state, force)
 
-        force = equilibrium_force(
-            xp, tangent, _build_pull(signals), element.force(state), element.passes
-        )
+        force = equilibrium_force(xp, tangent, _build_pull(signals), element.force(state), element.passes)
         reach, give = signals
         return [force], [reach - give * force]
 

@@ -53,12 +53,7 @@ def read_problem(
         SolveError: a run at the start values fails.
     """
     task = build_task(scenario, logs, free).with_changes(
-        each=_list_ranges(each),
-        hold_out=hold_out,
-        columns=columns,
-        noise=noise,
-        step=step,
-        settings=overrides,
+        each=_list_ranges(each), hold_out=hold_out, columns=columns, noise=noise, step=step, settings=overrides
     )
     return task.arrange().problem
 
@@ -107,9 +102,7 @@ def fit_logs(
         InputError: something is unknown, missing, or does not fit; one sentence says what.
         SolveError: the runs fail at the start, and at every point tried.
     """
-    task = (
-        _read_task(scenario) if logs is None or free is None else build_task(scenario, logs, free)
-    )
+    task = _read_task(scenario) if logs is None or free is None else build_task(scenario, logs, free)
     task = task.with_changes(
         each=_list_ranges(each),
         hold_out=hold_out,
@@ -122,9 +115,7 @@ def fit_logs(
     return task.arrange().solve(tell, None if state is None else Path(state))
 
 
-def build_task(
-    scenario: Model | Sequence[Model], logs: Source | Sequence[Source], free: Ranges
-) -> FitTask:
+def build_task(scenario: Model | Sequence[Model], logs: Source | Sequence[Source], free: Ranges) -> FitTask:
     """The task of some logs, one scenario or one for each, and free parameters.
 
     Raises:

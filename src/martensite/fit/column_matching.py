@@ -13,14 +13,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import (
-    DataError,
-    InputError,
-    ParameterError,
-    UnitError,
-    require_known,
-    suggest_name,
-)
+from martensite.base.errors import DataError, InputError, ParameterError, UnitError, require_known, suggest_name
 from martensite.fit.free_parameters import read_difference, split_list
 from martensite.signals.records import Record
 
@@ -49,10 +42,7 @@ def list_echoes(system: AbstractSystem) -> set[str]:
 
 
 def match_columns(
-    record: Record,
-    system: AbstractSystem,
-    wanted: Sequence[ComparedColumn],
-    follows: Mapping[str, str],
+    record: Record, system: AbstractSystem, wanted: Sequence[ComparedColumn], follows: Mapping[str, str]
 ) -> tuple[dict[str, str], Record, list[str]]:
     """Output -> column of a record, the record with scaled columns, and what is left out.
 
@@ -99,20 +89,14 @@ def _find_column(record: Record, name: str) -> str:
     spelt = re.sub(r"[\s-]+", "_", name.strip().lower())
     if name not in record.columns and spelt not in record.columns:
         known = [column for column in record.columns if column != "time"]
-        raise DataError(
-            f"Record `{record.name}` has no column `{name}`. {suggest_name(name, known)}"
-        )
+        raise DataError(f"Record `{record.name}` has no column `{name}`. {suggest_name(name, known)}")
     return name if name in record.columns else spelt
 
 
 def _scale_column(record: Record, column: str, one: ComparedColumn, unit: str) -> Record:
     """The record with a column for an output, in its unit."""
     numbers = [one.factor * number for number in record[column]]
-    return replace(
-        record,
-        columns=record.columns | {one.output: numbers},
-        units=record.units | {one.output: unit},
-    )
+    return replace(record, columns=record.columns | {one.output: numbers}, units=record.units | {one.output: unit})
 
 
 def _is_constant(numbers: Sequence[float]) -> bool:
@@ -132,9 +116,7 @@ def _refuse_nothing(record: Record, system: AbstractSystem, driven: set[str]) ->
     )
 
 
-def read_noise(
-    noise: Mapping[str, str | float], systems: Sequence[AbstractSystem]
-) -> dict[str, float]:
+def read_noise(noise: Mapping[str, str | float], systems: Sequence[AbstractSystem]) -> dict[str, float]:
     """Standard deviations of measured outputs in SI; numbers are in SI already.
 
     Raises:
@@ -187,6 +169,5 @@ def _read_column(text: str) -> ComparedColumn:
         except ValueError:
             pass
     raise ParameterError(
-        f"`{text}` is not a column to compare; write `OUTPUT`, `OUTPUT=COLUMN`, or "
-        "`OUTPUT=COLUMN*FACTOR`."
+        f"`{text}` is not a column to compare; write `OUTPUT`, `OUTPUT=COLUMN`, or `OUTPUT=COLUMN*FACTOR`."
     )

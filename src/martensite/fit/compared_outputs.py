@@ -106,9 +106,7 @@ def _iterate_compared(fit: Fit) -> Iterator[ComparedOutput]:
 def _split_outputs(one: Experiment, model: Any, used: Any) -> Iterator[ComparedOutput]:
     outputs = one.system.outputs()
     for k, name in enumerate(one.outputs):
-        yield ComparedOutput(
-            one, name, outputs[name], one.times, one.measured[:, k], model[:, k], used[:, k]
-        )
+        yield ComparedOutput(one, name, outputs[name], one.times, one.measured[:, k], model[:, k], used[:, k])
 
 
 def find_covered_range(fit: Fit) -> dict[str, tuple[float, float]]:

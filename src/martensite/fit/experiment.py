@@ -97,9 +97,7 @@ class Experiment:
         longest = min(self.step, times[-1]) if step is None else step
         return grid_at(waves, times, longest, at_end)
 
-    def runner(
-        self, step: float | None = None, outputs: Sequence[str] | None = None
-    ) -> BatchRunner:
+    def runner(self, step: float | None = None, outputs: Sequence[str] | None = None) -> BatchRunner:
         """Its runs, with samples at the rows that are compared.
 
         Args:

@@ -85,10 +85,7 @@ def read_fit_file(path: str | Path) -> FitTask:
 def _read_log(document: Mapping[str, Any], entry: Any, path: Path) -> Log:
     table, where = as_table(entry, "record"), f"[[record]] of `{path.name}`"
     refuse_unknown(table, RECORD, where)
-    file, scenario = (
-        _read_text(table, "file", where),
-        table.get("scenario", document.get("scenario")),
-    )
+    file, scenario = (_read_text(table, "file", where), table.get("scenario", document.get("scenario")))
     if not isinstance(scenario, str):
         raise DataError(f"Fit file `{path.name}` needs `scenario`, the file of one; none given.")
     columns, weight = _read_texts(table, "columns", where), table.get("weight", 1.0)
@@ -120,17 +117,14 @@ def _read_search(document: Mapping[str, Any], where: str) -> FitSearch:
 
 
 def _read_hold_out(given: Any) -> str | list[str]:
-    return (
-        [str(name) for name in cast("list[Any]", given)] if isinstance(given, list) else str(given)
-    )
+    return [str(name) for name in cast("list[Any]", given)] if isinstance(given, list) else str(given)
 
 
 def _read_settings(table: Mapping[str, Any], where: str) -> dict[str, Any]:
     given = table.get("set", {})
     if not isinstance(given, dict):
         raise ParameterError(
-            f'{where}: `set` must be a table such as {{ "mechanism.mass" = "400 g" }}, '
-            f"but is {given!r}."
+            f'{where}: `set` must be a table such as {{ "mechanism.mass" = "400 g" }}, but is {given!r}.'
         )
     return _flatten_table(cast("dict[str, Any]", given))
 
@@ -174,9 +168,7 @@ def _read_seconds(table: Mapping[str, Any], name: str, where: str) -> float | No
         return None
     given = table[name]
     if not isinstance(given, str):
-        raise UnitError(
-            f"{where}: `{name}` must be text with a unit, such as `1 s`, but is {given!r}."
-        )
+        raise UnitError(f"{where}: `{name}` must be text with a unit, such as `1 s`, but is {given!r}.")
     try:
         return units.parse_quantity(given, "s")
     except UnitError as error:

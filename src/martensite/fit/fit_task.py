@@ -193,12 +193,7 @@ def _drop_silent_outputs(
     own = [one for one in each if not is_nuisance(one.name)]
     training = build_problem(made, free, each=own).training
     quiet = find_silent_outputs(training)
-    heard = {
-        output
-        for one in training.experiments
-        for output in one.outputs
-        if (one.name, output) not in quiet
-    }
+    heard = {output for one in training.experiments for output in one.outputs if (one.name, output) not in quiet}
     lost = [name for name in dict.fromkeys(name for _, name in quiet) if name not in heard]
     kept = [{n: c for n, c in one.columns.items() if n not in lost} for one in made]
     if not lost or not all(kept):

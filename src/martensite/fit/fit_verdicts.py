@@ -11,21 +11,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from martensite.base import units
-from martensite.fit.compared_outputs import (
-    HELD_OUT,
-    TRAINING,
-    ComparedOutput,
-    compute_rms,
-    list_compared,
-)
+from martensite.fit.compared_outputs import HELD_OUT, TRAINING, ComparedOutput, compute_rms, list_compared
 from martensite.fit.fit import Fit
-from martensite.search.quantity_text import (
-    format_change,
-    format_number,
-    format_quantity,
-    join_phrases,
-    list_names,
-)
+from martensite.search.quantity_text import format_change, format_number, format_quantity, join_phrases, list_names
 
 WORSE = 1.5
 """Held-out error over training error from which on a fit is said to predict less than it fits."""
@@ -54,12 +42,7 @@ def describe_predictions(fit: Fit) -> list[str]:
 
 def list_fit_warnings(fit: Fit) -> list[str]:
     """What speaks against trusting the numbers; empty if nothing does."""
-    return [
-        *_warn_of_search(fit),
-        *_warn_of_predictions(fit),
-        *_warn_of_directions(fit),
-        *_warn_of_residuals(fit),
-    ]
+    return [*_warn_of_search(fit), *_warn_of_predictions(fit), *_warn_of_directions(fit), *_warn_of_residuals(fit)]
 
 
 def _describe_prediction(rows: list[ComparedOutput]) -> str:
@@ -88,9 +71,7 @@ def _describe_own_numbers(fit: Fit) -> Iterator[str]:
 def _warn_of_search(fit: Fit) -> Iterator[str]:
     """How the search ended, and where."""
     if fit.reason != "converged":
-        yield (
-            f"The search did not converge: {fit.reason}. The numbers are the best it came across."
-        )
+        yield (f"The search did not converge: {fit.reason}. The numbers are the best it came across.")
     for free, u in zip(fit.problem.free, fit.values, strict=True):
         if free.name in fit.at_bound():
             side, bound = ("lower", free.low) if u < 0.5 else ("upper", free.high)
@@ -104,10 +85,7 @@ def _warn_of_predictions(fit: Fit) -> Iterator[str]:
     """What was kept back, and how much worse it is met."""
     rows = list_compared(fit)
     if not any(one.held.any() for one in rows):
-        yield (
-            "Nothing was kept back: how well the model predicts what it was not fitted to is not "
-            "known."
-        )
+        yield ("Nothing was kept back: how well the model predicts what it was not fitted to is not known.")
     for name in dict.fromkeys(one.output for one in rows):
         own = [one for one in rows if one.output == name]
         seen, kept = (compute_rms(own, part) for part in (TRAINING, HELD_OUT))
@@ -124,10 +102,7 @@ def _warn_of_predictions(fit: Fit) -> Iterator[str]:
         if score.fit_percent < POOR and score.rms > NOTABLE * _measure_range(rows, score.output)
     ]
     if poor:
-        met = (
-            f"`{one.output}` of {one.record} ({format_number(one.fit_percent, 3)} %)"
-            for one in poor
-        )
+        met = (f"`{one.output}` of {one.record} ({format_number(one.fit_percent, 3)} %)" for one in poor)
         yield f"The model explains less than half of what varies: {join_phrases(list(met))}."
 
 

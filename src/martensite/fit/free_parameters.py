@@ -14,14 +14,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base import units
 from martensite.base.errors import ParameterError, require_known, suggest_name
 from martensite.base.formats import write_quantity
-from martensite.search.free_numbers import (
-    FreeNumber,
-    SearchRange,
-    Target,
-    build_free,
-    parse_free,
-    read_free,
-)
+from martensite.search.free_numbers import FreeNumber, SearchRange, Target, build_free, parse_free, read_free
 
 OFFSET, DELAY = "offset", "delay"
 """What a record may have for itself: the zero of a sensor, the delay of its clock."""
@@ -54,9 +47,7 @@ def read_ranges(
 def _read_range(text: str, systems: Sequence[AbstractSystem], own: bool) -> SearchRange:
     name, bounds, start, scale = parse_free(text)
     if is_nuisance(name) and not own:
-        raise ParameterError(
-            f"`{name}` belongs to a record, not to the system: ask for it under `each` (--each)."
-        )
+        raise ParameterError(f"`{name}` belongs to a record, not to the system: ask for it under `each` (--each).")
     if bounds is None and start is None:
         return SearchRange(name, scale=scale)
     if is_nuisance(name):
@@ -72,9 +63,7 @@ def _find_own_unit(name: str, system: AbstractSystem) -> str:
         return "s"
     output, known = name.removeprefix(OFFSET).removeprefix("."), system.outputs()
     if not output:
-        raise ParameterError(
-            "Bounds of `offset` need the output they are for, such as `offset.strain=-0.1..0.1 %`."
-        )
+        raise ParameterError("Bounds of `offset` need the output they are for, such as `offset.strain=-0.1..0.1 %`.")
     require_known("output", output, known)
     return known[output].unit
 
@@ -116,9 +105,7 @@ def _build_one(wanted: SearchRange, known: Sequence[Target], record: str | None)
     found = [x for x in known if x.path == name or x.path.endswith("." + name)]
     if not found:
         names = list(dict.fromkeys(x.path.rpartition(".")[2] for x in known))
-        raise ParameterError(
-            f"There is no parameter `{name}` to be fitted. {suggest_name(name, names)}"
-        )
+        raise ParameterError(f"There is no parameter `{name}` to be fitted. {suggest_name(name, names)}")
     free = build_free(wanted, found, name if record is None else f"{name}@{record}", record)
     if not free.low <= free.start <= free.high:
         ends = (free.start, free.low, free.high)

@@ -56,9 +56,7 @@ def choose_held_out(
 
 def _choose_stretches(times: Sequence[float]) -> Stretches:
     first, length = times[0], times[-1] - times[0]
-    return tuple(
-        (first + k / STRETCHES * length, first + (k + 1) / STRETCHES * length) for k in KEPT
-    )
+    return tuple((first + k / STRETCHES * length, first + (k + 1) / STRETCHES * length) for k in KEPT)
 
 
 def _read_share(text: str) -> float:

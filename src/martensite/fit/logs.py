@@ -80,9 +80,7 @@ def read_logs(logs: Sequence[Log]) -> list[LoadedLog]:
         found.append(LoadedLog(log, log.name or _shorten_name(record), record, scenario))
     names = [one.name for one in found]
     return [
-        replace(one, name=f"{one.name}-{names[:k].count(one.name) + 1}")
-        if names.count(one.name) > 1
-        else one
+        replace(one, name=f"{one.name}-{names[:k].count(one.name) + 1}") if names.count(one.name) > 1 else one
         for k, one in enumerate(found)
     ]
 
@@ -111,8 +109,7 @@ def describe_gaps(one: LoadedLog, columns: Iterable[str]) -> list[str]:
         if missing:
             then = "bridged by straight lines" if name in follows else "passed over"
             notes.append(
-                f"{missing} of {len(record)} samples of `{name}` in record `{record.name}` are "
-                f"missing and {then}."
+                f"{missing} of {len(record)} samples of `{name}` in record `{record.name}` are missing and {then}."
             )
     if record.dropped:
         notes.append(f"{record.dropped} rows of record `{record.name}` could not be read.")
@@ -128,7 +125,5 @@ def check_matching(logs: Sequence[Source], scenarios: Sequence[Model]) -> list[M
     if len(scenarios) == 1:
         return list(scenarios) * len(logs)
     if len(scenarios) != len(logs):
-        raise DataError(
-            f"{len(logs)} logs have {len(scenarios)} scenarios; give one for all, or one each."
-        )
+        raise DataError(f"{len(logs)} logs have {len(scenarios)} scenarios; give one for all, or one each.")
     return list(scenarios)

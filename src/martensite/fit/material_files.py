@@ -14,12 +14,7 @@ from typing import TYPE_CHECKING, Any
 from martensite.base.errors import DataError
 from martensite.base.files import replace_file
 from martensite.fit.compared_outputs import find_covered_range, list_compared
-from martensite.fit.fit_provenance import (
-    PACKAGE,
-    build_provenance,
-    describe_program,
-    list_published,
-)
+from martensite.fit.fit_provenance import PACKAGE, build_provenance, describe_program, list_published
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
 from martensite.fit.material_numbers import FIT, MaterialNumbers
 from martensite.physics.materials.base import MaterialNumber, Source
@@ -91,14 +86,10 @@ def format_material(numbers: MaterialNumbers, title: str = "", cite: str = "") -
     return "\n".join(
         [
             *_format_entries({"title": title or f"Fit of {what}"}),
-            *_format_entries(
-                {"summary": _summarise_fit(numbers, values), "limits": _describe_limits(numbers)}
-            ),
+            *_format_entries({"summary": _summarise_fit(numbers, values), "limits": _describe_limits(numbers)}),
             *_format_section("law", law),
             *_list_sources(sources),
-            *_format_section(
-                "values", {name: _format_value(number) for name, number in values.items()}
-            ),
+            *_format_section("values", {name: _format_value(number) for name, number in values.items()}),
             *_format_section("fit", found),
             *_format_section("fit.free", free),
             *(line for one in records for line in _format_section("fit.records", one, "[[{}]]")),
@@ -116,17 +107,13 @@ def _format_records(fit: Fit) -> str:
 
 
 def _format_outputs(fit: Fit) -> str:
-    return join_phrases(
-        list(dict.fromkeys(n for one in fit.problem.experiments for n in one.outputs))
-    )
+    return join_phrases(list(dict.fromkeys(n for one in fit.problem.experiments for n in one.outputs)))
 
 
 def _summarise_fit(numbers: MaterialNumbers, values: dict[str, MaterialNumber]) -> str:
     """What is fitted, and where the rest comes from."""
     fit, law = numbers.fit, numbers.law_table()
-    fitted = [
-        name for name, number in values.items() if number.kind == "fitted" and number.source == FIT
-    ]
+    fitted = [name for name, number in values.items() if number.kind == "fitted" and number.source == FIT]
     options = join_phrases([f"{name} {word}" for name, word in law.items() if name != "kind"])
     words = [
         f"Numbers of law {law['kind']}{f' ({options})' if options else ''}, fitted to "
@@ -134,13 +121,9 @@ def _summarise_fit(numbers: MaterialNumbers, values: dict[str, MaterialNumber]) 
         f"Fitted: {join_phrases(fitted) or 'none of them'}.",
     ]
     if numbers.material:
-        words.append(
-            f"Where another source is named, the number is that of {numbers.material.name}."
-        )
+        words.append(f"Where another source is named, the number is that of {numbers.material.name}.")
     if others := numbers.others():
-        found = join_phrases(
-            [f"{free.name} = {format_quantity(fit[free.name], free.unit)}" for free in others]
-        )
+        found = join_phrases([f"{free.name} = {format_quantity(fit[free.name], free.unit)}" for free in others])
         words.append(f"Fitted with them, but no numbers of a material: {found}.")
     return " ".join(words)
 
@@ -149,16 +132,12 @@ def _describe_limits(numbers: MaterialNumbers) -> str:
     """Where the numbers were fitted, how well, and what speaks against them."""
     fit = numbers.fit
     units = {"temperature": "K", "stress": "Pa"}
-    ranges = [
-        f"{name} {shown_range(r, units[name])}" for name, r in find_covered_range(fit).items()
-    ]
+    ranges = [f"{name} {shown_range(r, units[name])}" for name, r in find_covered_range(fit).items()]
     kept = [one.record for one in list_compared(fit) if not one.used.any()]
     words = [f"They hold for this law, and were fitted at {join_phrases(ranges)}."]
     if kept:
         words.append(f"Kept back: {join_phrases(list(dict.fromkeys(kept)))}.")
-    return " ".join(
-        [*words, *describe_predictions(fit), *list_fit_warnings(fit), *fit.cautions]
-    ).replace("`", "")
+    return " ".join([*words, *describe_predictions(fit), *list_fit_warnings(fit), *fit.cautions]).replace("`", "")
 
 
 # ---------------------------------------------------------------- TOML
@@ -175,9 +154,7 @@ def _format_section(name: str, table: dict[str, Any], heading: str = "[{}]") -> 
 
 def _list_sources(sources: dict[str, Source]) -> Iterator[str]:
     for key, source in sources.items():
-        yield from _format_section(
-            f"sources.{toml_key(key)}", {"cite": source.cite, "text": source.text}
-        )
+        yield from _format_section(f"sources.{toml_key(key)}", {"cite": source.cite, "text": source.text})
 
 
 def _format_value(number: MaterialNumber) -> dict[str, str]:

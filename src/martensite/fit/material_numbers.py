@@ -88,9 +88,7 @@ class MaterialNumbers:
     def _leaves(self) -> Leaves:
         """The canonical numbers of the actuator, with all numbers fitted."""
         own = [free for free in self.fit.problem.free if free.record is not None]
-        return name_canonically(
-            self._systems(), self.port, lambda path: any(free.moves(path) for free in own)
-        )
+        return name_canonically(self._systems(), self.port, lambda path: any(free.moves(path) for free in own))
 
     def _systems(self) -> list[AbstractSystem]:
         return [self.fit.system(k) for k in range(len(self.fit.problem.experiments))]
@@ -109,9 +107,7 @@ class MaterialNumbers:
 
     def _each(self, moving: list[FreeNumber], leaf: Leaf) -> MaterialNumber:
         """A number that every record has for itself is none of the material: its start stays."""
-        fitted = ", ".join(
-            f"{format_quantity(self.fit[f.name], f.unit)} in {f.record}" for f in moving
-        )
+        fitted = ", ".join(f"{format_quantity(self.fit[f.name], f.unit)} in {f.record}" for f in moving)
         text = exact_text(moving[0].start, leaf.declared.unit)
         note = f"where the fit began; fitted to every record for itself: {fitted}"
         return _build_number(leaf, text, "assumed", self._scenario_source(), note)
@@ -133,9 +129,7 @@ class MaterialNumbers:
         if origins.get(scenario_path(leaf.path)) == DEFAULT:
             self.sources[DEFAULT] = Source(PACKAGE, "Default of the parameter")
             return _build_number(leaf, text, "assumed", DEFAULT, "")
-        return _build_number(
-            leaf, text, "assumed", self._scenario_source(), "held fixed in the fit"
-        )
+        return _build_number(leaf, text, "assumed", self._scenario_source(), "held fixed in the fit")
 
     def _carried(self, leaves: Leaves) -> Iterator[tuple[str, MaterialNumber]]:
         """Numbers of the scenario's material that the fitted system does not use."""
@@ -184,9 +178,7 @@ def _build_number(leaf: Leaf, text: str, kind: str, source: str, note: str) -> M
 
 
 def name_canonically(
-    systems: Sequence[AbstractSystem],
-    port: str | None = None,
-    apart: Callable[[str], bool] = lambda path: False,
+    systems: Sequence[AbstractSystem], port: str | None = None, apart: Callable[[str], bool] = lambda path: False
 ) -> Leaves:
     """Canonical name -> number of the elements of some systems, which must agree.
 

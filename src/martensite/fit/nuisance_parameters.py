@@ -25,9 +25,7 @@ LARGEST_OFFSET = 2.0
 """Largest offset either way, in measured ranges."""
 
 
-def build_own_parameters(
-    ranges: Sequence[SearchRange], experiments: Sequence[Experiment]
-) -> list[FreeNumber]:
+def build_own_parameters(ranges: Sequence[SearchRange], experiments: Sequence[Experiment]) -> list[FreeNumber]:
     """Free parameters that every experiment has for itself.
 
     `offset` alone stands for all outputs that are compared.
@@ -60,23 +58,17 @@ def _build_offset(wanted: SearchRange, output: str, experiment: Experiment) -> F
     column = experiment.measured[:, experiment.outputs.index(output)]
     reach = LARGEST_OFFSET * float(np.nanmax(column) - np.nanmin(column))
     unit = experiment.system.outputs()[output].unit
-    return _build_own(
-        wanted, f"{OFFSET}.{output}", unit, reach, experiment.name, f"zero of {output}"
-    )
+    return _build_own(wanted, f"{OFFSET}.{output}", unit, reach, experiment.name, f"zero of {output}")
 
 
-def _build_own(
-    wanted: SearchRange, path: str, unit: str, reach: float, record: str, doc: str
-) -> FreeNumber:
+def _build_own(wanted: SearchRange, path: str, unit: str, reach: float, record: str, doc: str) -> FreeNumber:
     low = -reach if wanted.low is None else wanted.low
     high = reach if wanted.high is None else wanted.high
     start = min(max(0.0, low), high) if wanted.start is None else wanted.start
     return FreeNumber(f"{path}@{record}", path, unit, start, low, high, record=record, doc=doc)
 
 
-def delay_model(
-    times: Any, model: Any, slopes: Any, delay: float, slope: float, place: int
-) -> tuple[Any, Any]:
+def delay_model(times: Any, model: Any, slopes: Any, delay: float, slope: float, place: int) -> tuple[Any, Any]:
     """What is seen `delay` [s] late, and its derivatives."""
     first, last = times[0], times[-1]
     at = np.clip(times - delay, first, last)

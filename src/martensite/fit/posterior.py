@@ -70,13 +70,7 @@ class Posterior:
 
 
 def sample_posterior(
-    fit: Fit,
-    *,
-    draws: int = 500,
-    warmup: int = 300,
-    chains: int = 2,
-    seed: int = 0,
-    progress: bool = False,
+    fit: Fit, *, draws: int = 500, warmup: int = 300, chains: int = 2, seed: int = 0, progress: bool = False
 ) -> Posterior:
     """Sample the parameters around a fit.
 
@@ -114,11 +108,7 @@ def sample_posterior(
         chain_method="sequential",
         progress_bar=progress,
     )
-    sampler.run(
-        xp.jax.random.PRNGKey(seed),
-        init_params=_draw_starts(fit, chains, seed),
-        extra_fields=("diverging",),
-    )
+    sampler.run(xp.jax.random.PRNGKey(seed), init_params=_draw_starts(fit, chains, seed), extra_fields=("diverging",))
     return _collect_samples(fit, sampler, chains)
 
 

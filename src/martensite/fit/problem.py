@@ -75,10 +75,7 @@ class Problem:
             raise ParameterError("A fit needs at least one record; none given.")
         if not self.free:
             raise ParameterError("A fit needs at least one free parameter; none given.")
-        for kind, names in (
-            ("record", [one.name for one in self.experiments]),
-            ("free parameter", list(self.names)),
-        ):
+        for kind, names in (("record", [one.name for one in self.experiments]), ("free parameter", list(self.names))):
             double = next((name for name in names if names.count(name) > 1), None)
             if double is not None:
                 raise ParameterError(f"There are two of {kind} `{double}`; give each its own name.")
@@ -104,9 +101,7 @@ class Problem:
     @property
     def training(self) -> Problem:
         """The problem without the records that are kept back."""
-        return replace(
-            self, experiments=tuple(one for one in self.experiments if not one.held_out), later=()
-        )
+        return replace(self, experiments=tuple(one for one in self.experiments if not one.held_out), later=())
 
     def numbers(self, u: Sequence[float]) -> dict[str, float]:
         """The free parameters in SI."""
@@ -156,10 +151,7 @@ class Problem:
         residuals = [f.residuals.T[used.T] for f, used in zip(fitted, self.used, strict=True)]
         jacobian = None
         if slopes:
-            pieces = [
-                f.jacobian.transpose(1, 0, 2)[used.T]
-                for f, used in zip(fitted, self.used, strict=True)
-            ]
+            pieces = [f.jacobian.transpose(1, 0, 2)[used.T] for f, used in zip(fitted, self.used, strict=True)]
             jacobian = np.concatenate(pieces)
         return Evaluation(fitted, np.concatenate(residuals), jacobian)
 
@@ -168,9 +160,7 @@ class Problem:
         totals, counts = np.zeros(len(points)), 0
         for k, runner in enumerate(self.runners):
             variants = [self._change_values(k, u) for u in points]
-            models = runner.run_many(
-                np.array([runner.base if v is None else v for v in variants], float)
-            )
+            models = runner.run_many(np.array([runner.base if v is None else v for v in variants], float))
             for i, (u, values) in enumerate(zip(points, variants, strict=True)):
                 fitted = self._compare_model(k, None if values is None else models[i], u, None)
                 totals[i] += math.inf if fitted is None else self._sum_squares(k, fitted)
@@ -207,11 +197,7 @@ class Problem:
             InputError: values contradict each other.
         """
         paths = self.runners[k].paths
-        changed = {
-            paths[j]: self.free[i].value(float(u[i]))
-            for i, places in self._moving[k]
-            for j in places
-        }
+        changed = {paths[j]: self.free[i].value(float(u[i])) for i, places in self._moving[k] for j in places}
         return self.experiments[k].system.with_values(changed)
 
     def _change_values(self, k: int, u: Sequence[float]) -> Any:
@@ -221,9 +207,7 @@ class Problem:
         except InputError:
             return None
 
-    def _evaluate_one(
-        self, k: int, values: Any, u: Sequence[float], slopes: bool
-    ) -> FittedRecord | None:
+    def _evaluate_one(self, k: int, values: Any, u: Sequence[float], slopes: bool) -> FittedRecord | None:
         if not slopes:
             return self._compare_model(k, self.runners[k].run_one(values), u, None)
         seeds = np.zeros((len(values), len(self.free)))
@@ -237,9 +221,7 @@ class Problem:
         spread[:, :, moving] = found[1]
         return self._compare_model(k, found[0], u, spread)
 
-    def _compare_model(
-        self, k: int, model: Any, u: Sequence[float], slopes: Any
-    ) -> FittedRecord | None:
+    def _compare_model(self, k: int, model: Any, u: Sequence[float], slopes: Any) -> FittedRecord | None:
         """Residuals of a run, with the offsets and the delay of its record."""
         if model is None:
             return None
@@ -255,9 +237,7 @@ class Problem:
                     model[:, place] += value
                     if slopes is not None:
                         slopes[:, place, i] += slope
-        sizes = [
-            math.sqrt(one.weights.get(output, 1.0)) / self.scale(output) for output in one.outputs
-        ]
+        sizes = [math.sqrt(one.weights.get(output, 1.0)) / self.scale(output) for output in one.outputs]
         residuals = (model - one.measured) * sizes
         jacobian = None if slopes is None else slopes * np.array(sizes)[:, None]
         return FittedRecord(model, residuals, jacobian)

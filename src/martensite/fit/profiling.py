@@ -21,9 +21,7 @@ REFIT = 50
 """Evaluations of one refit."""
 
 
-def profile_likelihood(
-    fit: Fit, name: str, *, level: float = LEVEL, most: int = MOST_REFITS
-) -> Profile:
+def profile_likelihood(fit: Fit, name: str, *, level: float = LEVEL, most: int = MOST_REFITS) -> Profile:
     """Walk the profile of a free parameter of a fit.
 
     Args:
@@ -81,9 +79,7 @@ class _Refit:
         """Sum of the squared weighted residuals."""
         return float(np.sum((self.weights * residuals) ** 2))
 
-    def __call__(
-        self, held: dict[int, float], start: Sequence[float]
-    ) -> tuple[Sequence[float], float]:
+    def __call__(self, held: dict[int, float], start: Sequence[float]) -> tuple[Sequence[float], float]:
         """All parameters, and the cost."""
         point = np.array(start, float)
         point[list(held)] = list(held.values())
@@ -92,9 +88,7 @@ class _Refit:
             raise SolveError("The run fails with the parameter held.")
         if len(held) == len(point):
             return tuple(point), self.cost(first.residuals)
-        found = descend_squares(
-            self._evaluate, point, first, most=REFIT, held=list(held), weights=self.weights
-        )
+        found = descend_squares(self._evaluate, point, first, most=REFIT, held=list(held), weights=self.weights)
         return tuple(map(float, found.shares)), 2.0 * found.cost
 
     def _evaluate(self, shares: Any, slopes: bool) -> Any:

@@ -100,11 +100,7 @@ class SearchMonitor:
         if self.path is None or self.best is None:
             return
         self._written = time.monotonic()
-        document = {
-            "problem": identify_problem(self.problem),
-            "values": self.best,
-            "done": self.done,
-        }
+        document = {"problem": identify_problem(self.problem), "values": self.best, "done": self.done}
         with replace_file(self.path) as part:
             part.write_text(json.dumps(document), encoding="utf-8")
 

@@ -122,9 +122,7 @@ def _predict_held_out(problem: Problem, one: Experiment, end: Any) -> HeldOutRec
     return HeldOutRecord(one, found.fitted[0].model, {})
 
 
-def _run_search(
-    watch: SearchMonitor, method: str, loss: Loss, starts: int, seed: int, most: int
-) -> str:
+def _run_search(watch: SearchMonitor, method: str, loss: Loss, starts: int, seed: int, most: int) -> str:
     problem = watch.problem
     size = len(problem.free)
     if method == "coordinate":
@@ -139,9 +137,7 @@ def _run_search(
     begins = [("scenario", problem.start)]
     if method == "evolution" and "evolution" not in watch.done:
         watch.stage = "differential evolution"
-        begins = [
-            ("best of evolution", np.array(evolve_start(watch.costs, size, seed=seed).values))
-        ]
+        begins = [("best of evolution", np.array(evolve_start(watch.costs, size, seed=seed).values))]
         watch.finished("evolution")
     if watch.best is not None:
         begins = [(RESUMED, np.array(watch.best))]
@@ -152,9 +148,7 @@ def _run_search(
     return _run_descents(watch, begins, loss, most)
 
 
-def _run_descents(
-    watch: SearchMonitor, begins: Sequence[tuple[str, Any]], loss: Loss, most: int
-) -> str:
+def _run_descents(watch: SearchMonitor, begins: Sequence[tuple[str, Any]], loss: Loss, most: int) -> str:
     """A local search from every start; how the best of them ended."""
     reason, least = "failed at the start", math.inf
     for k, (stage, begin) in enumerate(begins):
@@ -191,10 +185,5 @@ def _descend_to_optimum(
     watch: SearchMonitor, begin: Any, first: Evaluation, most: int, loss: str, scale: float
 ) -> Descended:
     return descend_squares(
-        lambda u, slopes: watch.evaluate(u.tolist(), slopes=slopes),
-        begin,
-        first,
-        most=most,
-        loss=loss,
-        scale=scale,
+        lambda u, slopes: watch.evaluate(u.tolist(), slopes=slopes), begin, first, most=most, loss=loss, scale=scale
     )

@@ -18,13 +18,7 @@ from martensite.base.errors import DataError, ParameterError
 from martensite.fit.free_parameters import is_nuisance
 from martensite.fit.problem import Evaluation, Problem
 from martensite.search.free_numbers import FreeNumber
-from martensite.search.quantity_text import (
-    format_change,
-    format_number,
-    format_quantity,
-    join_phrases,
-    list_names,
-)
+from martensite.search.quantity_text import format_change, format_number, format_quantity, join_phrases, list_names
 from martensite.search.starts import draw_points
 
 POINTS = 8
@@ -92,10 +86,7 @@ def _find_idle(problem: Problem, found: Evaluation) -> list[int]:
 
 
 def _refuse_idle(
-    problem: Problem,
-    idle: Sequence[int],
-    others: Sequence[tuple[Any, Evaluation]],
-    follows: Sequence[str],
+    problem: Problem, idle: Sequence[int], others: Sequence[tuple[Any, Evaluation]], follows: Sequence[str]
 ) -> list[str]:
     notes: list[str] = []
     dead: list[int] = []
@@ -220,7 +211,4 @@ def _describe_doubt(ratio: float, decades: int, follows: Sequence[str]) -> str:
     steps = abs(math.log10(ratio)) / decades
     factor = format_number(10.0 ** (decades * max(1, round(steps))))
     size = "large" if ratio > 1.0 else "small"
-    return (
-        f"is its unit{drive} right? It looks {factor} times too {size}: a factor of {factor} "
-        f"would fit. {swapped}"
-    )
+    return f"is its unit{drive} right? It looks {factor} times too {size}: a factor of {factor} would fit. {swapped}"

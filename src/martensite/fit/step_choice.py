@@ -32,9 +32,7 @@ def choose_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, l
     """
     sources = [one.source for one in experiment.system.actuators().values()]
     if all(source.sets_temperature for source in sources):
-        apart = _compare_runs(
-            *(_run_experiment(one) for one in (experiment, halve_step(experiment)))
-        )
+        apart = _compare_runs(*(_run_experiment(one) for one in (experiment, halve_step(experiment))))
         if np.all(apart <= tolerance):
             return experiment, []
     return _find_step(experiment, tolerance)
@@ -82,10 +80,7 @@ def describe_step_error(fit: Fit) -> list[str]:
     change of the residuals.
     """
     problem = fit.problem
-    fixed = [
-        one if problem.step is None else replace(one, step=problem.step)
-        for one in problem.experiments
-    ]
+    fixed = [one if problem.step is None else replace(one, step=problem.step) for one in problem.experiments]
     fine = replace(problem, experiments=tuple(map(halve_step, fixed)), step=None)
     after = fine.evaluate(fit.values)
     if after is None:
@@ -95,9 +90,7 @@ def describe_step_error(fit: Fit) -> list[str]:
     sizes = [free.slope(u) for free, u in zip(problem.free, fit.values, strict=True)]
     errors = np.array(fit.uncertainty.errors) * fit.uncertainty.widening / np.abs(sizes)
     with np.errstate(invalid="ignore", divide="ignore"):
-        shares = np.where(
-            (errors > 0.0) & (np.abs(moved) > NEGLIGIBLE_CHANGE), np.abs(moved) / errors, 0.0
-        )
+        shares = np.where((errors > 0.0) & (np.abs(moved) > NEGLIGIBLE_CHANGE), np.abs(moved) / errors, 0.0)
     worst = int(np.argmax(shares))
     if not shares[worst] > NOTICEABLE_CHANGE:
         return []

@@ -57,9 +57,7 @@ def _describe_swap(one: Experiment, output: str, drive: str, column: str, found:
     )
 
 
-def _fit_exchanged(
-    problem: Problem, one: Experiment, record: Record, model: Model, output: str
-) -> float:
+def _fit_exchanged(problem: Problem, one: Experiment, record: Record, model: Model, output: str) -> float:
     """How well an output is met with another record; -inf where that cannot be fitted."""
     try:
         scenario = model(record)

@@ -15,15 +15,7 @@ from functools import partial
 from martensite.kernels.floats import LARGEST
 from martensite.kernels.kernel_printer import KernelPrinter, Statements
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, evaluate_estrin
-from martensite.kernels.printer import (
-    FLAG,
-    NUMBER,
-    PYTHON_OPERATORS,
-    SLOPES,
-    Dialect,
-    LoopText,
-    RepeatText,
-)
+from martensite.kernels.printer import FLAG, NUMBER, PYTHON_OPERATORS, SLOPES, Dialect, LoopText, RepeatText
 from martensite.kernels.program import Function, Program
 
 
@@ -41,9 +33,7 @@ _TYPES = {FLAG: "_Bool", NUMBER: "double", SLOPES: "slopes"}
 _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
-def _print_assignment(
-    name: str, expression: str, kind: str, types: Mapping[str, str] = _TYPES
-) -> str:
+def _print_assignment(name: str, expression: str, kind: str, types: Mapping[str, str] = _TYPES) -> str:
     return f"const {types[kind]} {name} = {expression};"
 
 
@@ -64,11 +54,7 @@ def _print_loop(loop: LoopText, types: Mapping[str, str] = _TYPES) -> list[str]:
         *(f"const {kind} {name}[{rows}] = {{{', '.join(cells)}}};" for kind, name, cells in tables),
         *(f"(void){column};" for _, name, column in inputs if name not in named),
         f"for (int {row} = 0; {row} < {rows}; {row}++) {{",
-        *(
-            f"    const {kind} {name} = {column}[{row}];"
-            for kind, name, column in inputs
-            if name in named
-        ),
+        *(f"    const {kind} {name} = {column}[{row}];" for kind, name, column in inputs if name in named),
         *(f"    {line}" for line in loop.body),
         *(f"    {name}[{row}] = {value};" for name, value in results),
         "}",

@@ -193,9 +193,7 @@ def lanes_source(program: Program, functions: Iterable[Function]) -> str:
 
 def _build_dialect() -> Dialect:
     templates = {**C_DIALECT.templates, **_TEMPLATES}
-    going = LoopCondition(
-        "some(above({}, all(0.0)))", "pick(above({going}, all(0.0)), {new}, {old})"
-    )
+    going = LoopCondition("some(above({}, all(0.0)))", "pick(above({going}, all(0.0)), {new}, {old})")
     dialect = scalar_dialect("number", templates, _print_constant, "flags", going)
     return replace(dialect, wants_names=frozenset(), shares_inverses=True)
 

@@ -17,9 +17,7 @@ WIDTHS = (4, 8, 16)
 """Directions that are computed together."""
 
 
-def slopes_source(
-    program: Program, functions: Sequence[Function], wrt: Sequence[int], width: int
-) -> str:
+def slopes_source(program: Program, functions: Sequence[Function], wrt: Sequence[int], width: int) -> str:
     """C of `prepare` and of differentiated functions, in `width` directions.
 
     Every function takes constants and inputs, each followed by its slopes:
@@ -42,11 +40,7 @@ def slopes_source(
 
 
 def _print_function(
-    name: str,
-    taken: Sequence[str],
-    given: tuple[str, str],
-    made: Statements,
-    places: Sequence[tuple[str, int]],
+    name: str, taken: Sequence[str], given: tuple[str, str], made: Statements, places: Sequence[tuple[str, int]]
 ) -> str:
     rows = zip(places, made.results, strict=True)
     lines = [*made.lines, *(f"{array}[{k}] = {text};" for (array, k), text in rows)]

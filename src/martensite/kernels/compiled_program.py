@@ -31,9 +31,7 @@ class CompiledProgram:
     The lanes must be fewer than `BLOCK`, or a multiple of it: vectors are full then.
     """
 
-    def __init__(
-        self, program: Program, names: tuple[str, ...], table: Any, added: str = ""
-    ) -> None:
+    def __init__(self, program: Program, names: tuple[str, ...], table: Any, added: str = "") -> None:
         """Compile functions, or take what was compiled of the same program.
 
         Args:

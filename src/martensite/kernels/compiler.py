@@ -93,12 +93,7 @@ def is_compiled(source: str, more: tuple[str, ...] = ()) -> bool:
 
 def call_compiled(function: Any, *arguments: Any) -> None:
     """Call a function of a library: a whole number is a `long`, all else arrays of C's order."""
-    function(
-        *(
-            ctypes.c_long(one) if isinstance(one, int) else ctypes.c_void_p(one.ctypes.data)
-            for one in arguments
-        )
-    )
+    function(*(ctypes.c_long(one) if isinstance(one, int) else ctypes.c_void_p(one.ctypes.data) for one in arguments))
 
 
 def _build_command(more: tuple[str, ...]) -> tuple[str, ...]:
@@ -134,13 +129,8 @@ def _compile_source(command: Sequence[str], source: str, path: Path) -> None:
         code, library = Path(folder) / "kernel.c", Path(folder) / "kernel.so"
         code.write_text(source)
         done = subprocess.run(
-            [*command, str(code), "-o", str(library), "-lm"],
-            capture_output=True,
-            text=True,
-            check=False,
+            [*command, str(code), "-o", str(library), "-lm"], capture_output=True, text=True, check=False
         )
         if done.returncode != 0:
-            raise MartensiteError(
-                f"The C compiler `{command[0]}` failed: {done.stderr.strip()[:500]}"
-            )
+            raise MartensiteError(f"The C compiler `{command[0]}` failed: {done.stderr.strip()[:500]}")
         library.replace(path)

@@ -250,13 +250,9 @@ class DualNamespace:
         value = self.base.erfcx(v)
         return self.pair(value, None if t is None else t * (2.0 * v * value - 2.0 / ROOT_PI))
 
-    def each(
-        self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]
-    ) -> tuple[Sequence[Any], ...]:
+    def each(self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]) -> tuple[Sequence[Any], ...]:
         """Columns of values and tangents through the base's loop."""
-        split_columns = [
-            _separate_pairs([self.parts(item) for item in column]) for column in columns
-        ]
+        split_columns = [_separate_pairs([self.parts(item) for item in column]) for column in columns]
         moving = [tangents is not None for _, tangents in split_columns]
         flat = [part for pair in split_columns for part in pair if part is not None]
         shape: list[bool] = []
@@ -324,9 +320,7 @@ def _separate_pairs(pairs: Sequence[Pair]) -> tuple[list[Any], list[Any] | None]
     return values, [0.0 if tangent is None else tangent for _, tangent in pairs]
 
 
-def value_and_slope(
-    xp: Namespace, function: Callable[[Namespace, Scalar], Scalar], x: Scalar
-) -> tuple[Scalar, Scalar]:
+def value_and_slope(xp: Namespace, function: Callable[[Namespace, Scalar], Scalar], x: Scalar) -> tuple[Scalar, Scalar]:
     """Return f(x) and df/dx, where `function(xp, x)` is a kernel in the namespace it is given."""
     (value,), (slope,) = values_and_slopes(xp, lambda xp, x: (function(xp, x),), x)
     return value, slope
@@ -342,9 +336,7 @@ def values_and_slopes(
 
 
 def compute_jacobian(
-    xp: Namespace,
-    function: Callable[[Namespace, Sequence[Scalar]], Sequence[Scalar]],
-    at: Sequence[Scalar],
+    xp: Namespace, function: Callable[[Namespace, Sequence[Scalar]], Sequence[Scalar]], at: Sequence[Scalar]
 ) -> tuple[list[Scalar], list[list[Scalar]]]:
     """Values f_i and slopes df_i/dx_k of a kernel of one or several variables."""
     values: list[Scalar] = []

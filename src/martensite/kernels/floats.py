@@ -111,9 +111,7 @@ def erfcx(x: float) -> float:
     return 1.0 / (ROOT_PI * tail)
 
 
-def each(
-    body: Callable[..., Sequence[float]], *columns: Sequence[float]
-) -> tuple[tuple[float, ...], ...]:
+def each(body: Callable[..., Sequence[float]], *columns: Sequence[float]) -> tuple[tuple[float, ...], ...]:
     """Columns of results of `body` over the rows of equally long columns."""
     return tuple(zip(*(body(*row) for row in zip(*columns, strict=True)), strict=True))
 

@@ -122,10 +122,7 @@ class Graph:
         return self._node(operation, indices, self._join_dependencies(indices))
 
     def loop(
-        self,
-        body: Callable[..., Sequence[Any]],
-        columns: Sequence[Sequence[Any]],
-        slopes: Sequence[Sequence[Any]] = (),
+        self, body: Callable[..., Sequence[Any]], columns: Sequence[Sequence[Any]], slopes: Sequence[Sequence[Any]] = ()
     ) -> tuple[list[Expr], ...]:
         """Trace a body over rows, those of `slopes` last; equal loops are one."""
         bit, results, row = self._body(body, "g", len(columns), len(slopes))
@@ -165,8 +162,7 @@ class Graph:
         node = self._node("repeat", needed, depends, (count, stops, begin, outputs)).index
         self.repeats[node] = Repeat(count, stops, begin, inputs, outputs, bit)
         return [
-            self._node("result", (node,), self._like(depends, input_), place)
-            for place, input_ in enumerate(inputs)
+            self._node("result", (node,), self._like(depends, input_), place) for place, input_ in enumerate(inputs)
         ]
 
     def _like(self, depends: int, index: int) -> int:
@@ -263,9 +259,7 @@ class Graph:
         count = CONDITIONS[operation]
         chosen = self.flags.intersection(args[count:])
         if not self.flags.issuperset(args[:count]):
-            raise make_kernel_error(
-                "a number of a kernel is not true or false", "a comparison: `x > 0.0`"
-            )
+            raise make_kernel_error("a number of a kernel is not true or false", "a comparison: `x > 0.0`")
         if chosen and not self.flags.issuperset(args):
             raise make_kernel_error(CONDITION, "`xp.where(condition, a, 0.0)`")
         return bool(chosen) or operation in FLAGS
@@ -412,9 +406,7 @@ class GraphNamespace:
             return expand_power(base, exponent)
         return self.graph.apply("power", base, exponent)
 
-    def each(
-        self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]
-    ) -> tuple[list[Expr], ...]:
+    def each(self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]) -> tuple[list[Expr], ...]:
         """One loop over the rows of the columns."""
         return self.graph.loop(body, columns)
 

@@ -22,13 +22,7 @@ class JaxNamespace(ArrayNamespace):
 
     def __init__(self, jax: Any) -> None:
         detach, implicit_root = jax.lax.stop_gradient, _make_implicit_root(jax)
-        super().__init__(
-            jax.numpy,
-            detach=detach,
-            repeat=self.loop,
-            implicit_root=implicit_root,
-            iterate=self.until,
-        )
+        super().__init__(jax.numpy, detach=detach, repeat=self.loop, implicit_root=implicit_root, iterate=self.until)
         self.jax = jax
 
     def loop(self, count: int, body: Callable[..., Sequence[Any]], *state: Any) -> Sequence[Any]:
@@ -114,8 +108,7 @@ def jax_namespace() -> JaxNamespace:
         jax: Any = import_module("jax")
     except ImportError:
         raise MartensiteError(
-            "JAX is not installed; install it with `pip install martensite[jax]`, or take the "
-            "runtime `c` or `floats`."
+            "JAX is not installed; install it with `pip install martensite[jax]`, or take the runtime `c` or `floats`."
         ) from None
     jax.config.update("jax_enable_x64", True)
     folder = os.environ.get("MARTENSITE_JAX_CACHE", str(cache_folder() / "jax"))
@@ -136,6 +129,4 @@ def make_storing_namespace(xp: JaxNamespace, one: Any) -> ArrayNamespace:
     def store(x: Any) -> Any:
         return x / one
 
-    return ArrayNamespace(
-        xp.np, xp.detach, store, str(one.dtype), xp.repeat, xp.implicit_root, xp.iterate
-    )
+    return ArrayNamespace(xp.np, xp.detach, store, str(one.dtype), xp.repeat, xp.implicit_root, xp.iterate)

@@ -53,12 +53,8 @@ class KernelPrinter:
         self.program, self.place, self.moving = program, place, moving
         self.printer = Printer(program.graph, dialect)
         kept = range(len(program.parameters)) if kept is None else kept
-        self._share_inputs(
-            [f"p{i}" for i in kept], [place.format("p", k) for k in range(len(kept))]
-        )
-        slopes = [
-            program.graph.input(slope_input(f"p{i}"), PARAMETER | SLOPE) for i in moving or ()
-        ]
+        self._share_inputs([f"p{i}" for i in kept], [place.format("p", k) for k in range(len(kept))])
+        slopes = [program.graph.input(slope_input(f"p{i}"), PARAMETER | SLOPE) for i in moving or ()]
         self.printer.share(slopes, lambda k: place.format("dp", k))
         hoisted = program.hoisted_nodes
         self.prepare = self._print(hoisted)

@@ -98,24 +98,18 @@ class Namespace(Protocol):
         """exp(x²) erfc(x) for x ≥ 0 only: the scaled complementary error function."""
         ...
 
-    def each(
-        self, body: Callable[..., Sequence[Scalar]], *columns: Sequence[Scalar]
-    ) -> tuple[Sequence[Scalar], ...]:
+    def each(self, body: Callable[..., Sequence[Scalar]], *columns: Sequence[Scalar]) -> tuple[Sequence[Scalar], ...]:
         """Columns of results of `body` over the rows of equally long columns.
 
         Traced, the body is one loop instead of as many copies as there are rows.
         """
         ...
 
-    def repeat(
-        self, count: int, body: Callable[..., Sequence[Scalar]], *state: Scalar
-    ) -> Sequence[Scalar]:
+    def repeat(self, count: int, body: Callable[..., Sequence[Scalar]], *state: Scalar) -> Sequence[Scalar]:
         """The state after `count` turns of `body`, as one loop."""
         ...
 
-    def iterate(
-        self, most: int, body: Callable[..., Sequence[Scalar]], *state: Scalar
-    ) -> Sequence[Scalar]:
+    def iterate(self, most: int, body: Callable[..., Sequence[Scalar]], *state: Scalar) -> Sequence[Scalar]:
         """The state after turns of `body` for as long as its first number is above 0.
 
         At most `most` turns, none if that number is 0 from the beginning. Every lane of a batch

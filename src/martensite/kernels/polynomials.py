@@ -11,9 +11,7 @@ from __future__ import annotations
 import math
 
 # in x with y = πx/2: the factor (π/2)^(2k+1) is folded into the Taylor terms
-QUARTER_SINE = [
-    (-1.0) ** k / math.factorial(2 * k + 1) * (math.pi / 2) ** (2 * k + 1) for k in range(11)
-]
+QUARTER_SINE = [(-1.0) ** k / math.factorial(2 * k + 1) * (math.pi / 2) ** (2 * k + 1) for k in range(11)]
 
 ERFCX_CENTRE = 3.0
 ERFCX = [
@@ -44,10 +42,7 @@ ERFCX = [
 
 
 def evaluate_estrin(
-    coefficients: list[float],
-    times: str = "{} * {}",
-    plus: str = "({} + {})",
-    constant: str = "{!r}",
+    coefficients: list[float], times: str = "{} * {}", plus: str = "({} + {})", constant: str = "{!r}"
 ) -> tuple[list[tuple[str, str]], str]:
     """A polynomial in z as pairs of pairs, which do not wait for each other.
 
@@ -58,9 +53,7 @@ def evaluate_estrin(
     power = "z"
     while len(terms) > 1:
         joined = [
-            plus.format(terms[k], times.format(terms[k + 1], power))
-            if k + 1 < len(terms)
-            else terms[k]
+            plus.format(terms[k], times.format(terms[k + 1], power)) if k + 1 < len(terms) else terms[k]
             for k in range(0, len(terms), 2)
         ]
         terms = joined

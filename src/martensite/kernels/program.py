@@ -15,13 +15,7 @@ from typing import Any
 from martensite.kernels import floats
 from martensite.kernels.arrays import ArrayNamespace
 from martensite.kernels.graph import PARAMETER, SLOPE, VARYING, Expr, Graph, GraphNamespace
-from martensite.kernels.printer import (
-    ARRAY_DIALECT,
-    FLOAT_DIALECT,
-    Dialect,
-    Printer,
-    parameter_nodes,
-)
+from martensite.kernels.printer import ARRAY_DIALECT, FLOAT_DIALECT, Dialect, Printer, parameter_nodes
 
 FLOAT_GLOBALS = {
     "_sqrt": math.sqrt,
@@ -94,9 +88,7 @@ class Program:
     @cached_property
     def hoisted_nodes(self) -> list[Expr]:
         """Nodes computed once per set of parameters."""
-        return parameter_nodes(
-            self.graph, [node for f in self.functions.values() for node in f.outputs]
-        )
+        return parameter_nodes(self.graph, [node for f in self.functions.values() for node in f.outputs])
 
     @property
     def constants(self) -> int:

@@ -19,15 +19,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from martensite.kernels.dual import Dual, DualNamespace
-from martensite.kernels.graph import (
-    FLAGS,
-    PARAMETER,
-    SLOPE,
-    VARYING,
-    Expr,
-    Graph,
-    GraphNamespace,
-)
+from martensite.kernels.graph import FLAGS, PARAMETER, SLOPE, VARYING, Expr, Graph, GraphNamespace
 from martensite.kernels.program import Function, Program
 
 ZERO = "ZERO"
@@ -260,29 +252,17 @@ class TangentWalk:
 
         found: list[bool] = []
         while True:
-            slopes = [
-                self._duals.zero if s is None else s
-                for (_, s), m in zip(begin, moving, strict=True)
-                if m
-            ]
+            slopes = [self._duals.zero if s is None else s for (_, s), m in zip(begin, moving, strict=True) if m]
             results = graph.repeat(loop.turns, body, values, slopes, loop.stops)
             spread = [a or b for a, b in zip(moving, found, strict=True)]
             if spread == moving:
                 break
             moving[:] = spread
         rest = iter(results[len(values) :])
-        return [
-            [self._duals.pair(value, next(rest) if m else None)]
-            for value, m in zip(results, moving, strict=False)
-        ]
+        return [[self._duals.pair(value, next(rest) if m else None)] for value, m in zip(results, moving, strict=False)]
 
     def _inside(
-        self,
-        bit: int,
-        inputs: Sequence[int],
-        row: Sequence[Expr],
-        moving: Sequence[bool],
-        outputs: Iterable[int],
+        self, bit: int, inputs: Sequence[int], row: Sequence[Expr], moving: Sequence[bool], outputs: Iterable[int]
     ) -> tuple[list[Expr], list[bool]]:
         """Values, then slopes, of the results of a body; and which of them have slopes."""
         slopes = iter(row[len(inputs) :])
@@ -338,9 +318,7 @@ class _Choosing(GraphNamespace):
             return self.graph.apply("where", flag, yes, no)
         a, b = (x.row if isinstance(x, _Row) else {} for x in (yes, no))
         keys = [*a, *(i for i in b if i not in a)]
-        return _Row(
-            {i: self.graph.apply("where", flag, a.get(i, 0.0), b.get(i, 0.0)) for i in keys}
-        )
+        return _Row({i: self.graph.apply("where", flag, a.get(i, 0.0), b.get(i, 0.0)) for i in keys})
 
     def store(self, x: Any) -> Any:
         return x if isinstance(x, _Row) else self.graph.apply("store", x)
@@ -386,9 +364,7 @@ class _PartialsWalk(TangentWalk):
         return [[one] for one in found]
 
 
-def compute_partials(
-    values: Sequence[Expr], variables: Sequence[Expr]
-) -> tuple[list[Expr], list[dict[int, Expr]]]:
+def compute_partials(values: Sequence[Expr], variables: Sequence[Expr]) -> tuple[list[Expr], list[dict[int, Expr]]]:
     """Traced values as they are computed beside their derivatives, and these, forwards.
 
     For each value a row: number of the variable -> derivative, those that are zero left out.

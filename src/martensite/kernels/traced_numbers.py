@@ -13,13 +13,8 @@ from typing import Any, ClassVar, NoReturn
 from martensite.kernels.kernel_errors import make_kernel_error
 from martensite.kernels.powers import expand_power, find_whole_exponent
 
-BRANCH = (
-    "a kernel must not branch on a value, as `if`, `while`, `and`, `or`, `not`, `a < b < c`, `min` "
-    "and `max` do"
-)
-CHOICES = (
-    "`xp.where(condition, a, b)`, `xp.both`, `xp.either`, `xp.negate`, `xp.minimum` or `xp.maximum`"
-)
+BRANCH = "a kernel must not branch on a value, as `if`, `while`, `and`, `or`, `not`, `a < b < c`, `min` and `max` do"
+CHOICES = "`xp.where(condition, a, b)`, `xp.both`, `xp.either`, `xp.negate`, `xp.minimum` or `xp.maximum`"
 VALUE = "a number of a kernel has no value that `float`, `int` or a function of `math` could take"
 COUNT = "a kernel must not count or choose by a value: loops are of fixed count"
 ROUND = "a kernel does not round in Python's way"
@@ -75,9 +70,7 @@ class TracedNumber:
         raise make_kernel_error(VALUE)
 
     def __index__(self) -> int:
-        raise make_kernel_error(
-            COUNT, "`for i in range(8)` with a count of your own, and `xp.where(condition, a, b)`"
-        )
+        raise make_kernel_error(COUNT, "`for i in range(8)` with a count of your own, and `xp.where(condition, a, b)`")
 
     def __round__(self, digits: Any = None) -> NoReturn:
         raise make_kernel_error(ROUND, "`xp.nearest(x)`")

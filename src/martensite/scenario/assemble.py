@@ -80,11 +80,7 @@ class Assembly:
         table = section_of(self.document, "mechanism")
         mechanism = Builder(origins=self.origins).choose(MECHANISMS, table, "mechanism")
         ports = mechanism.ports()
-        made = (
-            self._build_single(mechanism)
-            if len(ports) == 1
-            else self._build_machine(mechanism, ports)
-        )
+        made = self._build_single(mechanism) if len(ports) == 1 else self._build_machine(mechanism, ports)
         self._read_signals(mechanism)
         return made
 
@@ -143,17 +139,13 @@ class Assembly:
             common = (*COMMON, self.drive)
             refuse_unknown(different, common, f"[{path}]")
             tables = {
-                name: _overlay_table(
-                    section_of(self.document, name, {}), different.get(name, {}), path
-                )
+                name: _overlay_table(section_of(self.document, name, {}), different.get(name, {}), path)
                 for name in common
             }
             members[port] = Actuator(**self._build_actuator(tables, f"{path}.", port, False))
         return Machine(mechanism=mechanism, group=Group(**members))
 
-    def _build_actuator(
-        self, tables: Table, prefix: str, drive: str, driven: bool
-    ) -> dict[str, Any]:
+    def _build_actuator(self, tables: Table, prefix: str, drive: str, driven: bool) -> dict[str, Any]:
         """Element, environment and source; notes the waveform of the drive."""
         element = section_of(tables, "element")
         material = self._material(element)
@@ -226,9 +218,7 @@ class Assembly:
     def _build_followed(self, table: Table, unit: str, path: str, name: str) -> AbstractWaveform:
         """The waveform that follows a column of the log, to its last row."""
         switched = unit == "1" and not path.startswith(SIGNALS)
-        natural = (
-            recorded_waveforms.DUTY if switched else recorded_waveforms.NATURAL.get(unit, name)
-        )
+        natural = recorded_waveforms.DUTY if switched else recorded_waveforms.NATURAL.get(unit, name)
         waveform, self.follows[name] = recorded_waveforms.build_followed(
             table, path, self.log, unit, natural, self.lead
         )
@@ -277,9 +267,7 @@ def waveform_path(system: AbstractSystem, name: str, drive: str = DRIVE) -> str:
     return f"{drive}.waveform." if name == DRIVE else f"{GROUP}.{name}.{drive}.waveform."
 
 
-def _build_environment(
-    builder: Builder, tables: Table, sets_temperature: bool, prefix: str
-) -> Environment:
+def _build_environment(builder: Builder, tables: Table, sets_temperature: bool, prefix: str) -> Environment:
     """The surroundings; where the drive sets the temperature no heat balance is solved."""
     table = section_of(tables, "environment", {})
     if sets_temperature and "cooling" not in table:

@@ -74,11 +74,7 @@ class BenchSettings(Parametrised):
 
     period: Scalar = param("s", "time from one sample to the next", above=0.0, default=math.inf)
     substeps: Scalar = param(
-        "1",
-        "steps of the system in a period; 0: as many as it needs",
-        low=0.0,
-        high=1e6,
-        default=0.0,
+        "1", "steps of the system in a period; 0: as many as it needs", low=0.0, high=1e6, default=0.0
     )
     switching: str = option(
         "a switch (`pwm-voltage`): averaged over the period, or closed from its start for the "
@@ -139,9 +135,7 @@ class BenchBuilder:
         """[bench], with the period from where it stands."""
         document, origins = self.assembly.document, self.assembly.origins
         stands = {
-            path: own[PERIOD]
-            for path in (CONTROLLER, BENCH, RUN)
-            if PERIOD in (own := section_of(document, path, {}))
+            path: own[PERIOD] for path in (CONTROLLER, BENCH, RUN) if PERIOD in (own := section_of(document, path, {}))
         }
         if len(stands) != 1:
             where = " and ".join(f"[{path}]" for path in stands)
@@ -158,12 +152,7 @@ class BenchBuilder:
         return made
 
     def _component(
-        self,
-        cls: type[Parametrised],
-        row: Row,
-        scales: PlaceUnits,
-        extra: tuple[str, ...] = (),
-        **made: object,
+        self, cls: type[Parametrised], row: Row, scales: PlaceUnits, extra: tuple[str, ...] = (), **made: object
     ) -> Any:
         """A component; its path in the bench stands in the place of the name in its row."""
         where, table, path = row
@@ -202,9 +191,7 @@ class BenchBuilder:
         scales = PlaceUnits(readings=_list_units(bench))
         return name, self._component(cls, (where, table, path), scales, tuple(made), **made)
 
-    def _model(
-        self, cls: type[Parametrised], table: Table, path: str, where: str
-    ) -> dict[str, AbstractSystem]:
+    def _model(self, cls: type[Parametrised], table: Table, path: str, where: str) -> dict[str, AbstractSystem]:
         """The model of a component that has one, as what is made elsewhere."""
         declared = cls.declarations.get(MODEL)
         if declared is None or declared.kind != "part" or declared.registry is not None:
@@ -293,13 +280,9 @@ class BenchBuilder:
             )
         name = name or (list(drives) if len(drives) == 1 else free)[0]
         if name not in drives:
-            raise ParameterError(
-                f"[{path}] There is no drive `{name}`. {suggest_name(name, drives)}"
-            )
+            raise ParameterError(f"[{path}] There is no drive `{name}`. {suggest_name(name, drives)}")
         if name in waved:
-            raise ParameterError(
-                f"[{path}] has the drive `{name}`, which has a waveform as well; leave one out."
-            )
+            raise ParameterError(f"[{path}] has the drive `{name}`, which has a waveform as well; leave one out.")
         return name, drives[name]
 
     def _find_reference(self, name: str, table: Table, path: str) -> tuple[Any, str]:
@@ -332,9 +315,7 @@ def _check_references(document: Table, found: Mapping[str, AbstractController]) 
             f"{suggest_name(idle, [] if single else found)}"
         )
     if REFERENCE in document and not single:
-        raise ParameterError(
-            "[reference] has no effect, since there is no [controller]; write [references.DRIVE]."
-        )
+        raise ParameterError("[reference] has no effect, since there is no [controller]; write [references.DRIVE].")
 
 
 def _list_units(bench: Bench) -> dict[str, str]:

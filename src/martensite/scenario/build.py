@@ -54,9 +54,7 @@ class Builder:
         full = as_table(table, path)
         return self.build(choose_class(registry, full, path), full, path, draws=draws)
 
-    def build(
-        self, cls: type[Parametrised], table: Table, path: str, *, draws: bool = False
-    ) -> Any:
+    def build(self, cls: type[Parametrised], table: Table, path: str, *, draws: bool = False) -> Any:
         """Build a component of a known class from its table."""
         if is_members(cls):
             return self._build_members(cls, table, path, draws)
@@ -153,16 +151,10 @@ class Builder:
             values[name] = below.build(*child, f"{path}.{name}", draws=draws)
         elif declared.default is REQUIRED:
             known = declared.registry
-            valid = (
-                f"Write a table [{path}.{name}]."
-                if known is None
-                else suggest_name("", known.names())
-            )
+            valid = f"Write a table [{path}.{name}]." if known is None else suggest_name("", known.names())
             raise ParameterError(f"[{path}] needs `{name}` ({declared.doc}). {valid}")
 
-    def _convert_value(
-        self, cls: type[Parametrised], name: str, declared: Declared, value: Any, path: str
-    ) -> Any:
+    def _convert_value(self, cls: type[Parametrised], name: str, declared: Declared, value: Any, path: str) -> Any:
         """The value as the constructor takes it; text keeps its unit for the messages."""
         if declared.kind in ("option", "text"):
             return value
@@ -198,18 +190,12 @@ class Builder:
                     f"[{path}] `{_name_class(cls)}` has no `{unknown}`; it belongs to the {name}: "
                     f"write `{path}.{name}.{unknown}`, or `{unknown}` under [{path}.{name}]."
                 )
-        raise ParameterError(
-            f"[{path}] `{_name_class(cls)}` has no `{unknown}`. {suggest_name(unknown, valid)}"
-        )
+        raise ParameterError(f"[{path}] `{_name_class(cls)}` has no `{unknown}`. {suggest_name(unknown, valid)}")
 
-    def _describe_missing(
-        self, cls: type[Parametrised], missing: list[str], path: str, draws: bool
-    ) -> str:
+    def _describe_missing(self, cls: type[Parametrised], missing: list[str], path: str, draws: bool) -> str:
         """What is missing, in which unit, who does not have it, where to write it."""
         brief = len(missing) > FULLY_DESCRIBED
-        listed = ", ".join(
-            self._describe_number(cls.declarations[name], name, brief) for name in missing
-        )
+        listed = ", ".join(self._describe_number(cls.declarations[name], name, brief) for name in missing)
         unit = self.scales.label(cls.declarations[missing[0]])
         sample = f'{missing[0]} = "… {unit}"' if unit else f"{missing[0]} = …"
         remedy = f"write `{sample}` in [{path}]"
@@ -232,10 +218,7 @@ def _convert_plain(value: Any, name: str, unit: str, path: str) -> float:
         raise ParameterError(f"[{path}] `{name}` must be a number or text, but is {value!r}.")
     if unit != "1":
         label = units.choose_readable_unit(unit)
-        raise UnitError(
-            f"[{path}] `{name}` is {value} without a unit; "
-            f'write for example `{name} = "{value} {label}"`.'
-        )
+        raise UnitError(f'[{path}] `{name}` is {value} without a unit; write for example `{name} = "{value} {label}"`.')
     return float(value)
 
 

@@ -64,15 +64,11 @@ def compare_with_record(result: Result, record: Record) -> list[Agreement]:
 def list_common(result: Result, record: Record) -> list[str]:
     """Columns that a run and a record both hold, and that are not missing throughout."""
     return [
-        name
-        for name, column in record.columns.items()
-        if name in result.columns and any(map(math.isfinite, column))
+        name for name, column in record.columns.items() if name in result.columns and any(map(math.isfinite, column))
     ]
 
 
-def _measure_agreement(
-    name: str, result: Result, record: Record, places: list[tuple[int, float]]
-) -> Agreement:
+def _measure_agreement(name: str, result: Result, record: Record, places: list[tuple[int, float]]) -> Agreement:
     computed, measured = result.columns[name], list(filter(math.isfinite, record[name]))
     apart = {
         time: (1.0 - share) * computed[i] + share * computed[i + 1] - value

@@ -50,9 +50,7 @@ def list_nested(owner: type[Parametrised], path: str = "") -> Iterator[tuple[str
         yield from list_nested(inner, f"{path}{part}.")
 
 
-def gather_nested(
-    cls: type[Parametrised], table: Mapping[str, Any]
-) -> tuple[dict[str, Any], dict[str, str]]:
+def gather_nested(cls: type[Parametrised], table: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, str]]:
     """A table with numbers of its components in tables of their own, and what was moved.
 
     A component whose class is known, such as the `law` of a PID controller, may have its numbers
@@ -80,11 +78,7 @@ def gather_nested(
 def is_plain(owner: type[Parametrised], name: str) -> bool:
     """Whether a part is a whole number, or numbers in a row."""
     declared = owner.declarations[name]
-    return (
-        declared.kind == "part"
-        and declared.registry is None
-        and _read_annotation(owner, name) in PLAIN
-    )
+    return declared.kind == "part" and declared.registry is None and _read_annotation(owner, name) in PLAIN
 
 
 def convert_plain(declared: Declared, name: str, value: Any, path: str) -> Any:

@@ -23,10 +23,7 @@ def write_csv(result: Result, path: str | os.PathLike[str]) -> None:
     Raises:
         DataError: the file cannot be written.
     """
-    headings = [
-        format_heading("time", "s"),
-        *(format_heading(n, result.unit(n)) for n in result.columns),
-    ]
+    headings = [format_heading("time", "s"), *(format_heading(n, result.unit(n)) for n in result.columns)]
     with replace_file(Path(path)) as part, part.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(headings)

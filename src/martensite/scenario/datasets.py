@@ -114,9 +114,7 @@ def is_here(key: str) -> bool:
     return _find_copy(*_find_entry(key)) is not None
 
 
-def fetch_dataset(
-    name: str, force: bool = False, progress: Callable[[str, int, int], None] | None = None
-) -> Path:
+def fetch_dataset(name: str, force: bool = False, progress: Callable[[str, int, int], None] | None = None) -> Path:
     """Download the files of a data set that are missing, and return their folder.
 
     Args:
@@ -168,9 +166,7 @@ def _locate_cache(dataset: DataSet) -> Path:
 
 def _describe_remedy(dataset: DataSet, file: DataFile) -> str:
     """How to get a missing file."""
-    by_hand = (
-        f"save it as `{dataset.name}/{file.name}` in a folder, and set {VARIABLE} to that folder."
-    )
+    by_hand = f"save it as `{dataset.name}/{file.name}` in a folder, and set {VARIABLE} to that folder."
     if file.upstream:
         return f"run `martensite data fetch {dataset.name}`, or {by_hand}"
     return f"its address is not on record: look for it at {dataset.page}, {by_hand}"

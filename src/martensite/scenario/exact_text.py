@@ -18,9 +18,7 @@ def exact_text(value: float, unit: str, digits: int | None = None) -> str:
     """
     spelling = choose_familiar_unit(value, unit)
     if digits is not None:
-        return _format_number(
-            f"{float(f'{units.from_si(value, spelling, unit):.{digits}g}')!r}", spelling
-        )
+        return _format_number(f"{float(f'{units.from_si(value, spelling, unit):.{digits}g}')!r}", spelling)
     near = units.from_si(value, spelling, unit)
     short = (float(f"{near:.{most}g}") for most in (6, 12, 15, 16))
     beside = (near, math.nextafter(near, math.inf), math.nextafter(near, -math.inf))

@@ -37,29 +37,19 @@ class FromPlant(Parametrised):
     temperature_limit: Scalar = param(
         "K", "highest temperature; by default that of [element.limits]", above=0.0, default=math.inf
     )
-    hottest: Scalar = param(
-        "K", "hottest surroundings; by default those of [environment]", above=0.0, default=math.inf
-    )
+    hottest: Scalar = param("K", "hottest surroundings; by default those of [environment]", above=0.0, default=math.inf)
     least_cooling: Scalar = param(
         "1", "least film coefficient over that of [environment]", above=0.0, high=1.0, default=1.0
     )
     full: Scalar = param(
-        DRIVE,
-        "largest signal; by default 1, for sources that take a duty",
-        above=0.0,
-        default=math.inf,
+        DRIVE, "largest signal; by default 1, for sources that take a duty", above=0.0, default=math.inf
     )
     band: Scalar = param(
-        DEGREES,
-        "how far below the limit signals come back, where the answer is `resume`",
-        low=0.0,
-        default=0.0,
+        DEGREES, "how far below the limit signals come back, where the answer is `resume`", low=0.0, default=0.0
     )
 
 
-def add_plant_checks(
-    table: Table, bench: Bench, builder: Builder, noisy: bool
-) -> tuple[Table, set[str]]:
+def add_plant_checks(table: Table, bench: Bench, builder: Builder, noisy: bool) -> tuple[Table, set[str]]:
     """The table of a guard with the checks of its plant, if it wants them; paths of their numbers.
 
     Raises:
@@ -75,9 +65,7 @@ def add_plant_checks(
             f'`{{ hottest = "40 degC" }}`, but is {given!r}.'
         )
     path, below = f"{SUPERVISOR}.{FROM_PLANT}", f"{SUPERVISOR}.{CHECKS}"
-    known: FromPlant = builder.build(
-        FromPlant, {} if given is True else as_table(given, path), path
-    )
+    known: FromPlant = builder.build(FromPlant, {} if given is True else as_table(given, path), path)
     with name_section(SUPERVISOR):
         found = _build_checks(bench, known, noisy)
     rows, taken = dict(as_table(rest.get(CHECKS, {}), below)), set[str]()

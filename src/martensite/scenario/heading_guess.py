@@ -131,9 +131,7 @@ def usual_units(name: str) -> list[str]:
     if wanted is None:
         return []
     fitting = [s for s in SPELLINGS if _is_convertible(s, wanted)]
-    first = (
-        "%" if name == "strain" else "V" if wanted == DRIVE else units.choose_readable_unit(wanted)
-    )
+    first = "%" if name == "strain" else "V" if wanted == DRIVE else units.choose_readable_unit(wanted)
     clock = [CLOCK] if name == "time" else []
     return [*sorted(fitting, key=lambda s: s != first), *clock]
 

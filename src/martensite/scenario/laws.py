@@ -29,9 +29,7 @@ class ConfiguredLaw:
         return [*([other] if other else []), *self.law.cautions()]
 
 
-def configure_laws(
-    names: Sequence[str], material: str | None, settings: Mapping[str, Any]
-) -> list[ConfiguredLaw]:
+def configure_laws(names: Sequence[str], material: str | None, settings: Mapping[str, Any]) -> list[ConfiguredLaw]:
     """Laws by name, with numbers from settings, then from a material, then from the defaults.
 
     Args:
@@ -54,9 +52,7 @@ def configure_laws(
         found = {name: everyone or _own_material(name, needs[name]) for name in classes}
     return [
         ConfiguredLaw(
-            Builder(found[name]).choose(
-                LAWS, _build_table(name, tables[name], found[name]), name, draws=True
-            ),
+            Builder(found[name]).choose(LAWS, _build_table(name, tables[name], found[name]), name, draws=True),
             found[name] if needs[name] or material else None,
         )
         for name in classes
@@ -74,9 +70,7 @@ def _select_settings(
     name: str, settings: Mapping[str, Any], classes: Mapping[str, type[AbstractLaw]]
 ) -> dict[str, Any]:
     """The settings that reach one law."""
-    cut = {
-        key.removeprefix(f"{name}."): v for key, v in settings.items() if key.startswith(f"{name}.")
-    }
+    cut = {key.removeprefix(f"{name}."): v for key, v in settings.items() if key.startswith(f"{name}.")}
     shared = {key: v for key, v in settings.items() if "." not in key}
     single = len(classes) == 1
     known = classes[name].declarations
@@ -88,8 +82,7 @@ def _refuse_idle(settings: Mapping[str, Any], tables: Mapping[str, Mapping[str, 
         if not any(key in table or key.startswith(f"{n}.") for n, table in tables.items()):
             valid = {p for name in tables for p in LAWS[name].declarations}
             raise ParameterError(
-                f"The setting `{key}` reaches none of the laws. "
-                f"{suggest_name(key.rpartition('.')[2], valid)}"
+                f"The setting `{key}` reaches none of the laws. {suggest_name(key.rpartition('.')[2], valid)}"
             )
 
 
@@ -118,9 +111,7 @@ def _own_material(law: str, needed: Sequence[str]) -> Material:
     found = _find_first(needed)
     if found is not None:
         return found
-    nearest = max(
-        map(load_material, material_names()), key=lambda m: sum(n in m.values for n in needed)
-    )
+    nearest = max(map(load_material, material_names()), key=lambda m: sum(n in m.values for n in needed))
     missing = ", ".join(f"`{name}`" for name in needed if name not in nearest.values)
     raise ParameterError(
         f"No shipped material holds all numbers of the law `{law}`; `{nearest.name}` comes nearest "

@@ -99,10 +99,7 @@ def _read_heading(heading: str, number: int, where: str) -> FileColumn:
     spelling = "1" if spelling == "-" else spelling
     unit = _find_known_unit(name)
     if not spelling and unit not in (None, "1"):
-        raise DataError(
-            f"{where}: column `{name}` has no unit; write for example `{name} "
-            f"[{_find_usual_unit(unit)}]`."
-        )
+        raise DataError(f"{where}: column `{name}` has no unit; write for example `{name} [{_find_usual_unit(unit)}]`.")
     if name == "time" and spelling == CLOCK:
         return FileColumn(name, CLOCK, "s")
     return FileColumn(name, spelling or "1", _si_unit(name, spelling or "1", where))
@@ -130,10 +127,7 @@ def _si_unit(name: str, spelling: str, where: str) -> str:
         fault = _describe_misfit(spelling, wanted)
         if not fault:
             return wanted
-    raise DataError(
-        f"{where}, column `{name}`: {fault} Write for example `{name} "
-        f"[{_find_usual_unit(wanted)}]`."
-    )
+    raise DataError(f"{where}, column `{name}`: {fault} Write for example `{name} [{_find_usual_unit(wanted)}]`.")
 
 
 def _first_fitting(spelling: str, candidates: Iterable[str]) -> str:

@@ -34,9 +34,7 @@ KEYS = ("format", "version", "name", "interval", "inputs", "outputs", "units", "
 """What every file holds."""
 
 
-def write_model(
-    chain: Chain, path: str | Path, provenance: Mapping[str, Any] | None = None
-) -> None:
+def write_model(chain: Chain, path: str | Path, provenance: Mapping[str, Any] | None = None) -> None:
     """Write a chain as a JSON file; an existing file is replaced, whole or not at all.
 
     Args:
@@ -180,8 +178,7 @@ def _read_document(path: Path) -> dict[str, Any]:
         raise DataError(f"The model file `{path}` is damaged: it lacks {', '.join(missing)}.")
     if found["version"] != VERSION:
         raise DataError(
-            f"The model file `{path}` is of version {found['version']}, but this program reads "
-            f"version {VERSION}."
+            f"The model file `{path}` is of version {found['version']}, but this program reads version {VERSION}."
         )
     return found
 

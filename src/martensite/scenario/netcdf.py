@@ -70,10 +70,7 @@ class Description:
 
 
 def describe_result(
-    result: Result,
-    scenario_text: str = "",
-    material: Material | None = None,
-    citations: Iterable[str] = (),
+    result: Result, scenario_text: str = "", material: Material | None = None, citations: Iterable[str] = ()
 ) -> Description:
     """Describe a result as variables and attributes, whatever they are written to."""
     time = Variable(TIME, (TIME,), "s", "time", "t", _to_array(result.times), {"axis": "T"})
@@ -85,16 +82,11 @@ def describe_result(
     attributes["scenario"] = scenario_text
     attributes["material"] = material.name if material else ""
     attributes["citations"] = ", ".join(citations)
-    return Description(
-        [time, *columns, *_by_actuator(result), *_describe_profiles(result)], attributes
-    )
+    return Description([time, *columns, *_by_actuator(result), *_describe_profiles(result)], attributes)
 
 
 def to_dataset(
-    result: Result,
-    scenario_text: str = "",
-    material: Material | None = None,
-    citations: Iterable[str] = (),
+    result: Result, scenario_text: str = "", material: Material | None = None, citations: Iterable[str] = ()
 ) -> xarray.Dataset:
     """The result as a dataset over time [s], with units and provenance as attributes.
 

@@ -29,8 +29,7 @@ def read_settings(settings: Sequence[str]) -> dict[str, Any]:
         path, equals, value = setting.partition("=")
         if not equals or not path.strip():
             raise ParameterError(
-                f"`{setting}` is not a setting; write `path=value`, "
-                'for example `element.diameter="0.25 mm"`.'
+                f'`{setting}` is not a setting; write `path=value`, for example `element.diameter="0.25 mm"`.'
             )
         found[path.strip()] = _parse_value(value.strip())
     return found
@@ -67,9 +66,7 @@ def _set_value(document: dict[str, Any], path: str, value: Any) -> None:
 
 def as_toml(document: Mapping[str, Any]) -> str:
     """Write a document as TOML: one section per table, tables below it inline."""
-    lines = [
-        f"{toml_key(k)} = {toml_value(v)}" for k, v in document.items() if not isinstance(v, dict)
-    ]
+    lines = [f"{toml_key(k)} = {toml_value(v)}" for k, v in document.items() if not isinstance(v, dict)]
     for name, table in document.items():
         if isinstance(table, dict):
             entries = cast("dict[str, Any]", table)

@@ -44,9 +44,7 @@ class PlaceUnits:
         unknown = next((name for name in self.named if name not in self.readings), None)
         if unknown is None:
             raise ParameterError(f"No reading is named, in whose unit is: {declared.doc}.")
-        raise ParameterError(
-            f"There is no reading `{unknown}`. {suggest_name(unknown, self.readings)}"
-        )
+        raise ParameterError(f"There is no reading `{unknown}`. {suggest_name(unknown, self.readings)}")
 
     def known(self, declared: Declared) -> str | None:
         """The SI unit of a number, if there is the reading that it needs."""

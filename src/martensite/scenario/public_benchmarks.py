@@ -65,10 +65,7 @@ def read_wiener_hammerstein() -> dict[str, Sampled]:
             parts.append(np.array([opened["u"], opened["y"]]))
     u, y = np.concatenate(parts, axis=1)
     whole = _build_record(name, u, y, WIENER_HAMMERSTEIN_RATE).rows(5200, 184000)
-    return {
-        "estimation": whole.rows(0, 100_000, "estimation"),
-        "test": whole.rows(100_000, None, "test"),
-    }
+    return {"estimation": whole.rows(0, 100_000, "estimation"), "test": whole.rows(100_000, None, "test")}
 
 
 def _build_record(name: str, u: Numbers, y: Numbers, rate: float) -> Sampled:

@@ -79,9 +79,7 @@ def read_recorded(table: Mapping[str, Any], path: str, folder: Path) -> Recorded
     )
 
 
-def build_waveform(
-    table: Mapping[str, Any], path: str, folder: Path, unit: str
-) -> tuple[Table, float]:
+def build_waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str) -> tuple[Table, float]:
     """The waveform that a table describes, in the `unit` of the source, and its end [s]."""
     if "file" not in table and "times" in table:
         made = _list_numbers(table, path, unit)
@@ -96,19 +94,13 @@ def build_waveform(
         made = table_waveform(record, column)
         if record.units[column] != unit:
             raise DataError(
-                f"Column `{column}` of record `{record.name}` is in {record.units[column]}, "
-                f"but the drive takes {unit}."
+                f"Column `{column}` of record `{record.name}` is in {record.units[column]}, but the drive takes {unit}."
             )
     return made, record.times[-1]
 
 
 def build_followed(
-    table: Mapping[str, Any],
-    path: str,
-    log: Record | None,
-    unit: str,
-    natural: str,
-    lead: float = 0.0,
+    table: Mapping[str, Any], path: str, log: Record | None, unit: str, natural: str, lead: float = 0.0
 ) -> tuple[Table, str]:
     """The waveform of kind `log` that a table describes, and the column that it follows.
 
@@ -133,11 +125,7 @@ def build_followed(
         rows = zip(from_zero(log, lead).times, log[column], strict=True)
         known = [row for row in rows if math.isfinite(row[1])]
         if lead:
-            begin = (
-                _read_quantity(table["from"], "from", unit, path)
-                if "from" in table
-                else known[0][1]
-            )
+            begin = _read_quantity(table["from"], "from", unit, path) if "from" in table else known[0][1]
             known.insert(0, (0.0, begin))
         times, values = zip(*known, strict=True)
         return Table(times=times, values=values), column
@@ -147,8 +135,7 @@ def _check_followed(log: Record, column: str, unit: str) -> None:
     known = sum(map(math.isfinite, log[column]))
     if log.units[column] != unit:
         raise DataError(
-            f"Column `{column}` of record `{log.name}` is in {log.units[column]}, but what "
-            f"follows it takes {unit}."
+            f"Column `{column}` of record `{log.name}` is in {log.units[column]}, but what follows it takes {unit}."
         )
     if known < 2:
         raise DataError(
@@ -167,9 +154,7 @@ def from_zero(log: Record, lead: float = 0.0) -> Record:
 
 def _list_numbers(table: Mapping[str, Any], path: str, unit: str) -> Table:
     refuse_unknown(table, _LISTED, f"[{path}]")
-    times = [
-        _read_quantity(t, "times", "s", path) for t in _read_list(table["times"], "times", path)
-    ]
+    times = [_read_quantity(t, "times", "s", path) for t in _read_list(table["times"], "times", path)]
     levels = _read_list(table.get("values", []), "values", path)
     values = [_read_quantity(value, "values", unit, path) for value in levels]
     with name_section(path):
@@ -178,10 +163,7 @@ def _list_numbers(table: Mapping[str, Any], path: str, unit: str) -> Table:
 
 def _read_quantity(value: Any, name: str, unit: str, path: str) -> float:
     if not isinstance(value, str):
-        raise UnitError(
-            f"[{path}] `{name}` must be text with a unit, such as `{value} {unit}`, "
-            f"but is {value!r}."
-        )
+        raise UnitError(f"[{path}] `{name}` must be text with a unit, such as `{value} {unit}`, but is {value!r}.")
     with name_section(path):
         try:
             return units.parse_quantity(value, unit)

@@ -81,9 +81,7 @@ def run(
     return scenario.run(runtime=None if runtime == "auto" else runtime, tell=tell)
 
 
-def _arrange_scenario(
-    what: Scenario | AbstractSystem, drive: Waveforms | None, duration: float | None
-) -> Scenario:
+def _arrange_scenario(what: Scenario | AbstractSystem, drive: Waveforms | None, duration: float | None) -> Scenario:
     """A scenario of what shall run, with its drive and duration."""
     from martensite.control.loop.bench import Bench
 
@@ -111,9 +109,7 @@ def _arrange_scenario(
     )
 
 
-def _run_batch(
-    scenario: Scenario, over: Over, outputs: Sequence[str] | None, runtime: str
-) -> Result:
+def _run_batch(scenario: Scenario, over: Over, outputs: Sequence[str] | None, runtime: str) -> Result:
     """All variants of a scenario, marched together."""
     from martensite.simulate.batch import simulate_batch
 

@@ -65,9 +65,7 @@ def read_sampled(
     return from_record(record, inputs, outputs, interval, units)
 
 
-def read_log(
-    path: str | Path, names: Sequence[str], interval: float | None, units: Mapping[str, str]
-) -> Record:
+def read_log(path: str | Path, names: Sequence[str], interval: float | None, units: Mapping[str, str]) -> Record:
     """A log of any kind as a table in SI, with the columns named (text: with all).
 
     Raises:
@@ -143,9 +141,7 @@ def _read_text(path: str | Path, interval: float | None) -> Record:
     if record.interval is None:
         return record
     if interval is None:
-        raise DataError(
-            f"`{Path(path).name}` has no column `time`; give the interval between its rows."
-        )
+        raise DataError(f"`{Path(path).name}` has no column `time`; give the interval between its rows.")
     return read_table(path, interval=interval, gaps=True)
 
 
@@ -156,11 +152,7 @@ _Columns = dict[str, Any]
 
 
 def _build_table(
-    path: Path,
-    found: _Columns,
-    names: Sequence[str],
-    interval: float | None,
-    units: Mapping[str, str],
+    path: Path, found: _Columns, names: Sequence[str], interval: float | None, units: Mapping[str, str]
 ) -> Record:
     """The columns wanted, in SI."""
     plain = {heading.partition("[")[0].strip().lower(): heading for heading in found}
@@ -185,15 +177,11 @@ def _build_table(
     return _add_times(path, columns, spelled, interval)
 
 
-def _add_times(
-    path: Path, columns: dict[str, list[float]], units: dict[str, str], interval: float | None
-) -> Record:
+def _add_times(path: Path, columns: dict[str, list[float]], units: dict[str, str], interval: float | None) -> Record:
     """The table with its times, or those of its rows."""
     if "time" not in columns:
         if interval is None:
-            raise DataError(
-                f"`{path.name}` has no column `time`; give the interval between its rows."
-            )
+            raise DataError(f"`{path.name}` has no column `time`; give the interval between its rows.")
         count = len(next(iter(columns.values())))
         columns, units = columns | {"time": [k * interval for k in range(count)]}, units
         return Record(path.stem, columns, units | {"time": "s"}, path, interval=interval)
@@ -211,8 +199,7 @@ def _read_parquet(path: Path) -> _Columns:
         from pyarrow import parquet  # type: ignore[import-not-found]
     except ImportError:
         raise InputError(
-            f"To read `{path.name}`, pyarrow is needed; install it with "
-            "`pip install martensite[parquet]`."
+            f"To read `{path.name}`, pyarrow is needed; install it with `pip install martensite[parquet]`."
         ) from None
     table: Any = _open_file(path, parquet.read_table)
     return {
@@ -238,8 +225,7 @@ def _read_mat(path: Path) -> _Columns:
     columns = _flatten_arrays({n: a for n, a in found.items() if not n.startswith("__")})
     if not columns:
         raise DataError(
-            f"`{path.name}` holds no arrays of numbers; save signals as plain variables, not in "
-            "structs or timetables."
+            f"`{path.name}` holds no arrays of numbers; save signals as plain variables, not in structs or timetables."
         )
     if "t" in columns and "time" not in columns:
         columns["time"] = columns.pop("t")

@@ -61,30 +61,19 @@ class Run(Parametrised):
 
     duration: Scalar = param("s", "length of the run", above=0.0, default=math.inf)
     tolerance: Scalar = param(
-        "1",
-        "accepted change on halving the step, as a share of range",
-        above=0.0,
-        high=0.5,
-        default=1e-4,
+        "1", "accepted change on halving the step, as a share of range", above=0.0, high=0.5, default=1e-4
     )
     samples: Scalar = param("1", "number of samples", low=2.0, high=1e7, default=1001)
-    step: Scalar = param(
-        "s", "longest step; chosen by the tolerance if not given", above=0.0, default=math.inf
-    )
+    step: Scalar = param("s", "longest step; chosen by the tolerance if not given", above=0.0, default=math.inf)
 
     lead: Scalar = param(
-        "s",
-        "time before a log that is followed, to come from elsewhere to its beginning",
-        low=0.0,
-        default=0.0,
+        "s", "time before a log that is followed, to come from elsewhere to its beginning", low=0.0, default=0.0
     )
 
     def check(self) -> None:
         """Raise `ParameterError` if the number of samples is no whole number."""
         if self.samples != int(self.samples):
-            raise ParameterError(
-                f"Parameter `samples` of `Run` must be a whole number, but is {self.samples}."
-            )
+            raise ParameterError(f"Parameter `samples` of `Run` must be a whole number, but is {self.samples}.")
 
 
 @dataclass(frozen=True)
@@ -210,9 +199,7 @@ class Scenario:
         case = self.system, self.waveform, self.duration
         return find_step(*case, self.tolerance, self.samples).step
 
-    def _run_bench(
-        self, bench: Bench, runtime: str | None, tell: Callable[[str, float], None] | None
-    ) -> Result:
+    def _run_bench(self, bench: Bench, runtime: str | None, tell: Callable[[str, float], None] | None) -> Result:
         from martensite.control.loop.run import simulate_bench
         from martensite.simulate.drive_waveforms import by_name
 
@@ -227,9 +214,7 @@ class Scenario:
         )
 
 
-def load(
-    path: str | Path, overrides: Mapping[str, Any] | None = None, *, log: Record | None = None
-) -> Scenario:
+def load(path: str | Path, overrides: Mapping[str, Any] | None = None, *, log: Record | None = None) -> Scenario:
     """Read a scenario file and build what it describes.
 
     Args:
@@ -245,11 +230,7 @@ def load(
 
 
 def read_scenario(
-    text: str,
-    path: Path | None = None,
-    overrides: Mapping[str, Any] | None = None,
-    *,
-    log: Record | None = None,
+    text: str, path: Path | None = None, overrides: Mapping[str, Any] | None = None, *, log: Record | None = None
 ) -> Scenario:
     """Build what the text of a scenario describes; `path` is where it came from.
 
@@ -263,9 +244,7 @@ def read_scenario(
     return _build_scenario(document, text, path, log)
 
 
-def _build_scenario(
-    document: dict[str, Any], text: str, path: Path | None, log: Record | None
-) -> Scenario:
+def _build_scenario(document: dict[str, Any], text: str, path: Path | None, log: Record | None) -> Scenario:
     folder = path.parent if path else Path()
     origins: dict[str, str] = {}
     check_sections(document)

@@ -9,12 +9,7 @@ from martensite.base.errors import ParameterError
 from martensite.scenario.assemble import section_of
 from martensite.scenario.build import Table, as_table
 
-PAIRS = {
-    "sensor": "sensors",
-    "observer": "observers",
-    "controller": "controllers",
-    "reference": "references",
-}
+PAIRS = {"sensor": "sensors", "observer": "observers", "controller": "controllers", "reference": "references"}
 """Section of a single one -> section of several."""
 BENCH, SUPERVISOR, FAULTS, RUN = "bench", "supervisor", "faults", "run"
 SECTIONS = (*PAIRS, *PAIRS.values(), SUPERVISOR, FAULTS, BENCH)
@@ -43,9 +38,7 @@ def check_sections(document: Table) -> None:
             raise ParameterError(f"A scenario has [{one}] or [{several}.NAME], not both.")
     idle = next((name for name in SECTIONS if name in document), None)
     if idle is not None and not is_bench(document):
-        raise ParameterError(
-            f"[{idle}] has no effect, since there is neither [sensor] nor [controller]."
-        )
+        raise ParameterError(f"[{idle}] has no effect, since there is neither [sensor] nor [controller].")
 
 
 def list_rows(document: Table, one: str) -> Iterator[Row]:
@@ -82,7 +75,5 @@ def check_name(name: str, path: str) -> str:
         ParameterError: no column can.
     """
     if not name.isidentifier():
-        raise ParameterError(
-            f"[{path}] A name consists of letters, digits and underscores, but is `{name}`."
-        )
+        raise ParameterError(f"[{path}] A name consists of letters, digits and underscores, but is `{name}`.")
     return name

@@ -48,9 +48,7 @@ class Sheet:
 
     def fault(self, index: int, column: FileColumn, sentence: str) -> DataError:
         """An error that names row and column."""
-        return DataError(
-            f"{self.where}, row {self.numbers[index]}, column `{column.name}`: {sentence}"
-        )
+        return DataError(f"{self.where}, row {self.numbers[index]}, column `{column.name}`: {sentence}")
 
 
 def read_sheet(path: Path, layout: Layout) -> Sheet:
@@ -87,8 +85,7 @@ def _find_separator(lines: list[str], layout: Layout) -> str:
     if layout.drop and layout.columns:
         width = len(layout.columns)
         fitting = {
-            name: sum(len(line.split(sign or None)) == width for line in lines)
-            for name, sign in SEPARATORS.items()
+            name: sum(len(line.split(sign or None)) == width for line in lines) for name, sign in SEPARATORS.items()
         }
         return max(fitting, key=fitting.__getitem__)
     return next((name for name, sign in SEPARATORS.items() if sign in lines[0]), "whitespace")
@@ -180,9 +177,7 @@ def is_number(cell: str) -> bool:
 
 
 def _read_number(cell: str) -> float:
-    if (
-        "_" in cell or not cell.strip().isascii()
-    ):  # Python would read 1_000, and digits of any script
+    if "_" in cell or not cell.strip().isascii():  # Python would read 1_000, and digits of any script
         raise ValueError
     return float(cell)
 

@@ -69,9 +69,7 @@ def unwrap_counter(values: Sequence[float], drop: float) -> Unwrapped:
     """
     if not 0.0 < drop < math.inf:
         raise ParameterError(f"Argument `drop` must be above 0, but is {drop:g}.")
-    jumps = [
-        i for i in range(1, len(values)) if 0.5 * drop < values[i - 1] - values[i] < 1.5 * drop
-    ]
+    jumps = [i for i in range(1, len(values)) if 0.5 * drop < values[i - 1] - values[i] < 1.5 * drop]
     passed, mended = set(jumps), list[float]()
     lost = 0
     for i, value in enumerate(values):
@@ -127,9 +125,7 @@ def reduce_to_plateaus(
     return Record(f"{record.name}, plateaus", table, units, record.source, dropped)
 
 
-def supply_offset(
-    table: Record, set_point: str, current: str, low: float, high: float
-) -> SupplyOffset:
+def supply_offset(table: Record, set_point: str, current: str, low: float, high: float) -> SupplyOffset:
     """Offset of a supply from plateaus on which the resistance does not change.
 
     Args:

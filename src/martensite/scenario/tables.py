@@ -18,15 +18,7 @@ from pathlib import Path
 from martensite.base import units
 from martensite.base.errors import DataError, ParameterError, suggest_name
 from martensite.scenario.layout import CLOCK, IGNORED, FileColumn, Layout, read_headings
-from martensite.scenario.sheets import (
-    SEPARATORS,
-    Sheet,
-    can_parse,
-    can_read,
-    is_gap,
-    is_number,
-    read_sheet,
-)
+from martensite.scenario.sheets import SEPARATORS, Sheet, can_parse, can_read, is_gap, is_number, read_sheet
 from martensite.signals.records import Record, not_finite, out_of_order
 
 PREFIX = "data:"
@@ -126,10 +118,7 @@ def _read_columns(sheet: Sheet, headings: list[FileColumn], gaps: bool) -> dict[
     wanted = [(place, column) for place, column in enumerate(headings) if column.name != IGNORED]
     if not wanted or not sheet.rows:
         raise DataError(f"{sheet.where} has nothing to read: no column, or no row of numbers.")
-    return {
-        column.name: _read_column(sheet, place, column, gaps and column.name != "time")
-        for place, column in wanted
-    }
+    return {column.name: _read_column(sheet, place, column, gaps and column.name != "time") for place, column in wanted}
 
 
 def _read_column(sheet: Sheet, place: int, column: FileColumn, gaps: bool) -> list[float]:

@@ -145,13 +145,7 @@ class BoxSearch:
     """One search: it remembers the best that it judged."""
 
     def __init__(
-        self,
-        objective: BoxObjective,
-        *,
-        iterations: int,
-        clouds: int,
-        seed: int = 0,
-        watch: Tell | None = None,
+        self, objective: BoxObjective, *, iterations: int, clouds: int, seed: int = 0, watch: Tell | None = None
     ) -> None:
         """Prepare a search.
 
@@ -245,16 +239,8 @@ class BoxSearch:
         if first is None or fixed.all():
             return begin
         place, options = _MovingPart(begin, fixed, self), {"ftol": GOAL_TOLERANCE}
-        constraint = {
-            "type": "ineq",
-            "fun": lambda u: place(u).slack,
-            "jac": lambda u: place(u).slack_slope[:, ~fixed],
-        }
-        given = {
-            "method": "SLSQP",
-            "constraints": [constraint] if len(first.slack) else [],
-            "options": options,
-        }
+        constraint = {"type": "ineq", "fun": lambda u: place(u).slack, "jac": lambda u: place(u).slack_slope[:, ~fixed]}
+        given = {"method": "SLSQP", "constraints": [constraint] if len(first.slack) else [], "options": options}
         return place.minimise(lambda one: (one.goal, one.goal_slope), given)
 
     def _reduce_violation(self, begin: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
@@ -318,9 +304,7 @@ class _MovingPart:
         found[self._moving] = u
         return np.clip(found, 0.0, self._search.objective.widths)
 
-    def minimise(
-        self, cost: Callable[[PointSlopes], tuple[float, Numbers]], given: dict[str, Any]
-    ) -> Numbers:
+    def minimise(self, cost: Callable[[PointSlopes], tuple[float, Numbers]], given: dict[str, Any]) -> Numbers:
         """Where a method of SciPy ends that follows a cost downhill."""
 
         def value(u: Numbers) -> tuple[float, Numbers]:
@@ -330,11 +314,7 @@ class _MovingPart:
         options = given["options"] | {"maxiter": self._search.iterations}
         with suppress(_SpentError):
             import_module("scipy.optimize").minimize(
-                value,
-                self._begin[self._moving],
-                jac=True,
-                bounds=self.bounds,
-                **(given | {"options": options}),
+                value, self._begin[self._moving], jac=True, bounds=self.bounds, **(given | {"options": options})
             )
         return self.last
 
@@ -355,6 +335,4 @@ class _MovingPart:
         first = self._search.differentiate(self._begin)
         count = 0 if first is None else len(first.slack)
         size = len(z)
-        return PointSlopes(
-            FAILED_GOAL, np.full(count, -LARGEST_SLACK), np.zeros(size), np.zeros((count, size))
-        )
+        return PointSlopes(FAILED_GOAL, np.full(count, -LARGEST_SLACK), np.zeros(size), np.zeros((count, size)))

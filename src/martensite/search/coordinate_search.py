@@ -83,13 +83,10 @@ def search_coordinates(
     """
     outside = next((share for share in start if not 0.0 <= share <= 1.0), None)
     if not len(start) or outside is not None:
-        raise ParameterError(
-            f"A search must start within its bounds, from 0 to 1, but {outside} is not."
-        )
+        raise ParameterError(f"A search must start within its bounds, from 0 to 1, but {outside} is not.")
     if not 0.0 < stop <= step or limit < 1:
         raise ParameterError(
-            f"Steps must be above 0 and evaluations allowed, but `step` is {step:g}, "
-            f"`stop` {stop:g}, `limit` {limit}."
+            f"Steps must be above 0 and evaluations allowed, but `step` is {step:g}, `stop` {stop:g}, `limit` {limit}."
         )
     search = CoordinateSearch(cost, tuple(map(float, start)), step, stop, limit)
     return search, search.run()

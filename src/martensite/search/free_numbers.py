@@ -43,9 +43,7 @@ LOG_RATIO = 4.0
 """Ratio of bounds from which a positive number is searched on its logarithm."""
 BOUND_SHARE = 1e-3
 """Part of a range from a bound that counts as being there."""
-_FREE = re.compile(
-    r"^\s*([^=@\s]+)\s*(?:=\s*([^@]*?))?\s*(?:@\s*(.+?))?(?:\s+(linear|log|whole))?\s*$"
-)
+_FREE = re.compile(r"^\s*([^=@\s]+)\s*(?:=\s*([^@]*?))?\s*(?:@\s*(.+?))?(?:\s+(linear|log|whole))?\s*$")
 _RANGE = re.compile(r"^\s*(.*?)\s*\.\.\s*(.*?)\s*(?::\s*(\d+))?(?:\s+(linear|log|whole))?\s*$")
 _NUMBER = re.compile(r"^[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
@@ -237,9 +235,7 @@ def is_bare(text: str) -> bool:
     return match is not None and match.end() == len(text)
 
 
-def build_free(
-    wanted: SearchRange, targets: Sequence[Target], name: str, record: str | None = None
-) -> FreeNumber:
+def build_free(wanted: SearchRange, targets: Sequence[Target], name: str, record: str | None = None) -> FreeNumber:
     """A free number with its bounds and scale.
 
     Args:
@@ -303,9 +299,7 @@ def choose_bounds(
     return low, high
 
 
-def _choose_box(
-    name: str, target: Target, starts: Sequence[float], factor: float
-) -> tuple[float, float]:
+def _choose_box(name: str, target: Target, starts: Sequence[float], factor: float) -> tuple[float, float]:
     least, most = target.bounds
     known = [start for start in starts if math.isfinite(start)]
     if target.unit == "K" and known:

@@ -63,9 +63,7 @@ def is_spread(values: Numbers) -> bool:
     return bool(np.ptp(values) > SAME_SPREAD * np.max(np.abs(values), initial=0.0))
 
 
-def estimate_indices(
-    x: Numbers, y: Numbers, seed: int = 0
-) -> tuple[dict[str, SensitivityIndex], list[str]]:
+def estimate_indices(x: Numbers, y: Numbers, seed: int = 0) -> tuple[dict[str, SensitivityIndex], list[str]]:
     """Indices of a measure, and sentences on them.
 
     Args:
@@ -90,9 +88,7 @@ def estimate_indices(
     share = max(monotonic, linear)
     if share >= LINEAR:
         return found, []
-    return found, [
-        f"Slopes explain {100.0 * share:.0f} % of the variance: do not judge by them alone."
-    ]
+    return found, [f"Slopes explain {100.0 * share:.0f} % of the variance: do not judge by them alone."]
 
 
 def _shuffle_runs(x: Numbers, y: Numbers, rng: np.random.Generator) -> tuple[Numbers, Numbers]:

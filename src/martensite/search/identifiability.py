@@ -26,12 +26,7 @@ from numpy.typing import NDArray
 from martensite.base.errors import ParameterError
 from martensite.base.formats import choose_difference_unit
 from martensite.search.quantity_text import format_number, list_names, round_below
-from martensite.search.scaled_jacobian import (
-    ScaledParameters,
-    balance_columns,
-    is_gauge,
-    scale_parameters,
-)
+from martensite.search.scaled_jacobian import ScaledParameters, balance_columns, is_gauge, scale_parameters
 from martensite.search.weak_direction import WeakDirection
 from martensite.search.weak_direction_sets import find_weak_directions
 
@@ -152,10 +147,7 @@ def _find_directions(
     exact = [v / norms / np.linalg.norm(v / norms) for v in exact]
     weak = find_weak_directions(matrix, noise, exact, gauge)
     told = [_describe_direction(matrix, free, v, noise, True) for v in exact]
-    told += [
-        _describe_direction(matrix, free, _drop_negligible(matrix, v, noise), noise, False)
-        for v in weak
-    ]
+    told += [_describe_direction(matrix, free, _drop_negligible(matrix, v, noise), noise, False) for v in weak]
     return tuple(told)
 
 

@@ -62,14 +62,7 @@ class Score:
 
 
 def score_model(
-    times: Any,
-    measured: Any,
-    modelled: Any,
-    *,
-    record: str,
-    output: str,
-    unit: str = "1",
-    part: str = "training",
+    times: Any, measured: Any, modelled: Any, *, record: str, output: str, unit: str = "1", part: str = "training"
 ) -> Score:
     """Compare a modelled output with the measured one.
 

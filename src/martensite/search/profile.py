@@ -165,16 +165,12 @@ def walk_profile(
     size = 0.02 * (high - low) if step is None else step
     walk = _Walk(solve, tuple(values), cost, place, limit, most)
     below, above = walk.outward(low, -size), walk.outward(high, size)
-    walked = sorted(
-        (*walk.points, ProfilePoint(values[place], 0.0, tuple(values))), key=lambda p: p.at
-    )
+    walked = sorted((*walk.points, ProfilePoint(values[place], 0.0, tuple(values))), key=lambda p: p.at)
     points = tuple(replace(point, at=to_value(point.at)) for point in walked)
     low_end, high_end = (replace(end, at=to_value(end.at)) for end in (below, above))
     least = min(points, key=lambda point: point.excess)
     better = least if least.excess < -_IMPROVED * limit else None
-    return Profile(
-        name, unit, to_value(values[place]), level, limit, points, low_end, high_end, better
-    )
+    return Profile(name, unit, to_value(values[place]), level, limit, points, low_end, high_end, better)
 
 
 def _compute_limit(cost: float, freedom: int | None, noise: float | None, level: float) -> float:
@@ -261,9 +257,7 @@ class _Walk:
         return self.points[-1]
 
 
-def _check_walk(
-    values: Sequence[float], place: int, low: float, high: float, step: float | None, most: int
-) -> None:
+def _check_walk(values: Sequence[float], place: int, low: float, high: float, step: float | None, most: int) -> None:
     if not 0 <= place < len(values):
         raise ParameterError(f"There is no parameter {place} among {len(values)}.")
     if not low <= values[place] <= high or low == high:

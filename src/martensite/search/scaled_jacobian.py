@@ -59,10 +59,7 @@ class ScaledParameters:
 
 
 def scale_parameters(
-    names: Sequence[str],
-    values: Sequence[float],
-    scales: Sequence[float],
-    units: Sequence[str] | None = None,
+    names: Sequence[str], values: Sequence[float], scales: Sequence[float], units: Sequence[str] | None = None
 ) -> ScaledParameters:
     """Free parameters by their names, values, scales and units (plain numbers if left out).
 
@@ -78,9 +75,7 @@ def scale_parameters(
     for name, scale in zip(names, scales, strict=True):
         if scale == 0.0 or not math.isfinite(scale):
             raise ParameterError(f"The scale of `{name}` must not be 0, but is {scale:g}.")
-    return ScaledParameters(
-        tuple(names), tuple(map(float, values)), tuple(map(float, scales)), tuple(given)
-    )
+    return ScaledParameters(tuple(names), tuple(map(float, values)), tuple(map(float, scales)), tuple(given))
 
 
 def is_gauge(relative: Sequence[float]) -> bool:

@@ -52,9 +52,7 @@ def draw_points(size: int, count: int, seed: int = 0) -> Numbers:
     return np.asarray(points[:count], np.float64)
 
 
-def choose_apart(
-    points: Numbers, order: Iterable[int], keep: int, apart: float = START_DISTANCE
-) -> list[int]:
+def choose_apart(points: Numbers, order: Iterable[int], keep: int, apart: float = START_DISTANCE) -> list[int]:
     """The first points of an order that lie apart from those before them.
 
     Args:
@@ -73,13 +71,7 @@ def choose_apart(
 
 
 def find_starts(
-    costs: Costs,
-    size: int,
-    *,
-    count: int = 64,
-    keep: int = 4,
-    apart: float = START_DISTANCE,
-    seed: int = 0,
+    costs: Costs, size: int, *, count: int = 64, keep: int = 4, apart: float = START_DISTANCE, seed: int = 0
 ) -> tuple[Start, ...]:
     """Starts for descents, the best first; fewer than asked for if others are too near.
 
@@ -99,16 +91,12 @@ def find_starts(
     values = np.asarray(costs(points), np.float64)
     order = [k for k in np.argsort(values, kind="stable").tolist() if math.isfinite(values[k])]
     if not order:
-        raise SolveError(
-            f"None of {count} points within the bounds could be run; narrow the bounds."
-        )
+        raise SolveError(f"None of {count} points within the bounds could be run; narrow the bounds.")
     chosen = choose_apart(points, order, keep, apart)
     return tuple(Start(tuple(points[k].tolist()), float(values[k])) for k in chosen)
 
 
-def evolve_start(
-    costs: Costs, size: int, *, generations: int = 20, population: int = 8, seed: int = 0
-) -> Start:
+def evolve_start(costs: Costs, size: int, *, generations: int = 20, population: int = 8, seed: int = 0) -> Start:
     """The best point of differential evolution, not polished: follow it with a descent.
 
     Args:

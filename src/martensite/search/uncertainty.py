@@ -72,10 +72,7 @@ class Uncertainty:
     def covariance(self) -> tuple[tuple[float, ...], ...]:
         """Covariance for independent samples; infinite or NaN where it is not determined."""
         rows = zip(self.errors, self.correlation, strict=True)
-        return tuple(
-            tuple(c * one * other for c, other in zip(row, self.errors, strict=True))
-            for one, row in rows
-        )
+        return tuple(tuple(c * one * other for c, other in zip(row, self.errors, strict=True)) for one, row in rows)
 
     def interval(self, name: str, level: float = LEVEL) -> Interval:
         """Confidence interval of a parameter, were all samples independent."""
@@ -106,8 +103,7 @@ class Uncertainty:
         for one, other, value in self.confounded():
             together = "rise together" if value > 0.0 else "make up for each other"
             found.append(
-                f"`{one}` and `{other}` {together} (correlation {value:.3f}): "
-                "the data hardly tell them apart."
+                f"`{one}` and `{other}` {together} (correlation {value:.3f}): the data hardly tell them apart."
             )
         if self.widening > 1.1:
             found.append(

@@ -7,13 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from martensite.base.formats import choose_difference_unit
-from martensite.search.quantity_text import (
-    format_change,
-    format_number,
-    format_quotient,
-    join_phrases,
-    list_names,
-)
+from martensite.search.quantity_text import format_change, format_number, format_quotient, join_phrases, list_names
 from martensite.search.scaled_jacobian import is_gauge
 
 UNSEEN = 1e-6
@@ -69,11 +63,7 @@ class WeakDirection:
             return f"{list_names(self.names)} are not determined separately"
         if self.gauge:
             ratio = self.relative[0] * self.relative[1] > 0.0
-            kind = (
-                f"ratio of {list_names(self.names)}"
-                if ratio
-                else f"product of {list_names(self.names)}"
-            )
+            kind = f"ratio of {list_names(self.names)}" if ratio else f"product of {list_names(self.names)}"
             return f"Only the {kind} is determined"
         (top, one), (bottom, other) = map(choose_difference_unit, self.units)
         slope = -(self.changes[0] / one) / (self.changes[1] / other)
@@ -95,9 +85,7 @@ class WeakDirection:
 
     def _outcome(self) -> str:
         share = "less than a millionth" if self.effect < UNSEEN else format_number(self.effect, 2)
-        factor = (
-            f" for a factor of {format_number(1.0 + abs(self.relative[0]))}" if self.gauge else ""
-        )
+        factor = f" for a factor of {format_number(1.0 + abs(self.relative[0]))}" if self.gauge else ""
         if not self.exact:
             return f"changes the error by only {share} of its noise{factor}"
         return f"changes nothing (the error changes by {share} of its noise{factor})"

@@ -56,16 +56,10 @@ def find_weak_directions(
     return (chosen + _search_by_elimination(square, limit, chosen, wanted))[len(known) :]
 
 
-def _search_sets(
-    square: Matrix, limit: float, size: int, smaller: Sequence[tuple[int, ...]]
-) -> list[Vector]:
+def _search_sets(square: Matrix, limit: float, size: int, smaller: Sequence[tuple[int, ...]]) -> list[Vector]:
     """Weak directions of all sets of one size that hold no smaller one; the weakest first."""
     held = [set(one) for one in smaller]
-    sets = [
-        one
-        for one in combinations(range(square.shape[1]), size)
-        if not any(small <= set(one) for small in held)
-    ]
+    sets = [one for one in combinations(range(square.shape[1]), size) if not any(small <= set(one) for small in held)]
     if not sets:
         return []
     columns = np.moveaxis(square[:, np.asarray(sets)], 0, 1)
@@ -74,9 +68,7 @@ def _search_sets(
     return [_embed_vector(right[i, -1], sets[i], square.shape[1]) for i in weak]
 
 
-def _search_by_elimination(
-    square: Matrix, limit: float, chosen: Sequence[Vector], wanted: int
-) -> list[Vector]:
+def _search_by_elimination(square: Matrix, limit: float, chosen: Sequence[Vector], wanted: int) -> list[Vector]:
     """The directions still missing, of as few components as leaving columns out one by one finds.
 
     Of every direction known the largest mover is held fixed, so that the next one is another.

@@ -9,16 +9,7 @@ from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 
-from martensite.base.summary import (
-    Block,
-    BulletList,
-    DataTable,
-    Heading,
-    Notice,
-    Picture,
-    Sentence,
-    Summary,
-)
+from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
 from martensite.show.figures.style import use_style
 
 _STYLES = Path(__file__).parent / "page.css"
@@ -121,10 +112,7 @@ def _render_table(table: DataTable) -> str:
         rows.append(f"<tr{kind}>{''.join(cells)}</tr>")
     note = f'<p class="note">{_render_inline(table.note)}</p>' if table.note else ""
     body = "\n".join(rows)
-    return (
-        f'<div class="wide"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody>'
-        f"</table></div>{note}"
-    )
+    return f'<div class="wide"><table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>{note}'
 
 
 def _render_cell(kind: str, text: str, number: bool) -> str:

@@ -5,16 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from urllib.parse import quote
 
-from martensite.base.summary import (
-    Block,
-    BulletList,
-    DataTable,
-    Heading,
-    Notice,
-    Picture,
-    Sentence,
-    Summary,
-)
+from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
 
 
 def render_markdown(summary: Summary, by: str, folder: str) -> str:

@@ -25,12 +25,7 @@ HTML, MARKDOWN = (".html", ".htm"), (".md", ".markdown")
 
 
 def write_report(
-    fit: Fit,
-    path: str | Path,
-    *,
-    scenario: Scenario | None = None,
-    title: str = "",
-    profiles: Sequence[Profile] = (),
+    fit: Fit, path: str | Path, *, scenario: Scenario | None = None, title: str = "", profiles: Sequence[Profile] = ()
 ) -> list[Path]:
     """Write what a fit found, and how far to trust it; existing files are replaced.
 
@@ -55,10 +50,7 @@ def write_report(
 
 
 def write_model_report(
-    validations: Sequence[Validation],
-    path: str | Path,
-    uncertainty: ChainUncertainty | None = None,
-    title: str = "",
+    validations: Sequence[Validation], path: str | Path, uncertainty: ChainUncertainty | None = None, title: str = ""
 ) -> list[Path]:
     """Write how well a model does on records; existing files are replaced.
 

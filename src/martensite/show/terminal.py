@@ -24,9 +24,7 @@ _STYLES: dict[Tone, dict[str, Any]] = {
 }
 
 
-def print_summary(
-    summary: Summary, json: bool = False, files: Iterable[Path] | None = None
-) -> None:
+def print_summary(summary: Summary, json: bool = False, files: Iterable[Path] | None = None) -> None:
     """Print what there is to say of a result, or as JSON all its numbers.
 
     Args:

@@ -33,9 +33,7 @@ class AbstractDrive(Parametrised):
         """Memory before the first call."""
 
     @abstractmethod
-    def __call__(
-        self, time: float, measurement: Mapping[str, float], memory: Any
-    ) -> tuple[float, Any]:
+    def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
         """Signal at `time` [s] and the new memory."""
 
 
@@ -48,9 +46,7 @@ class AbstractWaveform(AbstractDrive):
     def init(self) -> None:
         """A waveform remembers nothing."""
 
-    def __call__(
-        self, time: float, measurement: Mapping[str, float], memory: Any
-    ) -> tuple[float, Any]:
+    def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
         """The value at `time` [s], whatever is measured."""
         return self.value(time), memory
 

@@ -34,14 +34,10 @@ class Carrier(AbstractPulses):
     unit: ClassVar[str | None] = "1"
 
     duty: AbstractWaveform = part(
-        "share of the period that is on, over time",
-        WAVEFORMS,
-        typical={"kind": "constant", "level": 0.2},
+        "share of the period that is on, over time", WAVEFORMS, typical={"kind": "constant", "level": 0.2}
     )
     frequency: float = param("Hz", "frequency", above=0.0, high=1e9, typical="100 Hz")
-    shortest: float = param(
-        "s", "shortest pulse or gap that the switch can make", low=0.0, default=0.0
-    )
+    shortest: float = param("s", "shortest pulse or gap that the switch can make", low=0.0, default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` if no pulse fits into a period."""

@@ -68,6 +68,5 @@ def require_order(owner: str, low: float, high: float) -> None:
     """Raise `ParameterError` if the lower level of an oscillation is above the higher one."""
     if low > high:
         raise ParameterError(
-            f"Parameter `low` of `{owner}` must be at most `high`, "
-            f"but low = {low:.6g} and high = {high:.6g}."
+            f"Parameter `low` of `{owner}` must be at most `high`, but low = {low:.6g} and high = {high:.6g}."
         )

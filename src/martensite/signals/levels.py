@@ -27,28 +27,14 @@ HIGH = ByUnit(
     }
 )
 """The upper level."""
-INCREMENT = ByUnit(
-    HIGH
-    | {
-        "V": "0.5 V",
-        "A": "0.1 A",
-        "W": "0.25 W",
-        "K": "10 K",
-        "1": 0.05,
-        "m": "1 mm",
-    }
-)
+INCREMENT = ByUnit(HIGH | {"V": "0.5 V", "A": "0.1 A", "W": "0.25 W", "K": "10 K", "1": 0.05, "m": "1 mm"})
 """A step of a staircase."""
 NEAR = ByUnit(HIGH | {"V": "1 V", "A": "0.25 A", "W": "0.5 W", "1": 0.1})
 """A level with which an actuator comes near to what is wanted."""
 MARGIN = ByUnit(HIGH | {"K": "5 K"})
 """A difference that matters."""
 SAMPLES = ByUnit(
-    {
-        unit: (zero, high, high, zero)
-        for unit, high in HIGH.items()
-        for zero in [0.0 if unit == "1" else f"0 {unit}"]
-    }
+    {unit: (zero, high, high, zero) for unit, high in HIGH.items() for zero in [0.0 if unit == "1" else f"0 {unit}"]}
     | {"K": ("30 degC", "120 degC", "120 degC", "30 degC")}
 )
 """Four samples: low, high, high, low."""

@@ -116,9 +116,7 @@ class SignalShape(NamedTuple):
         at = max(0, bisect_right(self.segments, begin, key=_get_start) - 1)
         swings = [_Swing(tone, begin, end) for tone in self.tones]
         found, left = _Sum(begin, end, swings), begin
-        for segment, after in zip(
-            self.segments[at:], [*self.segments[at + 1 :], None], strict=True
-        ):
+        for segment, after in zip(self.segments[at:], [*self.segments[at + 1 :], None], strict=True):
             right = end if after is None else min(end, after.start)
             found.add(segment, left, right)
             left = right
@@ -182,9 +180,7 @@ class _Sum:
         self.square += share * square
         self.lean += share * (aside * mean + d1 * third)
         self.square_lean += share * (aside * square + 2.0 * d1 * (d0 * third + d2 * fifth))
-        self.cross += share * sum(
-            _average_product(s.tone, left, right, d0, d1, d2) for s in self.swings
-        )
+        self.cross += share * sum(_average_product(s.tone, left, right, d0, d1, d2) for s in self.swings)
         reach, curve = abs(d1) * half, d2 * two
         self.low = min(self.low, d0 - reach + min(curve, 0.0))
         self.high = max(self.high, d0 + reach + max(curve, 0.0))
@@ -262,9 +258,7 @@ def _center_parabola(segment: Segment, middle: float) -> tuple[float, float, flo
     )
 
 
-def _average_product(
-    tone: Tone, begin: float, end: float, d0: float, d1: float, d2: float
-) -> float:
+def _average_product(tone: Tone, begin: float, end: float, d0: float, d1: float, d2: float) -> float:
     """Mean of a parabola times a tone."""
     half, middle = 0.5 * (end - begin), 0.5 * (begin + end)
     angle, x = tone.rate * middle + tone.phase, tone.rate * half

@@ -23,9 +23,7 @@ class Ramp(AbstractWaveform):
 
     low: float = param(DRIVE, "level up to `start`", default=0.0)
     high: float = param(DRIVE, "level from `end` on", typical=HIGH)
-    start: float = param(
-        "s", "time at which the ramp begins", low=0.0, default=0.0, typical="0.5 s"
-    )
+    start: float = param("s", "time at which the ramp begins", low=0.0, default=0.0, typical="0.5 s")
     end: float = param("s", "time at which the ramp ends", above=0.0, typical="5 s")
 
     def check(self) -> None:

@@ -33,9 +33,7 @@ class Reader:
             alone = first + 1 == len(self._starts) or self._starts[first + 1] >= end
             if alone and segment.slope == 0.0 == segment.bend:
                 return Moments.constant(segment.level)
-        return SignalShape(self._known[first : self._place(end) + 1], self.tones).moments(
-            begin, end
-        )
+        return SignalShape(self._known[first : self._place(end) + 1], self.tones).moments(begin, end)
 
     def value(self, time: float) -> float:
         """Signal at `time` [s]; the new one at a jump."""

@@ -49,9 +49,7 @@ class Record:
             DataError: there is none of that name.
         """
         if name not in self.columns:
-            raise DataError(
-                f"Record `{self.name}` has no column `{name}`. {suggest_name(name, self.columns)}"
-            )
+            raise DataError(f"Record `{self.name}` has no column `{name}`. {suggest_name(name, self.columns)}")
         return self.columns[name]
 
     @property

@@ -27,11 +27,7 @@ class Sine(AbstractWaveform):
     low: float = param(DRIVE, "lowest level", default=0.0)
     high: float = param(DRIVE, "highest level", typical=HIGH)
     frequency: float = param("Hz", "frequency", above=0.0, high=1e9, typical="0.1 Hz")
-    phase: str = option(
-        "where it starts: at `low`, rising through the `middle`, or at `high`",
-        *_TURNS,
-        default="low",
-    )
+    phase: str = option("where it starts: at `low`, rising through the `middle`, or at `high`", *_TURNS, default="low")
 
     def check(self) -> None:
         """The levels are in order."""

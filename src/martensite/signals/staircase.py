@@ -29,9 +29,7 @@ class Staircase(AbstractWaveform):
     def check(self) -> None:
         """Levels are counted in whole numbers."""
         if self.count != int(self.count):
-            raise ParameterError(
-                f"Parameter `count` of `staircase` must be a whole number, but is {self.count:.6g}."
-            )
+            raise ParameterError(f"Parameter `count` of `staircase` must be a whole number, but is {self.count:.6g}.")
 
     def value(self, time: float) -> float:
         """Level at `time` [s]; the new one at a jump itself."""

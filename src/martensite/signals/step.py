@@ -23,16 +23,13 @@ class Step(AbstractWaveform):
     low: float = param(DRIVE, "level before the step, and after `until`", default=0.0)
     high: float = param(DRIVE, "level from the step on", typical=HIGH)
     at: float = param("s", "time of the step", low=0.0, default=0.0, typical="0.5 s")
-    until: float = param(
-        "s", "time of the step back; none if left out", default=math.inf, typical="1.75 s"
-    )
+    until: float = param("s", "time of the step back; none if left out", default=math.inf, typical="1.75 s")
 
     def check(self) -> None:
         """The step back comes after the step."""
         if self.until <= self.at:
             raise ParameterError(
-                f"Parameter `until` of `step` must be above `at` = {self.at:.6g} s, "
-                f"but is {self.until:.6g} s."
+                f"Parameter `until` of `step` must be above `at` = {self.at:.6g} s, but is {self.until:.6g} s."
             )
 
     def value(self, time: float) -> float:

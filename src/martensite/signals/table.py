@@ -23,9 +23,7 @@ class Table(AbstractWaveform):
     times: tuple[float, ...] = part(
         "times of the samples [s], ascending", default=(), typical=("0 s", "1 s", "4 s", "5 s")
     )
-    values: tuple[float, ...] = part(
-        "samples, in the unit of the source", default=(), typical=SAMPLES
-    )
+    values: tuple[float, ...] = part("samples, in the unit of the source", default=(), typical=SAMPLES)
     factor: Scalar = param("1", "factor of all samples", default=1.0)
     stretch: Scalar = param("1", "factor of all times", above=0.0, default=1.0)
 
@@ -41,14 +39,11 @@ class Table(AbstractWaveform):
         rows = zip(self.times, self.values, strict=True)
         for row, (time, value) in enumerate(rows, start=1):
             if not (math.isfinite(time) and math.isfinite(value)):
-                raise ParameterError(
-                    f"Numbers of a `table` must be finite, but row {row} holds {time} and {value}."
-                )
+                raise ParameterError(f"Numbers of a `table` must be finite, but row {row} holds {time} and {value}.")
         for row, (before, time) in enumerate(pairwise(self.times), start=2):
             if time <= before:
                 raise ParameterError(
-                    f"Time must increase from row to row, but row {row} goes from "
-                    f"{before:.15g} s to {time:.15g} s."
+                    f"Time must increase from row to row, but row {row} goes from {before:.15g} s to {time:.15g} s."
                 )
 
     def value(self, time: float) -> float:
@@ -76,9 +71,7 @@ class Table(AbstractWaveform):
             yield Segment(0.0, factor * self.values[0])
         for k in range(at, len(self.times) - 1):
             rise, time = self.values[k + 1] - self.values[k], self.times[k + 1] - self.times[k]
-            yield Segment(
-                self.times[k] * stretch, factor * self.values[k], factor * rise / (time * stretch)
-            )
+            yield Segment(self.times[k] * stretch, factor * self.values[k], factor * rise / (time * stretch))
         yield Segment(self.times[-1] * stretch, factor * self.values[-1])
 
     def _sample(self, time: float) -> float:
@@ -95,6 +88,4 @@ class Table(AbstractWaveform):
         """The samples in (0, duration) at which the signal does not just stay level [s]."""
         v = self.values
         around = zip((v[0], *v[:-1]), v, (*v[1:], v[-1]), self.times, strict=True)
-        return select_inside(
-            (t * self.stretch for a, b, c, t in around if not a == b == c), duration
-        )
+        return select_inside((t * self.stretch for a, b, c, t in around if not a == b == c), duration)

@@ -7,13 +7,7 @@ from itertools import count
 
 from martensite.base.parameters import param
 from martensite.signals.base import DRIVE, WAVEFORMS, AbstractWaveform
-from martensite.signals.edges import (
-    blend_levels,
-    find_interval,
-    require_countable,
-    require_order,
-    select_inside,
-)
+from martensite.signals.edges import blend_levels, find_interval, require_countable, require_order, select_inside
 from martensite.signals.levels import HIGH
 from martensite.signals.moments import Segment
 

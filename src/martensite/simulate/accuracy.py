@@ -74,10 +74,6 @@ def bound_error(compiled: CompiledMarch, before: Rows, after: Rows, found: March
         pairs = zip(before, after, strict=False)
         apart = max((abs(a[place] - b[place]) for a, b in pairs), default=math.inf)
         worst = max(worst, apart / scale)
-    heat = (
-        max(found.ranges[0], compiled.convergence_scales[0][1])
-        if compiled.convergence_scales
-        else 1.0
-    )
+    heat = max(found.ranges[0], compiled.convergence_scales[0][1]) if compiled.convergence_scales else 1.0
     total = max(SURE * worst + found.ripple / heat, found.residual, LEAST)
     return total if math.isfinite(total) else math.inf

@@ -197,10 +197,7 @@ class AdaptiveMarch(AbstractMarch):
         begin, allowed = self.time, self.plan.tolerance * self._scale(0)
         while True:
             middle = begin + 0.5 * length
-            halves = [
-                self._collect_inputs(begin, middle),
-                self._collect_inputs(middle, begin + length),
-            ]
+            halves = [self._collect_inputs(begin, middle), self._collect_inputs(middle, begin + length)]
             lapse = max(map(_find_lapse, halves))
             shorter = length if self.power * lapse <= allowed else self._to_edge(length)
             if not shorter < length:
@@ -271,37 +268,21 @@ class AdaptiveMarch(AbstractMarch):
                 owed[place] = part * (a - b)
         points = self.functions["points"]
         return StepTrial(
-            length,
-            halves,
-            one,
-            two,
-            fine,
-            (points(*one), points(*two)),
-            tuple(owed),
-            error,
-            ripple,
-            residual,
-            lapse,
+            length, halves, one, two, fine, (points(*one), points(*two)), tuple(owed), error, ripple, residual, lapse
         )
 
     def _solve_halves(self, length: float, halves: Sequence[Row]) -> tuple[Row, Row, Row, float]:
         """Middle and end of a step in two halves, its end as a whole, and the worst residual."""
         step, size, plan = self.functions["solve"], self.size, self.plan
-        one = step(
-            *self._extrapolate_state(self.state, self.rates, length), *halves[0], 0.5 * length
-        )
-        guessed = self._extrapolate_state(
-            one[:size], [self.state[k] for k in plan.compiled.rates], length
-        )
+        one = step(*self._extrapolate_state(self.state, self.rates, length), *halves[0], 0.5 * length)
+        guessed = self._extrapolate_state(one[:size], [self.state[k] for k in plan.compiled.rates], length)
         two = step(*guessed, *halves[1], 0.5 * length)
         mean = [0.5 * (one[k] + two[k]) for k in plan.compiled.rates]
         whole = step(*self._with_rates(self.state, mean), *self._whole(halves, length), length)
         residual = max(whole[size], one[size], two[size])
         return one[:size], two[:size], whole[:size], residual
 
-    def _solve_rosenbrock(
-        self, length: float, halves: Sequence[Row]
-    ) -> tuple[Row, Row, Row, float]:
+    def _solve_rosenbrock(self, length: float, halves: Sequence[Row]) -> tuple[Row, Row, Row, float]:
         """Middle and end of a step where laws give rates, and its end to a lower order."""
         size, inputs = self.size, self._whole(halves, length)
         ends = self.functions["rosenbrock"](*self.state, *inputs, length)
@@ -316,10 +297,7 @@ class AdaptiveMarch(AbstractMarch):
         signals, judge = self.signals(self.time + 0.5 * length), self.functions["judge"]
         found = self.functions["rosenbrock"](*self.state, *halves[0], 0.5 * length)[: self.size]
         pairs = zip(judge(*found, *signals), judge(*middle, *signals), strict=True)
-        apart = [
-            abs(a - b) / self._scale(k)
-            for k, (a, b) in enumerate(list(pairs)[: self.convergence_scales])
-        ]
+        apart = [abs(a - b) / self._scale(k) for k, (a, b) in enumerate(list(pairs)[: self.convergence_scales])]
         return found, max(apart, default=0.0)
 
     def _extrapolate_state(self, state: Row, before: Sequence[float], length: float) -> Row:
@@ -360,10 +338,7 @@ class AdaptiveMarch(AbstractMarch):
         """
         first, at = 1.0, 0
         for fraction, weight, size in self.plan.compiled.points:
-            rows = [
-                row[at : at + size]
-                for row in (self.earlier_points, self.points, trial.points[0], trial.points[1])
-            ]
+            rows = [row[at : at + size] for row in (self.earlier_points, self.points, trial.points[0], trial.points[1])]
             at += size
             dips = (find_dip(*(row[k] for row in rows[1:])) for k in range(4, size))
             first = min([first, *(share for share in dips if BESIDE < share < 1.0 - BESIDE)])
@@ -379,8 +354,7 @@ class AdaptiveMarch(AbstractMarch):
             if trial.error > 1.0:
                 ratio = 0.5 * trial.length / self.last_half
                 found = (
-                    find_fall(ratio * (rows[0][k] - rows[1][k]), *(row[k] for row in rows[1:]))
-                    for k in range(4, size)
+                    find_fall(ratio * (rows[0][k] - rows[1][k]), *(row[k] for row in rows[1:])) for k in range(4, size)
                 )
                 first = min([first, *(share for share in found if BESIDE < share < 1.0 - BESIDE)])
         return first

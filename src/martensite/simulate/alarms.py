@@ -108,10 +108,7 @@ def alarms_of(system: AbstractSystem, times: Sequence[float], columns: Columns) 
     for port, actuator in system.actuators().items():
         own = {name: columns[system.label(port, name)] for name in JUDGED}
         several = system.label(port, "stress") != "stress"
-        found += [
-            _at_port(alarm, port) if several else alarm
-            for alarm in _of_actuator(actuator, times, own)
-        ]
+        found += [_at_port(alarm, port) if several else alarm for alarm in _of_actuator(actuator, times, own)]
     return found
 
 
@@ -137,24 +134,10 @@ def _of_actuator(actuator: Actuator, times: Sequence[float], columns: Columns) -
 
 
 def _make_alarm(
-    times: Sequence[float],
-    when: Excursion,
-    what: tuple[str, str, str],
-    worst: float,
-    limit: float,
-    sentence: str,
+    times: Sequence[float], when: Excursion, what: tuple[str, str, str], worst: float, limit: float, sentence: str
 ) -> Alarm:
     """An alarm about `what`: kind, quantity and unit."""
-    return Alarm(
-        *what,
-        worst,
-        limit,
-        abs(worst - limit),
-        when.first,
-        when.duration,
-        times[when.worst],
-        sentence,
-    )
+    return Alarm(*what, worst, limit, abs(worst - limit), when.first, when.duration, times[when.worst], sentence)
 
 
 def _watch_above(
@@ -212,9 +195,7 @@ def _watch_slack(times: Sequence[float], force: Sequence[float]) -> Alarm | None
     duration = sum(step for step, slack in zip(steps, whole, strict=True) if slack)
     when = Excursion(times[at], duration, at)
     sentence = f"Warning: the element is slack (no force), {when.words()}."
-    return Alarm(
-        "slack", "force", "N", force[at], 0.0, 0.0, when.first, duration, times[at], sentence
-    )
+    return Alarm("slack", "force", "N", force[at], 0.0, 0.0, when.first, duration, times[at], sentence)
 
 
 def _watch_first_cycle(times: Sequence[float], columns: Columns) -> Alarm | None:
@@ -252,10 +233,7 @@ def _find_return(fraction: Sequence[float], stress: Sequence[float]) -> int | No
 
 
 def find_undelivered(
-    source: AbstractSource,
-    times: Sequence[float],
-    drive: Sequence[float],
-    resistance: Sequence[float],
+    source: AbstractSource, times: Sequence[float], drive: Sequence[float], resistance: Sequence[float]
 ) -> Alarm | None:
     """The alarm of a source that is asked for what it cannot deliver; None if it never is."""
     reached = [source.reach(ohms) for ohms in resistance]
@@ -273,12 +251,7 @@ def find_undelivered(
     return _make_alarm(times, when, ("supply", "drive", source.unit), worst, limit, sentence)
 
 
-def undelivered_margins(
-    source: AbstractSource, drive: Sequence[float], resistance: Sequence[float]
-) -> list[float]:
+def undelivered_margins(source: AbstractSource, drive: Sequence[float], resistance: Sequence[float]) -> list[float]:
     """How far each demand is beyond what the source can deliver, in its unit."""
     reached = (source.reach(ohms) for ohms in resistance)
-    return [
-        max(u - reach.most, reach.least - u) - ROUNDING * abs(u)
-        for u, reach in zip(drive, reached, strict=True)
-    ]
+    return [max(u - reach.most, reach.least - u) - ROUNDING * abs(u) for u, reach in zip(drive, reached, strict=True)]

@@ -102,9 +102,7 @@ def simulate(
     return result
 
 
-def _on_jax(
-    engine: RunEngine, plan: MarchPlan, found: Marched, accuracy: float | None
-) -> tuple[Marched, float | None]:
+def _on_jax(engine: RunEngine, plan: MarchPlan, found: Marched, accuracy: float | None) -> tuple[Marched, float | None]:
     """The same run on JAX: on steps that an error control found elsewhere, or the given ones."""
     from martensite.simulate.batch import march_jax
 
@@ -147,9 +145,7 @@ def _in_discrete_time(
     return _build_result(system, waveform, plan, found, None, used)
 
 
-def _march_grid(
-    system: AbstractSystem, compiled: CompiledMarch, grid: TimeGrid, runtime: str
-) -> Track:
+def _march_grid(system: AbstractSystem, compiled: CompiledMarch, grid: TimeGrid, runtime: str) -> Track:
     """A run on given steps; on floats if it fails elsewhere, since these say when, and where."""
     track: Track | None = None
     limits = envelope_of(system)
@@ -189,12 +185,7 @@ def longest_step(system: AbstractSystem) -> float:
 
 
 def _build_result(
-    system: AbstractSystem,
-    waveform: Waveforms,
-    plan: MarchPlan,
-    found: Marched,
-    accuracy: float | None,
-    runtime: str,
+    system: AbstractSystem, waveform: Waveforms, plan: MarchPlan, found: Marched, accuracy: float | None, runtime: str
 ) -> Result:
     """What is returned, with its warnings."""
     leaves = found.status is Status.OUT_OF_ENVELOPE

@@ -140,15 +140,11 @@ def build_march(
 @lru_cache(maxsize=64)
 def jitted_march(compiled: CompiledMarch, outputs: tuple[int, ...], padded: bool) -> Any:
     """The jitted march of a traced system, kept for the next call."""
-    return jax_namespace().jax.jit(
-        build_march(compiled, outputs, padded), compiler_options=WIDE_VECTORS
-    )
+    return jax_namespace().jax.jit(build_march(compiled, outputs, padded), compiler_options=WIDE_VECTORS)
 
 
 @lru_cache(maxsize=64)
-def jitted_jacobian(
-    compiled: CompiledMarch, outputs: tuple[int, ...], wrt: tuple[int, ...], padded: bool
-) -> Any:
+def jitted_jacobian(compiled: CompiledMarch, outputs: tuple[int, ...], wrt: tuple[int, ...], padded: bool) -> Any:
     """Jitted (values, plan) -> (first output, its Jacobian in the parameters `wrt`, residual)."""
     jax = jax_namespace().jax
     run = build_march(compiled, outputs, padded)

@@ -71,11 +71,7 @@ class HeatBalance:
     def as_dict(self) -> dict[str, float | None]:
         """All its numbers, by name."""
         own = {"put_in": self.put_in, "lost": self.lost, "stored": self.stored}
-        return own | {
-            "sensible": self.sensible,
-            "latent": self.latent,
-            "residual": self.residual,
-        }
+        return own | {"sensible": self.sensible, "latent": self.latent, "residual": self.residual}
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import (
-    InputError,
-    ParameterError,
-    SolveError,
-    UnknownNameError,
-    suggest_name,
-)
+from martensite.base.errors import InputError, ParameterError, SolveError, UnknownNameError, suggest_name
 from martensite.base.status import Status
 from martensite.kernels.compiler import find_compiler
 from martensite.kernels.jax_setup import has_jax
@@ -176,13 +170,9 @@ def _check_batch(
     if precision not in PRECISIONS:
         raise InputError(f"Argument `precision` must be float64 or float32, but is `{precision}`.")
     if runtime == "jax" and step is None and not system.sample_time():
-        raise InputError(
-            "A batch on JAX runs on equal steps; give the longest one as `step`, or take `auto`."
-        )
+        raise InputError("A batch on JAX runs on equal steps; give the longest one as `step`, or take `auto`.")
     if precision != "float64" and _choose_runtime(runtime, step) != "jax":
-        raise InputError(
-            'Argument `precision` may be float32 on JAX only: give a `step` and `runtime="jax"`.'
-        )
+        raise InputError('Argument `precision` may be float32 on JAX only: give a `step` and `runtime="jax"`.')
 
 
 def compute_sensitivity(
@@ -234,11 +224,7 @@ def compute_sensitivity(
 
 
 def _differentiate_in_c(
-    compiled: CompiledMarch,
-    values: Sequence[float],
-    rows: Sequence[int],
-    grid: TimeGrid,
-    place: int,
+    compiled: CompiledMarch, values: Sequence[float], rows: Sequence[int], grid: TimeGrid, place: int
 ) -> tuple[Any, Any, float]:
     """A column, its derivatives by some parameters, and the worst residual, in C."""
     seeds = np.zeros((len(values), len(rows)))
@@ -248,11 +234,7 @@ def _differentiate_in_c(
 
 
 def _differentiate_on_jax(
-    compiled: CompiledMarch,
-    values: Sequence[float],
-    rows: Sequence[int],
-    grid: TimeGrid,
-    place: int,
+    compiled: CompiledMarch, values: Sequence[float], rows: Sequence[int], grid: TimeGrid, place: int
 ) -> tuple[Any, Any, float]:
     """The same on JAX."""
     plan, padded = build_schedule(grid, "float64")
@@ -262,10 +244,7 @@ def _differentiate_on_jax(
 
 
 def march_jax(
-    compiled: CompiledMarch,
-    values: Sequence[float],
-    grid: TimeGrid,
-    limits: RunLimits | None = None,
+    compiled: CompiledMarch, values: Sequence[float], grid: TimeGrid, limits: RunLimits | None = None
 ) -> Track:
     """One run on JAX, with every output."""
     plan, padded = build_schedule(grid, limits=limits)

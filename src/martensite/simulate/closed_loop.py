@@ -209,14 +209,9 @@ class _Walk:
         add_warnings(result, self._add_peaks(result.columns, ends))
         return LoopResult(result, plan.period, self.signals, ends, self._columns(self.sums))
 
-    def _add_peaks(
-        self, starts: dict[str, list[float]], ends: dict[str, list[float]]
-    ) -> dict[str, list[float]]:
+    def _add_peaks(self, starts: dict[str, list[float]], ends: dict[str, list[float]]) -> dict[str, list[float]]:
         """Columns with the peaks at the ends of pulses, and with what the drive asked for."""
-        peaks = {
-            name: [*map(max, starts[name], ends[name]), starts[name][-1]]
-            for name in ("hottest", "stress")
-        }
+        peaks = {name: [*map(max, starts[name], ends[name]), starts[name][-1]] for name in ("hottest", "stress")}
         asked = [*self.signals, self.signals[-1]][: len(starts["drive"])]
         return {**starts, **peaks, "drive": asked}
 

@@ -257,19 +257,8 @@ class _Trace:
             found = self.system.entries(xp, state, *arguments[self.size :])
             held = {name: one for name, one in found.held.items() if isinstance(one, Expr)}
             accounts = [ACCOUNTS.index(name) for name, _ in found.efforts]
-            books.append(
-                Book(
-                    tuple(map(ACCOUNTS.index, held)),
-                    tuple(accounts),
-                    found.heat,
-                    found.work,
-                    found.unknown,
-                )
-            )
-            numbers = [
-                *held.values(),
-                *flatten_numbers(tuple(effort for _, effort in found.efforts)),
-            ]
+            books.append(Book(tuple(map(ACCOUNTS.index, held)), tuple(accounts), found.heat, found.work, found.unknown))
+            numbers = [*held.values(), *flatten_numbers(tuple(effort for _, effort in found.efforts))]
             return [*numbers, *([found.lost] if found.heat else [])]
 
         self.program.add("entries", [*self.names, *self.signals], entries)
@@ -284,9 +273,7 @@ class _Trace:
             places.clear()
             for port, row in zip(self.system.actuators(), rows, strict=False):
                 fraction = names.index(self.system.label(port, "martensite_fraction"))
-                places.extend(
-                    LawPoint(fraction, 1.0 / len(row), len(flatten_numbers(one))) for one in row
-                )
+                places.extend(LawPoint(fraction, 1.0 / len(row), len(flatten_numbers(one))) for one in row)
             return [number for row in rows for point in row for number in flatten_numbers(point)]
 
         self.program.add("points", self.names, points)

@@ -72,11 +72,7 @@ def _compile_keyed(keyed: Keyed[AbstractLaw], tension_only: bool) -> CompiledLaw
     shape, size = NestedShape(found[0]), len(flatten_numbers(found[0]))
     names = [f"m{i}" for i in range(size)]
     program.add("stress_step", [*names, "sigma", "T", "dt"], _stress_step(law, shape))
-    program.add(
-        "strain_step",
-        [*names, "eps", "T", "dt"],
-        _strain_step(law, shape, tension_only),
-    )
+    program.add("strain_step", [*names, "eps", "T", "dt"], _strain_step(law, shape, tension_only))
     return CompiledLaw(program, paths, size)
 
 
@@ -95,9 +91,7 @@ def _stress_step(law: AbstractLaw, shape: NestedShape) -> Callable[..., list[Any
     return step
 
 
-def _strain_step(
-    law: AbstractLaw, shape: NestedShape, tension_only: bool
-) -> Callable[..., list[Any]]:
+def _strain_step(law: AbstractLaw, shape: NestedShape, tension_only: bool) -> Callable[..., list[Any]]:
     def step(xp: Any, *arguments: Any) -> list[Any]:
         *numbers, strain, temperature, dt = arguments
 

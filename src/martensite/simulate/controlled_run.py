@@ -68,9 +68,7 @@ def simulate_controlled(
     if interval:
         _check_period(period, interval)
     if every < 1 or periods % every:
-        raise ParameterError(
-            f"Argument `every` must divide the {periods} periods of the run, but is {every}."
-        )
+        raise ParameterError(f"Argument `every` must divide the {periods} periods of the run, but is {every}.")
     if duration / longest > MOST_STEPS:
         raise InputError(f"The run needs more than {MOST_STEPS:,} steps; shorten its duration.")
     pieces = max(1, math.ceil(period / longest - 1e-6))
@@ -83,8 +81,7 @@ def _check_period(period: float, interval: float) -> None:
     """Raise `ParameterError` unless a period is a whole number of samples of the system."""
     if abs(round(period / interval) * interval - period) > 1e-6 * interval or period < interval:
         raise ParameterError(
-            f"Argument `period` must be a whole number of samples of {interval:.6g} s, but is "
-            f"{period:.6g} s."
+            f"Argument `period` must be a whole number of samples of {interval:.6g} s, but is {period:.6g} s."
         )
 
 
@@ -115,8 +112,7 @@ class _ControlledWalk:
         discrete = plan.system.sample_time() > 0.0
         self.shares = [just_after(drive.ahead) for drive in plan.system.drives()]
         self.readers = [
-            Reader(drive) if isinstance(drive, AbstractWaveform) and not discrete else None
-            for drive in plan.drives
+            Reader(drive) if isinstance(drive, AbstractWaveform) and not discrete else None for drive in plan.drives
         ]
         self.memories: list[Any] = [drive.init() for drive in plan.drives]
         self.rows: list[tuple[float, ...]] = []
@@ -175,9 +171,7 @@ class _ControlledWalk:
             if isinstance(drive, AbstractWaveform):
                 found.append(drive.value(time))
                 continue
-            signal, self.memories[i] = (
-                drive(time, seen, self.memories[i]) if seen else (0.0, self.memories[i])
-            )
+            signal, self.memories[i] = drive(time, seen, self.memories[i]) if seen else (0.0, self.memories[i])
             if not math.isfinite(signal):
                 raise SolveError(f"A controller answered with {signal} at t = {time:.6g} s.")
             found.append(signal)
@@ -208,14 +202,7 @@ class _ControlledWalk:
             held = Held(values=tuple(s[i] for s in self.signals), frequency=1.0 / plan.period)
             played[declared.name] = drive if isinstance(drive, AbstractWaveform) else held
         result = Result(
-            plan.system,
-            played,
-            times,
-            columns,
-            found.status,
-            found.status_time,
-            self.steps,
-            plan.period / plan.pieces,
+            plan.system, played, times, columns, found.status, found.status_time, self.steps, plan.period / plan.pieces
         )
         if found.status is Status.OUT_OF_ENVELOPE:
             when = found.status_time or 0.0

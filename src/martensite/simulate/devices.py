@@ -48,10 +48,7 @@ def chunk_for(devices: Sequence[Any]) -> int:
 
 
 def march_chunks(
-    run: Callable[[Any, ArrayGrid], BatchRows],
-    chunks: Iterable[Sequence[Any]],
-    plan: ArrayGrid,
-    devices: Sequence[Any],
+    run: Callable[[Any, ArrayGrid], BatchRows], chunks: Iterable[Sequence[Any]], plan: ArrayGrid, devices: Sequence[Any]
 ) -> Iterator[BatchRows]:
     """March chunk after chunk, each on the next device, and fetch what they give, in order.
 

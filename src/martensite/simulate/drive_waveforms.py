@@ -37,9 +37,7 @@ def by_name(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> dict[st
     return dict(given)
 
 
-def arrange_waveforms(
-    system: AbstractSystem, given: Kind | Mapping[str, Kind]
-) -> list[Kind | Constant]:
+def arrange_waveforms(system: AbstractSystem, given: Kind | Mapping[str, Kind]) -> list[Kind | Constant]:
     """What drives each drive of a system, in their order; what is not named gets 0.
 
     Raises:
@@ -57,15 +55,11 @@ def arrange_waveforms(
     return found
 
 
-def grid_of(
-    system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, step: float
-) -> TimeGrid:
+def grid_of(system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, step: float) -> TimeGrid:
     """The time grid of a run; a system in discrete time has its own steps, whatever `step`."""
     interval = system.sample_time()
     if interval:
         ahead = [drive.ahead for drive in system.drives()]
-        return grid_of_samples(
-            arrange_waveforms(system, waveform), duration, samples, interval, ahead
-        )
+        return grid_of_samples(arrange_waveforms(system, waveform), duration, samples, interval, ahead)
     at_end = [drive.at_end for drive in system.drives()]
     return build_grid(arrange_waveforms(system, waveform), duration, samples, step, at_end)

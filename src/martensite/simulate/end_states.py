@@ -61,12 +61,9 @@ def find_end_states(system: AbstractSystem, waveform: Waveforms, duration: float
     return [_end_state(system, first, levels, held) for levels in rows]
 
 
-def _end_state(
-    system: AbstractSystem, first: Mapping[str, float], levels: dict[str, float], time: float
-) -> EndState:
+def _end_state(system: AbstractSystem, first: Mapping[str, float], levels: dict[str, float], time: float) -> EndState:
     waves = {
-        name: Table(times=(0.0, 0.1 * time, time), values=(first[name], level, level))
-        for name, level in levels.items()
+        name: Table(times=(0.0, 0.1 * time, time), values=(first[name], level, level)) for name, level in levels.items()
     }
     return EndState(levels, simulate(system, waves, time, tolerance=ROUGH, samples=51))
 

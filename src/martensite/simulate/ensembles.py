@@ -16,16 +16,7 @@ from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.status import Status
-from martensite.simulate.accuracy import (
-    FINER,
-    FLOOR,
-    LEAST,
-    LOCAL,
-    MOST,
-    SURE,
-    choose_samples,
-    march_to,
-)
+from martensite.simulate.accuracy import FINER, FLOOR, LEAST, LOCAL, MOST, SURE, choose_samples, march_to
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
@@ -61,9 +52,7 @@ class Ensemble:
         return Ensemble(columns, np.full(runs, status, np.int8), nothing, nothing.copy())
 
     @staticmethod
-    def on_steps(
-        columns: dict[str, Numbers], reports: Numbers, left: Numbers, times: Sequence[float]
-    ) -> Ensemble:
+    def on_steps(columns: dict[str, Numbers], reports: Numbers, left: Numbers, times: Sequence[float]) -> Ensemble:
         """Runs on given steps: from their worst reports, and when they left the envelope [s].
 
         It is infinite for runs that stayed inside; what comes after it is struck out.
@@ -97,8 +86,7 @@ class Ensemble:
         names = pieces[0].columns
         columns = {name: np.concatenate([p.columns[name] for p in pieces]) for name in names}
         status, ended, accuracy = (
-            np.concatenate([getattr(p, name) for p in pieces])
-            for name in ("status", "ended", "accuracy")
+            np.concatenate([getattr(p, name) for p in pieces]) for name in ("status", "ended", "accuracy")
         )
         return Ensemble(columns, status, ended, accuracy)
 
@@ -182,9 +170,7 @@ def march_one_by_one(
         own = replace(plan, waveforms=waveforms, limits=envelope_of(system))
         try:
             functions = plan.compiled.program.bind_floats(*plan.compiled.values(system))
-            one, accuracy = march_to(
-                lambda p, f=functions: AdaptiveMarch(p, f).run(), own, tolerance
-            )
+            one, accuracy = march_to(lambda p, f=functions: AdaptiveMarch(p, f).run(), own, tolerance)
         except ArithmeticError:  # what follows from parameters alone is no number
             continue
         rows = np.asarray(list(rows_inside(system, one.rows)))

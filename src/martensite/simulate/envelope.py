@@ -17,11 +17,7 @@ from martensite.simulate.marching import Exit, Row, RunLimits
 
 STOPS = ("temperature_stop", "stress_stop", "strain_stop")
 """Numbers of an element that bound it more tightly."""
-WORDS = {
-    "hottest": "temperature",
-    "stress": "stress",
-    "strain": "strain",
-}
+WORDS = {"hottest": "temperature", "stress": "stress", "strain": "strain"}
 BEYOND = {
     "hottest": "where NiTi melts, unless `temperature_stop` is lower",
     "stress": "what no NiTi wire bears, unless `stress_stop` is lower",

@@ -29,11 +29,7 @@ class EqualStep(NamedTuple):
 
 
 def find_step(
-    system: AbstractSystem,
-    waveform: Waveforms,
-    duration: float,
-    tolerance: float,
-    samples: int = 1001,
+    system: AbstractSystem, waveform: Waveforms, duration: float, tolerance: float, samples: int = 1001
 ) -> EqualStep:
     """The longest step [s] of a row of halved ones with which a run is within a tolerance.
 

@@ -112,11 +112,7 @@ class Steps(NamedTuple):
 
 
 def build_grid(
-    waveforms: Sequence[AbstractWaveform],
-    duration: float,
-    samples: int,
-    step: float,
-    at_end: Sequence[bool],
+    waveforms: Sequence[AbstractWaveform], duration: float, samples: int, step: float, at_end: Sequence[bool]
 ) -> TimeGrid:
     """The grid of a run of `duration` [s] with equidistant samples, both ends included."""
     times = [duration * i / (samples - 1) for i in range(samples)]
@@ -124,11 +120,7 @@ def build_grid(
 
 
 def grid_of_samples(
-    waveforms: Sequence[AbstractWaveform],
-    duration: float,
-    samples: int,
-    interval: float,
-    ahead: Sequence[bool],
+    waveforms: Sequence[AbstractWaveform], duration: float, samples: int, interval: float, ahead: Sequence[bool]
 ) -> TimeGrid:
     """The grid of a system in discrete time: every step is one of its samples, from 0 on.
 
@@ -162,12 +154,7 @@ def grid_of_samples(
     )
 
 
-def grid_at(
-    waveforms: Sequence[AbstractWaveform],
-    times: list[float],
-    step: float,
-    at_end: Sequence[bool],
-) -> TimeGrid:
+def grid_at(waveforms: Sequence[AbstractWaveform], times: list[float], step: float, at_end: Sequence[bool]) -> TimeGrid:
     """Cut the time from 0 on at the samples `times` (the first is 0) and at edges.
 
     The pieces are cut into steps of at most `step` [s].
@@ -231,9 +218,7 @@ def steps_through(ends: Iterable[float], times: Sequence[float]) -> Steps:
     return Steps(times, counts, begins, lengths)
 
 
-def rows_of(
-    waveforms: Sequence[AbstractWaveform], times: Sequence[Sequence[float]], count: int
-) -> list[Signals]:
+def rows_of(waveforms: Sequence[AbstractWaveform], times: Sequence[Sequence[float]], count: int) -> list[Signals]:
     """Signals as `count` rows of one number per waveform, each read at times of its own."""
     columns = [wave.signals(at) for wave, at in zip(waveforms, times, strict=True)]
     return list(zip(*columns, strict=True)) if columns else [()] * count

@@ -30,11 +30,7 @@ class Lanes:
     """States of one system side by side; for one thread."""
 
     def __init__(
-        self,
-        system: AbstractSystem,
-        lanes: int,
-        values: Mapping[str, Any] | None = None,
-        native: bool | None = None,
+        self, system: AbstractSystem, lanes: int, values: Mapping[str, Any] | None = None, native: bool | None = None
     ) -> None:
         """Lanes of a system; `reset` puts them at rest.
 
@@ -124,14 +120,11 @@ class Lanes:
         """Put parameters by path into the rows of a table, shape (parameters, lanes)."""
         for path, value in values.items():
             if path not in self._rows:
-                raise InputError(
-                    f"There is no parameter `{path}`. {suggest_name(path, self._rows)}"
-                )
+                raise InputError(f"There is no parameter `{path}`. {suggest_name(path, self._rows)}")
             given, lanes = np.asarray(value, float), table.shape[1]
             if given.shape not in ((), (1,), (lanes,)):
                 raise InputError(
-                    f"Values of `{path}` must be one number or of shape ({lanes},), but their "
-                    f"shape is {given.shape}."
+                    f"Values of `{path}` must be one number or of shape ({lanes},), but their shape is {given.shape}."
                 )
             table[self._rows[path]] = given
 
@@ -142,15 +135,12 @@ class Lanes:
             return np.broadcast_to(given, self._shape)
         except ValueError:
             raise InputError(
-                f"Signals of one moment must spread to {self._shape} (drives, lanes), but their "
-                f"shape is {given.shape}."
+                f"Signals of one moment must spread to {self._shape} (drives, lanes), but their shape is {given.shape}."
             ) from None
 
     def _require(self, given: Numbers) -> None:
         """Raise `InputError` unless signals of some steps spread over drives and lanes."""
-        fits = given.ndim == 3 and all(
-            a in (1, b) for a, b in zip(given.shape[1:], self._shape, strict=True)
-        )
+        fits = given.ndim == 3 and all(a in (1, b) for a, b in zip(given.shape[1:], self._shape, strict=True))
         if not fits:
             raise InputError(
                 f"Signals must be of shape (steps, drives, lanes) = (steps, "

@@ -95,9 +95,7 @@ class NativeLanes:
         self.program.bind("init", given, found)()
         return found[:, : self.n].copy()
 
-    def advance(
-        self, state: Numbers, signals: Numbers, dt: float, shown: bool
-    ) -> tuple[Numbers, Numbers]:
+    def advance(self, state: Numbers, signals: Numbers, dt: float, shown: bool) -> tuple[Numbers, Numbers]:
         """State after some steps, and outputs; signals may spread over drives and lanes."""
         self._spread(self._state, state)
         self._dt[...] = dt

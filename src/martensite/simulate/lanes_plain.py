@@ -31,9 +31,7 @@ class PlainLanes:
         rows = zip(self.functions, signals.T.tolist(), strict=True)
         return np.array([functions["init"](*u) for functions, u in rows]).T
 
-    def advance(
-        self, state: Numbers, signals: Numbers, dt: float, shown: bool
-    ) -> tuple[Numbers, Numbers]:
+    def advance(self, state: Numbers, signals: Numbers, dt: float, shown: bool) -> tuple[Numbers, Numbers]:
         """State after some steps, and outputs; signals may spread over drives and lanes."""
         lanes, size = state.shape[1], self.compiled.size
         drives = np.broadcast_to(signals, (len(signals), self.compiled.drives, lanes))

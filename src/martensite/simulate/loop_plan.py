@@ -61,28 +61,21 @@ def whole_periods(duration: float, period: float) -> int:
     periods = round(duration / period)
     if periods < 1 or abs(periods * period - duration) > 1e-9 * duration:
         raise ParameterError(
-            f"Argument `duration` must be a whole number of periods of {period:.6g} s, "
-            f"but is {duration:.6g} s."
+            f"Argument `duration` must be a whole number of periods of {period:.6g} s, but is {duration:.6g} s."
         )
     return periods
 
 
-def check_loop(
-    system: System, pulses: bool, shortest: float, period: float, step: float | None
-) -> None:
+def check_loop(system: System, pulses: bool, shortest: float, period: float, step: float | None) -> None:
     """Raise `InputError` if system and arguments do not fit each other."""
     source = system.source
     if source.sets_temperature:
         raise InputError("A loop needs a drive that heats; `temperature` sets it instead.")
     if pulses and source.unit != "1":
-        raise InputError(
-            f"Pulses need a drive that is a switch, `pwm-voltage`, but it is "
-            f"`{source.registered_name}`."
-        )
+        raise InputError(f"Pulses need a drive that is a switch, `pwm-voltage`, but it is `{source.registered_name}`.")
     if shortest and not (pulses and 0.0 < shortest <= 0.5 * period):
         raise ParameterError(
-            f"Argument `shortest` must be at most half a period, and is for pulses only, "
-            f"but is {shortest} s."
+            f"Argument `shortest` must be at most half a period, and is for pulses only, but is {shortest} s."
         )
     if step is not None and not 0.0 < step < math.inf:
         raise ParameterError(f"Argument `step` must be above 0 s, but is {step}.")

@@ -36,15 +36,12 @@ class Track:
         if self.status.failed and self.status is not Status.OUT_OF_ENVELOPE:
             when = "during the run" if self.status_time is None else f"{self.status_time:.6g} s"
             raise SolveError(
-                f"The coupled step of law, heat and mechanism failed at t = {when}. "
-                f"{self.status.sentence}"
+                f"The coupled step of law, heat and mechanism failed at t = {when}. {self.status.sentence}"
             )
         return self
 
 
-def march_floats(
-    functions: Functions, size: int, grid: TimeGrid, border: Border | None = None
-) -> Track:
+def march_floats(functions: Functions, size: int, grid: TimeGrid, border: Border | None = None) -> Track:
     """Advance through the grid with traced float functions; failures are a status.
 
     It stops where it comes to the border of the envelope, if there is one.
@@ -69,9 +66,7 @@ def march_floats(
     return check_track(rows, watch.worst, math.fsum(grid.lengths[: watch.step]))
 
 
-def _stop_track(
-    rows: Sequence[tuple[float, ...]], watch: WorstStep, border: Border, time: float
-) -> Track:
+def _stop_track(rows: Sequence[tuple[float, ...]], watch: WorstStep, border: Border, time: float) -> Track:
     """A track that ended at a border; one that had failed before is not to be trusted either."""
     if watch.worst.failed:
         return check_track(rows, watch.worst, time)
@@ -126,17 +121,13 @@ def classify_step(residual: float, crossing: float) -> Status:
     return Status.LONG_STEP if crossing > COARSE else Status.OK
 
 
-def check_track(
-    rows: Sequence[tuple[float, ...]], status: Status, time: float | None = None
-) -> Track:
+def check_track(rows: Sequence[tuple[float, ...]], status: Status, time: float | None = None) -> Track:
     """A track whose rows have been checked for numbers that are none."""
     finite = all(math.isfinite(value) for row in rows for value in row)
     return Track(list(rows), status if finite else Status.NOT_FINITE, time)
 
 
-def track_of(
-    table: Any, residual: float, crossing: float, ripple: float, left: float = math.inf
-) -> Track:
+def track_of(table: Any, residual: float, crossing: float, ripple: float, left: float = math.inf) -> Track:
     """A track whose rows are an array (samples, outputs), from its worst reports.
 
     One that `left` the envelope at a time [s] has that status, unless it had failed before.

@@ -116,10 +116,7 @@ class AbstractMarch:
         self.state: Row = functions["init"](*signals)[: self.size]
         self.seen: Row = functions["judge"](*self.state, *signals)
         self.convergence_scales = len(plan.compiled.convergence_scales)
-        self.low, self.high = (
-            list(self.seen[: self.convergence_scales]),
-            list(self.seen[: self.convergence_scales]),
-        )
+        self.low, self.high = (list(self.seen[: self.convergence_scales]), list(self.seen[: self.convergence_scales]))
         self.sample = 1
         self.found = Marched([functions["observe"](*self.state, *signals)])
         self.check_envelope()

@@ -51,18 +51,7 @@ class _Drive(ctypes.Structure):
     _fields_ = [
         ("count", ctypes.c_long),
         ("tones", ctypes.c_long),
-        *(
-            (name, ctypes.c_void_p)
-            for name in (
-                "start",
-                "level",
-                "slope",
-                "bend",
-                "amplitude",
-                "rate",
-                "phase",
-            )
-        ),
+        *((name, ctypes.c_void_p) for name in ("start", "level", "slope", "bend", "amplitude", "rate", "phase")),
         ("fastest", ctypes.c_double),
         ("whole", ctypes.c_long),
     ]
@@ -72,30 +61,12 @@ class _March(ctypes.Structure):
     _fields_ = [
         *(
             (name, ctypes.c_long)
-            for name in (
-                "runs",
-                "samples",
-                "rounds",
-                "recording",
-                "parted",
-                "recorded",
-                "capacity",
-            )
+            for name in ("runs", "samples", "rounds", "recording", "parted", "recorded", "capacity")
         ),
         *((name, ctypes.c_double) for name in ("tolerance", "duration", "step")),
         *(
             (name, ctypes.c_void_p)
-            for name in (
-                "p",
-                "first",
-                "times",
-                "drives",
-                "limits",
-                "ranges",
-                "rows",
-                "numbers",
-                "record",
-            )
+            for name in ("p", "first", "times", "drives", "limits", "ranges", "rows", "numbers", "record")
         ),
     ]
 
@@ -232,9 +203,7 @@ def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> Marc
     alone = replace(runs, lanes=1)
     ranges = marching.ranges
     rows = [_Marching(alone.choose(places[k : k + 1], ranges[k : k + 1])).go() for k in places]
-    outputs, numbers = (
-        np.concatenate([getattr(row, n) for row in rows]) for n in ("outputs", "numbers")
-    )
+    outputs, numbers = (np.concatenate([getattr(row, n) for row in rows]) for n in ("outputs", "numbers"))
     return MarchRows(outputs, numbers, [])
 
 
@@ -252,9 +221,7 @@ class _Marching:
         self.times = np.array([*plan.times, np.inf])
         ranges = np.asarray(plan.ranges or np.zeros(len(compiled.convergence_scales)))
         ranges = ranges if runs.ranges is None else np.asarray(runs.ranges, float)
-        self.ranges = np.array(
-            np.broadcast_to(ranges, (runs.count, len(compiled.convergence_scales))), float
-        )
+        self.ranges = np.array(np.broadcast_to(ranges, (runs.count, len(compiled.convergence_scales))), float)
         limits = plan.limits if runs.limits is None else runs.limits
         self.limits = spread_limits(limits, runs.count)
         self.rows = np.full((runs.count, len(plan.times), len(runs.outputs)), np.nan)
@@ -301,9 +268,7 @@ class _Marching:
             answer = self.library.march_on(march, block, ctypes.c_long(begin))
             begin = 0
             if answer == DONE:
-                return MarchRows(
-                    self.rows, self.numbers, self.record[: self.march.recorded].tolist()
-                )
+                return MarchRows(self.rows, self.numbers, self.record[: self.march.recorded].tolist())
             if answer == SIGNALS:
                 self._extend()
             if answer == RECORD:
@@ -348,10 +313,7 @@ def _get_address(array: Numbers) -> int:
 
 
 def kernel_of(
-    plan: MarchPlan,
-    outputs: Sequence[int],
-    lanes: int = 1,
-    own: Sequence[Sequence[AbstractWaveform]] | None = None,
+    plan: MarchPlan, outputs: Sequence[int], lanes: int = 1, own: Sequence[Sequence[AbstractWaveform]] | None = None
 ) -> MarchKernel:
     """What has to be compiled for runs of a plan; every run may have waveforms of its own."""
     rows = [plan.waveforms] if own is None else own
@@ -439,10 +401,7 @@ class MarchKernel:
         )
         names = ("marching.c", *(("fixed.c",) if self.fixed else ("ledger.c", "adaptive.c")))
         names = ("lanes.c",) if self.lanes > 1 else names
-        texts = [
-            _read_text("signals", "reader.c"),
-            *(_read_text("simulate", name) for name in names),
-        ]
+        texts = [_read_text("signals", "reader.c"), *(_read_text("simulate", name) for name in names)]
         return "\n".join([kernels, *(f"#define {k} {v}" for k, v in constants.items()), *texts])
 
 

@@ -87,11 +87,7 @@ _NOTES = """
 
 
 def march_source(
-    compiled: CompiledMarch,
-    lanes: int,
-    outputs: Sequence[int],
-    own: bool = False,
-    bounded: bool = False,
+    compiled: CompiledMarch, lanes: int, outputs: Sequence[int], own: bool = False, bounded: bool = False
 ) -> str:
     """C source of the kernels and the march for a fixed number of lanes.
 
@@ -114,9 +110,7 @@ def march_source(
         signal=f"d * {lanes} + l" if own else "d",
         length="l" if own else "0",
         keep=_KEEP.format(size=compiled.size, reports=len(compiled.report)) if own else "",
-        **_write_watch(compiled, lanes, "l" if own else "0")
-        if bounded
-        else {"look": "", "notes": ""},
+        **_write_watch(compiled, lanes, "l" if own else "0") if bounded else {"look": "", "notes": ""},
     )
     functions = [traced["init"], traced["step"], observe]
     return _write_kernels(compiled, functions + [traced["judge"]] * bounded, lanes) + loop
@@ -144,18 +138,12 @@ def _write_kernels(compiled: CompiledMarch, functions: Sequence[Function], lanes
 
 
 @cache_answers(64)
-def _load_library(
-    compiled: CompiledMarch, lanes: int, outputs: tuple[int, ...], own: bool, bounded: bool
-) -> Any:
+def _load_library(compiled: CompiledMarch, lanes: int, outputs: tuple[int, ...], own: bool, bounded: bool) -> Any:
     return load_library(march_source(compiled, lanes, outputs, own, bounded))
 
 
 def march_lanes(
-    compiled: CompiledMarch,
-    values: Sequence[Any],
-    grid: TimeGrid | LaneGrid,
-    lanes: int,
-    outputs: Sequence[int],
+    compiled: CompiledMarch, values: Sequence[Any], grid: TimeGrid | LaneGrid, lanes: int, outputs: Sequence[int]
 ) -> tuple[Any, Any]:
     """March a batch of exactly `lanes` variants; scalars are repeated over the lanes.
 
@@ -198,12 +186,7 @@ def spread_limits(limits: Any, runs: int) -> Any:
     return np.ascontiguousarray(np.broadcast_to(given, (*given.shape[:2], runs)))
 
 
-def march_c(
-    compiled: CompiledMarch,
-    values: Sequence[float],
-    grid: TimeGrid,
-    limits: RunLimits | None = None,
-) -> Track:
+def march_c(compiled: CompiledMarch, values: Sequence[float], grid: TimeGrid, limits: RunLimits | None = None) -> Track:
     """One run on the C runtime."""
     places = range(len(compiled.outputs))
     rows, worst, left = march_inside(compiled, values, grid, 1, places, limits)

@@ -65,11 +65,7 @@ class OutputSlopes(NamedTuple):
 
 
 def march_slopes(
-    compiled: CompiledMarch,
-    values: Sequence[float],
-    seeds: Any,
-    grid: TimeGrid,
-    outputs: Sequence[int],
+    compiled: CompiledMarch, values: Sequence[float], seeds: Any, grid: TimeGrid, outputs: Sequence[int]
 ) -> OutputSlopes:
     """March one run with the derivatives of its outputs.
 
@@ -87,13 +83,7 @@ def march_slopes(
     width = next((w for w in WIDTHS if w >= count), WIDTHS[-1])
     library = _load_library(compiled, moving, tuple(outputs), width)
     pieces = [
-        _march_library(
-            library,
-            values,
-            _pad_seeds(given[list(moving), k : k + width], width),
-            grid,
-            len(outputs),
-        )
+        _march_library(library, values, _pad_seeds(given[list(moving), k : k + width], width), grid, len(outputs))
         for k in range(0, max(count, 1), width)
     ]
     slopes = np.concatenate([piece.slopes for piece in pieces], axis=2)[:, :, :count]
@@ -106,24 +96,16 @@ def _pad_seeds(seeds: Any, width: int) -> Any:
     return np.pad(seeds, ((0, not rows), (0, width - columns)))
 
 
-def _march_library(
-    library: Any, values: Sequence[float], seeds: Any, grid: TimeGrid, outputs: int
-) -> OutputSlopes:
+def _march_library(library: Any, values: Sequence[float], seeds: Any, grid: TimeGrid, outputs: int) -> OutputSlopes:
     shape = len(grid.times), outputs
-    rows, drows, worst = (
-        np.empty(shape),
-        np.empty((*shape, seeds.shape[1])),
-        np.empty(len(StepReport._fields)),
-    )
+    rows, drows, worst = (np.empty(shape), np.empty((*shape, seeds.shape[1])), np.empty(len(StepReport._fields)))
     arrays = (np.array([*values, 0.0]), seeds, *grid.arrays, rows, drows, worst)
     call_compiled(library.march, len(grid.counts), *arrays)
     return OutputSlopes(rows, drows, float(worst[0]), float(worst[1]))
 
 
 @cache_answers(64)
-def _load_library(
-    compiled: CompiledMarch, moving: tuple[int, ...], outputs: tuple[int, ...], width: int
-) -> Any:
+def _load_library(compiled: CompiledMarch, moving: tuple[int, ...], outputs: tuple[int, ...], width: int) -> Any:
     size = compiled.size
     states = {"init": 0, "step": size, "observe": size}
     program = differentiate_program(compiled.program, moving, states, outputs)

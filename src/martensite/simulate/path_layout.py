@@ -64,12 +64,7 @@ class ThermomechanicalPath:
     legs: tuple[PathLeg, ...]
 
     def follow(
-        self,
-        law: AbstractLaw,
-        *,
-        steps: int = 100,
-        tolerance: float | None = 1e-4,
-        runtime: str = "floats",
+        self, law: AbstractLaw, *, steps: int = 100, tolerance: float | None = 1e-4, runtime: str = "floats"
     ) -> PointResult:
         """Drive a law along this path; arguments as of `material_point`."""
         return material_point(

@@ -96,9 +96,7 @@ def _find_spots(
     return start, half, end
 
 
-def _find_spot(
-    result: PointResult, fractions: list[float], first: int, last: int, share: float
-) -> PlanePoint:
+def _find_spot(result: PointResult, fractions: list[float], first: int, last: int, share: float) -> PlanePoint:
     """Where a share of the change on a leg is done."""
     begin, change = fractions[first], fractions[last] - fractions[first]
     done = [(fractions[i] - begin) / change for i in range(first, last + 1)]

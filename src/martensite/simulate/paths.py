@@ -14,13 +14,7 @@ from dataclasses import dataclass
 from martensite.base.errors import ParameterError, UnknownNameError
 from martensite.physics.laws.base import AbstractLaw
 from martensite.simulate.compiled_law import AUSTENITE
-from martensite.simulate.path_layout import (
-    Choices,
-    Guide,
-    ThermomechanicalPath,
-    format_celsius,
-    format_megapascal,
-)
+from martensite.simulate.path_layout import Choices, Guide, ThermomechanicalPath, format_celsius, format_megapascal
 
 
 @dataclass(frozen=True)
@@ -47,14 +41,10 @@ LOOP, RECOVERY = ("strain", "stress"), ("temperature", "strain")
 
 def register_path(
     name: str, *uses: str, plane: tuple[str, str]
-) -> Callable[
-    [Callable[[Guide], list[ThermomechanicalPath]]], Callable[[Guide], list[ThermomechanicalPath]]
-]:
+) -> Callable[[Callable[[Guide], list[ThermomechanicalPath]]], Callable[[Guide], list[ThermomechanicalPath]]]:
     """File a function under a name."""
 
-    def file_under(
-        lay: Callable[[Guide], list[ThermomechanicalPath]],
-    ) -> Callable[[Guide], list[ThermomechanicalPath]]:
+    def file_under(lay: Callable[[Guide], list[ThermomechanicalPath]]) -> Callable[[Guide], list[ThermomechanicalPath]]:
         PATHS[name] = NamedPath(name, uses, plane, lay)
         return lay
 
@@ -72,9 +62,7 @@ def find_path(name: str) -> NamedPath:
     return PATHS[name]
 
 
-def named_path(
-    name: str, law: AbstractLaw, choices: Choices | None = None
-) -> list[ThermomechanicalPath]:
+def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> list[ThermomechanicalPath]:
     """The courses of a named path, sized by a law.
 
     Args:
@@ -97,9 +85,7 @@ def named_path(
         None,
     )
     if idle is not None:
-        raise ParameterError(
-            f"The path `{name}` takes no {idle}; it can be told {', '.join(found.uses)}."
-        )
+        raise ParameterError(f"The path `{name}` takes no {idle}; it can be told {', '.join(found.uses)}.")
     return found.lay(Guide(law, chosen))
 
 
@@ -155,10 +141,7 @@ def build_isobaric(guide: Guide) -> list[ThermomechanicalPath]:
     cold = min(guide.marks_at(stress).M_f for stress in stresses) - 10.0
     legs = guide.heat(hot, cold), guide.heat(cold, hot)
     fractions = guide.choices.fractions or AUSTENITE
-    return [
-        ThermomechanicalPath(format_megapascal(stress), stress, hot, fractions, legs)
-        for stress in stresses
-    ]
+    return [ThermomechanicalPath(format_megapascal(stress), stress, hot, fractions, legs) for stress in stresses]
 
 
 @register_path("free-recovery", "temperatures", "stresses", plane=RECOVERY)
@@ -205,11 +188,7 @@ def constrained_recovery(guide: Guide) -> list[ThermomechanicalPath]:
         guide.heat(temperature, hot, "strain"),
         guide.heat(hot, temperature, "strain"),
     )
-    return [
-        ThermomechanicalPath(
-            "stretch, unload, clamp, heat, cool", 0.0, temperature, fractions, legs
-        )
-    ]
+    return [ThermomechanicalPath("stretch, unload, clamp, heat, cool", 0.0, temperature, fractions, legs)]
 
 
 @register_path("minor-loops", "stresses", plane=RECOVERY)

@@ -14,13 +14,7 @@ from dataclasses import dataclass, field
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING
 
-from martensite.base.errors import (
-    InputError,
-    ParameterError,
-    SolveError,
-    UnknownNameError,
-    suggest_name,
-)
+from martensite.base.errors import InputError, ParameterError, SolveError, UnknownNameError, suggest_name
 from martensite.base.status import Status
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import AUSTENITE, ROW
@@ -59,17 +53,11 @@ class PathLeg:
 
     def __post_init__(self) -> None:
         if self.stress is not None and self.strain is not None:
-            raise ParameterError(
-                "A leg takes `stress` or `strain` at its end, but both are given; leave one out."
-            )
+            raise ParameterError("A leg takes `stress` or `strain` at its end, but both are given; leave one out.")
         if self.hold is not None and self.hold not in CONTROLS:
-            raise ParameterError(
-                f"Argument `hold` of a leg is `{self.hold}`. {suggest_name(self.hold, CONTROLS)}"
-            )
+            raise ParameterError(f"Argument `hold` of a leg is `{self.hold}`. {suggest_name(self.hold, CONTROLS)}")
         if self.hold is not None and self.control is not None:
-            raise ParameterError(
-                f"A leg that is given its `{self.control}` holds nothing; leave `hold` out."
-            )
+            raise ParameterError(f"A leg that is given its `{self.control}` holds nothing; leave `hold` out.")
         self._check_numbers()
 
     @property
@@ -81,21 +69,15 @@ class PathLeg:
 
     def _check_numbers(self) -> None:
         if not 0.0 < self.duration < math.inf:
-            raise ParameterError(
-                f"Argument `duration` of a leg must be above 0 s, but is {self.duration} s."
-            )
+            raise ParameterError(f"Argument `duration` of a leg must be above 0 s, but is {self.duration} s.")
         if self.steps is not None and self.steps < 1:
-            raise ParameterError(
-                f"Argument `steps` of a leg must be at least 1, but is {self.steps}."
-            )
+            raise ParameterError(f"Argument `steps` of a leg must be at least 1, but is {self.steps}.")
         for name in ("temperature", "stress", "strain"):
             value = getattr(self, name)
             if value is not None and not math.isfinite(value):
                 raise ParameterError(f"Argument `{name}` of a leg must be finite, but is {value}.")
         if self.temperature is not None and self.temperature <= 0.0:
-            raise ParameterError(
-                f"Argument `temperature` of a leg must be above 0 K, but is {self.temperature} K."
-            )
+            raise ParameterError(f"Argument `temperature` of a leg must be above 0 K, but is {self.temperature} K.")
 
 
 @dataclass(frozen=True)
@@ -222,8 +204,7 @@ def _check_path(
         raise ParameterError("A path needs at least one leg; none given.")
     if not (math.isfinite(start[0]) and 0.0 < start[1] < math.inf):
         raise ParameterError(
-            "Argument `start` must be a finite stress [Pa] and a temperature above 0 K, but is "
-            f"{start}."
+            f"Argument `start` must be a finite stress [Pa] and a temperature above 0 K, but is {start}."
         )
     martensite, oriented = fractions
     if not (0.0 <= martensite <= 1.0 and abs(oriented) <= martensite):
@@ -281,12 +262,7 @@ def _compare_tracks(coarse: PointTrack, fine: PointTrack) -> float:
 
 
 def _build_result(
-    law: AbstractLaw,
-    legs: Sequence[PathLeg],
-    drive: PathDriver,
-    track: PointTrack,
-    accuracy: float | None,
-    label: str,
+    law: AbstractLaw, legs: Sequence[PathLeg], drive: PathDriver, track: PointTrack, accuracy: float | None, label: str
 ) -> PointResult:
     columns = {name: [row[i] for row in track.rows] for i, name in enumerate(ROW)}
     times, temperatures = [0.0], [drive.temperature]

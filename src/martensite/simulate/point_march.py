@@ -57,10 +57,7 @@ class RampSection(NamedTuple):
         if k == n:
             return self.end, self.last
         share = k / n
-        return (
-            self.begin + share * (self.end - self.begin),
-            self.first + share * (self.last - self.first),
-        )
+        return (self.begin + share * (self.end - self.begin), self.first + share * (self.last - self.first))
 
 
 class Ridden(NamedTuple):
@@ -145,18 +142,14 @@ def march_point(drive: PathDriver, finer: int) -> PointTrack:
     return PointTrack(rows, status, worst, leg, when, finer * drive.samples)
 
 
-def _start_section(
-    section: PathSection, finer: int, row: tuple[float, ...], imposed: float | None
-) -> RampSection:
+def _start_section(section: PathSection, finer: int, row: tuple[float, ...], imposed: float | None) -> RampSection:
     """Where a section begins: a slack point is longer than the strain imposed on it."""
     begin = row[STRESS]
     if section.control == "strain":
         begin = row[STRAIN] if imposed is None else imposed
     end = begin if section.target is None else section.target
     dt = section.duration / (section.samples * finer)
-    return RampSection(
-        section.control, begin, end, section.first, section.last, dt, section.samples, finer
-    )
+    return RampSection(section.control, begin, end, section.first, section.last, dt, section.samples, finer)
 
 
 class FloatRider:
@@ -172,12 +165,7 @@ class FloatRider:
         return self._functions["init"](*numbers)
 
     def _carefully(
-        self,
-        state: tuple[float, ...],
-        begin: tuple[float, float],
-        end: tuple[float, float],
-        dt: float,
-        splits: int,
+        self, state: tuple[float, ...], begin: tuple[float, float], end: tuple[float, float], dt: float, splits: int
     ) -> tuple[float, ...]:
         """A strain-driven step; in two halves where it stays unsolved."""
         after = self._functions["strain_step"](*state, *end, dt)

@@ -50,9 +50,7 @@ class NativeRider:
         if step in self._programs:
             return self._programs[step]
         size = self._compiled.size
-        added = _RIDE.format(
-            inputs=max(size + 3, 4), results=size + len(ROW), size=size, row=len(ROW), step=step
-        )
+        added = _RIDE.format(inputs=max(size + 3, 4), results=size + len(ROW), size=size, row=len(ROW), step=step)
         made = CompiledProgram(self._compiled.program, ("init", step), self._table, added)
         return self._programs.setdefault(step, made)
 

@@ -205,8 +205,7 @@ class Result:
             "status_time": self.status_time,
             "stroke": self.stroke,
             "columns": {
-                name: {"lowest": low, "highest": high, "unit": self.unit(name)}
-                for name, (low, high) in ends.items()
+                name: {"lowest": low, "highest": high, "unit": self.unit(name)} for name, (low, high) in ends.items()
             },
             "warnings": list(self.warnings),
             "alarms": [asdict(alarm) for alarm in self.alarms],
@@ -286,10 +285,7 @@ class Result:
             return self._describe_variants(self.variants)
         accuracy = "not estimated" if self.accuracy is None else f"{self.accuracy:.1e} of range"
         where = {"C": " in C", "": ""}.get(self.runtime, f" on {self.runtime}")
-        return (
-            f"{self.times[-1]:.6g} s in {self.steps} steps of at most {self.step:.3g} s{where}, "
-            f"accuracy {accuracy}"
-        )
+        return f"{self.times[-1]:.6g} s in {self.steps} steps of at most {self.step:.3g} s{where}, accuracy {accuracy}"
 
     @property
     def conformance(self) -> dict[str, str]:
@@ -341,8 +337,4 @@ def profiles_of(first: int, rows: Sequence[Sequence[float]]) -> dict[str, list[l
     """The profiles among rows; they start at column `first`."""
     cells = (len(rows[0]) - first) // len(PROFILES)
     starts = {name: first + k * cells for k, name in enumerate(PROFILES)}
-    return {
-        name: [[row[start + i] for row in rows] for i in range(cells)]
-        for name, start in starts.items()
-        if cells
-    }
+    return {name: [[row[start + i] for row in rows] for i in range(cells)] for name, start in starts.items() if cells}

@@ -84,12 +84,7 @@ class Explorer:
         return init(*fractions, *at)[:size]
 
     def sweep(
-        self,
-        state: State,
-        begin: PlanePoint,
-        end: PlanePoint,
-        duration: float,
-        tests: Sequence[Test],
+        self, state: State, begin: PlanePoint, end: PlanePoint, duration: float, tests: Sequence[Test]
     ) -> tuple[list[Passed | None], State]:
         """Where the tests are first passed on the way, and the memory at its end."""
         found: list[Passed | None] = [None] * len(tests)
@@ -103,12 +98,7 @@ class Explorer:
         return found, state
 
     def _step(
-        self,
-        state: State,
-        begin: PlanePoint,
-        end: PlanePoint,
-        duration: float,
-        shares: tuple[float, float],
+        self, state: State, begin: PlanePoint, end: PlanePoint, duration: float, shares: tuple[float, float]
     ) -> tuple[State, State]:
         _, step, size = self._bound
         x, y = (a + shares[1] * (b - a) for a, b in zip(begin, end, strict=True))
@@ -127,10 +117,7 @@ class Explorer:
     ) -> Passed:
         """The same within a piece of the way, in smaller steps."""
         low, high = shares
-        pieces = [
-            (low + (high - low) * k / SMALLER, low + (high - low) * (k + 1) / SMALLER)
-            for k in range(SMALLER)
-        ]
+        pieces = [(low + (high - low) * k / SMALLER, low + (high - low) * (k + 1) / SMALLER) for k in range(SMALLER)]
         row: State = ()
         for piece in pieces:
             after, row = self._step(state, begin, end, duration, piece)
@@ -178,10 +165,7 @@ def find_isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> 
 
 @lru_cache(maxsize=256)
 def find_loaded(
-    law: AbstractLaw,
-    temperature: float,
-    fractions: Fractions = AUSTENITE,
-    share: float = 1.0 - LEVEL,
+    law: AbstractLaw, temperature: float, fractions: Fractions = AUSTENITE, share: float = 1.0 - LEVEL
 ) -> LoadingPoint | None:
     """Where loading at a temperature [K] has oriented (or formed) a share of martensite.
 
@@ -192,9 +176,7 @@ def find_loaded(
     begin, end = PlanePoint(0.0, temperature), PlanePoint(STRONGEST, temperature)
     counted = ORIENTED if fractions.martensite > 0.5 else MARTENSITE
     state = explorer.start(fractions, begin)
-    (found,), _ = explorer.sweep(
-        state, begin, end, STRONGEST / LOADING, (lambda row: row[counted] >= share,)
-    )
+    (found,), _ = explorer.sweep(state, begin, end, STRONGEST / LOADING, (lambda row: row[counted] >= share,))
     if found is None:
         return None
     return LoadingPoint(found.share * STRONGEST, found.row[STRAIN])

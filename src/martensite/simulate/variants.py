@@ -30,13 +30,7 @@ from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import first_step
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.drive_waveforms import arrange_waveforms, grid_of
-from martensite.simulate.ensembles import (
-    Ensemble,
-    Flags,
-    Numbers,
-    march_in_lanes,
-    march_one_by_one,
-)
+from martensite.simulate.ensembles import Ensemble, Flags, Numbers, march_in_lanes, march_one_by_one
 from martensite.simulate.envelope import envelope_of, varied_stops
 from martensite.simulate.grid import Steps, TimeGrid, cut_steps
 from martensite.simulate.lane_grid import LaneGrid, lane_grid
@@ -86,14 +80,11 @@ class VariantSetup:
     def __post_init__(self) -> None:
         """Raise `ParameterError` for a runtime or a precision that there is not."""
         if self.runtime not in RUNTIMES:
-            raise ParameterError(
-                f"No runtime named `{self.runtime}`. {suggest_name(self.runtime, RUNTIMES)}"
-            )
+            raise ParameterError(f"No runtime named `{self.runtime}`. {suggest_name(self.runtime, RUNTIMES)}")
         single = self.precision == "float32"
         if self.precision != "float64" and not (single and self.runtime == "jax"):
             raise ParameterError(
-                f"The precision must be float64, or float32 on JAX, but is `{self.precision}` on "
-                f"`{self.runtime}`."
+                f"The precision must be float64, or float32 on JAX, but is `{self.precision}` on `{self.runtime}`."
             )
         if self.runtime == "jax" and self.controlled:
             raise ParameterError("Runs on JAX need a `step`, for they have no error control.")
@@ -137,15 +128,11 @@ class VariantSetup:
         if not len(good):
             return found
         march = self._ensemble_in_c if self.runtime == "c" else self._ensemble_on_floats
-        made = march(
-            {path: column[rows[good]] for path, column in values.items()}, signals, rows[good]
-        )
+        made = march({path: column[rows[good]] for path, column in values.items()}, signals, rows[good])
         found.place_runs(good, made)
         return found
 
-    def _ensemble_in_c(
-        self, values: Values, signals: Mapping[str, Values], rows: Places
-    ) -> Ensemble:
+    def _ensemble_in_c(self, values: Values, signals: Mapping[str, Values], rows: Places) -> Ensemble:
         own = [self._order_waveforms(signals, row) for row in rows] if signals else None
         runs = Runs(
             self._plan,
@@ -158,9 +145,7 @@ class VariantSetup:
         )
         return march_in_lanes(runs, self.outputs, self.tolerance)
 
-    def _ensemble_on_floats(
-        self, values: Values, signals: Mapping[str, Values], rows: Places
-    ) -> Ensemble:
+    def _ensemble_on_floats(self, values: Values, signals: Mapping[str, Values], rows: Places) -> Ensemble:
         systems = (
             (
                 self.system.rebuilt({path: float(v[k]) for path, v in values.items()}),
@@ -182,9 +167,7 @@ class VariantSetup:
             envelope_of(self.system),
         )
 
-    def _order_waveforms(
-        self, signals: Mapping[str, Values], row: int
-    ) -> Sequence[AbstractWaveform]:
+    def _order_waveforms(self, signals: Mapping[str, Values], row: int) -> Sequence[AbstractWaveform]:
         """The waveforms of one run, in the order of the drives."""
         if not signals:
             return self._plan.waveforms
@@ -271,9 +254,7 @@ class VariantSetup:
 
         limits = self._limits(values, runs)
         limits = np.array(envelope_of(self.system), float) if limits is None else limits
-        rows, worst, left = march_inside(
-            self.compiled, self.table(values), grid, runs, self.places, limits
-        )
+        rows, worst, left = march_inside(self.compiled, self.table(values), grid, runs, self.places, limits)
         return [rows[:, k].T for k in range(len(self.outputs))], worst, left
 
     def _march_jax(self, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:

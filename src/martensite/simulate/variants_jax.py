@@ -30,16 +30,12 @@ def march_on_jax(
         devices, size = devices[:1], runs
     schedule, padded = build_schedule(grid, course.precision, envelope_of(course.system))
     table = [np.asarray(v, course.precision) for v in course.table(values)]
-    chunks = (
-        [_cut_chunk(v, first, size) if v.ndim else v for v in table]
-        for first in range(0, runs, size)
-    )
+    chunks = ([_cut_chunk(v, first, size) if v.ndim else v for v in table] for first in range(0, runs, size))
     run = jitted_march(course.compiled, course.places, padded)
     pieces = list(march_chunks(run, chunks, schedule, devices))
 
     columns = [
-        np.concatenate([_by_run(piece.outputs[i], size) for piece in pieces])[:runs]
-        for i in range(len(course.outputs))
+        np.concatenate([_by_run(piece.outputs[i], size) for piece in pieces])[:runs] for i in range(len(course.outputs))
     ]
     reports = [
         np.concatenate([np.broadcast_to(np.asarray(r), size) for r in each])[:runs]

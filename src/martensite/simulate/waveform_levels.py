@@ -59,10 +59,7 @@ class Levels(Parametrised):
     @property
     def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
         """One number per level."""
-        return {
-            name: Declared("parameter", "level of a waveform", REQUIRED, DRIVE)
-            for name in self.__dict__
-        }
+        return {name: Declared("parameter", "level of a waveform", REQUIRED, DRIVE) for name in self.__dict__}
 
 
 class Combined(AbstractWaveform):
@@ -85,9 +82,7 @@ class Combined(AbstractWaveform):
     def tones(self) -> tuple[Tone, ...]:
         """Those of all its terms."""
         return tuple(
-            tone._replace(amplitude=factor * tone.amplitude)
-            for factor, wave in self.terms
-            for tone in wave.tones()
+            tone._replace(amplitude=factor * tone.amplitude) for factor, wave in self.terms for tone in wave.tones()
         )
 
 
@@ -172,9 +167,7 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         """The system at rest under the signals put together."""
         return self.system.init(xp, *self._signals(drives))
 
-    def step(
-        self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
-    ) -> tuple[Any, StepReport]:
+    def step(self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar) -> tuple[Any, StepReport]:
         """Advance by `dt` [s]."""
         count = len(self.system.drives())
         fed = [self._sum_drives(xp, place, drives) for place in range(count)]
@@ -260,9 +253,7 @@ class WaveformLevels:
         found: list[Level] = []
         for name, wave in self.own.items():
             found += [
-                Level(name, leaf.path, float(leaf.value))
-                for leaf in wave.leaves()
-                if leaf.declared.unit == DRIVE
+                Level(name, leaf.path, float(leaf.value)) for leaf in wave.leaves() if leaf.declared.unit == DRIVE
             ]
             peak = self._peak(wave)
             if units[name] != "K" and peak > 0.0:
@@ -278,9 +269,7 @@ class WaveformLevels:
         known = {(level.drive, level.name): level for level in self.available()}
         if (drive, name) not in known:
             names = [level for owner, level in known if owner == drive]
-            raise ParameterError(
-                f"The waveform of `{drive}` has no level `{name}`. {suggest_name(name, names)}"
-            )
+            raise ParameterError(f"The waveform of `{drive}` has no level `{name}`. {suggest_name(name, names)}")
         return known[drive, name]
 
     @cached_property
@@ -332,10 +321,7 @@ class WaveformLevels:
                 f"The peak of the waveform of `{drive}` and another level of it cannot both be "
                 "free: the peak scales them all."
             )
-        moved = {
-            level.name: level.value + 0.4 * (1.0 + k) * _choose_reach(level)
-            for k, level in enumerate(mine)
-        }
+        moved = {level.name: level.value + 0.4 * (1.0 + k) * _choose_reach(level) for k, level in enumerate(mine)}
         there, rest = self.at(drive, moved), self._rest(drive)
         shapes = [(moved[level.name], self._shape(level)) for level in mine]
         for time in self._times(self.own[drive]):

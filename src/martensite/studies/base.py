@@ -61,8 +61,7 @@ class Claim:
         if self.verdict in ("calibrated", "not checkable"):
             if self.tolerance is not None:
                 raise ParameterError(
-                    f"Claim `{self.id}` is {self.verdict} and must have no tolerance, "
-                    f"but has {self.tolerance:g}."
+                    f"Claim `{self.id}` is {self.verdict} and must have no tolerance, but has {self.tolerance:g}."
                 )
         elif self.published is None or self.computed is None or self.tolerance is None:
             raise ParameterError(
@@ -70,9 +69,7 @@ class Claim:
                 f"computed one and a tolerance, but has {numbers}."
             )
         elif (right := judge_number(self.published, self.computed, self.tolerance)) != self.verdict:
-            raise ParameterError(
-                f"Claim `{self.id}` must be {right} by its numbers, but is {self.verdict}."
-            )
+            raise ParameterError(f"Claim `{self.id}` must be {right} by its numbers, but is {self.verdict}.")
 
     @classmethod
     def checked(
@@ -88,30 +85,19 @@ class Claim:
     ) -> Claim:
         """A claim whose verdict follows from its numbers."""
         if not tolerance >= 0.0:
-            raise ParameterError(
-                f"Tolerance of claim `{id}` must be at least 0, but is {tolerance:g}."
-            )
+            raise ParameterError(f"Tolerance of claim `{id}` must be at least 0, but is {tolerance:g}.")
         verdict = judge_number(published, computed, tolerance)
         return cls(id, statement, source, published, computed, unit, tolerance, verdict, why)
 
     @classmethod
     def calibrated(
-        cls,
-        id: str,
-        statement: str,
-        source: str,
-        published: float | None,
-        computed: float,
-        unit: str,
-        why: str,
+        cls, id: str, statement: str, source: str, published: float | None, computed: float, unit: str, why: str
     ) -> Claim:
         """A number chosen so that the published one comes out."""
         return cls(id, statement, source, published, computed, unit, None, "calibrated", why)
 
     @classmethod
-    def reported(
-        cls, id: str, statement: str, source: str, computed: float, unit: str, why: str
-    ) -> Claim:
+    def reported(cls, id: str, statement: str, source: str, computed: float, unit: str, why: str) -> Claim:
         """A computed number for which the source prints none."""
         return cls(id, statement, source, None, computed, unit, None, "not checkable", why)
 

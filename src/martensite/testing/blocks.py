@@ -178,8 +178,6 @@ def check_scaling(block: AbstractStatic) -> None:
     drawn = block.sample_parameters(np.random.default_rng(5), 10.0, DT)
     moved = block.line(-3.0, 0.0) + block.scale_departure(drawn - block.line(1.0, 0.0), -3.0)
     x = np.linspace(-2.0, 5.0, 9)[:, None]
-    first, second = (
-        ChainEngine([block], DT, compiled=False).simulate(t, x) for t in (drawn, moved)
-    )
+    first, second = (ChainEngine([block], DT, compiled=False).simulate(t, x) for t in (drawn, moved))
     near = np.allclose(second, -3.0 * first, rtol=1e-9, atol=1e-12)
     require_condition(near, "Scaled by -3 its output is not -3 times as large.")

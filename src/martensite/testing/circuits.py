@@ -19,12 +19,10 @@ def check_length(model: AbstractResistance) -> None:
     """A resistance is above zero and grows with length."""
     for fraction in (0.0, 0.3, 1.0):
         short, long = (
-            model.resistance(floats, fraction, 0.01, 330.0, Conductor(3e-8, length))
-            for length in (0.1, 0.2)
+            model.resistance(floats, fraction, 0.01, 330.0, Conductor(3e-8, length)) for length in (0.1, 0.2)
         )
         require_condition(
-            0.0 < short < long,
-            f"At a martensite fraction of {fraction} 0.1 m have {short:.4g} ohm, 0.2 m {long:.4g}.",
+            0.0 < short < long, f"At a martensite fraction of {fraction} 0.1 m have {short:.4g} ohm, 0.2 m {long:.4g}."
         )
 
 
@@ -35,9 +33,7 @@ def check_unit(source: AbstractSource) -> None:
     except UnitError as error:
         require_condition(False, str(error))
     both = source.sets_temperature == (source.unit == "K")
-    require_condition(
-        both, "A source sets the temperature if, and only if, its signal is in kelvin."
-    )
+    require_condition(both, "A source sets the temperature if, and only if, its signal is in kelvin.")
 
 
 def check_current(source: AbstractSource) -> None:
@@ -47,9 +43,7 @@ def check_current(source: AbstractSource) -> None:
         require_condition(currents[0] == 0.0, f"At a signal of 0 there are {currents[0]:.4g} A.")
         falls = np.diff(currents) < 0.0
         there = SIGNALS[int(np.argmax(falls))]
-        require_condition(
-            not falls.any(), f"At {ohms} ohm the current falls above a signal of {there:g}."
-        )
+        require_condition(not falls.any(), f"At {ohms} ohm the current falls above a signal of {there:g}.")
 
 
 def check_limits(source: AbstractSource) -> None:
@@ -75,6 +69,5 @@ def check_heat(source: AbstractSource) -> None:
             power = current * current * ohms
             require_condition(
                 abs(found - power) <= 1e-9 * max(power, 1e-12),
-                f"At a signal of {u:g} in {ohms} ohm the current brings {power:.6g} W, but `heat` "
-                f"says {found:.6g} W.",
+                f"At a signal of {u:g} in {ohms} ohm the current brings {power:.6g} W, but `heat` says {found:.6g} W.",
             )

@@ -106,17 +106,11 @@ def find_checks(kind: str, cls: type[Any]) -> list[Check]:
     if kind not in SUITES:
         return []
     module = import_module(f"martensite.testing.{SUITES[kind]}")
-    own = [
-        one
-        for name, one in vars(module).items()
-        if name.startswith("check_") and one.__module__ == module.__name__
-    ]
+    own = [one for name, one in vars(module).items() if name.startswith("check_") and one.__module__ == module.__name__]
     return [one for one in own if issubclass(cls, next(iter(get_type_hints(one).values())))]
 
 
-def check_conformance(
-    cls: type[Parametrised], kind: str, parts: Iterable[Parametrised] = ()
-) -> Conformance:
+def check_conformance(cls: type[Parametrised], kind: str, parts: Iterable[Parametrised] = ()) -> Conformance:
     """Run the suite of a kind on a part, and keep what is found for the results of later runs.
 
     Args:
@@ -131,9 +125,7 @@ def check_conformance(
     if kind not in SUITES:
         raise InputError(f"There is no suite for the kind `{kind}` of `{cls.registered_name}`.")
     checks = find_checks(kind, cls)
-    found = [
-        check_part(part, check) for part in (list(parts) or list_variants(cls)) for check in checks
-    ]
+    found = [check_part(part, check) for part in (list(parts) or list_variants(cls)) for check in checks]
     report = Conformance(cls.registered_name or cls.__name__, kind, tuple(found))
     keep_record(cls, report.holds, len(checks))
     return report
@@ -175,8 +167,7 @@ def find_parts(target: str) -> list[tuple[str, type[Parametrised]]]:
         own = [(kind, cls) for kind, cls in found if cls.__module__ == module]
         if not own:
             raise InputError(
-                f"`{target}` registers no part; write, for example, "
-                '`@LAWS.register("my-law")` above a class of it.'
+                f'`{target}` registers no part; write, for example, `@LAWS.register("my-law")` above a class of it.'
             )
         return own
     own = [(kind, r[target]) for kind, r in known.items() if target in r.names()]

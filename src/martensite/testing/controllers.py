@@ -63,9 +63,7 @@ def check_memory(controller: AbstractController) -> None:
         wanted = target + 1e-3 * (k - 2)
         signal, memory = controller.answer(floats, memory, wanted, found, PERIOD)
         held = len(memory) == count and all(isinstance(x, float | int) for x in memory)
-        require_condition(
-            held, f"It remembers {count} numbers first, after {k + 1} samples {list(memory)}."
-        )
+        require_condition(held, f"It remembers {count} numbers first, after {k + 1} samples {list(memory)}.")
         require_condition(math.isfinite(signal), f"Its signal is {signal}.")
 
 
@@ -123,9 +121,7 @@ def check_limits(controller: AbstractController) -> None:
         wanted = target + (k % 5 - 2) * 0.1
         signal, memory = controller.answer(floats, memory, wanted, found, PERIOD)
         low, high = limits
-        require_condition(
-            low <= signal <= high, f"Its signal is {signal:.6g}, beyond {low:g} to {high:g}."
-        )
+        require_condition(low <= signal <= high, f"Its signal is {signal:.6g}, beyond {low:g} to {high:g}.")
 
 
 def check_bench(controller: AbstractController) -> None:

@@ -17,9 +17,7 @@ def check_heat_loss(element: AbstractElement) -> None:
     """An element loses more heat the hotter it is, and none at the temperature around it."""
     around = build_example(Environment, temperature=295.0)
     flows = [element.heat_loss(floats, t, around) for t in TEMPERATURES.tolist()]
-    require_condition(
-        (np.diff(flows) > 0.0).all(), "The heat loss falls as the element gets hotter."
-    )
+    require_condition((np.diff(flows) > 0.0).all(), "The heat loss falls as the element gets hotter.")
     left = element.heat_loss(floats, around.temperature, around)
     require_condition(left == 0.0, f"At the temperature around it, it loses {left:.4g} W.")
 

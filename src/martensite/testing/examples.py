@@ -63,9 +63,7 @@ def label_part(part: Parametrised) -> str:
     return "-".join([type(part).registered_name or type(part).__name__, *words])
 
 
-def _find_value(
-    cls: type[Parametrised], name: str, declared: Declared, values: Mapping[str, Any]
-) -> Any:
+def _find_value(cls: type[Parametrised], name: str, declared: Declared, values: Mapping[str, Any]) -> Any:
     """The typical value of a field, or its default."""
     unit = LEVEL.get(declared.unit, declared.unit)
     if unit in units.OF_READINGS:  # a controller follows a position, the others look at kelvin
@@ -122,8 +120,7 @@ def _find_part(cls: type[Parametrised], name: str, declared: Declared, typical: 
         return build_plant()
     if inner is None or is_members(inner):
         raise ParameterError(
-            f"`{name}` of `{cls.__name__}` has no typical component; give one, or declare it: "
-            f'part(..., typical="…").'
+            f'`{name}` of `{cls.__name__}` has no typical component; give one, or declare it: part(..., typical="…").'
         )
     return build_example(inner)
 
@@ -133,9 +130,7 @@ def _unit_of(value: Any) -> str:
     return value.partition(" ")[2] or "1" if isinstance(value, str) else "1"
 
 
-def _build_typical(
-    typical: Any, registry: Registry[Any] | None, inner: type[Parametrised] | None
-) -> Any:
+def _build_typical(typical: Any, registry: Registry[Any] | None, inner: type[Parametrised] | None) -> Any:
     """A component from a name or a table, as files have it."""
     table: dict[str, Any] = {"kind": typical} if isinstance(typical, str) else dict(typical)
     if registry is not None:

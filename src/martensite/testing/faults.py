@@ -68,8 +68,7 @@ def check_times(fault: AbstractFault) -> None:
         found = bool(fault.active(floats, time))
         words = "there" if found else "not there"
         require_condition(
-            found == expected,
-            f"From {fault.start:g} s to {fault.end:g} s, but at {time:g} s it is {words}.",
+            found == expected, f"From {fault.start:g} s to {fault.end:g} s, but at {time:g} s it is {words}."
         )
 
 
@@ -79,9 +78,7 @@ def check_trace(fault: AbstractFault) -> None:
         for u, reading, held in MOMENTS:
             found = list_effects(fault, floats, time, u, reading, held)
             meant = find_healthy(u, reading, held)
-            require_condition(
-                found == meant, f"At {time:g} s, when it is not there, it changes something."
-            )
+            require_condition(found == meant, f"At {time:g} s, when it is not there, it changes something.")
 
 
 def check_effect(fault: AbstractFault) -> None:

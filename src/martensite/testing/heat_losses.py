@@ -34,9 +34,7 @@ def check_side(cooling: AbstractCooling) -> None:
     """Heat flows to the colder side only."""
     wrong = np.sign(find_losses(cooling)) != np.sign(TEMPERATURES - AMBIENT)
     there = TEMPERATURES[int(np.argmax(wrong))]
-    require_condition(
-        not wrong.any(), f"At {there:.0f} K heat flows from the colder to the hotter side."
-    )
+    require_condition(not wrong.any(), f"At {there:.0f} K heat flows from the colder to the hotter side.")
 
 
 # ---------------------------------------------------------------- ends and fluids

@@ -40,9 +40,7 @@ def trace_kinetics(law: AbstractLaw) -> Callable[[Any, float, float, float], Any
 @cache_answers(64)
 def _trace_kinetics(keyed: Keyed[Any]) -> Any:
     program = Program()
-    law = keyed.part.rebuilt(
-        {leaf.path: program.parameter(leaf.path) for leaf in keyed.part.leaves()}
-    )
+    law = keyed.part.rebuilt({leaf.path: program.parameter(leaf.path) for leaf in keyed.part.leaves()})
     shape = NestedShape(keyed.part.init(floats, Fractions(1.0, 1.0), 0.0, 300.0))
 
     def kinetics(xp: Any, *arguments: Any) -> list[Any]:
@@ -123,13 +121,9 @@ def check_memory(law: AbstractLaw) -> None:
     memory = law.init(floats, Fractions(0.4, 0.4), 30e6, 310.0)
     found = law.fractions(memory)
     near = abs(found.martensite - 0.4) < 1e-12 and abs(found.oriented - 0.4) < 1e-12
-    require_condition(
-        near, f"`init` is told a fraction of 0.4, but `fractions` of it gives {found}."
-    )
+    require_condition(near, f"`init` is told a fraction of 0.4, but `fractions` of it gives {found}.")
     there = (memory.stress, memory.temperature)
-    require_condition(
-        there == (30e6, 310.0), f"`init` is told 30 MPa and 310 K, but remembers {there}."
-    )
+    require_condition(there == (30e6, 310.0), f"`init` is told 30 MPa and 310 K, but remembers {there}.")
 
 
 def check_affine_strain(law: AbstractLaw) -> None:
@@ -142,9 +136,7 @@ def check_affine_strain(law: AbstractLaw) -> None:
         free = law.free_strain(floats, frozen, 310.0)
         expected = [free + s * slope for s in (0.0, 100e6, 200e6)]
         near = np.allclose(strains, expected, rtol=1e-9, atol=1e-14)
-        require_condition(
-            near, f"At a fraction of {fraction} `strain` is not free strain + compliance · σ."
-        )
+        require_condition(near, f"At a fraction of {fraction} `strain` is not free strain + compliance · σ.")
 
 
 def check_bounds(law: AbstractLaw) -> None:
@@ -152,16 +144,11 @@ def check_bounds(law: AbstractLaw) -> None:
     for points, start in _draw_paths():
         for memory in follow_path(law, points, start):
             found = law.fractions(memory)
-            held = 0.0 <= found.martensite <= 1.0 and abs(found.oriented) <= (
-                found.martensite + 1e-12
-            )
-            require_condition(
-                held, f"On the path {_describe_path(points)} the fractions are {found}."
-            )
+            held = 0.0 <= found.martensite <= 1.0 and abs(found.oriented) <= (found.martensite + 1e-12)
+            require_condition(held, f"On the path {_describe_path(points)} the fractions are {found}.")
             share = law.trained_share(floats, memory.stress)
             require_condition(
-                0.0 <= share <= 1.0,
-                f"At {memory.stress:.3g} Pa the share `trained_share` is {share:.6g}.",
+                0.0 <= share <= 1.0, f"At {memory.stress:.3g} Pa the share `trained_share` is {share:.6g}."
             )
 
 
@@ -171,9 +158,7 @@ def check_standstill(law: AbstractLaw) -> None:
         memory = follow_path(law, points, start)[-1]
         again, found = law.kinetics(floats, memory, *points[-1], 0.0)
         same = again == memory and found == law.fractions(memory)
-        require_condition(
-            same, f"At the end of {_describe_path(points)} standing still changes the memory."
-        )
+        require_condition(same, f"At the end of {_describe_path(points)} standing still changes the memory.")
 
 
 def check_clock(law: AbstractLaw) -> None:
@@ -256,10 +241,7 @@ def find_austenite(law: AbstractLaw) -> float:
 
 def find_work(law: AbstractLaw, kelvin: float, stresses: Sequence[float]) -> tuple[float, float]:
     """∮ σ dε [J/m³] along an isotherm, in steps of about 2 MPa, and the fraction at its end."""
-    memory, advance = (
-        law.init(floats, Fractions(0.0, 0.0), stresses[0], kelvin),
-        trace_kinetics(law),
-    )
+    memory, advance = (law.init(floats, Fractions(0.0, 0.0), stresses[0], kelvin), trace_kinetics(law))
     total, last_stress, last_strain = 0.0, stresses[0], find_strain(law, memory)
     for a, b in pairwise(stresses):
         for sigma in np.linspace(a, b, 2 + int(abs(b - a) / 2e6)).tolist()[1:]:
@@ -277,12 +259,8 @@ def check_dissipation(law: AbstractLaw) -> None:
         turns = rng.uniform(0.0, 500e6, int(rng.integers(1, 7))).tolist()
         kelvin = hot + float(rng.uniform(0.0, 5.0))
         total, left = find_work(law, kelvin, [0.0, *turns, 0.0])
-        require_condition(
-            left <= TAIL, f"At {kelvin - CELSIUS:.1f} °C martensite is left without stress."
-        )
-        require_condition(
-            total >= -50.0, f"A cycle at {kelvin - CELSIUS:.1f} °C gives {-total:.3g} J/m³."
-        )
+        require_condition(left <= TAIL, f"At {kelvin - CELSIUS:.1f} °C martensite is left without stress.")
+        require_condition(total >= -50.0, f"A cycle at {kelvin - CELSIUS:.1f} °C gives {-total:.3g} J/m³.")
     large, _ = find_work(law, hot + 1.0, [0.0, 600e6, 0.0])
     require_condition(large > 1e5, f"A cycle to 600 MPa above A_f takes {large:.3g} J/m³ only.")
 
@@ -303,8 +281,7 @@ def check_extremes(law: AbstractLaw) -> None:
                 lost = ~np.isfinite(np.broadcast_to(number, count))
                 place = int(np.argmax(lost))
                 require_condition(
-                    not lost.any(),
-                    f"A move to {s[place]:.3g} Pa and {t[place]:.3g} K gives no finite number.",
+                    not lost.any(), f"A move to {s[place]:.3g} Pa and {t[place]:.3g} K gives no finite number."
                 )
 
 

@@ -67,9 +67,7 @@ def check_sources(material: Material) -> None:
     require_condition(material.limits.strip(), "It does not say its `limits`.")
     known = read_bibliography()
     unknown = [source.cite for source in material.sources.values() if source.cite not in known]
-    require_condition(
-        not unknown, f"{', '.join(unknown)} is not in the bibliography; see `martensite cite`."
-    )
+    require_condition(not unknown, f"{', '.join(unknown)} is not in the bibliography; see `martensite cite`.")
 
 
 def check_laws(material: Material) -> None:

@@ -49,9 +49,7 @@ def check_runs(measure: AbstractMeasure) -> None:
     """It is one number per run, the same whatever runs are beside it, broken ones too."""
     samples = make_samples()
     together = measure.value(TIMES, samples)
-    require_condition(
-        together.shape == (RUNS,), f"Of {RUNS} runs it gives numbers of shape {together.shape}."
-    )
+    require_condition(together.shape == (RUNS,), f"Of {RUNS} runs it gives numbers of shape {together.shape}.")
     order = np.array([3, 0, 6, 2, 5, 1, 4])
     broken = samples.copy()
     broken[:, :, 2] = np.nan
@@ -70,9 +68,7 @@ def check_weights(measure: AbstractMeasure) -> None:
     """Its weights are its derivatives by every sample."""
     samples = make_samples()
     weights = measure.weights(TIMES, samples)
-    require_condition(
-        weights.shape == samples.shape, f"Its weights have the shape {weights.shape}."
-    )
+    require_condition(weights.shape == samples.shape, f"Its weights have the shape {weights.shape}.")
     require_condition(np.abs(weights).max() > 0.0, "It depends on no sample.")
     meant = find_differences(measure, samples)
     near = np.allclose(weights, meant, rtol=1e-6, atol=1e-8)

@@ -102,9 +102,7 @@ def check_pull(mechanism: AbstractLoadLine) -> None:
         require_condition(min(forces) >= 0.0, f"The force falls to {min(forces):.4g} N: it pushes.")
         grows = np.diff(forces) > 1e-12
         there = 1e3 * FREE[int(np.argmax(grows))]
-        require_condition(
-            not grows.any(), f"The force grows as the element gets longer, at {there:.1f} mm."
-        )
+        require_condition(not grows.any(), f"The force grows as the element gets longer, at {there:.1f} mm.")
 
 
 def check_assembly(mechanism: AbstractLoadLine) -> None:
@@ -125,9 +123,7 @@ def check_position(mechanism: AbstractLoadLine) -> None:
     for free in np.linspace(0.009, 0.001, 50).tolist():
         force = mechanism.force(floats, assembly, Spring(free, 2e-4))
         positions.append(mechanism.position(floats, assembly, force, free + 2e-4 * force))
-    require_condition(
-        (np.diff(positions) > 0.0).all(), "The position falls as the element shortens."
-    )
+    require_condition((np.diff(positions) > 0.0).all(), "The position falls as the element shortens.")
 
 
 # ---------------------------------------------------------------- coordinates
@@ -139,24 +135,16 @@ def check_names(mechanism: AbstractMultibody) -> None:
     home = mechanism.home(floats)
     rest = Motion(tuple(home), (0.0,) * len(home), (0.0,) * len(home))
     names = {c.name for c in coordinates}
-    require_condition(
-        len(home) == len(names), f"{len(home)} numbers at home, but {len(names)} coordinates."
-    )
+    require_condition(len(home) == len(names), f"{len(home)} numbers at home, but {len(names)} coordinates.")
     paths = mechanism.contraction(floats, home)
     require_condition(len(paths) == len(set(ports)), f"{len(paths)} paths, but {len(ports)} ports.")
-    require_condition(
-        max(map(abs, paths), default=0.0) < 1e-12, "At home a path is shortened already."
-    )
+    require_condition(max(map(abs, paths), default=0.0) < 1e-12, "At home a path is shortened already.")
     forces = len(mechanism.start_forces(floats))
     asked = len(mechanism.transmission(floats, rest))
     require_condition(forces == asked, f"{forces} start forces, but {asked} in `transmission`.")
     unknown = set(mechanism.convergence_scales()) - set(mechanism.outputs())
-    require_condition(
-        not unknown, f"It judges {', '.join(sorted(unknown))}, which it does not show."
-    )
-    require_condition(
-        all(c.size > 0.0 for c in coordinates), "The size of a coordinate is not above zero."
-    )
+    require_condition(not unknown, f"It judges {', '.join(sorted(unknown))}, which it does not show.")
+    require_condition(all(c.size > 0.0 for c in coordinates), "The size of a coordinate is not above zero.")
     dotted = [n for n in (*ports, *mechanism.outputs(), *mechanism.signals()) if "." in n]
     require_condition(not dotted, f"A name must have no dot, but {', '.join(dotted)} has.")
 
@@ -175,9 +163,7 @@ def check_levers(mechanism: AbstractMultibody) -> None:
     """The slopes of the paths, by which forces act, are those of their differences."""
     for place in choose_places(mechanism):
         paths, exact = compute_jacobian(floats, mechanism.contraction, place)
-        require_condition(
-            paths == mechanism.contraction(floats, place), "A path depends on who asks."
-        )
+        require_condition(paths == mechanism.contraction(floats, place), "A path depends on who asks.")
         for k, coordinate in enumerate(mechanism.coordinates()):
             h = 1e-5 * coordinate.size
             moved = ([*place[:k], place[k] + s * h, *place[k + 1 :]] for s in (1.0, -1.0))
@@ -199,9 +185,7 @@ def check_potential(mechanism: AbstractMultibody) -> None:
         stiffness = np.array(compute_jacobian(floats, held, place)[1])
         apart = np.abs(stiffness - stiffness.T).max()
         near = apart <= 1e-12 * np.abs(stiffness).max()
-        require_condition(
-            near, f"At rest a way round gives energy: ∂D_i/∂q_k differs by {apart:.3g}."
-        )
+        require_condition(near, f"At rest a way round gives energy: ∂D_i/∂q_k differs by {apart:.3g}.")
 
 
 def check_inertia(mechanism: AbstractMultibody) -> None:
@@ -227,8 +211,7 @@ def check_gyration(mechanism: AbstractMultibody) -> None:
         both = find_demand(mechanism, place, rate) + find_demand(mechanism, place, back)
         even = 0.5 * both - find_demand(mechanism, place)
         ahead, behind = (
-            find_inertia(mechanism, [q + s * v for q, v in zip(place, rate, strict=True)])
-            for s in (1e-5, -1e-5)
+            find_inertia(mechanism, [q + s * v for q, v in zip(place, rate, strict=True)]) for s in (1e-5, -1e-5)
         )
         v = np.array(rate)
         change = 0.5 * v @ ((ahead - behind) / 2e-5) @ v
@@ -271,9 +254,7 @@ def check_power(mechanism: AbstractMultibody) -> None:
             abs(missing) <= 1e-9 * size,
             f"Of {size:.3g} W that a motion demands, {missing:.3g} W are not in its energy.",
         )
-        require_condition(
-            np.array(rate) @ taken >= 0.0, "What is said to be dissipated drives the motion."
-        )
+        require_condition(np.array(rate) @ taken >= 0.0, "What is said to be dissipated drives the motion.")
 
 
 def find_energy_rate(mechanism: AbstractMultibody, motion: Motion) -> float | None:

@@ -42,9 +42,7 @@ def set_drives(observer: AbstractObserver, signal: Scalar) -> dict[str, Scalar]:
 def check_reads(observer: AbstractObserver) -> None:
     """What it reads can be read of its model."""
     unknown = set(observer.reads()) - set(observer.model.outputs())
-    require_condition(
-        not unknown, f"It reads {', '.join(sorted(unknown))}, which its model does not have."
-    )
+    require_condition(not unknown, f"It reads {', '.join(sorted(unknown))}, which its model does not have.")
 
 
 def check_memory(observer: AbstractObserver) -> None:
@@ -53,12 +51,8 @@ def check_memory(observer: AbstractObserver) -> None:
     guess, memory = observer.rest(floats, readings, set_drives(observer, 0.0))
     count = len(memory)
     for k in range(3):
-        require_condition(
-            len(guess) == len(names), f"{len(guess)} estimates, but {len(names)} names."
-        )
-        require_condition(
-            len(memory) == count, f"It remembers {count} numbers first, then {len(memory)}."
-        )
+        require_condition(len(guess) == len(names), f"{len(guess)} estimates, but {len(names)} names.")
+        require_condition(len(memory) == count, f"It remembers {count} numbers first, then {len(memory)}.")
         numbers = all(isinstance(x, float | int) for x in (*guess, *memory))
         require_condition(numbers, "What it estimates or remembers is not all numbers.")
         drives = set_drives(observer, 0.1 * k)

@@ -57,10 +57,7 @@ def draw_readings(names: Iterable[str], rng: np.random.Generator) -> dict[str, f
 
 
 def require_same_traced(
-    part: Parametrised,
-    kernel: Callable[..., Any],
-    ranges: Mapping[str, tuple[float, float]],
-    count: int = 12,
+    part: Parametrised, kernel: Callable[..., Any], ranges: Mapping[str, tuple[float, float]], count: int = 12
 ) -> None:
     """Raise unless a kernel means the same when it is traced, as it is for every run.
 

@@ -61,9 +61,7 @@ def check_units(sensor: AbstractSensor) -> None:
             same = units.find_conversion(declared.unit, sensor.unit) == (1.0, 0.0)
         except UnitError:
             same = False
-        require_condition(
-            same, f"`{name}` is in `{declared.unit}`, but a reading is in `{sensor.unit}`."
-        )
+        require_condition(same, f"`{name}` is in `{declared.unit}`, but a reading is in `{sensor.unit}`.")
 
 
 def check_rest(sensor: AbstractSensor) -> None:
@@ -131,9 +129,7 @@ def check_digits(sensor: AbstractSensor) -> None:
 def _require_digits(sensor: AbstractSensor, value: float) -> None:
     """Raise unless a reading is one of those that the sensor has."""
     low, high = sensor.limits() or (-math.inf, math.inf)
-    require_condition(
-        low <= value <= high, f"It says {value:.6g}, beyond its range of {low:.6g} to {high:.6g}."
-    )
+    require_condition(low <= value <= high, f"It says {value:.6g}, beyond its range of {low:.6g} to {high:.6g}.")
     if sensor.resolution > 0.0 and value not in (low, high):
         steps = value / sensor.resolution
         near = abs(steps - round(steps)) <= max(1e-9, 1e-15 * abs(steps))
@@ -149,17 +145,12 @@ def check_noise(sensor: AbstractSensor) -> None:
     quiet = record_readings(silence_sensor(sensor), truth, 1)[0]
     found = record_readings(fine, truth, MANY) - quiet
     mean, spread = abs(found.mean()) / declared, found.std() / declared
+    require_condition(mean < 4.0 / math.sqrt(MANY), f"The mean of its noise is {mean:.2g} standard deviations.")
     require_condition(
-        mean < 4.0 / math.sqrt(MANY), f"The mean of its noise is {mean:.2g} standard deviations."
-    )
-    require_condition(
-        abs(spread - 1.0) < 4.0 / math.sqrt(2.0 * MANY),
-        f"Its noise is {spread:.3g} times as large as it declares.",
+        abs(spread - 1.0) < 4.0 / math.sqrt(2.0 * MANY), f"Its noise is {spread:.3g} times as large as it declares."
     )
     together = abs(float(np.mean(found[1:] * found[:-1]))) / declared**2
-    require_condition(
-        together < 4.0 / math.sqrt(MANY), "The noise of a reading depends on the one before."
-    )
+    require_condition(together < 4.0 / math.sqrt(MANY), "The noise of a reading depends on the one before.")
 
 
 def check_traced(sensor: AbstractSensor) -> None:
@@ -168,9 +159,7 @@ def check_traced(sensor: AbstractSensor) -> None:
     ranges = {f"y{i}": find_range(name) for i, name in enumerate(sensor.sees)}
     again = {f"z{i}": find_range(name) for i, name in enumerate(sensor.sees)}
 
-    def read(
-        one: AbstractSensor, xp: Namespace, dt: Scalar, noise: Scalar, *truth: Scalar
-    ) -> tuple[object, ...]:
+    def read(one: AbstractSensor, xp: Namespace, dt: Scalar, noise: Scalar, *truth: Scalar) -> tuple[object, ...]:
         first, second = truth[:count], truth[count:]
         value, state = one.reading(xp, one.rest(xp, first), second, noise, dt)
         there = xp.where(one.valid(xp, first), 1.0, 0.0)

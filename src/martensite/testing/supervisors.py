@@ -43,9 +43,7 @@ def separate_readings(check: AbstractCheck) -> AbstractCheck:
 
 def check_alarm(check: AbstractCheck) -> None:
     """A check has a number for its alarm, above zero."""
-    require_condition(
-        isinstance(check.alarm, int) and check.alarm > 0, f"Its `alarm` is {check.alarm}."
-    )
+    require_condition(isinstance(check.alarm, int) and check.alarm > 0, f"Its `alarm` is {check.alarm}.")
 
 
 def check_size(check: AbstractCheck) -> None:
@@ -55,8 +53,7 @@ def check_size(check: AbstractCheck) -> None:
     for _ in range(20):
         numbers = all(isinstance(x, float | int) for x in memory)
         require_condition(
-            len(memory) == check.size and numbers,
-            f"Its `size` is {check.size}, but it remembers {list(memory)}.",
+            len(memory) == check.size and numbers, f"Its `size` is {check.size}, but it remembers {list(memory)}."
         )
         wanted = dict.fromkeys(name_drives(check), float(rng.uniform(0.0, 1.0)))
         readings = draw_readings(check.reads(), rng)
@@ -75,9 +72,7 @@ def check_trips(check: AbstractCheck) -> None:
             far = 10.0 ** rng.uniform(-6.0, 9.0)
             readings = {n: far * value for n, value in draw_readings(names, rng).items()}
         looked = check.look(floats, memory, wanted, readings, PERIOD)
-        require_condition(
-            not (looked.trips and looked.clears), f"It trips and clears at once, at {readings}."
-        )
+        require_condition(not (looked.trips and looked.clears), f"It trips and clears at once, at {readings}.")
         tripped, cleared = tripped + bool(looked.trips), cleared + bool(looked.clears)
         memory = check.remember_allowed(floats, looked.memory, wanted, PERIOD)
     require_condition(tripped, f"In {COUNT} samples of all sorts of readings it never trips.")
@@ -119,9 +114,7 @@ def check_verdict(supervisor: AbstractSupervisor) -> None:
     count = len(memory)
     for _ in range(COUNT):
         wanted = {name: float(rng.uniform(-1.0, 1.0)) for name in name_drives(supervisor)}
-        readings = {
-            n: x * WIDE * rng.random() for n, x in draw_readings(supervisor.reads(), rng).items()
-        }
+        readings = {n: x * WIDE * rng.random() for n, x in draw_readings(supervisor.reads(), rng).items()}
         verdict = supervisor.judge(floats, memory, wanted, readings, PERIOD)
         require_condition(
             set(verdict.signals) == set(wanted),
@@ -129,9 +122,7 @@ def check_verdict(supervisor: AbstractSupervisor) -> None:
         )
         alarm, memory = verdict.alarm, verdict.memory
         require_condition(alarm >= 0.0 and alarm == int(alarm), f"Its alarm is {alarm}.")
-        require_condition(
-            len(memory) == count, f"It remembers {count} numbers first, then {len(memory)}."
-        )
+        require_condition(len(memory) == count, f"It remembers {count} numbers first, then {len(memory)}.")
         same = all(verdict.signals[name] == value for name, value in wanted.items())
         require_condition(alarm > 0.0 or same, "It changes a signal without an alarm.")
 

@@ -21,9 +21,7 @@ def check_levels(wave: AbstractWaveform) -> None:
     require_condition(np.isfinite(levels).all(), "A level is not finite.")
     if {"low", "high"} <= set(wave.declarations):
         inside = wave.low <= min(levels) and max(levels) <= wave.high  # type: ignore[attr-defined]
-        require_condition(
-            inside, f"Levels go from {min(levels):g} to {max(levels):g}, beyond `low`, `high`."
-        )
+        require_condition(inside, f"Levels go from {min(levels):g} to {max(levels):g}, beyond `low`, `high`.")
 
 
 def check_edges(wave: AbstractWaveform) -> None:
@@ -31,9 +29,7 @@ def check_edges(wave: AbstractWaveform) -> None:
     edges = wave.edges(DURATION)
     require_condition(edges == sorted(set(edges)), "The edges do not ascend.")
     inside = all(0.0 < t < DURATION for t in edges)
-    require_condition(
-        inside, f"An edge is not between 0 and {DURATION} s, the duration that is asked for."
-    )
+    require_condition(inside, f"An edge is not between 0 and {DURATION} s, the duration that is asked for.")
 
 
 def check_kinks(wave: AbstractWaveform) -> None:
@@ -71,9 +67,5 @@ def check_means(wave: AbstractWaveform) -> None:
         found = wave.moments(a, b)
         size = np.abs(levels).max()
         mean, square = ((x * weights).sum() / 16.0 for x in (levels, levels * levels))
-        near = abs(found.mean - mean) <= 1e-6 * size and abs(found.square - square) <= (
-            1e-6 * size * size
-        )
-        require_condition(
-            near, f"Between {a:.4g} and {b:.4g} s `moments` are not those of the values."
-        )
+        near = abs(found.mean - mean) <= 1e-6 * size and abs(found.square - square) <= (1e-6 * size * size)
+        require_condition(near, f"Between {a:.4g} and {b:.4g} s `moments` are not those of the values.")

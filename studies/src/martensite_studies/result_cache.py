@@ -28,15 +28,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 SOURCES = (".py", ".toml", ".json", ".csv")
 """Endings of files that a result may depend on."""
 COMPUTING = ("numpy", "scipy")
-UNREADABLE = (
-    OSError,
-    EOFError,
-    pickle.UnpicklingError,
-    AttributeError,
-    ImportError,
-    IndexError,
-    ValueError,
-)
+UNREADABLE = (OSError, EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, ValueError)
 """What `pickle` raises over a file that is none of its own."""
 PROGRAMS = 3
 """Versions of the program whose results are kept; those of others are removed."""
@@ -52,9 +44,7 @@ def cache_results(function: Function) -> Function:
     @wraps(function)
     def found(*arguments: Any, **named: Any) -> Any:
         given = hashlib.sha256(pickle.dumps((arguments, named))).hexdigest()[:16]
-        path = (
-            find_program_folder() / f"{function.__module__}.{function.__qualname__}-{given}.pickle"
-        )
+        path = find_program_folder() / f"{function.__module__}.{function.__qualname__}-{given}.pickle"
         with suppress(*UNREADABLE):
             return pickle.loads(path.read_bytes())
         result = function(*arguments, **named)

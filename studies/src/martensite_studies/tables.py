@@ -237,9 +237,7 @@ def _check_claim(claim: Mapping[str, Any], where: str) -> None:
         raise DataError(f"{where} has a tolerance and must have a published number.")
 
 
-def _check_keys(
-    table: Mapping[str, Any], known: tuple[str, ...], needed: tuple[str, ...], where: str
-) -> None:
+def _check_keys(table: Mapping[str, Any], known: tuple[str, ...], needed: tuple[str, ...], where: str) -> None:
     for key in table:
         if key not in known:
             raise DataError(f"{where} has no key `{key}`. {suggest_name(key, known)}")
@@ -248,9 +246,7 @@ def _check_keys(
             raise DataError(f"{where} must have `{key}`.")
 
 
-def settle_claims(
-    table: Mapping[str, Any], part: str, numbers: Mapping[str, Any], printed: Printed
-) -> Iterator[Claim]:
+def settle_claims(table: Mapping[str, Any], part: str, numbers: Mapping[str, Any], printed: Printed) -> Iterator[Claim]:
     """The claims of a part, with computed numbers and verdicts.
 
     Args:
@@ -272,11 +268,7 @@ def settle_claims(
 
 
 def _settle_claim(
-    claim: Mapping[str, Any],
-    names: Mapping[str, Any],
-    printed: Printed,
-    texts: Mapping[str, str],
-    absent: str,
+    claim: Mapping[str, Any], names: Mapping[str, Any], printed: Printed, texts: Mapping[str, str], absent: str
 ) -> Claim:
     """A claim with its number and its verdict; without them for the reason `absent`, if any."""
     words = {**texts, **names}
@@ -298,9 +290,7 @@ def _settle_claim(
     return Claim.reported(id, what, source, computed, unit, why)
 
 
-def _published_number(
-    claim: Mapping[str, Any], names: Mapping[str, Any], printed: Printed, id: str
-) -> Any:
+def _published_number(claim: Mapping[str, Any], names: Mapping[str, Any], printed: Printed, id: str) -> Any:
     """The published number; a printed one comes before a computed one of the same name."""
     if "published" not in claim:
         return None

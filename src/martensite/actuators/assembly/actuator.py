@@ -43,9 +43,7 @@ class Actuator(Parametrised):
         heating = Heating(self.environment, self.source, signal, owed)
         return Load(self.element, state, heating)
 
-    def observe_element(
-        self, xp: Namespace, state: Any, force: Scalar, drive: Scalar
-    ) -> dict[str, Scalar]:
+    def observe_element(self, xp: Namespace, state: Any, force: Scalar, drive: Scalar) -> dict[str, Scalar]:
         """Every output, by name, under a force [N] and a drive signal."""
         condition = self.element.condition(xp, state, force, self.environment)
         current = self.source.current(xp, drive, condition.resistance)

@@ -12,13 +12,7 @@ from typing import Any, NamedTuple
 
 from martensite.actuators.assembly.actuator import Actuator, Feed
 from martensite.actuators.assembly.ledger import Entries
-from martensite.actuators.elements.base import (
-    AbstractElement,
-    Effort,
-    Heating,
-    MaterialPoint,
-    StoredHeat,
-)
+from martensite.actuators.elements.base import AbstractElement, Effort, Heating, MaterialPoint, StoredHeat
 from martensite.actuators.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
 from martensite.base.interfaces import make_missing_error
 from martensite.base.parameters import Parametrised, part
@@ -95,18 +89,14 @@ class AbstractSystem(Parametrised, init=False):
         """The state at rest, at ambient temperature, under the first drive signals."""
 
     @abstractmethod
-    def step(
-        self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
-    ) -> tuple[Any, StepReport]:
+    def step(self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar) -> tuple[Any, StepReport]:
         """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
 
     def exchanges(self) -> bool:
         """Whether it offers `step_rosenbrock`."""
         return False
 
-    def step_rosenbrock(
-        self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar
-    ) -> tuple[Any, Any, Any]:
+    def step_rosenbrock(self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar) -> tuple[Any, Any, Any]:
         """States after a step of `dt` [s], in its middle, and after it to a lower order."""
         raise make_missing_error(type(self), ["step_rosenbrock"])
 
@@ -146,9 +136,7 @@ class AbstractAssembly(AbstractSystem):
             DriveSignal(self.drive_at(port), one.source.unit, one.source.sets_temperature)
             for port, one in self.actuators().items()
         ]
-        return own + [
-            DriveSignal(name, unit, True) for name, unit in self.mechanism.signals().items()
-        ]
+        return own + [DriveSignal(name, unit, True) for name, unit in self.mechanism.signals().items()]
 
     def of_mechanism(self) -> dict[str, Output]:
         """What can be observed on the mechanism, with the signals that drive it."""
@@ -157,9 +145,7 @@ class AbstractAssembly(AbstractSystem):
         return self.mechanism.outputs() | driven
 
     @abstractmethod
-    def arrange_outputs(
-        self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]
-    ) -> dict[str, Scalar]:
+    def arrange_outputs(self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]) -> dict[str, Scalar]:
         """Those of the actuators and of the mechanism, by name, in the order of `outputs`."""
 
     def convergence_scales(self) -> dict[str, float]:
@@ -176,16 +162,13 @@ class AbstractAssembly(AbstractSystem):
         rows = list(zip(actuators, forces, drives, strict=False))
         states = [one.start(xp, force, drive) for one, force, drive in rows]
         elongations = [
-            one.element.elongation(xp, state, force)
-            for (one, force, _), state in zip(rows, states, strict=True)
+            one.element.elongation(xp, state, force) for (one, force, _), state in zip(rows, states, strict=True)
         ]
         elements = [one.element for one in actuators]
         own = self.mechanism.init(xp, elements, elongations, signals)
         return State(tuple(states), own)
 
-    def step(
-        self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar
-    ) -> tuple[State, StepReport]:
+    def step(self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar) -> tuple[State, StepReport]:
         """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
         loads, signals = self._loads(state, drives), self._signals(drives)
         own, states, report = self.mechanism.advance(xp, state.mechanism, loads, signals, dt)
@@ -202,8 +185,7 @@ class AbstractAssembly(AbstractSystem):
         ((element, own, heating),) = self._loads(state, drives)
         pull = self.mechanism.load_line(state.mechanism)
         after, middle, coarse = (
-            State((one,), state.mechanism)
-            for one in element.advance_rosenbrock(xp, own, heating, pull, dt)
+            State((one,), state.mechanism) for one in element.advance_rosenbrock(xp, own, heating, pull, dt)
         )
         return after, middle, coarse
 
@@ -255,9 +237,7 @@ class AbstractAssembly(AbstractSystem):
             force, around = element.force(state), heating.environment
             found.lost = found.lost + element.condition(xp, state, force, around).heat_loss
 
-    def _enter_work(
-        self, xp: Namespace, found: Entries, loads: Sequence[Load], ways: Column
-    ) -> None:
+    def _enter_work(self, xp: Namespace, found: Entries, loads: Sequence[Load], ways: Column) -> None:
         """Work of elements, and the elastic energy in them if all say it."""
         elastic = [element.elastic_energy(xp, state) for element, state, _ in loads]
         known = [one for one in elastic if one is not None]
@@ -281,9 +261,7 @@ class AbstractAssembly(AbstractSystem):
         loads, signals = self._loads(state, drives), self._signals(drives)
         forces, own = self.mechanism.observe(xp, state.mechanism, loads, signals)
         rows = zip(self._actuators(), state.elements, forces, drives, strict=False)
-        seen = [
-            one.observe_element(xp, element, force, drive) for one, element, force, drive in rows
-        ]
+        seen = [one.observe_element(xp, element, force, drive) for one, element, force, drive in rows]
         mechanism = dict(zip(self.of_mechanism(), [*own, *signals], strict=True))
         return list(self.arrange_outputs(seen, mechanism).values())
 
@@ -309,6 +287,4 @@ def _say_unknown(rows: Sequence[tuple[Load, StoredHeat | None]]) -> tuple[str, .
     if not rows:
         return ("heat: not balanced, since the temperature is prescribed",)
     names = {load.element.registered_name for load, stored in rows if stored is None}
-    return tuple(
-        f"heat: not balanced, since `{name}` does not say what it holds" for name in sorted(names)
-    )
+    return tuple(f"heat: not balanced, since `{name}` does not say what it holds" for name in sorted(names))

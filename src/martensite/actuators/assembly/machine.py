@@ -24,9 +24,7 @@ class Machine(AbstractAssembly):
         name = self.mechanism.registered_name
         for given in members:
             if given not in ports:
-                raise ParameterError(
-                    f"`{name}` has no port `{given}`. {suggest_name(given, ports)}"
-                )
+                raise ParameterError(f"`{name}` has no port `{given}`. {suggest_name(given, ports)}")
         missing = [port for port in ports if port not in members]
         if missing:
             raise ParameterError(
@@ -59,15 +57,12 @@ class Machine(AbstractAssembly):
     def description(self) -> str:
         """Such as `parallel-platform with 3 × coil-spring (liang-rogers)`."""
         kinds = Counter(
-            f"{one.element.registered_name} ({one.element.law.registered_name})"
-            for one in self.actuators().values()
+            f"{one.element.registered_name} ({one.element.law.registered_name})" for one in self.actuators().values()
         )
         words = ", ".join(f"{count} × {kind}" for kind, count in kinds.items())
         return f"{self.mechanism.registered_name} with {words or 'no elements'}"
 
-    def arrange_outputs(
-        self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]
-    ) -> dict[str, Scalar]:
+    def arrange_outputs(self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]) -> dict[str, Scalar]:
         """Those of the mechanism, then those of every actuator."""
         rows = zip(self.actuators(), seen, strict=True)
         own = {self.label(port, name): value for port, one in rows for name, value in one.items()}

@@ -33,9 +33,7 @@ class Members(Parametrised, Generic[Kind]):
     def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
         """One part per component."""
         article = "an" if self.noun[0] in "aeiou" else "a"
-        return {
-            name: Declared("part", f"{article} {self.noun}", REQUIRED) for name in self.__dict__
-        }
+        return {name: Declared("part", f"{article} {self.noun}", REQUIRED) for name in self.__dict__}
 
     def members(self) -> dict[str, Kind]:
         """Name -> component."""

@@ -50,9 +50,7 @@ class System(Actuator, AbstractAssembly):
         names = f"{element.registered_name} ({element.law.registered_name})"
         return f"{names} on {load}, driven by {self.source.registered_name}"
 
-    def arrange_outputs(
-        self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]
-    ) -> dict[str, Scalar]:
+    def arrange_outputs(self, seen: list[dict[str, Scalar]], mechanism: dict[str, Scalar]) -> dict[str, Scalar]:
         """Those of the element, and after the force those of the mechanism."""
         (one,) = seen
         return _insert_mechanism(one, mechanism)

@@ -33,26 +33,14 @@ class AxialWire(AbstractCells):
         "W/m/K", "thermal conductivity of austenite", above=0.0, high=1e9, typical="15 W/m/K"
     )
     conductivity_ratio: Scalar = param(
-        "1",
-        "thermal conductivity of martensite over that of austenite",
-        above=0.0,
-        high=100.0,
-        default=1.0,
+        "1", "thermal conductivity of martensite over that of austenite", above=0.0, high=100.0, default=1.0
     )
     contact: Scalar = param(
-        "W/K",
-        "contact conductance between a clamp and the end of a span",
-        low=0.0,
-        high=1e9,
-        default=1e3,
+        "W/K", "contact conductance between a clamp and the end of a span", low=0.0, high=1e9, default=1e3
     )
     spans: Scalar = param("1", "spans between clamps", low=1.0, high=1e4, default=1.0, typical=2.0)
     grading: Scalar = param(
-        "1",
-        "how much narrower cells get towards a clamp (the exponent γ)",
-        above=0.0,
-        high=15.0,
-        default=4.0,
+        "1", "how much narrower cells get towards a clamp (the exponent γ)", above=0.0, high=15.0, default=4.0
     )
     cells: str = option("cells per half span", "5", "10", "20", "40", "80", default="20")
     wire: Wire = part("the wire that is cut", ELEMENTS)
@@ -83,10 +71,7 @@ class AxialWire(AbstractCells):
         along = self.thermal_conductivity * self.wire.section()
         less = 1.0 / self.conductivity_ratio - 1.0
         halves = [
-            0.5 * length * (1.0 + less * x) / along
-            for length, x in zip(self.lengths(xp), fractions, strict=True)
+            0.5 * length * (1.0 + less * x) / along for length, x in zip(self.lengths(xp), fractions, strict=True)
         ]  # thermal resistance [K/W]
         clamp = self.contact / (1.0 + self.contact * halves[0])
-        return Links(
-            [1.0 / (a + b) for a, b in pairwise(halves)], [clamp] + [0.0] * (len(halves) - 1)
-        )
+        return Links([1.0 / (a + b) for a, b in pairwise(halves)], [clamp] + [0.0] * (len(halves) - 1))

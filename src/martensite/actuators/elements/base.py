@@ -31,9 +31,7 @@ from martensite.physics.materials.base import Material
 from martensite.physics.thermal.base import Environment
 from martensite.signals.moments import Moments
 
-ELEMENTS: Registry[AbstractElement] = Registry(
-    "element", "martensite.actuators.elements", typical="wire"
-)
+ELEMENTS: Registry[AbstractElement] = Registry("element", "martensite.actuators.elements", typical="wire")
 
 
 class Spring(NamedTuple):
@@ -175,9 +173,7 @@ class AbstractElement(Parametrised):
         """The element as a spring in a state, near a force [N]."""
 
     @abstractmethod
-    def advance(
-        self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar
-    ) -> tuple[Any, StepReport]:
+    def advance(self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar) -> tuple[Any, StepReport]:
         """The state after a step of dt [s], and how well the step was solved."""
 
     @property
@@ -203,9 +199,7 @@ class AbstractElement(Parametrised):
     def force(self, state: Any) -> Scalar:
         """Force at the end of the last step [N]."""
 
-    def in_state(
-        self, xp: Namespace, state: Any, fractions: Fractions, temperature: Scalar, force: Scalar
-    ) -> Any:
+    def in_state(self, xp: Namespace, state: Any, fractions: Fractions, temperature: Scalar, force: Scalar) -> Any:
         """A state put elsewhere, as an observer corrects it, under a force [N].
 
         Raises:
@@ -222,9 +216,7 @@ class AbstractElement(Parametrised):
         return spring.free + spring.compliance * force
 
     @abstractmethod
-    def condition(
-        self, xp: Namespace, state: Any, force: Scalar, environment: Environment
-    ) -> Condition:
+    def condition(self, xp: Namespace, state: Any, force: Scalar, environment: Environment) -> Condition:
         """Everything that can be measured on the element under a force [N]."""
 
     def profile(self, state: Any) -> CellProfile:
@@ -267,18 +259,11 @@ def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[
     """Points from the memories of a law; none if it has rates."""
     if law.rate_dependent:
         return []
-    return [
-        MaterialPoint(m.temperature, m.stress, *law.fractions(m), tuple(law.kinks(xp, m)))
-        for m in memories
-    ]
+    return [MaterialPoint(m.temperature, m.stress, *law.fractions(m), tuple(law.kinks(xp, m))) for m in memories]
 
 
 def equilibrium_force(
-    xp: Namespace,
-    tangent: Callable[[Namespace, Scalar], Spring],
-    pull: Pull,
-    force: Scalar,
-    passes: int,
+    xp: Namespace, tangent: Callable[[Namespace, Scalar], Spring], pull: Pull, force: Scalar, passes: int
 ) -> Scalar:
     """Force [N] at which element and mechanism fit, from a force nearby: Newton's method."""
     for _ in range(passes):

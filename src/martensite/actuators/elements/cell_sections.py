@@ -25,13 +25,10 @@ class AbstractCut(AbstractElement):
         """Raise `ParameterError` unless the cells are plain wires, under a law they can solve."""
         owner, wire = self.registered_name, self.wire
         if wire.registered_name != Wire.registered_name:
-            raise ParameterError(
-                f"Element `{owner}` is made of `wire`, but holds `{wire.registered_name}`."
-            )
+            raise ParameterError(f"Element `{owner}` is made of `wire`, but holds `{wire.registered_name}`.")
         if not isinstance(wire.ends, AdiabaticEnds):
             raise ParameterError(
-                f"The `wire` of `{owner}` must have `adiabatic` ends, but they are "
-                f"`{wire.ends.registered_name}`."
+                f"The `wire` of `{owner}` must have `adiabatic` ends, but they are `{wire.ends.registered_name}`."
             )
         if wire.law.grouped:
             raise ParameterError(

@@ -77,27 +77,21 @@ class AbstractCells(AbstractCut):
             moved = find_largest(xp, [xp.abs(a - b) for a, b in pairs])
             halved = xp.both(turned > SWEEPS - 0.5, turned < SWEEPS + HALF_SWEEPS - 0.5)
             share = xp.where(halved, 0.5, 1.0)
-            now = [
-                b + share * (a - b) for a, b in zip(flatten_numbers(after), numbers, strict=True)
-            ]
+            now = [b + share * (a - b) for a, b in zip(flatten_numbers(after), numbers, strict=True)]
             return [xp.where(moved > SETTLED, 1.0, 0.0), turned + 1.0, *now]
 
         most = SWEEPS + HALF_SWEEPS + LAST_SWEEPS
         _, _, *numbers = xp.iterate(most, turn, 1.0, 0.0, *flatten_numbers(guess))
         return step.end(xp, start, shape.rebuild(numbers))
 
-    def condition(
-        self, xp: Namespace, state: Cells, force: Scalar, environment: Environment
-    ) -> Condition:
+    def condition(self, xp: Namespace, state: Cells, force: Scalar, environment: Environment) -> Condition:
         """Everything that can be measured on the element under a force [N]."""
         lengths, (m, o, temperatures) = self.lengths(xp), self._columns(state)
         free, soft = self.springs(xp, m, o, temperatures)
         carried = self.force_share(xp, free, soft, force)
         stresses = [self.wire.stress(xp, each) for each in carried]
 
-        def one(
-            length: Scalar, m: Scalar, o: Scalar, at: Scalar, stress: Scalar, share: Scalar
-        ) -> tuple[Scalar, ...]:
+        def one(length: Scalar, m: Scalar, o: Scalar, at: Scalar, stress: Scalar, share: Scalar) -> tuple[Scalar, ...]:
             cell, strain = self.cell(length), self.law.strain(xp, Fractions(m, o), stress, at)
             ohms = cell.ohms(xp, m, strain, at)
             return cell.heat_loss(xp, at, environment), share * ohms

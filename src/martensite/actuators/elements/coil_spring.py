@@ -92,38 +92,23 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
     diameter: Scalar = param("m", "wire diameter", above=0.0, high=0.02, typical="0.75 mm")
     coil_diameter: Scalar = param("m", "coil diameter", above=0.0, high=1.0, typical="4 mm")
     coil_measure: str = option(
-        "where the coil diameter is measured: between centres of the wire, or over all",
-        "mean",
-        "outer",
+        "where the coil diameter is measured: between centres of the wire, or over all", "mean", "outer"
     )
     turns: Scalar = param("1", "number of active turns", above=0.0, high=1e5, typical=10.0)
     free_length: Scalar = param(
-        "m",
-        "length of the active turns as unloaded austenite, at least N d",
-        above=0.0,
-        high=1e3,
-        typical="10 mm",
+        "m", "length of the active turns as unloaded austenite, at least N d", above=0.0, high=1e3, typical="10 mm"
     )
     deflection: str = option(
-        "theory of the coil: flat turns, or a rod that is drawn out",
-        "small",
-        "large",
-        default="small",
+        "theory of the coil: flat turns, or a rod that is drawn out", "small", "large", default="small"
     )
-    poisson: Scalar = param(
-        "1", "Poisson's ratio, for bending at large deflection", low=0.0, high=0.5, default=0.33
-    )
+    poisson: Scalar = param("1", "Poisson's ratio, for bending at large deflection", low=0.0, high=0.5, default=0.33)
     stress_factor: str = option(
         "what curvature adds to the stress that drives the law and is compared with its limit",
         *STRESS_FACTORS,
         default="none",
     )
-    stiffness_factor: str = option(
-        "what curvature adds to the spring rate", *STIFFNESS_FACTORS, default="none"
-    )
-    contact: Scalar = param(
-        "1", "stiffness of closed turns per spring rate", low=1.0, high=1e6, default=1e3
-    )
+    stiffness_factor: str = option("what curvature adds to the spring rate", *STIFFNESS_FACTORS, default="none")
+    contact: Scalar = param("1", "stiffness of closed turns per spring rate", low=1.0, high=1e6, default=1e3)
 
     def check(self) -> None:
         """Raise `ParameterError` if the coil cannot be wound, or the law not hold its state."""
@@ -186,9 +171,7 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
 
     # ---------------------------------------------------------------- spring
 
-    def spring(
-        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
-    ) -> Spring:
+    def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
         """Tangent at `force` [N] with frozen fractions and temperature [K]."""
         strain = self.law.free_strain(xp, fractions, temperature)
         compliance = self.law.compliance(xp, fractions) / self._stiffening()
@@ -199,13 +182,9 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
         closed = coil.compliance / (1.0 + self.contact)
         solid = self.solid_length() - self.free_length - closed * coil.touch
         shut = force < coil.touch
-        return Spring(
-            xp.where(shut, solid, coil.open.free), xp.where(shut, closed, coil.open.compliance)
-        )
+        return Spring(xp.where(shut, solid, coil.open.free), xp.where(shut, closed, coil.open.compliance))
 
-    def elastic_energy_at(
-        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
-    ) -> Scalar:
+    def elastic_energy_at(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Scalar:
         """Elastic energy [J] under a force [N], of the wire and of turns that touch."""
         strain = self.law.free_strain(xp, fractions, temperature)
         compliance = self.law.compliance(xp, fractions) / self._stiffening()

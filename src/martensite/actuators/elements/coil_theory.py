@@ -27,12 +27,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 LEAST_INDEX = 3.0
 """Smallest spring index for which the exact factors hold."""
 
-STIFFNESS_TERMS = (
-    0.18749990704070718,
-    0.17092513673011378,
-    0.10753576375627583,
-    0.09930535360839417,
-)
+STIFFNESS_TERMS = (0.18749990704070718, 0.17092513673011378, 0.10753576375627583, 0.09930535360839417)
 """Of 1/C², 1/C⁴, … in the exact stiffness factor."""
 
 STRESS_TERMS = (

@@ -35,11 +35,7 @@ def complete_from_material(
             part = _build_part(name, declared.registry, value, known)
             if part is not None:
                 found[name] = part
-        elif (
-            value is None
-            and declared.registry is None
-            and isinstance(declared.default, Parametrised)
-        ):
+        elif value is None and declared.registry is None and isinstance(declared.default, Parametrised):
             inner = type(declared.default)
             found[name] = inner(**complete_from_material(inner, known, {}))
         elif value is None and name in known.values:
@@ -47,9 +43,7 @@ def complete_from_material(
     return found
 
 
-def _build_part(
-    name: str, registry: Registry[Any], kind: str | None, material: Material
-) -> Parametrised | None:
+def _build_part(name: str, registry: Registry[Any], kind: str | None, material: Material) -> Parametrised | None:
     """A component of a kind with the numbers of a material; None if its default will do."""
     own = material.law if name == "law" and material.law is not None else {}
     kind = kind or own.get("kind") or ASSUMED_KINDS.get(name)

@@ -16,29 +16,13 @@ LONGEST = 0.2
 class ElementLimits(Parametrised):
     """Limits beyond which a run warns, infinite where nothing is known, and at which it stops."""
 
-    temperature_limit: Scalar = param(
-        "K", "highest temperature without damage", above=0.0, default=float("inf")
-    )
-    stress_limit: Scalar = param(
-        "Pa", "highest stress for long life", above=0.0, default=float("inf")
-    )
-    strain_limit: Scalar = param(
-        "1", "largest strain amplitude for long life", above=0.0, default=float("inf")
-    )
+    temperature_limit: Scalar = param("K", "highest temperature without damage", above=0.0, default=float("inf"))
+    stress_limit: Scalar = param("Pa", "highest stress for long life", above=0.0, default=float("inf"))
+    strain_limit: Scalar = param("1", "largest strain amplitude for long life", above=0.0, default=float("inf"))
     temperature_stop: Scalar = param(
-        "K",
-        "temperature at which a run stops; at most where NiTi melts",
-        above=0.0,
-        high=MELTING,
-        default=MELTING,
+        "K", "temperature at which a run stops; at most where NiTi melts", above=0.0, high=MELTING, default=MELTING
     )
-    stress_stop: Scalar = param(
-        "Pa", "stress at which a run stops", above=0.0, high=STRONGEST, default=STRONGEST
-    )
+    stress_stop: Scalar = param("Pa", "stress at which a run stops", above=0.0, high=STRONGEST, default=STRONGEST)
     strain_stop: Scalar = param(
-        "1",
-        "strain of a straight wire at which a run stops",
-        above=0.0,
-        high=LONGEST,
-        default=LONGEST,
+        "1", "strain of a straight wire at which a run stops", above=0.0, high=LONGEST, default=LONGEST
     )

@@ -32,9 +32,7 @@ class Linkage(Protocol):
         """All cells as one spring, near a force [N]."""
         ...
 
-    def rests(
-        self, xp: Namespace, free: Column, compliance: Column, force: Column
-    ) -> tuple[Column, Column]:
+    def rests(self, xp: Namespace, free: Column, compliance: Column, force: Column) -> tuple[Column, Column]:
         """What every cell sees of the others, given what each carries [N]."""
         ...
 
@@ -57,9 +55,7 @@ class EndToEnd:
         """The sums."""
         return Spring(self.copies * sum_column(free), self.copies * sum_column(compliance))
 
-    def rests(
-        self, xp: Namespace, free: Column, compliance: Column, force: Column
-    ) -> tuple[Column, Column]:
+    def rests(self, xp: Namespace, free: Column, compliance: Column, force: Column) -> tuple[Column, Column]:
         """The sums less one."""
         long, soft = sum_column(free), sum_column(compliance)
         return [long - f for f in free], [soft - c for c in compliance]
@@ -90,21 +86,13 @@ class ParallelCells:
         return spring
 
     def _taut(self, xp: Namespace, free: Column, compliance: Column, e: Scalar) -> Spring:
-        stiffness = [
-            xp.where(e + HAIR >= f, 1.0 / c, 0.0) for f, c in zip(free, compliance, strict=True)
-        ]
+        stiffness = [xp.where(e + HAIR >= f, 1.0 / c, 0.0) for f, c in zip(free, compliance, strict=True)]
         soft = 1.0 / sum_column(stiffness)
-        return Spring(
-            soft * sum_column([k * f for k, f in zip(stiffness, free, strict=True)]), soft
-        )
+        return Spring(soft * sum_column([k * f for k, f in zip(stiffness, free, strict=True)]), soft)
 
-    def rests(
-        self, xp: Namespace, free: Column, compliance: Column, force: Column
-    ) -> tuple[Column, Column]:
+    def rests(self, xp: Namespace, free: Column, compliance: Column, force: Column) -> tuple[Column, Column]:
         """Sums over the others that were taut: stiffness times free elongation, and stiffness."""
-        stiffness = [
-            xp.where(f > 0.0, 1.0 / c, 0.0) for f, c in zip(force, compliance, strict=True)
-        ]
+        stiffness = [xp.where(f > 0.0, 1.0 / c, 0.0) for f, c in zip(force, compliance, strict=True)]
         pull = [k * f for k, f in zip(stiffness, free, strict=True)]
         return _sum_others(pull), _sum_others(stiffness)
 

@@ -114,9 +114,7 @@ class AbstractLumped(AbstractElement, init=False):
         """Heat released by the whole forward transformation [J] at (stress, temperature)."""
 
     @abstractmethod
-    def spring(
-        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
-    ) -> Spring:
+    def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
         """Tangent at `force` [N] with frozen fractions and temperature [K]."""
 
     @abstractmethod
@@ -142,12 +140,7 @@ class AbstractLumped(AbstractElement, init=False):
         return state.force
 
     def in_state(
-        self,
-        xp: Namespace,
-        state: Lumped,
-        fractions: Fractions,
-        temperature: Scalar,
-        force: Scalar,
+        self, xp: Namespace, state: Lumped, fractions: Fractions, temperature: Scalar, force: Scalar
     ) -> Lumped:
         """A state put elsewhere, with its history, under a force [N]."""
         stress = self.stress(xp, force)
@@ -237,9 +230,7 @@ class AbstractLumped(AbstractElement, init=False):
         """The state, from which a step begins to look where it ended before."""
         return state._replace(rate=found.rate)
 
-    def _heat_line(
-        self, xp: Namespace, state: Lumped, heating: Heating, loaded: Loaded, dt: Scalar
-    ) -> HeatLine:
+    def _heat_line(self, xp: Namespace, state: Lumped, heating: Heating, loaded: Loaded, dt: Scalar) -> HeatLine:
         """T at the end of the step as a function of the fractions there."""
         law, memory = self.law, state.memory
         start, stress = memory.temperature, memory.stress
@@ -263,9 +254,7 @@ class AbstractLumped(AbstractElement, init=False):
             return [self.latent_heat_total(xp, *at)]
 
         lost, slope = value_and_slope(xp, loss, start)
-        (given, change), (by_point, _) = compute_jacobian(
-            xp, power, [fractions.martensite, strain, start]
-        )
+        (given, change), (by_point, _) = compute_jacobian(xp, power, [fractions.martensite, strain, start])
         _, (by_strain, by_stress) = compute_jacobian(xp, reached, [*fractions, start])
         (heat,), (by_state,) = compute_jacobian(xp, latent, [stress, start])
         capacity = self.heat_capacity_total()
@@ -285,9 +274,7 @@ class AbstractLumped(AbstractElement, init=False):
             ripple=heating.ripple(xp, ohms, capacity, dt),
         )
 
-    def _strain_under(
-        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
-    ) -> Scalar:
+    def _strain_under(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Scalar:
         """Strain [-] by the elongation, which is that of the law for a straight wire only.
 
         A curved wire is stressed more than it is strained, and turns that touch are not strained.
@@ -330,9 +317,7 @@ class AbstractLumped(AbstractElement, init=False):
         spring = self.spring(xp, fractions, temperature, force)
         return 0.5 * spring.compliance * force * force
 
-    def condition(
-        self, xp: Namespace, state: Lumped, force: Scalar, environment: Environment
-    ) -> Condition:
+    def condition(self, xp: Namespace, state: Lumped, force: Scalar, environment: Environment) -> Condition:
         """Everything that can be measured on the element under a force [N]."""
         memory = state.memory
         fractions, temperature = self.law.fractions(memory), memory.temperature

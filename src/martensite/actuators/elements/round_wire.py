@@ -26,20 +26,11 @@ class AbstractRoundWire(AbstractElement, init=False):
 
     diameter: Scalar = param("m", "wire diameter", above=0.0, high=0.02, typical="0.2 mm")
     density: Scalar = param("kg/m^3", "density", above=0.0, high=3e4, typical="6450 kg/m^3")
-    heat_capacity: Scalar = param(
-        "J/kg/K", "specific heat capacity", above=0.0, high=1e4, typical="500 J/kg/K"
-    )
+    heat_capacity: Scalar = param("J/kg/K", "specific heat capacity", above=0.0, high=1e4, typical="500 J/kg/K")
     latent_heat: Scalar = param(
-        "J/kg",
-        "latent heat of the whole transformation",
-        low=0.0,
-        high=1e6,
-        default=0.0,
-        typical="24 J/g",
+        "J/kg", "latent heat of the whole transformation", low=0.0, high=1e6, default=0.0, typical="24 J/g"
     )
-    initial_fraction: Scalar = param(
-        "1", "martensite fraction at the start", low=0.0, high=1.0, default=1.0
-    )
+    initial_fraction: Scalar = param("1", "martensite fraction at the start", low=0.0, high=1.0, default=1.0)
     initial_oriented: Scalar = param(
         "1", "share of the initial martensite that is oriented", low=0.0, high=1.0, default=1.0
     )

@@ -43,9 +43,7 @@ class AbstractRow(AbstractLumped):
         """Raise `ParameterError` unless a whole number of lumped elements is meant."""
         owner = self.registered_name
         if self.count != round(self.count):
-            raise ParameterError(
-                f"Parameter `count` of `{owner}` must be a whole number, but is {self.count:g}."
-            )
+            raise ParameterError(f"Parameter `count` of `{owner}` must be a whole number, but is {self.count:g}.")
         if not isinstance(self.one, AbstractLumped):
             raise ParameterError(
                 f"A `{owner}` takes elements of one temperature, such as `wire`, but "
@@ -94,9 +92,7 @@ class AbstractRow(AbstractLumped):
         """Heat flow to the environment [W]; each loses as if it were alone."""
         return self.count * self.one.heat_loss(xp, temperature, environment)
 
-    def spring(
-        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
-    ) -> Spring:
+    def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
         """All together as a spring, near a force [N]."""
         share = force * (1.0 / self.beside())
         one = self._lumped.spring(xp, fractions, temperature, share)

@@ -125,13 +125,7 @@ class SweepStep:
         element = self.element
 
         def one(
-            length: Scalar,
-            x: Scalar,
-            share: Scalar,
-            first: Scalar,
-            last: Scalar,
-            long: Scalar,
-            longer: Scalar,
+            length: Scalar, x: Scalar, share: Scalar, first: Scalar, last: Scalar, long: Scalar, longer: Scalar
         ) -> tuple[Scalar, ...]:
             strain = 0.5 * (long + longer) / length
             ohms = element.cell(length).ohms(xp, x, strain, 0.5 * (first + last))
@@ -174,18 +168,10 @@ class SweepStep:
         )
         return SweepGuess(*(tuple(column) for column in found))
 
-    def _expect_latent_heat(
-        self, start: StepStart, guess: SweepGuess, lines: HeatBalanceColumns
-    ) -> list[Scalar]:
+    def _expect_latent_heat(self, start: StepStart, guess: SweepGuess, lines: HeatBalanceColumns) -> list[Scalar]:
         """Right-hand side with the latent heat as it is linear in temperature [J]."""
         rows = zip(
-            lines.right,
-            start.latent,
-            guess.martensite,
-            start.martensite,
-            guess.warms,
-            guess.temperature,
-            strict=True,
+            lines.right, start.latent, guess.martensite, start.martensite, guess.warms, guess.temperature, strict=True
         )
         return [r + latent * (x - x0) + w * t for r, latent, x, x0, w, t in rows]
 

@@ -23,9 +23,7 @@ class Wire(AbstractRoundWire, AbstractLumped, init=False):
         """Length of the wire [m]."""
         return self.length
 
-    def spring(
-        self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar
-    ) -> Spring:
+    def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
         """The wire as a linear spring at frozen fractions and temperature [K]."""
         free = self.law.free_strain(xp, fractions, temperature)
         compliance = self.law.compliance(xp, fractions)

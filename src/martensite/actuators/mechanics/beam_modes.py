@@ -201,9 +201,7 @@ def _build_masses(count: int, ratio: float) -> Matrix:
 
 def _check_sizes(modes: int, elements: int) -> None:
     if modes < 1 or elements < 1:
-        raise ParameterError(
-            f"Modes and elements must be at least 1, but are {modes} and {elements}."
-        )
+        raise ParameterError(f"Modes and elements must be at least 1, but are {modes} and {elements}.")
     if modes > 2 * elements:
         raise ParameterError(
             f"{elements} elements have {2 * elements} modes, but {modes} are asked for; "

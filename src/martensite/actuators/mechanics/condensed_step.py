@@ -93,9 +93,7 @@ class CondensedStep:
     signals: Column
     dt: Scalar
 
-    def solve_position(
-        self, xp: Namespace
-    ) -> tuple[MotionHistory, list[Scalar], list[Any], StepReport]:
+    def solve_position(self, xp: Namespace) -> tuple[MotionHistory, list[Scalar], list[Any], StepReport]:
         """Course, stiffness and state of every element at the end, and the residual."""
         scheme = self.mechanism.scheme(xp, self.memory.course, self.dt)
         shape = NestedShape(
@@ -125,12 +123,8 @@ class CondensedStep:
     def _turn(self, xp: Namespace, scheme: Scheme, before: _Turn) -> _Turn:
         """Linearise, let every element answer, and correct the position."""
         linear = self._linear(xp, scheme, before.position, before.tangents)
-        found, states, report = self._answers(
-            xp, _build_lines(linear, before.tangents), before.states
-        )
-        tangents = _renew_points(
-            xp, before.tangents, found, before.turned > 0.0, linear.elongations
-        )
+        found, states, report = self._answers(xp, _build_lines(linear, before.tangents), before.states)
+        tangents = _renew_points(xp, before.tangents, found, before.turned > 0.0, linear.elongations)
         change = _compute_correction(xp, linear, tangents)
         position = tuple(q + d for q, d in zip(before.position, change, strict=True))
         sizes = (c.size for c in self.mechanism.coordinates())
@@ -153,9 +147,7 @@ class CondensedStep:
             found.append(Tangent(force, elongation, stiffness))
         return found
 
-    def _linear(
-        self, xp: Namespace, scheme: Scheme, position: Numbers, tangents: Sequence[Tangent]
-    ) -> CondensedSystem:
+    def _linear(self, xp: Namespace, scheme: Scheme, position: Numbers, tangents: Sequence[Tangent]) -> CondensedSystem:
         """Balance and slopes at a trial position, for elements that are their tangents."""
         mechanism, home = self.mechanism, self.memory.home
         paths, lever = compute_jacobian(xp, mechanism.contraction, position)
@@ -183,9 +175,7 @@ class CondensedStep:
             return [], [], StepReport(0.0, 0.0)
         found: list[Tangent] = []
         pairs = zip(self.loads, before, strict=True)
-        loads = [
-            load._replace(state=load.element.warm_start(load.state, state)) for load, state in pairs
-        ]
+        loads = [load._replace(state=load.element.warm_start(load.state, state)) for load, state in pairs]
         answered = answer_loads(xp, loads, lines, self.dt)
         for _, force, spring, _ in answered:
             elongation = spring.free + spring.compliance * force
@@ -209,9 +199,7 @@ def _build_lines(linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[L
     """What every element sees of the mechanism and the others."""
     if not tangents:
         return []
-    *softs, shift = solve_linear(
-        _build_stiffness(linear, tangents), [*linear.lever, linear.missing]
-    )
+    *softs, shift = solve_linear(_build_stiffness(linear, tangents), [*linear.lever, linear.missing])
     found: list[LoadLineEquation] = []
     for i, tangent in enumerate(tangents):
         lever, beta = linear.lever[i], linear.shares[i] * multiply_inner(linear.lever[i], softs[i])
@@ -221,11 +209,7 @@ def _build_lines(linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[L
 
 
 def _renew_points(
-    xp: Namespace,
-    before: Sequence[Tangent],
-    found: Sequence[Tangent],
-    turned: Flag,
-    elongations: Column,
+    xp: Namespace, before: Sequence[Tangent], found: Sequence[Tangent], turned: Flag, elongations: Column
 ) -> list[Tangent]:
     """The points found, with the slope from the last one to this; first as stiff as before."""
     new: list[Tangent] = []
@@ -249,9 +233,7 @@ def _compute_slack_stiffness(xp: Namespace, most: Scalar, path: Scalar, own: Sca
     return xp.where(path > own - STILL, most, FLOOR * most)
 
 
-def _compute_correction(
-    xp: Namespace, linear: CondensedSystem, tangents: Sequence[Tangent]
-) -> list[Scalar]:
+def _compute_correction(xp: Namespace, linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[Scalar]:
     """Newton's step of the position, with every element as it answered."""
     side = [-missing for missing in linear.missing]
     for i, tangent in enumerate(tangents):

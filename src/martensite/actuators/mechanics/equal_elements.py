@@ -60,9 +60,7 @@ def answer_loads(
         if len(places) < LEAST:
             found |= {i: _answer_load(xp, loads[i], lines[i], dt) for i in places}
             continue
-        shape = NestedShape(
-            ElementResponse(first.state, 0.0, Spring(0.0, 0.0), StepReport(0.0, 0.0))
-        )
+        shape = NestedShape(ElementResponse(first.state, 0.0, Spring(0.0, 0.0), StepReport(0.0, 0.0)))
 
         def row(*numbers: Scalar, first: Load = first) -> list[Scalar]:
             line, load = LoadLineEquation(*numbers[:5]), _rebuild_load(first, numbers[5:])
@@ -108,11 +106,8 @@ def _rebuild_load(first: Load, numbers: Sequence[Scalar]) -> Load:
     """The load with these numbers, of the same structure as another."""
     rest = iter(numbers)
     element, environment, source = (
-        part.rebuilt({leaf.path: next(rest) for leaf in part.leaves()})
-        for part in _list_parts(first)
+        part.rebuilt({leaf.path: next(rest) for leaf in part.leaves()}) for part in _list_parts(first)
     )
-    drive = NestedShape(first.heating.drive).rebuild(
-        [next(rest) for _ in flatten_numbers(first.heating.drive)]
-    )
+    drive = NestedShape(first.heating.drive).rebuild([next(rest) for _ in flatten_numbers(first.heating.drive)])
     heating = Heating(environment, source, drive, next(rest))  # type: ignore[arg-type]
     return Load(element, NestedShape(first.state).rebuild(list(rest)), heating)  # type: ignore[arg-type]

@@ -35,9 +35,7 @@ def drawn_finger(finger: Finger, reading: DrawingState) -> list[DrawingShape]:
     r, g = finger.offset, finger.bracket
     thick, tip, hinge = 0.45 * r, 4.0 * g, (0.0, 0.0, 0.0)
     # what every pass has on either side of the hinge
-    rest = (
-        reading.lengths[port] - measure_length(_trace_path(finger, 0.0, 0.0, 0.0))
-    ) / _count_passes(finger)
+    rest = (reading.lengths[port] - measure_length(_trace_path(finger, 0.0, 0.0, 0.0))) / _count_passes(finger)
     beyond = min(2.0 * g, 0.4 * max(rest, 0.0))
     behind = max(rest - beyond, 0.0)
     path = _trace_path(finger, angle, behind, beyond)
@@ -69,12 +67,7 @@ def _trace_path(finger: Finger, angle: float, behind: float, beyond: float) -> l
     found: list[Point] = []
     for k in range(passes):
         y = apart * (k - 0.5 * (passes - 1))
-        way = [
-            (-g - behind, y, -r),
-            (-g, y, -r),
-            turn_point(met, g, -r, y),
-            turn_point(met, g + beyond, -r, y),
-        ]
+        way = [(-g - behind, y, -r), (-g, y, -r), turn_point(met, g, -r, y), turn_point(met, g + beyond, -r, y)]
         found += way if k % 2 == 0 else way[::-1]
     return found
 

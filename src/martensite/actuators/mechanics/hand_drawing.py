@@ -63,11 +63,7 @@ def drawn_hand(hand: Hand, reading: DrawingState) -> list[DrawingShape]:
     """Palm, holder of the thumb, forearm, and all fingers."""
     reach = hand.proximal_length + hand.distal_length
     apart, wide = 3.0 * max(hand.offset, hand.knuckle), 0.7 * reach
-    places = (
-        FingerPlace(wide, 0.0, -1.0),
-        FingerPlace(-wide, apart, 1.0),
-        FingerPlace(-wide, -apart, 1.0),
-    )
+    places = (FingerPlace(wide, 0.0, -1.0), FingerPlace(-wide, apart, 1.0), FingerPlace(-wide, -apart, 1.0))
     thick, edge = 0.25 * hand.offset, 1.5 * hand.knuckle
     above = _compute_lift(hand, 4)
     far = wide - max(*reading.lengths.values(), 2.5 * wide)
@@ -111,20 +107,13 @@ def _draw_finger(
     hinge, tip = _locate_proximal(sizes, first, sizes.proximal, 0.0), (sizes.distal, 0.0)
     start = place.at((0.0, 0.0))
     yield draw_bar(f"{name} proximal", thick, start, place.at(hinge))
-    yield draw_bar(
-        f"{name} distal",
-        thick,
-        place.at(hinge),
-        place.at(_locate_distal(sizes, first, second, *tip)),
-    )
+    yield draw_bar(f"{name} distal", thick, place.at(hinge), place.at(_locate_distal(sizes, first, second, *tip)))
     for joint, at in (("proximal", (0.0, 0.0)), ("distal", hinge)):
         ends = (place.at(at, -half), place.at(at, half))
         yield DrawingShape(f"{name} {joint} knuckle", "joint", ends, sizes.knuckle)
     yield from _draw_brackets(name, sizes, place, first, second)
     passing = hand.tendons == "passing"
-    ways, straight = (
-        _trace_tendons(sizes, *angles, passing) for angles in ((first, second), (0.0, 0.0))
-    )
+    ways, straight = (_trace_tendons(sizes, *angles, passing) for angles in ((first, second), (0.0, 0.0)))
     for k, (way, home) in enumerate(zip(ways, straight, strict=True)):
         port = "_".join((name, ("proximal", "distal")[k // 2], ("flexor", "extensor")[k % 2]))
         aside, lift = (k - 1.5) * 0.4 * sizes.offset, _compute_lift(hand, k)
@@ -155,9 +144,7 @@ def _draw_brackets(
         yield draw_bar(f"{name} bracket {k}", 0.12 * r, *map(place.at, post))
 
 
-def _trace_tendons(
-    sizes: FingerLengths, first: float, second: float, passing: bool
-) -> list[list[Flat]]:
+def _trace_tendons(sizes: FingerLengths, first: float, second: float, passing: bool) -> list[list[Flat]]:
     """Ways of flexor and extensor of the proximal joint, then of the distal one."""
     r, g, knuckle, reach, _, wrapped = sizes
     met = 2.0 * math.atan2(g, r)
@@ -165,24 +152,15 @@ def _trace_tendons(
     ends = 0.3 * reach, 0.3 * sizes.distal
     axis = [(-g, 0.0), (0.0, 0.0)]
     over = [(-g, r), _locate_proximal(sizes, one, g, r)]
-    at_joint = [
-        _locate_proximal(sizes, first, reach - g, r),
-        *_trace_distal(sizes, first, two, (g, g + ends[1]), r),
-    ]
+    at_joint = [_locate_proximal(sizes, first, reach - g, r), *_trace_distal(sizes, first, two, (g, g + ends[1]), r)]
     touching = math.asin(min(knuckle / reach, 0.9))
     return [
         [*over, _locate_proximal(sizes, one, g + ends[0], r)],
-        [
-            *_wind_extensor(knuckle, first, wrapped),
-            _locate_proximal(sizes, first, ends[0], -knuckle),
-        ],
+        [*_wind_extensor(knuckle, first, wrapped), _locate_proximal(sizes, first, ends[0], -knuckle)],
         [*(over if passing else axis), *at_joint],
         [
             *axis,
-            *(
-                _locate_proximal(sizes, first, reach + a, b)
-                for a, b in _wind_extensor(knuckle, second, touching)
-            ),
+            *(_locate_proximal(sizes, first, reach + a, b) for a, b in _wind_extensor(knuckle, second, touching)),
             *_trace_distal(sizes, first, second, (ends[1],), -knuckle),
         ],
     ]
@@ -207,11 +185,7 @@ def _locate_proximal(sizes: FingerLengths, angle: float, along: float, inwards: 
     return c * along - s * inwards, s * along + c * inwards
 
 
-def _locate_distal(
-    sizes: FingerLengths, first: float, second: float, along: float, inwards: float
-) -> Flat:
+def _locate_distal(sizes: FingerLengths, first: float, second: float, along: float, inwards: float) -> Flat:
     """A point of the distal phalanx."""
     c, s = math.cos(second), math.sin(second)
-    return _locate_proximal(
-        sizes, first, sizes.proximal + c * along - s * inwards, s * along + c * inwards
-    )
+    return _locate_proximal(sizes, first, sizes.proximal + c * along - s * inwards, s * along + c * inwards)

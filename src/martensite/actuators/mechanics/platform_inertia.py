@@ -82,10 +82,7 @@ def compute_accelerations(
     sine = xp.sin(alpha)
     least, more = _compute_moments(plate)
     own = inertia_forces(xp, plate, alpha, rates, AngleRates(0.0, 0.0))
-    return AngleRates(
-        (applied.alpha - own.alpha) / least,
-        (applied.beta - own.beta) / (least + more * sine * sine),
-    )
+    return AngleRates((applied.alpha - own.alpha) / least, (applied.beta - own.beta) / (least + more * sine * sine))
 
 
 def kinetic_energy(xp: Namespace, plate: TopPlate, alpha: Scalar, rates: AngleRates) -> Scalar:
@@ -96,17 +93,13 @@ def kinetic_energy(xp: Namespace, plate: TopPlate, alpha: Scalar, rates: AngleRa
     return 0.5 * (least * rates.alpha * rates.alpha + spin)
 
 
-def weight_torques(
-    xp: Namespace, plate: TopPlate, gravity: Scalar, alpha: Scalar, beta: Scalar
-) -> Torques:
+def weight_torques(xp: Namespace, plate: TopPlate, gravity: Scalar, alpha: Scalar, beta: Scalar) -> Torques:
     """Torques of the plate's weight [N m]; `gravity` [m/s²] is negative for a hanging platform."""
     moment = plate.mass * gravity * plate.above
     return Torques(moment * xp.sin(alpha) * xp.cos(beta), moment * xp.cos(alpha) * xp.sin(beta))
 
 
-def weight_energy(
-    xp: Namespace, plate: TopPlate, gravity: Scalar, alpha: Scalar, beta: Scalar
-) -> Scalar:
+def weight_energy(xp: Namespace, plate: TopPlate, gravity: Scalar, alpha: Scalar, beta: Scalar) -> Scalar:
     """Energy of the plate's weight [J], 0 at home: what its torques are less the slopes of."""
     moment = plate.mass * gravity * plate.above
     return moment * (xp.cos(alpha) * xp.cos(beta) - 1.0)

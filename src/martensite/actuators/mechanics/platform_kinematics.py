@@ -105,9 +105,7 @@ def compute_length_slopes(
     return found, over_alpha, over_beta
 
 
-def locate_vertices(
-    xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar
-) -> list[tuple[Scalar, Scalar, Scalar]]:
+def locate_vertices(xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar) -> list[tuple[Scalar, Scalar, Scalar]]:
     """X, Y, Z of the vertices of the plate that moves [m] at angles [rad]."""
     turns = xp.cos(alpha), xp.sin(alpha), xp.cos(beta), xp.sin(beta)
     places = [_turn_vertex(plates, turns, x, y) for x, y in locate_corners(plates.side)]

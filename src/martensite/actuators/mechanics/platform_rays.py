@@ -33,9 +33,7 @@ BALANCED = 1e-9
 Angles = tuple[float, float]
 
 
-def compute_crosswise(
-    xp: Namespace, plates: Plates, leg: int, alpha: Scalar, beta: Scalar
-) -> Scalar:
+def compute_crosswise(xp: Namespace, plates: Plates, leg: int, alpha: Scalar, beta: Scalar) -> Scalar:
     """What two springs of unit rate pull across the third [m³/rad²]; 0 where that is balanced."""
     found, over_alpha, over_beta = compute_length_slopes(xp, plates, alpha, beta)
     rows = list(zip(found, over_alpha, over_beta, strict=True))
@@ -46,9 +44,7 @@ def compute_crosswise(
     return own_beta * pull_alpha - own_alpha * pull_beta
 
 
-def trace_ray(
-    plates: Plates, leg: int, step: float, allowed: Callable[[float, float], bool]
-) -> list[Angles]:
+def trace_ray(plates: Plates, leg: int, step: float, allowed: Callable[[float, float], bool]) -> list[Angles]:
     """The curve of one leg: home, points (α, β) one step [rad] apart, and the end if it moves.
 
     It ends where postures are no longer allowed or the leg gets no shorter; early, if it swings

@@ -79,9 +79,7 @@ class Workspace:
         return [(a, b) for a, row in rows for b, flag in zip(self.betas, row, strict=True) if flag]
 
 
-def reachable_angles(
-    plates: Plates, shortest: float, longest: float, step: float = STEP
-) -> Workspace:
+def reachable_angles(plates: Plates, shortest: float, longest: float, step: float = STEP) -> Workspace:
     """The postures a platform can reach from home while its legs keep between two lengths.
 
     Args:

@@ -18,6 +18,4 @@ from martensite.actuators.mechanisms.joints import shorten_bowstring as shorten_
 from martensite.actuators.mechanisms.lever import Lever as Lever
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform as ParallelPlatform
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley as AntagonisticPulley
-from martensite.actuators.mechanisms.testing_machine import (
-    TensileTestingMachine as TensileTestingMachine,
-)
+from martensite.actuators.mechanisms.testing_machine import TensileTestingMachine as TensileTestingMachine

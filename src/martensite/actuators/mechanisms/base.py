@@ -17,12 +17,7 @@ from collections.abc import Sequence
 from typing import Any, ClassVar, NamedTuple
 
 from martensite.actuators.elements.base import AbstractElement, Effort, Heating, Pull
-from martensite.actuators.mechanisms.drawing import (
-    DrawingShape,
-    DrawingState,
-    draw_hanging,
-    draw_lifted,
-)
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_hanging, draw_lifted
 from martensite.base.interfaces import make_missing_error, require_where
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
@@ -117,13 +112,7 @@ class AbstractMechanism(Parametrised):
         return self.start_forces(xp)
 
     @abstractmethod
-    def init(
-        self,
-        xp: Namespace,
-        elements: Sequence[AbstractElement],
-        elongations: Column,
-        signals: Column,
-    ) -> Any:
+    def init(self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column) -> Any:
         """The memory at the start, from the elongations [m] that the start forces give."""
 
     @abstractmethod
@@ -143,9 +132,7 @@ class AbstractMechanism(Parametrised):
     ) -> tuple[list[Scalar], Column]:
         """Force [N] in each element, and the `outputs` in order."""
 
-    def mechanics(
-        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
-    ) -> Mechanics | None:
+    def mechanics(self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column) -> Mechanics | None:
         """What it holds, dissipates and gives to the outside; None if it does not say."""
         return None
 

@@ -58,10 +58,7 @@ class BeamMotor(AbstractMultibody):
     motion: str = option("it always moves with inertia", "dynamic", default="dynamic")
     modes: str = option("modes of the beam that count", "1", "2", "3", "4", default="1")
     wire: str = option(
-        "what is tied to the tip: nothing, or an element inclined to the beam",
-        "none",
-        "inclined",
-        default="none",
+        "what is tied to the tip: nothing, or an element inclined to the beam", "none", "inclined", default="none"
     )
     coupling: str = option(
         "inertia of the unbalance in the equation of the tip: derived, or as in equation (3.15) "
@@ -71,84 +68,36 @@ class BeamMotor(AbstractMultibody):
         default="lagrange",
     )
     mass: Scalar = param(
-        "kg",
-        "moving mass M, unbalance included, of the first mode",
-        above=0.0,
-        high=1e4,
-        typical="250 g",
+        "kg", "moving mass M, unbalance included, of the first mode", above=0.0, high=1e4, typical="250 g"
     )
-    stiffness: Scalar = param(
-        "N/m", "stiffness k of the first mode", above=0.0, high=1e9, typical="541 N/m"
-    )
-    damping: Scalar = param(
-        "N*s/m", "damping c of the first mode", low=0.0, high=1e6, typical="0.2 N*s/m"
-    )
-    mass_2: Scalar = param(
-        "kg", "mass of the second mode", above=0.0, default=math.inf, typical="300 g"
-    )
-    stiffness_2: Scalar = param(
-        "N/m", "stiffness of the second mode", above=0.0, default=math.inf, typical="2e4 N/m"
-    )
-    mass_3: Scalar = param(
-        "kg", "mass of the third mode", above=0.0, default=math.inf, typical="400 g"
-    )
-    stiffness_3: Scalar = param(
-        "N/m", "stiffness of the third mode", above=0.0, default=math.inf, typical="2e5 N/m"
-    )
-    mass_4: Scalar = param(
-        "kg", "mass of the fourth mode", above=0.0, default=math.inf, typical="500 g"
-    )
-    stiffness_4: Scalar = param(
-        "N/m", "stiffness of the fourth mode", above=0.0, default=math.inf, typical="1e6 N/m"
-    )
+    stiffness: Scalar = param("N/m", "stiffness k of the first mode", above=0.0, high=1e9, typical="541 N/m")
+    damping: Scalar = param("N*s/m", "damping c of the first mode", low=0.0, high=1e6, typical="0.2 N*s/m")
+    mass_2: Scalar = param("kg", "mass of the second mode", above=0.0, default=math.inf, typical="300 g")
+    stiffness_2: Scalar = param("N/m", "stiffness of the second mode", above=0.0, default=math.inf, typical="2e4 N/m")
+    mass_3: Scalar = param("kg", "mass of the third mode", above=0.0, default=math.inf, typical="400 g")
+    stiffness_3: Scalar = param("N/m", "stiffness of the third mode", above=0.0, default=math.inf, typical="2e5 N/m")
+    mass_4: Scalar = param("kg", "mass of the fourth mode", above=0.0, default=math.inf, typical="500 g")
+    stiffness_4: Scalar = param("N/m", "stiffness of the fourth mode", above=0.0, default=math.inf, typical="1e6 N/m")
     unbalance: Scalar = param("kg", "mass m of the unbalance", low=0.0, high=1e3, typical="20 g")
-    eccentricity: Scalar = param(
-        "m", "distance r of the unbalance from the axis", low=0.0, high=1.0, typical="20 mm"
-    )
+    eccentricity: Scalar = param("m", "distance r of the unbalance from the axis", low=0.0, high=1.0, typical="20 mm")
     rotor_inertia: Scalar = param(
-        "kg*m^2",
-        "inertia J of the rotor without the unbalance",
-        above=0.0,
-        high=1e3,
-        typical="8e-5 kg*m^2",
+        "kg*m^2", "inertia J of the rotor without the unbalance", above=0.0, high=1e3, typical="8e-5 kg*m^2"
     )
     rotor_friction: Scalar = param(
-        "N*m*s/rad",
-        "viscous friction b of the rotor",
-        low=0.0,
-        high=1e3,
-        default=0.0,
-        typical="1e-5 N*m*s/rad",
+        "N*m*s/rad", "viscous friction b of the rotor", low=0.0, high=1e3, default=0.0, typical="1e-5 N*m*s/rad"
     )
     dry_friction: Scalar = param(
         "N*m", "dry friction F_c of the rotor", low=0.0, high=1e3, default=0.0, typical="1e-4 N*m"
     )
     friction_rate: Scalar = param(
-        "rad/s",
-        "rate v₀ over which dry friction changes sign",
-        above=0.0,
-        high=1e3,
-        default=0.1,
-        typical="5 rad/s",
+        "rad/s", "rate v₀ over which dry friction changes sign", above=0.0, high=1e3, default=0.1, typical="5 rad/s"
     )
-    torque_constant: Scalar = param(
-        "N*m/A", "torque per current K_T", low=0.0, high=1e3, typical="0.02 N*m/A"
-    )
-    back_emf: Scalar = param(
-        "V*s/rad", "voltage per speed K_B", low=0.0, high=1e3, typical="0.02 V*s/rad"
-    )
-    resistance: Scalar = param(
-        "ohm", "resistance R of the winding", above=0.0, high=1e6, typical="4 ohm"
-    )
-    inductance: Scalar = param(
-        "H", "inductance L of the winding", above=0.0, high=1e3, typical="20 mH"
-    )
+    torque_constant: Scalar = param("N*m/A", "torque per current K_T", low=0.0, high=1e3, typical="0.02 N*m/A")
+    back_emf: Scalar = param("V*s/rad", "voltage per speed K_B", low=0.0, high=1e3, typical="0.02 V*s/rad")
+    resistance: Scalar = param("ohm", "resistance R of the winding", above=0.0, high=1e6, typical="4 ohm")
+    inductance: Scalar = param("H", "inductance L of the winding", above=0.0, high=1e3, typical="20 mH")
     wire_length: Scalar = param(
-        "m",
-        "length l_w of the path of the wire at x = 0",
-        above=0.0,
-        default=math.inf,
-        typical="300 mm",
+        "m", "length l_w of the path of the wire at x = 0", above=0.0, default=math.inf, typical="300 mm"
     )
     wire_angle: Scalar = param(
         "rad", "angle θ of the wire to the beam at x = 0", low=0.0, high=1.57, default=math.pi / 12
@@ -256,9 +205,7 @@ class BeamMotor(AbstractMultibody):
         speed, current = motion.velocity[n], motion.velocity[n + 1]
         rows = list(zip(self._beam(xp), motion.position[:n], motion.velocity[:n], strict=True))
         bent = sum_column([k * q * q for (_, _, k), q, _ in rows])
-        moved = (
-            sum_column([m * v * v for (m, _, _), _, v in rows]) + self._turning() * speed * speed
-        )
+        moved = sum_column([m * v * v for (m, _, _), _, v in rows]) + self._turning() * speed * speed
         shared = moment * sum_column(motion.velocity[:n]) * speed * xp.cos(motion.position[n])
         coil = 0.5 * self.inductance * current * current
         return MechanicalEnergy(springs=0.5 * bent, kinetic=0.5 * moved + shared, magnetic=coil)

@@ -20,9 +20,7 @@ class BiasSpring(AbstractLoadLine):
     """A linear return spring with preload."""
 
     stiffness: Scalar = param("N/m", "spring rate", above=0.0, high=1e9, typical="150 N/m")
-    preload: Scalar = param(
-        "N", "force at assembly", low=0.0, high=1e6, default=0.0, typical="1.5 N"
-    )
+    preload: Scalar = param("N", "force at assembly", low=0.0, high=1e6, default=0.0, typical="1.5 N")
 
     def start_force(self, xp: Namespace) -> Scalar:
         """Preload [N]."""
@@ -33,9 +31,7 @@ class BiasSpring(AbstractLoadLine):
         pull = self.preload + self.stiffness * (assembly.elongation - spring.free)
         return xp.maximum(pull / (1.0 + self.stiffness * spring.compliance), 0.0)
 
-    def position(
-        self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar
-    ) -> Scalar:
+    def position(self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar) -> Scalar:
         """Shortening of the spring's path [m]; the spring's own length when slack."""
         return (force - self.preload) * (1.0 / self.stiffness)
 

@@ -4,12 +4,7 @@ from __future__ import annotations
 
 from martensite.actuators.elements.base import Spring
 from martensite.actuators.mechanisms.base import MECHANISMS, MechanicalEnergy
-from martensite.actuators.mechanisms.drawing import (
-    DrawingShape,
-    DrawingState,
-    draw_bar,
-    draw_weight,
-)
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar, draw_weight
 from martensite.actuators.mechanisms.load_line import AbstractLoadLine, LoadLineReference
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
@@ -20,9 +15,7 @@ class DeadWeight(AbstractLoadLine):
     """A hanging mass; inertia is left out, and the wire is never slack."""
 
     mass: Scalar = param("kg", "hanging mass", low=0.0, high=1e6, typical="200 g")
-    gravity: Scalar = param(
-        "m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665
-    )
+    gravity: Scalar = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
 
     def start_force(self, xp: Namespace) -> Scalar:
         """The weight m g [N]."""
@@ -32,9 +25,7 @@ class DeadWeight(AbstractLoadLine):
         """The weight m g [N]."""
         return self.start_force(xp)
 
-    def position(
-        self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar
-    ) -> Scalar:
+    def position(self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar) -> Scalar:
         """Lift of the mass [m]."""
         return assembly.elongation - elongation
 

@@ -84,11 +84,7 @@ def locate_along(first: Point, second: Point, way: float) -> Point:
 
 def move_point(point: Point, direction: Point, way: float) -> Point:
     """The point moved along a direction by a distance [m]."""
-    return (
-        point[0] + way * direction[0],
-        point[1] + way * direction[1],
-        point[2] + way * direction[2],
-    )
+    return (point[0] + way * direction[0], point[1] + way * direction[1], point[2] + way * direction[2])
 
 
 def lead_wire(port: str, path: Sequence[Point], rest: float, away: Point) -> list[DrawingShape]:
@@ -128,9 +124,7 @@ def draw_bar(name: str, size: float, *points: Point, kind: str = "link") -> Draw
 
 def draw_pin(name: str, at: Point, half: float, size: float) -> DrawingShape:
     """A pin along y, so many metres to either side."""
-    return DrawingShape(
-        name, "joint", ((at[0], at[1] - half, at[2]), (at[0], at[1] + half, at[2])), size
-    )
+    return DrawingShape(name, "joint", ((at[0], at[1] - half, at[2]), (at[0], at[1] + half, at[2])), size)
 
 
 def draw_weight(name: str, at: Point, mass: float, least: float, most: float) -> DrawingShape:
@@ -163,9 +157,7 @@ def draw_hanging(
     longest = max(reading.lengths.values(), default=0.1)
     apart = 0.3 * longest
     wide = 0.5 * apart * max(len(ports), len(turned), 1)
-    found = [
-        draw_bar("ceiling", 0.02 * longest, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="ground")
-    ]
+    found = [draw_bar("ceiling", 0.02 * longest, (-wide, 0.0, 0.0), (wide, 0.0, 0.0), kind="ground")]
     for k, (port, by) in enumerate(zip(ports, shortened, strict=True)):
         x = apart * (k - 0.5 * (len(ports) - 1))
         end = (x, 0.0, by - reading.lengths[port])

@@ -39,12 +39,7 @@ from martensite.actuators.mechanics.finger_drawing import drawn_finger
 from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.base import MECHANISMS, Column, MechanicalEnergy
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
-from martensite.actuators.mechanisms.joints import (
-    bowstring_arm,
-    find_stop_energy,
-    shorten_bowstring,
-    stop_torque,
-)
+from martensite.actuators.mechanisms.joints import bowstring_arm, find_stop_energy, shorten_bowstring, stop_torque
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar
@@ -58,58 +53,29 @@ class Finger(AbstractMultibody):
 
     cites = ("finger-paper",)
 
-    offset: Scalar = param(
-        "m", "distance r of the wire from the hinge", above=0.0, high=1.0, typical="4 mm"
-    )
+    offset: Scalar = param("m", "distance r of the wire from the hinge", above=0.0, high=1.0, typical="4 mm")
     bracket: Scalar = param(
-        "m",
-        "distance g of a bracket from the hinge, along the phalanx",
-        above=0.0,
-        high=1.0,
-        typical="5 mm",
+        "m", "distance g of a bracket from the hinge, along the phalanx", above=0.0, high=1.0, typical="5 mm"
     )
-    passes: Scalar = param(
-        "1", "how often the wire passes the hinge", low=1.0, high=100.0, default=2.0
-    )
+    passes: Scalar = param("1", "how often the wire passes the hinge", low=1.0, high=100.0, default=2.0)
     spring: str = option(
-        "return spring: always across its arm, or from a fixed end",
-        "follower",
-        "fixed",
-        default="follower",
+        "return spring: always across its arm, or from a fixed end", "follower", "fixed", default="follower"
     )
-    stiffness: Scalar = param(
-        "N/m", "rate of the return spring", low=0.0, high=1e6, typical="200 N/m"
-    )
-    arm: Scalar = param(
-        "m", "distance a of the spring from the hinge", above=0.0, high=1.0, typical="8 mm"
-    )
+    stiffness: Scalar = param("N/m", "rate of the return spring", low=0.0, high=1e6, typical="200 N/m")
+    arm: Scalar = param("m", "distance a of the spring from the hinge", above=0.0, high=1.0, typical="8 mm")
     extension: Scalar = param(
         "m", "extension of the spring at angle zero", low=0.0, high=1.0, default=0.0, typical="2 mm"
     )
-    height: Scalar = param(
-        "m", "distance H of the fixed end of the spring", above=0.0, high=10.0, default=0.05
-    )
-    friction: Scalar = param(
-        "1", "friction of the wire on brackets", low=0.0, high=2.0, default=0.0, typical=0.1
-    )
+    height: Scalar = param("m", "distance H of the fixed end of the spring", above=0.0, high=10.0, default=0.05)
+    friction: Scalar = param("1", "friction of the wire on brackets", low=0.0, high=2.0, default=0.0, typical=0.1)
     friction_rate: Scalar = param(
-        "rad/s",
-        "rate over which friction changes sign",
-        above=0.0,
-        high=100.0,
-        default=1e-2,
-        typical="5 rad/s",
+        "rad/s", "rate over which friction changes sign", above=0.0, high=100.0, default=1e-2, typical="5 rad/s"
     )
     lowest: Scalar = param("rad", "lower end stop", low=-6.3, high=0.0, default=-3.0)
     highest: Scalar = param("rad", "upper end stop", low=0.0, high=6.3, default=3.0)
     stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=10.0)
     damping: Scalar = param(
-        "N*m*s/rad",
-        "damping of the hinge",
-        low=0.0,
-        high=1e6,
-        default=0.0,
-        typical="2e-4 N*m*s/rad",
+        "N*m*s/rad", "damping of the hinge", low=0.0, high=1e6, default=0.0, typical="2e-4 N*m*s/rad"
     )
     inertia: Scalar = param(
         "kg*m^2", "inertia of the phalanx", above=0.0, high=1e6, default=1e-5, typical="2e-5 kg*m^2"

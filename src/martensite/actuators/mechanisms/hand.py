@@ -71,64 +71,32 @@ class Hand(AbstractMultibody):
         "passing",
         default="separate",
     )
-    offset: Scalar = param(
-        "m", "distance r of a flexor from the hinge", above=0.0, high=1.0, typical="4 mm"
-    )
+    offset: Scalar = param("m", "distance r of a flexor from the hinge", above=0.0, high=1.0, typical="4 mm")
     bracket: Scalar = param(
-        "m",
-        "distance g of a bracket from the hinge, along the phalanx",
-        low=0.0,
-        high=1.0,
-        typical="5 mm",
+        "m", "distance g of a bracket from the hinge, along the phalanx", low=0.0, high=1.0, typical="5 mm"
     )
-    knuckle: Scalar = param(
-        "m", "radius ρ of the knuckle under an extensor", above=0.0, high=1.0, typical="5 mm"
-    )
-    preload: Scalar = param(
-        "N", "force in every flexor at assembly", low=0.0, high=1e6, typical="2 N"
-    )
+    knuckle: Scalar = param("m", "radius ρ of the knuckle under an extensor", above=0.0, high=1.0, typical="5 mm")
+    preload: Scalar = param("N", "force in every flexor at assembly", low=0.0, high=1e6, typical="2 N")
     stiffness: Scalar = param(
         "N*m/rad", "rate of a joint spring", low=0.0, high=1e6, default=0.0, typical="2e-3 N*m/rad"
     )
     torque: Scalar = param(
-        "N*m",
-        "torque τ₀ of a joint spring at angle zero",
-        low=0.0,
-        high=1e6,
-        default=0.0,
-        typical="1e-3 N*m",
+        "N*m", "torque τ₀ of a joint spring at angle zero", low=0.0, high=1e6, default=0.0, typical="1e-3 N*m"
     )
-    lowest: Scalar = param(
-        "rad", "lower end stop of a joint", low=-3.1, high=0.0, default=0.0, typical="-0.5 rad"
-    )
+    lowest: Scalar = param("rad", "lower end stop of a joint", low=-3.1, high=0.0, default=0.0, typical="-0.5 rad")
     highest: Scalar = param("rad", "upper end stop of a joint", above=0.0, high=3.1, default=1.6)
     stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=10.0)
-    damping: Scalar = param(
-        "N*m*s/rad", "damping of a joint", low=0.0, high=1e6, default=0.0, typical="2e-4 N*m*s/rad"
-    )
-    proximal_length: Scalar = param(
-        "m", "length of a proximal phalanx", above=0.0, high=10.0, default=0.05
-    )
-    proximal_mass: Scalar = param(
-        "kg", "mass of a proximal phalanx", above=0.0, high=1e3, default=0.02
-    )
-    distal_length: Scalar = param(
-        "m", "length of a distal phalanx", above=0.0, high=10.0, default=0.04
-    )
+    damping: Scalar = param("N*m*s/rad", "damping of a joint", low=0.0, high=1e6, default=0.0, typical="2e-4 N*m*s/rad")
+    proximal_length: Scalar = param("m", "length of a proximal phalanx", above=0.0, high=10.0, default=0.05)
+    proximal_mass: Scalar = param("kg", "mass of a proximal phalanx", above=0.0, high=1e3, default=0.02)
+    distal_length: Scalar = param("m", "length of a distal phalanx", above=0.0, high=10.0, default=0.04)
     distal_mass: Scalar = param("kg", "mass of a distal phalanx", above=0.0, high=1e3, default=0.01)
     gravity: Scalar = param(
-        "m/s^2",
-        "gravity along the straight fingers",
-        low=0.0,
-        high=100.0,
-        default=0.0,
-        typical="9.81 m/s^2",
+        "m/s^2", "gravity along the straight fingers", low=0.0, high=100.0, default=0.0, typical="9.81 m/s^2"
     )
     thumb: Scalar = param("1", "size of the thumb", above=0.0, high=10.0, default=1.0, typical=0.9)
     index: Scalar = param("1", "size of the index finger", above=0.0, high=10.0, default=1.0)
-    middle: Scalar = param(
-        "1", "size of the middle finger", above=0.0, high=10.0, default=1.0, typical=1.1
-    )
+    middle: Scalar = param("1", "size of the middle finger", above=0.0, high=10.0, default=1.0, typical=1.1)
 
     def check(self) -> None:
         """Raise `ParameterError` if the extensors would have to push at assembly."""
@@ -161,8 +129,7 @@ class Hand(AbstractMultibody):
         """The angles, such as `thumb_proximal`."""
         words = product(FINGERS, JOINTS)
         return tuple(
-            Coordinate(f"{one}_{joint}", "rad", f"angle of the {joint} joint, {one}", "θ", 1.0)
-            for one, joint in words
+            Coordinate(f"{one}_{joint}", "rad", f"angle of the {joint} joint, {one}", "θ", 1.0) for one, joint in words
         )
 
     def contraction(self, xp: Namespace, position: Column) -> Column:
@@ -170,8 +137,7 @@ class Hand(AbstractMultibody):
         found: list[Scalar] = []
         for i, size in enumerate(self.sizes()):
             bent = [
-                size * shorten_bowstring(xp, angle, self.offset, self.bracket)
-                for angle in position[2 * i : 2 * i + 2]
+                size * shorten_bowstring(xp, angle, self.offset, self.bracket) for angle in position[2 * i : 2 * i + 2]
             ]
             if self.tendons == "passing":
                 bent[1] = bent[0] + bent[1]

@@ -36,17 +36,13 @@ def bowstring_arm(xp: Namespace, angle: Scalar, offset: Scalar, bracket: Scalar)
     return offset * xp.cos(h) + bracket * xp.sin(h)
 
 
-def stop_torque(
-    xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scalar, stiffness: Scalar
-) -> Scalar:
+def stop_torque(xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scalar, stiffness: Scalar) -> Scalar:
     """Torque [N m] that end stops ask for: a stiff spring outside of the range [rad]."""
     past = xp.maximum(angle - highest, 0.0) + xp.minimum(angle - lowest, 0.0)
     return stiffness * past
 
 
-def find_stop_energy(
-    xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scalar, stiffness: Scalar
-) -> Scalar:
+def find_stop_energy(xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scalar, stiffness: Scalar) -> Scalar:
     """Energy [J] that end stops hold."""
     past = xp.maximum(angle - highest, 0.0) + xp.minimum(angle - lowest, 0.0)
     return 0.5 * stiffness * past * past
@@ -61,9 +57,7 @@ class Rod(NamedTuple):
     """[kg]"""
 
 
-def two_rods(
-    xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair, accelerations: Pair
-) -> Pair:
+def two_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair, accelerations: Pair) -> Pair:
     """Torques [N m] that accelerate two links in a row."""
     end = second.mass * second.length * second.length * (1.0 / 3.0)
     across = 0.5 * second.mass * first.length * second.length
@@ -81,9 +75,7 @@ def hanging_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: 
     return gravity * (near + far), gravity * far
 
 
-def find_kinetic_energy(
-    xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair
-) -> Scalar:
+def find_kinetic_energy(xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair) -> Scalar:
     """Kinetic energy [J] of two links in a row."""
     end = second.mass * second.length * second.length * (1.0 / 3.0)
     across = 0.5 * second.mass * first.length * second.length * xp.cos(angles[1])
@@ -92,9 +84,7 @@ def find_kinetic_energy(
     return 0.5 * (base * near * near + end * both * both) + across * near * both
 
 
-def find_weight_energy(
-    xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: Scalar
-) -> Scalar:
+def find_weight_energy(xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: Scalar) -> Scalar:
     """Energy [J] of two links lifted against their weight; they hang down at angles zero."""
     far = 0.5 * second.mass * second.length * (1.0 - xp.cos(angles[0] + angles[1]))
     near = (0.5 * first.mass + second.mass) * first.length * (1.0 - xp.cos(angles[0]))

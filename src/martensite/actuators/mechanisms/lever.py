@@ -44,11 +44,7 @@ class Lever(AbstractMultibody):
 
     arm: Scalar = param("m", "arm a of the wire", above=0.0, high=10.0, typical="20 mm")
     distance: Scalar = param(
-        "m",
-        "distance ℓ of the fixed end of the wire from its arm",
-        above=0.0,
-        high=100.0,
-        typical="60 mm",
+        "m", "distance ℓ of the fixed end of the wire from its arm", above=0.0, high=100.0, typical="60 mm"
     )
     wire_angle: Scalar = param(
         "rad",
@@ -68,43 +64,21 @@ class Lever(AbstractMultibody):
         default=0.0,
         typical="0.2 rad",
     )
-    gravity: Scalar = param(
-        "m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665
-    )
+    gravity: Scalar = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
     stiffness: Scalar = param(
-        "N*m/rad",
-        "rate of the return spring",
-        low=0.0,
-        high=1e6,
-        default=0.0,
-        typical="0.05 N*m/rad",
+        "N*m/rad", "rate of the return spring", low=0.0, high=1e6, default=0.0, typical="0.05 N*m/rad"
     )
     torque: Scalar = param(
-        "N*m",
-        "torque of the return spring as assembled",
-        low=0.0,
-        high=1e6,
-        default=0.0,
-        typical="0.02 N*m",
+        "N*m", "torque of the return spring as assembled", low=0.0, high=1e6, default=0.0, typical="0.02 N*m"
     )
     lowest: Scalar = param("rad", "lower end stop", low=-3.1, high=0.0, default=-1.0)
     highest: Scalar = param("rad", "upper end stop", above=0.0, high=3.1, default=1.0)
     stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=100.0)
     damping: Scalar = param(
-        "N*m*s/rad",
-        "damping of the pivot",
-        low=0.0,
-        high=1e6,
-        default=0.0,
-        typical="0.01 N*m*s/rad",
+        "N*m*s/rad", "damping of the pivot", low=0.0, high=1e6, default=0.0, typical="0.01 N*m*s/rad"
     )
     inertia: Scalar = param(
-        "kg*m^2",
-        "inertia of the lever without the weight",
-        above=0.0,
-        high=1e6,
-        default=1e-6,
-        typical="1e-4 kg*m^2",
+        "kg*m^2", "inertia of the lever without the weight", above=0.0, high=1e6, default=1e-6, typical="1e-4 kg*m^2"
     )
 
     def dead_centre(self) -> float:

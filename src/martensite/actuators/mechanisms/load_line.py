@@ -13,14 +13,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from martensite.actuators.elements.base import AbstractElement, Pull, Spring, equilibrium_force
-from martensite.actuators.mechanisms.base import (
-    AbstractMechanism,
-    Column,
-    Load,
-    MechanicalEnergy,
-    Mechanics,
-    Output,
-)
+from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, MechanicalEnergy, Mechanics, Output
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
 
@@ -46,9 +39,7 @@ class AbstractLoadLine(AbstractMechanism):
         """Force [N] at which element and mechanism fit; never below zero."""
 
     @abstractmethod
-    def position(
-        self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar
-    ) -> Scalar:
+    def position(self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar) -> Scalar:
         """Coordinate of the mechanism [m]; zero at assembly, growing with contraction."""
 
     def energy(self, xp: Namespace, shortening: Scalar) -> MechanicalEnergy | None:
@@ -71,22 +62,13 @@ class AbstractLoadLine(AbstractMechanism):
         return [self.start_force(xp)]
 
     def init(
-        self,
-        xp: Namespace,
-        elements: Sequence[AbstractElement],
-        elongations: Column,
-        signals: Column,
+        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> LoadLineReference:
         """The elongation of the element as assembled."""
         return LoadLineReference(elongations[0])
 
     def advance(
-        self,
-        xp: Namespace,
-        memory: LoadLineReference,
-        loads: Sequence[Load],
-        signals: Column,
-        dt: Scalar,
+        self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[LoadLineReference, list[object], StepReport]:
         """The element solves the step by itself, against the load line."""
         ((element, state, heating),) = loads
@@ -103,9 +85,7 @@ class AbstractLoadLine(AbstractMechanism):
         def tangent(xp: Namespace, force: Scalar) -> Spring:
             return element.tangent(xp, state, force)
 
-        force = equilibrium_force(
-            xp, tangent, self.load_line(memory), element.force(state), element.passes
-        )
+        force = equilibrium_force(xp, tangent, self.load_line(memory), element.force(state), element.passes)
         elongation = element.elongation(xp, state, force)
         return [force], [self.position(xp, memory, force, elongation)]
 

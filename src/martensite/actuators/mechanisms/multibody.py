@@ -27,21 +27,8 @@ from typing import Any, NamedTuple
 from martensite.actuators.elements.base import AbstractElement, Effort
 from martensite.actuators.mechanics import condensed_step
 from martensite.actuators.mechanics.elimination import multiply_inner, solve_linear
-from martensite.actuators.mechanics.motion import (
-    Motion,
-    MotionHistory,
-    Scheme,
-    move_dynamically,
-    quasi_static,
-)
-from martensite.actuators.mechanisms.base import (
-    AbstractMechanism,
-    Column,
-    Load,
-    MechanicalEnergy,
-    Mechanics,
-    Output,
-)
+from martensite.actuators.mechanics.motion import Motion, MotionHistory, Scheme, move_dynamically, quasi_static
+from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, MechanicalEnergy, Mechanics, Output
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_hanging
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
@@ -82,11 +69,7 @@ class AbstractMultibody(AbstractMechanism):
         default="quasi-static",
     )
     rho_inf: Scalar = param(
-        "1",
-        "share of the fastest oscillation that a dynamic step keeps",
-        low=0.0,
-        high=1.0,
-        default=0.8,
+        "1", "share of the fastest oscillation that a dynamic step keeps", low=0.0, high=1.0, default=0.8
     )
 
     # ---------------------------------------------------------------- a subclass answers
@@ -153,26 +136,18 @@ class AbstractMultibody(AbstractMechanism):
         return {c.name: 1e-3 * c.size for c in self.coordinates()}
 
     def init(
-        self,
-        xp: Namespace,
-        elements: Sequence[AbstractElement],
-        elongations: Column,
-        signals: Column,
+        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> Assembled:
         """At home and at rest; with inertia, under the acceleration that the signals give it."""
         rest = (0.0,) * len(self.coordinates())
         place = tuple(self.home(xp))
         pull = self.supply(xp, place, self.start_forces(xp), rest)
         start = self.release(xp, Motion(place, rest, rest), pull, signals)
-        course = (
-            MotionHistory(place, rest, start, start) if self.moves else MotionHistory(place, rest)
-        )
+        course = MotionHistory(place, rest, start, start) if self.moves else MotionHistory(place, rest)
         unknown = (0.0,) * len(elements)
         return Assembled(tuple(self.assembled_elongations(xp, elongations)), course, unknown)
 
-    def release(
-        self, xp: Namespace, motion: Motion, supply: Column, signals: Column
-    ) -> tuple[Scalar, ...]:
+    def release(self, xp: Namespace, motion: Motion, supply: Column, signals: Column) -> tuple[Scalar, ...]:
         """Accelerations [of the coordinates] under given generalised forces."""
         if not self.moves:
             return motion.acceleration
@@ -185,9 +160,7 @@ class AbstractMultibody(AbstractMechanism):
         free = [s - n for s, n in zip(supply, needs, strict=True)]
         return tuple(solve_linear(inertia, [free])[0])
 
-    def supply(
-        self, xp: Namespace, position: Column, forces: Column, velocity: Column
-    ) -> list[Scalar]:
+    def supply(self, xp: Namespace, position: Column, forces: Column, velocity: Column) -> list[Scalar]:
         """Generalised forces [N] or [N m] of given tensions [N]."""
         if not self.ports():
             return [0.0] * len(position)
@@ -219,9 +192,7 @@ class AbstractMultibody(AbstractMechanism):
         now = memory.course
         return forces, [*now.position, *(now.velocity if self.moves else ())]
 
-    def mechanics(
-        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
-    ) -> Mechanics | None:
+    def mechanics(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Mechanics | None:
         """Its energy, what resists along every coordinate, and what friction takes of tensions."""
         motion = memory.course.motion()
         held = self.energy(xp, motion)
@@ -229,19 +200,14 @@ class AbstractMultibody(AbstractMechanism):
             return None
         held = held if self.moves else held._replace(kinetic=0.0)
         rows = zip(
-            self.dissipative(xp, motion),
-            self.external_forces(xp, motion, signals),
-            motion.position,
-            strict=True,
+            self.dissipative(xp, motion), self.external_forces(xp, motion, signals), motion.position, strict=True
         )
         efforts = [(Effort(taken, q), Effort(-given, q)) for taken, given, q in rows]
         dissipated, outside = zip(*efforts, strict=True)
         paths = self.contraction(xp, motion.position)
         ways, rubbed = list[Scalar](), list[Effort]()
         shares = self.transmission(xp, motion)
-        for (element, state, _), home, path, share in zip(
-            loads, memory.home, paths, shares, strict=True
-        ):
+        for (element, state, _), home, path, share in zip(loads, memory.home, paths, shares, strict=True):
             force = element.force(state)
             taut = home - element.elongation(xp, state, force)
             ways.append(xp.where(force > 0.0, taut, path))
@@ -251,9 +217,7 @@ class AbstractMultibody(AbstractMechanism):
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """Its elements, as they get shorter, and its angles, unless it has a shape of its own."""
         home = self.home(floats)
-        place = [
-            reading.outputs.get(c.name, h) for c, h in zip(self.coordinates(), home, strict=True)
-        ]
+        place = [reading.outputs.get(c.name, h) for c, h in zip(self.coordinates(), home, strict=True)]
         turned = [q for c, q in zip(self.coordinates(), place, strict=True) if c.unit == "rad"]
         shortened = [float(by) for by in self.contraction(floats, place)]
         return draw_hanging(self.ports(), shortened, turned, reading)

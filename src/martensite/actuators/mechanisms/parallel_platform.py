@@ -32,12 +32,7 @@ from martensite.actuators.mechanics.platform_inertia import (
     weight_energy,
     weight_torques,
 )
-from martensite.actuators.mechanics.platform_kinematics import (
-    Plates,
-    compute_lengths,
-    locate_corners,
-    locate_vertices,
-)
+from martensite.actuators.mechanics.platform_kinematics import Plates, compute_lengths, locate_corners, locate_vertices
 from martensite.actuators.mechanisms.base import MECHANISMS, Column, MechanicalEnergy
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar, lead_wire
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
@@ -55,17 +50,12 @@ class ParallelPlatform(AbstractMultibody):
 
     cites = ("ranjith2018",)
 
-    side: Scalar = param(
-        "m", "side s of the triangular plates", above=0.0, high=10.0, typical="100 mm"
-    )
-    height: Scalar = param(
-        "m", "distance h of the plates at home", above=0.0, high=10.0, typical="50 mm"
-    )
+    side: Scalar = param("m", "side s of the triangular plates", above=0.0, high=10.0, typical="100 mm")
+    height: Scalar = param("m", "distance h of the plates at home", above=0.0, high=10.0, typical="50 mm")
     mass: Scalar = param("kg", "mass M of the top plate", above=0.0, high=1e6, typical="100 g")
     inertia: Scalar = param(
         "kg*m^2",
-        "moment of inertia about an axis in the plate through its centroid; 0 for that of a "
-        "uniform triangle, M s²/24",
+        "moment of inertia about an axis in the plate through its centroid; 0 for that of a uniform triangle, M s²/24",
         low=0.0,
         high=1e6,
         default=0.0,
@@ -86,16 +76,9 @@ class ParallelPlatform(AbstractMultibody):
         default=9.80665,
     )
     damping: Scalar = param(
-        "N*m*s/rad",
-        "damping b of each axis of the joint",
-        low=0.0,
-        high=1e6,
-        default=0.0,
-        typical="1e-3 N*m*s/rad",
+        "N*m*s/rad", "damping b of each axis of the joint", low=0.0, high=1e6, default=0.0, typical="1e-3 N*m*s/rad"
     )
-    preload: Scalar = param(
-        "N", "force in all springs at assembly", low=0.0, high=1e6, default=0.0, typical="3 N"
-    )
+    preload: Scalar = param("N", "force in all springs at assembly", low=0.0, high=1e6, default=0.0, typical="3 N")
 
     def check(self) -> None:
         """Raise `ParameterError` if the joint would be below the base."""
@@ -139,10 +122,7 @@ class ParallelPlatform(AbstractMultibody):
         if self.moves:
             moving = inertia_forces(xp, plate, alpha, rates, AngleRates(*motion.acceleration))
         weight = weight_torques(xp, plate, self.gravity, alpha, beta)
-        return [
-            inertia + self.damping * rate - pull
-            for inertia, rate, pull in zip(moving, rates, weight, strict=True)
-        ]
+        return [inertia + self.damping * rate - pull for inertia, rate, pull in zip(moving, rates, weight, strict=True)]
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
         """Of the weight and of the plate that moves."""

@@ -37,31 +37,17 @@ class AntagonisticPulley(AbstractMultibody):
     typical_scenario = "antagonistic_wires"
 
     radius: Scalar = param("m", "radius of the rim", above=0.0, high=10.0, typical="8 mm")
-    preload: Scalar = param(
-        "N", "force in both elements at assembly", low=0.0, high=1e6, typical="3 N"
-    )
+    preload: Scalar = param("N", "force in both elements at assembly", low=0.0, high=1e6, typical="3 N")
     stiffness: Scalar = param(
         "N*m/rad", "stiffness of the joint", low=0.0, high=1e6, default=0.0, typical="0.01 N*m/rad"
     )
     moment: Scalar = param(
-        "N*m",
-        "weight moment of a lever that hangs down",
-        low=0.0,
-        high=1e6,
-        default=0.0,
-        typical="0.02 N*m",
+        "N*m", "weight moment of a lever that hangs down", low=0.0, high=1e6, default=0.0, typical="0.02 N*m"
     )
     damping: Scalar = param(
-        "N*m*s/rad",
-        "damping of the joint",
-        low=0.0,
-        high=1e6,
-        default=0.0,
-        typical="1e-3 N*m*s/rad",
+        "N*m*s/rad", "damping of the joint", low=0.0, high=1e6, default=0.0, typical="1e-3 N*m*s/rad"
     )
-    inertia: Scalar = param(
-        "kg*m^2", "inertia", above=0.0, high=1e6, default=1e-5, typical="1e-4 kg*m^2"
-    )
+    inertia: Scalar = param("kg*m^2", "inertia", above=0.0, high=1e6, default=1e-5, typical="1e-4 kg*m^2")
 
     def ports(self) -> tuple[str, ...]:
         """The one that pulls φ up, and the other."""
@@ -117,9 +103,7 @@ class AntagonisticPulley(AbstractMultibody):
             start = min(free, straight) if free > 0.0 else 0.5 * r
             path = [(-start, 0.0, side * r), *((x, 0.0, z) for x, z in rim)]
             found += [
-                draw_bar(
-                    f"tie {port}", 0.04 * r, (-straight, 0.0, side * r), path[0], kind="tether"
-                ),
+                draw_bar(f"tie {port}", 0.04 * r, (-straight, 0.0, side * r), path[0], kind="tether"),
                 DrawingShape(port, "wire", tuple(path), 0.0, port),
             ]
         if self.moment > 0.0:

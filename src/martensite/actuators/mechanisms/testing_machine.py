@@ -27,13 +27,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from martensite.actuators.elements.base import (
-    AbstractElement,
-    Effort,
-    Pull,
-    Spring,
-    equilibrium_force,
-)
+from martensite.actuators.elements.base import AbstractElement, Effort, Pull, Spring, equilibrium_force
 from martensite.actuators.mechanisms.base import (
     MECHANISMS,
     AbstractMechanism,
@@ -87,18 +81,10 @@ class TensileTestingMachine(AbstractMechanism):
         typical="1e4 N/m",
     )
     section: Scalar = param(
-        "m^2",
-        "section A that makes a force of a prescribed stress",
-        above=0.0,
-        default=math.inf,
-        typical="5 m^2",
+        "m^2", "section A that makes a force of a prescribed stress", above=0.0, default=math.inf, typical="5 m^2"
     )
     gauge_length: Scalar = param(
-        "m",
-        "length l that makes an elongation of a prescribed strain",
-        above=0.0,
-        default=math.inf,
-        typical="100 mm",
+        "m", "length l that makes an elongation of a prescribed strain", above=0.0, default=math.inf, typical="100 mm"
     )
 
     def check(self) -> None:
@@ -134,22 +120,13 @@ class TensileTestingMachine(AbstractMechanism):
         return [xp.maximum(self._target(signals), 0.0)] if self._pulls else [self.preload]
 
     def init(
-        self,
-        xp: Namespace,
-        elements: Sequence[AbstractElement],
-        elongations: Column,
-        signals: Column,
+        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
     ) -> MountedElement:
         """The element as mounted."""
         return MountedElement(elongations[0], self.first_forces(xp, signals)[0])
 
     def advance(
-        self,
-        xp: Namespace,
-        memory: MountedElement,
-        loads: Sequence[Load],
-        signals: Column,
-        dt: Scalar,
+        self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column, dt: Scalar
     ) -> tuple[MountedElement, list[Any], StepReport]:
         """The element solves the step by itself, against what is prescribed at its end."""
         ((element, state, heating),) = loads
@@ -172,9 +149,7 @@ class TensileTestingMachine(AbstractMechanism):
         travel = self._travel(xp, memory, element, state, force, signals)
         return [force], [give - travel, travel]
 
-    def mechanics(
-        self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column
-    ) -> Mechanics:
+    def mechanics(self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column) -> Mechanics:
         """½ F²/k of frame and grips; the crosshead, as it travels, works against the drive."""
         ((element, state, _),) = loads
         force = element.force(state)
@@ -195,10 +170,7 @@ class TensileTestingMachine(AbstractMechanism):
         gives = math.isfinite(self.stiffness)
         return [
             draw_bar("base", thick, (-wide, 0.0, -thick), (wide, 0.0, -thick), kind="ground"),
-            *(
-                draw_bar(f"column {k}", 0.6 * thick, *s, kind="ground")
-                for k, s in enumerate(sides, 1)
-            ),
+            *(draw_bar(f"column {k}", 0.6 * thick, *s, kind="ground") for k, s in enumerate(sides, 1)),
             draw_bar("crosshead", thick, (-wide, 0.0, head), (wide, 0.0, head)),
             DrawingShape("element", "wire", ((0.0, 0.0, 0.0), rod[0]), 0.0, "element"),
             DrawingShape("frame and grips", "spring" if gives else "link", rod, thick),

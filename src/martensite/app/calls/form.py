@@ -66,9 +66,7 @@ def _remove_entries(text: str, removed: list[Any]) -> str:
 def _describe_missing(missing: Sequence[MissingNumber]) -> MissingNumbers:
     """What is still needed."""
     names = ", ".join(f"`{one.name}` ({one.declared.doc})" for one in missing)
-    said = (
-        f"`{missing[0].owner}` needs {names}: there is no start value, and the material has none."
-    )
+    said = f"`{missing[0].owner}` needs {names}: there is no start value, and the material has none."
     return {"text": None, "refused": said, "missing": [_build_control(one) for one in missing]}
 
 

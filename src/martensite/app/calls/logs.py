@@ -89,10 +89,7 @@ def _list_notes(raw: RawTable, meant: list[Guess]) -> Iterator[str]:
     elif raw.ragged:
         yield f"{raw.first_ragged}."
     if any(column.wrong for column in raw.columns):
-        yield (
-            "Some cells are no numbers. Do not use their columns, leave out such rows, or mend "
-            "the file."
-        )
+        yield ("Some cells are no numbers. Do not use their columns, leave out such rows, or mend the file.")
     if raw.rows > LONG:
         yield f"The file has {raw.rows:,} rows; thin it out in the next step."
     if not any(guess.name == "time" for guess in meant):
@@ -187,11 +184,7 @@ def match_scenario(request: Request, desk: Desk) -> JsonTable:
         scenario = build_scenario({"text": text}, records[0])
     except MartensiteError as error:
         return {**known, "title": "", "refused": str(error), "numbers": [], "outputs": []}
-    return {
-        **known,
-        **_describe_built(scenario, records[0]),
-        "drives": _list_drives(document, scenario),
-    }
+    return {**known, **_describe_built(scenario, records[0]), "drives": _list_drives(document, scenario)}
 
 
 def _list_drives(document: Request, scenario: Scenario) -> list[dict[str, str]]:
@@ -209,9 +202,7 @@ def _describe_built(scenario: Scenario, record: Record) -> JsonTable:
     outputs, refused = list[JsonTable](), ""
     try:
         found, _, notes = match_columns(record, system, (), scenario.follows)
-        outputs = [
-            {"name": name, **describe_display(name, system.outputs()[name].unit)} for name in found
-        ]
+        outputs = [{"name": name, **describe_display(name, system.outputs()[name].unit)} for name in found]
     except MartensiteError as error:
         refused, notes = str(error), []
     return {
@@ -221,8 +212,6 @@ def _describe_built(scenario: Scenario, record: Record) -> JsonTable:
         "follows": scenario.follows,
         "echoes": sorted(list_echoes(system)),
         "numbers": list_numbers(scenario),
-        "outputs": [
-            {**one, "difference": describe_difference(one["name"], one["unit"])} for one in outputs
-        ],
+        "outputs": [{**one, "difference": describe_difference(one["name"], one["unit"])} for one in outputs],
         "notes": [*notes, *scenario.cautions],
     }

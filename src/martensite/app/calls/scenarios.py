@@ -43,9 +43,7 @@ def compare_documents(request: Request, desk: Desk) -> JsonTable:
     -> {"rows": [{"path": "element.diameter", "values": ["0.2 mm", null]}]}
     """
     texts = require_entry(request, "texts", list)
-    if len(texts) > MOST_DOCUMENTS or not all(
-        isinstance(t, str) and len(t) <= LONGEST_TEXT for t in texts
-    ):
+    if len(texts) > MOST_DOCUMENTS or not all(isinstance(t, str) and len(t) <= LONGEST_TEXT for t in texts):
         raise BadMessageError(f"`texts` must be at most {MOST_DOCUMENTS} documents, each a text.")
     documents = [dict(_flatten_document(toml_document(text, "A document"))) for text in texts]
     paths = dict.fromkeys(path for document in documents for path in document)

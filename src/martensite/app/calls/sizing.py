@@ -79,9 +79,7 @@ def convert_field(name: str, text: str) -> Any:
     """
     declared = WireRequest.declarations[name]
     if declared.kind == "parameter":
-        units.parse_quantity(
-            text, declared.unit
-        )  # its sentences stand beside the field and need no owner
+        units.parse_quantity(text, declared.unit)  # its sentences stand beside the field and need no owner
     return declared.convert("the sizing", name, text)
 
 
@@ -157,9 +155,7 @@ def size_wires(request: Request, desk: Desk) -> JsonTable:
     wire, catalogue = read_request(request), load_wires()
     total = len(catalogue.sizes) * len(wire.alloys())
     desk.tell({"done": 0, "of": total})
-    sizing = size_wire(
-        wire, catalogue, lambda done, of: desk.tell({"done": done, "of": of}), desk.stop.is_set
-    )
+    sizing = size_wire(wire, catalogue, lambda done, of: desk.tell({"done": done, "of": of}), desk.stop.is_set)
     return {
         "asked": read_fields(request),
         "columns": [" ".join(name.split("\n")).strip() for name in words.COLUMNS],
@@ -171,9 +167,7 @@ def size_wires(request: Request, desk: Desk) -> JsonTable:
     }
 
 
-def _describe_candidate(
-    request: WireRequest, number: int, found: Candidate, catalogue: WireCatalogue
-) -> JsonTable:
+def _describe_candidate(request: WireRequest, number: int, found: Candidate, catalogue: WireCatalogue) -> JsonTable:
     limits = list_margins(request, found)
     text, refused = _write_scenario(request, found, catalogue)
     return {
@@ -192,10 +186,7 @@ def _describe_candidate(
 def _describe_margin(margin: Margin) -> JsonTable:
     """A margin with its numbers as they are shown."""
     shown = "" if margin.unit == margin.shown == "1" else margin.shown
-    used, limit = (
-        f"{units.from_si(value, margin.shown, margin.unit):.3g}"
-        for value in (margin.used, margin.limit)
-    )
+    used, limit = (f"{units.from_si(value, margin.shown, margin.unit):.3g}" for value in (margin.used, margin.limit))
     return {
         "name": margin.name,
         "share": margin.share,
@@ -206,9 +197,7 @@ def _describe_margin(margin: Margin) -> JsonTable:
     }
 
 
-def _write_scenario(
-    request: WireRequest, found: Candidate, catalogue: WireCatalogue
-) -> tuple[str | None, str]:
+def _write_scenario(request: WireRequest, found: Candidate, catalogue: WireCatalogue) -> tuple[str | None, str]:
     """Its scenario, or the sentence why there is none."""
     try:
         return format_scenario(request, found, catalogue), ""

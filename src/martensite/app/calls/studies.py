@@ -50,11 +50,7 @@ def list_missing_data(study: AbstractStudy) -> list[dict[str, str]]:
     """Data sets of a study that are not on this machine, wholly or in part."""
     absent = [name for name in study.data if not _is_complete(name)]
     return [
-        {
-            "name": name,
-            "title": describe_dataset(name).title,
-            "fetch": f"martensite data fetch {name}",
-        }
+        {"name": name, "title": describe_dataset(name).title, "fetch": f"martensite data fetch {name}"}
         for name in absent
     ]
 

@@ -36,10 +36,7 @@ def describe_sweep_form(request: Request, desk: Desk) -> JsonTable:
         "text": scenario.text,
         "missing": _find_missing_extra(),
         "targets": list(_list_targets(scenario)),
-        "designs": [
-            {"name": n, "about": summarise_class(DESIGNS[n])}
-            for n in _sort_grid_first(DESIGNS.names())
-        ],
+        "designs": [{"name": n, "about": summarise_class(DESIGNS[n])} for n in _sort_grid_first(DESIGNS.names())],
         "measures": [_describe_measure(name, scenario) for name in MEASURES.names()],
         "outputs": [
             {"name": name, "about": one.long_name, "unit": units.choose_readable_unit(one.unit)}
@@ -68,9 +65,7 @@ def _sort_grid_first(names: list[str]) -> list[str]:
 
 def _list_targets(scenario: Scenario) -> Iterator[JsonTable]:
     """Numbers that can be varied: value and bounds in a unit that people read."""
-    leaves: dict[str | None, dict[str, Declared]] = {
-        None: {one.path: one.declared for one in scenario.whole.leaves()}
-    }
+    leaves: dict[str | None, dict[str, Declared]] = {None: {one.path: one.declared for one in scenario.whole.leaves()}}
     for name, wave in list_waveforms(scenario).items():
         leaves[name] = {one.path: one.declared for one in wave.leaves()}
     for target in list_targets(scenario).values():
@@ -101,12 +96,7 @@ def _describe_measure(name: str, scenario: Scenario) -> JsonTable:
         parse_measure(name).columns(scenario.whole)
     except MartensiteError:
         alone = False
-    return {
-        "name": name,
-        "about": summarise_class(kind),
-        "alone": alone,
-        "usual": _find_usual(name, kind),
-    }
+    return {"name": name, "about": summarise_class(kind), "alone": alone, "usual": _find_usual(name, kind)}
 
 
 def _find_usual(name: str, kind: type[AbstractMeasure]) -> str:

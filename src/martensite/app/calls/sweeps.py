@@ -16,13 +16,7 @@ from martensite.app.sweeping.store_summary import summarise_store
 from martensite.app.sweeping.sweep_drawing import SweepDrawing
 from martensite.app.sweeping.sweep_folder import SweepFolder, hold_store, make_slug
 from martensite.app.sweeping.sweep_progress import SweepProgress, name_statuses
-from martensite.app.sweeping.sweep_request import (
-    check_request,
-    read_texts,
-    read_wanted,
-    read_workers,
-    require_size,
-)
+from martensite.app.sweeping.sweep_request import check_request, read_texts, read_wanted, read_workers, require_size
 from martensite.app.sweeping.timing import choose_chunk, time_block
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError
@@ -186,8 +180,7 @@ def read_row(request: Request, desk: Desk) -> JsonTable:
         raise DataError(f"There is no run {row} in this sweep of {plan.size:,} runs.")
     values = plan.values(range(row, row + 1))[0].tolist()
     changes = {
-        one.target.name: exact_text(value, one.target.unit)
-        for one, value in zip(plan.axes, values, strict=True)
+        one.target.name: exact_text(value, one.target.unit) for one, value in zip(plan.axes, values, strict=True)
     }
     scenario = build_packaged(spec["scenario"], changes)
     return {"text": scenario.text, "values": values, "changes": changes}
@@ -206,17 +199,11 @@ def find_front(request: Request, desk: Desk) -> JsonTable:
     """
     table = read_sweep(SweepFolder(desk.folder).path(require_entry(request, "key", str)))
     try:
-        front = find_pareto_front(
-            table, read_texts(request, "minimise", []), read_texts(request, "maximise", [])
-        )
+        front = find_pareto_front(table, read_texts(request, "minimise", []), read_texts(request, "maximise", []))
     except DataError as error:  # as long as no run is there
         return {**NO_FRONT, "why": str(error)}
     never = len(table.status) - table.missing - table.failed - front.compared
-    counts = (
-        (table.missing, "not made yet"),
-        (table.failed, "failed"),
-        (never, "what is wanted never happened"),
-    )
+    counts = ((table.missing, "not made yet"), (table.failed, "failed"), (never, "what is wanted never happened"))
     runs = front.runs[:: max(-(-len(front.runs) // MOST_LISTED), 1)]
     return {
         "rows": runs.tolist(),
@@ -243,8 +230,7 @@ def estimate_indices(request: Request, desk: Desk) -> JsonTable:
         "used": found.used,
         "names": [found.names[k] for k in found.order],
         "indices": {
-            kind: {"values": one.values[found.order], "wide": one.wide[found.order]}
-            for kind, one in kinds.items()
+            kind: {"values": one.values[found.order], "wide": one.wide[found.order]} for kind, one in kinds.items()
         },
         "remarks": found.remarks,
     }

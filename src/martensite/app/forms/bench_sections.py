@@ -71,11 +71,5 @@ def describe_run(scenario: Scenario, walk: ControlWalk) -> GroupNode:
 
 def _list_controls(walk: ControlWalk, part: Parametrised, place: Paths) -> list[FormNode]:
     """Controls of a component that the scenario has not kept."""
-    own = replace(
-        walk,
-        written=place,
-        noted=place,
-        unit=lambda leaf: leaf.declared.unit,
-        skipped=lambda path: False,
-    )
+    own = replace(walk, written=place, noted=place, unit=lambda leaf: leaf.declared.unit, skipped=lambda path: False)
     return own.group(part, "", "")["items"]

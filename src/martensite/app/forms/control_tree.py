@@ -76,9 +76,7 @@ class ControlWalk:
         made["items"] = list(self._items(part, path, made))
         return made
 
-    def _kind(
-        self, part: Parametrised, path: str, registry: Registry[Any], default: Any
-    ) -> KindChoice:
+    def _kind(self, part: Parametrised, path: str, registry: Registry[Any], default: Any) -> KindChoice:
         place, value = f"{self.written(path)}.kind", part.registered_name
         self.spots[place] = GroupSpot(self, path, part, registry)
         changed = isinstance(default, Parametrised) and default.registered_name != value
@@ -98,9 +96,7 @@ class ControlWalk:
                 later += self._parts(part, below, name, declared, owner)
         yield from later
 
-    def _parts(
-        self, part: Parametrised, path: str, name: str, declared: Declared, owner: GroupNode
-    ) -> list[FormNode]:
+    def _parts(self, part: Parametrised, path: str, name: str, declared: Declared, owner: GroupNode) -> list[FormNode]:
         value = part.__dict__[name]
         if not isinstance(value, Parametrised) or self.skipped(path):
             return []
@@ -114,15 +110,10 @@ class ControlWalk:
 
     def members(self, value: Members[Any], path: str, title: str, meaning: str = "") -> GroupNode:
         """Components by names of the user's own."""
-        below = [
-            self.group(one, f"{path}.{name}", name, "", value.registry)
-            for name, one in value.members().items()
-        ]
+        below = [self.group(one, f"{path}.{name}", name, "", value.registry) for name, one in value.members().items()]
         return build_group(self.written(path), spell_title(title), below, meaning=meaning)
 
-    def _spot(
-        self, part: Parametrised, path: str, name: str, declared: Declared
-    ) -> EntrySpot | None:
+    def _spot(self, part: Parametrised, path: str, name: str, declared: Declared) -> EntrySpot | None:
         """Where an entry stands; None if it has a control already."""
         place, noted = self.written(path), self.noted(path)
         if place in self.seen:
@@ -136,9 +127,7 @@ class ControlWalk:
                 said = "start"
         return EntrySpot(place, name, declared, said, self.material)
 
-    def _single(
-        self, part: Parametrised, path: str, name: str, declared: Declared
-    ) -> Iterator[SingleNode]:
+    def _single(self, part: Parametrised, path: str, name: str, declared: Declared) -> Iterator[SingleNode]:
         spot = self._spot(part, path, name, declared)
         value = part.__dict__[name]
         if spot is None:
@@ -150,9 +139,7 @@ class ControlWalk:
         else:
             yield controls.describe_text(spot, value)
 
-    def _row(
-        self, part: Parametrised, path: str, name: str, declared: Declared
-    ) -> Iterator[SingleNode]:
+    def _row(self, part: Parametrised, path: str, name: str, declared: Declared) -> Iterator[SingleNode]:
         spot = self._spot(part, path, name, declared)
         value = part.__dict__[name]
         if spot is not None:
@@ -164,9 +151,7 @@ class ControlWalk:
         """Samples as the document lists them; what a file holds is not shown."""
         raw = documents.find_entry(self.document, self.written(path))
         if raw is not None:
-            yield controls.describe_row(
-                EntrySpot(self.written(path), name, declared, "scenario"), raw
-            )
+            yield controls.describe_row(EntrySpot(self.written(path), name, declared, "scenario"), raw)
 
 
 def _rank_entry(part: Parametrised) -> Callable[[tuple[str, Declared]], tuple[bool, bool]]:
@@ -180,9 +165,7 @@ def place_units(drive_unit: str) -> Callable[[Leaf], str]:
     return lambda leaf: drive_unit if leaf.declared.unit == DRIVE else leaf.declared.unit
 
 
-def build_group(
-    path: str, title: str, items: Sequence[FormNode] = (), note: str = "", meaning: str = ""
-) -> GroupNode:
+def build_group(path: str, title: str, items: Sequence[FormNode] = (), note: str = "", meaning: str = "") -> GroupNode:
     """A group without a kind."""
     return {
         "sort": "group",

@@ -70,9 +70,7 @@ def change_kind(scenario: Scenario, path: str, kind: str, given: JsonTable) -> C
 # ---------------------------------------------------------------- places
 
 
-def _list_candidates(
-    scenario: Scenario, document: JsonTable, path: str, kind: str
-) -> Iterator[ChangedScenario]:
+def _list_candidates(scenario: Scenario, document: JsonTable, path: str, kind: str) -> Iterator[ChangedScenario]:
     """Documents with the other kind, the one that keeps most first."""
     spot = _find_spot(scenario, path)
     registry = spot.registry
@@ -98,12 +96,7 @@ def _find_spot(scenario: Scenario, path: str) -> GroupSpot:
 
 
 def _put_kind(
-    scenario: Scenario,
-    document: JsonTable,
-    path: str,
-    spot: GroupSpot,
-    cls: type[Parametrised],
-    fresh: bool,
+    scenario: Scenario, document: JsonTable, path: str, spot: GroupSpot, cls: type[Parametrised], fresh: bool
 ) -> ChangedScenario:
     """The document with a table for another class where the kind of a part stands."""
     made, place, registry = deepcopy(document), path.removesuffix(f".{KIND}"), spot.registry
@@ -141,11 +134,7 @@ def _find_material(scenario: Scenario, place: str) -> Material | None:
 
 
 def _keep_entries(
-    registry: Registry[Any],
-    cls: type[Parametrised],
-    was: type[Parametrised],
-    old: JsonTable,
-    fresh: bool,
+    registry: Registry[Any], cls: type[Parametrised], was: type[Parametrised], old: JsonTable, fresh: bool
 ) -> JsonTable:
     """Entries of a table that belong to no kind."""
     inner = [name for name, _ in list_nested(cls)]
@@ -155,10 +144,6 @@ def _keep_entries(
         "sensor": [n for n in (*MountedSensor.declarations, NAME) if n != "of" or not fresh],
         "controller": [PERIOD, REFERENCE, *(n for n in inner if inner.count(n) == 1)],
     }.get(registry.kind, [])
-    own = (
-        cls.declarations
-        if registry.kind != "controller"
-        else {**cls.declarations, **was.declarations}
-    )
+    own = cls.declarations if registry.kind != "controller" else {**cls.declarations, **was.declarations}
     always = (PERIOD, REFERENCE)
     return {n: old[n] for n in names if n in old and (n not in own or n in always)}

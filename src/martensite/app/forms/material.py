@@ -6,13 +6,7 @@ from copy import deepcopy
 
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.app.forms import documents
-from martensite.app.forms.table_filler import (
-    KIND,
-    ChangedScenario,
-    TableFiller,
-    read_kind,
-    without_material,
-)
+from martensite.app.forms.table_filler import KIND, ChangedScenario, TableFiller, read_kind, without_material
 from martensite.app.messages import JsonTable
 from martensite.app.packaged_scenarios import FOLDER
 from martensite.base.parameters import REQUIRED, Parametrised

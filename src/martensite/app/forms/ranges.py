@@ -93,9 +93,7 @@ def _choose_ends(value: float, declared: Declared) -> tuple[float, float, bool]:
     return low, size, False
 
 
-def _choose_signed_ends(
-    value: float, unit: str, low: float, high: float
-) -> tuple[float, float, bool]:
+def _choose_signed_ends(value: float, unit: str, low: float, high: float) -> tuple[float, float, bool]:
     """Ends for a number that may be negative; a level is positive unless it is not."""
     if math.isfinite(low) and math.isfinite(high) and high - low <= 20.0 * abs(value):
         return low, high, False

@@ -10,21 +10,9 @@ from typing import Any
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.mechanisms.base import MECHANISMS
 from martensite.app.forms import bench_sections, documents
-from martensite.app.forms.control_tree import (
-    ControlWalk,
-    build_group,
-    flatten_controls,
-    join_path,
-    place_units,
-)
+from martensite.app.forms.control_tree import ControlWalk, build_group, flatten_controls, join_path, place_units
 from martensite.app.forms.controls import EntrySpot
-from martensite.app.forms.form_types import (
-    FormNode,
-    GroupNode,
-    MaterialNode,
-    ScenarioForm,
-    SingleNode,
-)
+from martensite.app.forms.form_types import FormNode, GroupNode, MaterialNode, ScenarioForm, SingleNode
 from martensite.base.files import toml_document
 from martensite.base.parameters import Declared, Parametrised
 from martensite.physics.electrical.base import SOURCES
@@ -70,12 +58,7 @@ class FormSections:
         self.prefix = "plant." if scenario.bench is not None else ""
         places = scenario.places
         self.walk = ControlWalk(
-            self.document,
-            scenario.origins,
-            places.path,
-            places.path,
-            places.unit,
-            skipped=places.is_copy,
+            self.document, scenario.origins, places.path, places.path, places.unit, skipped=places.is_copy
         )
 
     def all(self) -> list[GroupNode]:
@@ -91,24 +74,14 @@ class FormSections:
         """Element, environment and mechanism."""
         port, common = self._describe_common()
         element = common.group(
-            port.element,
-            f"{self._port_prefix}element",
-            "element",
-            "what is made of the alloy",
-            ELEMENTS,
+            port.element, f"{self._port_prefix}element", "element", "what is made of the alloy", ELEMENTS
         )
         items: list[FormNode] = [self._material(), *element["items"]]
         yield {**element, "title": ELEMENT, "items": items, "note": self._shared_note}
         yield self._environment(port, replace(common, material=None))
         system = self.scenario.system
         yield {
-            **self.walk.group(
-                system.mechanism,
-                f"{self.prefix}mechanism",
-                MECHANISM,
-                "what it pulls on",
-                MECHANISMS,
-            ),
+            **self.walk.group(system.mechanism, f"{self.prefix}mechanism", MECHANISM, "what it pulls on", MECHANISMS),
             "title": MECHANISM,
         }
 
@@ -132,11 +105,7 @@ class FormSections:
 
     @property
     def _shared_note(self) -> str:
-        return (
-            "The same at every port; [actuators] says what is different."
-            if (self._has_ports)
-            else ""
-        )
+        return "The same at every port; [actuators] says what is different." if (self._has_ports) else ""
 
     def _describe_common(self) -> tuple[Any, ControlWalk]:
         """An actuator, and how its numbers are reached: those of all ports in the common sections.
@@ -211,17 +180,9 @@ class FormSections:
             begin = self._begin(name)
             place = partial(join_path, begin)
             unit = place_units(units[name])
-            walk = replace(
-                self.walk, written=place, noted=place, unit=unit, skipped=lambda path: False
-            )
+            walk = replace(self.walk, written=place, noted=place, unit=unit, skipped=lambda path: False)
             signal = begin.startswith(SIGNALS)
-            yield walk.group(
-                waveform,
-                "",
-                f"signal {name}" if signal else "waveform",
-                f"in {units[name]}",
-                WAVEFORMS,
-            )
+            yield walk.group(waveform, "", f"signal {name}" if signal else "waveform", f"in {units[name]}", WAVEFORMS)
 
     def _begin(self, name: str) -> str:
         """Where the waveform of a drive stands; a model of one input may have it in [drive]."""
@@ -243,25 +204,17 @@ class FormSections:
             group["items"] += self._describe_different(port, actuator, own)
             if group["items"]:
                 made["items"].append(group)
-        signals = [
-            n for n in system.mechanism.signals() if n in by_name(system, self.scenario.waveform)
-        ]
+        signals = [n for n in system.mechanism.signals() if n in by_name(system, self.scenario.waveform)]
         made["items"] += [one for name in signals for one in self._waveforms(name)]
         if made["items"]:
             yield made
 
-    def _describe_different(
-        self, port: str, actuator: Parametrised, own: set[str]
-    ) -> list[SingleNode]:
+    def _describe_different(self, port: str, actuator: Parametrised, own: set[str]) -> list[SingleNode]:
         """Controls of what a port has otherwise than the others."""
         begin, drive = f"{GROUP}.{port}.", self.scenario.places.drive
         place = partial(_is_member, port, drive)
         walk = replace(
-            self.walk,
-            written=place,
-            noted=place,
-            material=self.scenario.material,
-            unit=lambda leaf: leaf.declared.unit,
+            self.walk, written=place, noted=place, material=self.scenario.material, unit=lambda leaf: leaf.declared.unit
         )
         found = walk.group(actuator, "", port)["items"]
         return [one for one in flatten_controls(found) if one["path"].removeprefix(begin) in own]

@@ -30,24 +30,16 @@ def relax_surroundings(scenario: Scenario, one: ChangedScenario) -> Iterator[Cha
     if less is not None:
         yield less
     around = [name for name in SECTIONS if name in one.document]
-    if (
-        around
-        and less is None
-        and _list_kinds(one.document) != _list_kinds(toml_document(scenario.text))
-    ):
+    if around and less is None and _list_kinds(one.document) != _list_kinds(toml_document(scenario.text)):
         bare = deepcopy(one)
         for name in around:
             del bare.document[name]
         _add_waveform(bare, scenario)
-        bare.notes.append(
-            f"What does not fit any more was taken out: {', '.join(f'[{n}]' for n in around)}."
-        )
+        bare.notes.append(f"What does not fit any more was taken out: {', '.join(f'[{n}]' for n in around)}.")
         yield bare
 
 
-def change_reference(
-    scenario: Scenario, one: ChangedScenario, place: str
-) -> Iterator[ChangedScenario]:
+def change_reference(scenario: Scenario, one: ChangedScenario, place: str) -> Iterator[ChangedScenario]:
     """Candidates in which a controller follows something else, in the units that there are."""
     name = place.partition(".")[2]
     path = f"references.{name}" if name else REFERENCE
@@ -100,16 +92,11 @@ def _begin_waveform(one: ChangedScenario, path: str, unit: str) -> None:
     one.assumed += filler.assumed
 
 
-def change_source(
-    one: ChangedScenario, scenario: Scenario, place: str, unit: str, cls: type[Parametrised]
-) -> None:
+def change_source(one: ChangedScenario, scenario: Scenario, place: str, unit: str, cls: type[Parametrised]) -> None:
     """Levels in the unit of the new source, and cooling where the old one needed none."""
     new = str(getattr(cls, "unit", "1"))
     drive = place.rpartition(".")[2]
-    places = [
-        drive,
-        *(f"{GROUP}.{name}.{drive}" for name in documents.find_table(one.document, GROUP)),
-    ]
+    places = [drive, *(f"{GROUP}.{name}.{drive}" for name in documents.find_table(one.document, GROUP))]
     if new != unit:
         for path in (f"{p}.waveform" for p in places):
             if documents.find_entry(one.document, path) is not None:

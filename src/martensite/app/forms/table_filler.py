@@ -101,10 +101,7 @@ class TableFiller:
             if registry is not None and declared.registry is registry:
                 inner = read_kind(old[name])
                 if KIND in inner:
-                    found = {
-                        **self._collect_entries(inner, registry[str(inner[KIND])], registry),
-                        **found,
-                    }
+                    found = {**self._collect_entries(inner, registry[str(inner[KIND])], registry), **found}
             else:
                 found[name] = old[name], declared
         return found
@@ -174,12 +171,7 @@ class TableFiller:
         return self._fill_chosen(name, declared, given, path)
 
     def _fill_known(
-        self,
-        cls: type[Parametrised],
-        registry: Registry[Any] | None,
-        name: str,
-        given: Any,
-        path: str,
+        self, cls: type[Parametrised], registry: Registry[Any] | None, name: str, given: Any, path: str
     ) -> Any:
         """A component whose class is known, or a row of numbers."""
         declared, inner = cls.declarations[name], component_class(cls, name)
@@ -233,11 +225,7 @@ class TableFiller:
             meant = full
         cls = registry[str(meant[KIND])]
         made = self.table(cls, registry, {**full, KIND: meant[KIND]}, path)
-        if (
-            not full
-            and all(made.get(key) == value for key, value in meant.items())
-            and len(made) == 1
-        ):
+        if not full and all(made.get(key) == value for key, value in meant.items()) and len(made) == 1:
             return None
         implied = set(made) - set(full) == {KIND} and KIND not in full
         return given if implied and given is not None else made
@@ -270,9 +258,7 @@ def without_material(table: JsonTable, material: Material | None) -> JsonTable:
     if material is None:
         return table
     return {
-        key: without_material(cast("JsonTable", value), material)
-        if isinstance(value, dict)
-        else value
+        key: without_material(cast("JsonTable", value), material) if isinstance(value, dict) else value
         for key, value in table.items()
         if key not in material.values or key not in NAMES
     }

@@ -25,11 +25,7 @@ def describe_display(unit: str, value: float | None = None) -> DisplayUnit:
 
     shown = SI · factor + offset; the spelling is empty where there is no unit.
     """
-    spelling = (
-        units.choose_readable_unit(unit)
-        if value is None
-        else units.choose_familiar_unit(value, unit)
-    )
+    spelling = units.choose_readable_unit(unit) if value is None else units.choose_familiar_unit(value, unit)
     try:
         size, zero = units.find_conversion(spelling, unit)
     except UnitError:  # of a plug-in: what pint does not know is shown as it is

@@ -9,12 +9,7 @@ from martensite.app.identify.fit_progress import describe_parameter
 from martensite.app.identify.followed_columns import embed_log
 from martensite.app.identify.thinning import MOST_CORNERS as FEW
 from martensite.app.messages import JsonTable
-from martensite.app.views.columns import (
-    choose_rows,
-    describe_difference,
-    describe_display,
-    round_digits,
-)
+from martensite.app.views.columns import choose_rows, describe_difference, describe_display, round_digits
 from martensite.fit.compared_outputs import ComparedOutput, list_compared
 from martensite.fit.fit import Fit
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
@@ -39,10 +34,7 @@ def describe_outcome(fit: Fit) -> JsonTable:
         "seconds": fit.seconds,
         "parameters": [_describe_parameter(fit, free) for free in fit.problem.free],
         "own": {name: value for one in fit.kept for name, value in one.numbers.items()},
-        "scores": [
-            {**score.to_dict(), **describe_difference(score.output, score.unit)}
-            for score in fit.scores
-        ],
+        "scores": [{**score.to_dict(), **describe_difference(score.output, score.unit)} for score in fit.scores],
         "determined": fit.identifiability.determined,
         "open": list(fit.identifiability.sentences),
         "weak": [one.to_dict() for one in fit.identifiability.weak],

@@ -49,9 +49,7 @@ def read_task(request: Request, desk: Desk) -> FitTask:
     records = read_records(request, desk)
     long = next((one for one in records if len(one) > MOST_ROWS), None)
     if long is not None:
-        raise DataError(
-            f"Record `{long.name}` has {len(long):,} rows; thin it out to at most {MOST_ROWS:,}."
-        )
+        raise DataError(f"Record `{long.name}` has {len(long):,} rows; thin it out to at most {MOST_ROWS:,}.")
     logs = tuple(Log(one, build_scenario(request, one), name=one.name) for one in records)
     free = _list_ranges(request, "free")
     if not free:

@@ -85,11 +85,7 @@ def _read_columns(request: Request) -> list[tuple[int, str, str]]:
     """Place, name and unit of every column that is used."""
     found = [_require_table(entry, "columns") for entry in require_entry(request, "columns", list)]
     columns = [
-        (
-            require_entry(x, "at", int),
-            require_entry(x, "name", str).strip(),
-            require_entry(x, "unit", str, "").strip(),
-        )
+        (require_entry(x, "at", int), require_entry(x, "name", str).strip(), require_entry(x, "unit", str, "").strip())
         for x in found
     ]
     if not columns:
@@ -105,11 +101,7 @@ def _require_table(entry: Any, name: str) -> JsonTable:
 
 @lru_cache(maxsize=2)
 def _read_record(
-    path: Path,
-    columns: tuple[tuple[int, str, str], ...],
-    interval: float | None,
-    drop: bool,
-    separator: str,
+    path: Path, columns: tuple[tuple[int, str, str], ...], interval: float | None, drop: bool, separator: str
 ) -> Record:
     """The record of a file; the last ones are remembered."""
     headings = {at: f"{name} [{unit}]" if unit else name for at, name, unit in columns}
@@ -144,9 +136,7 @@ def _read_arrays(path: Path, headings: Mapping[int, str], interval: float | None
         if interval is None or not interval > 0.0:
             raise DataError(f"`{path.name}` has no time; give the time between rows.")
         times = [k * interval for k in range(raw.rows)]
-        return Record(
-            path.stem, {"time": times} | found, {"time": "s"} | spelt, path, interval=interval
-        )
+        return Record(path.stem, {"time": times} | found, {"time": "s"} | spelt, path, interval=interval)
     row = out_of_order(found["time"])
     if row is not None or not all(map(math.isfinite, found["time"])):
         where = f", but not at row {row + 1}" if row is not None else ", and none may be missing"
@@ -157,10 +147,7 @@ def _read_arrays(path: Path, headings: Mapping[int, str], interval: float | None
 def _cut_record(whole: Record, cut: Request) -> Record:
     """The rows of a stretch of time, every so many of them."""
     times = whole.times
-    first, last = (
-        require_entry(cut, "from", float, times[0]),
-        require_entry(cut, "to", float, times[-1]),
-    )
+    first, last = (require_entry(cut, "from", float, times[0]), require_entry(cut, "to", float, times[-1]))
     every = require_entry(cut, "every", int, 1)
     name = require_entry(cut, "name", str, "").strip().replace(",", " ")[:60] or whole.name
     if every < 1:
@@ -168,8 +155,7 @@ def _cut_record(whole: Record, cut: Request) -> Record:
     rows = range(bisect_left(times, first), bisect_right(times, last), every)
     if len(rows) < FEWEST_ROWS:
         raise DataError(
-            f"Record `{name}`, {first:.6g} s to {last:.6g} s, has {len(rows)} rows; a fit needs "
-            f"at least {FEWEST_ROWS}."
+            f"Record `{name}`, {first:.6g} s to {last:.6g} s, has {len(rows)} rows; a fit needs at least {FEWEST_ROWS}."
         )
     columns = {key: [column[row] for row in rows] for key, column in whole.columns.items()}
     return Record(name, columns, whole.units, whole.source, whole.dropped, whole.interval)

@@ -21,9 +21,7 @@ def list_numbers(scenario: Scenario) -> list[JsonTable]:
     endings: dict[str, list[Leaf]] = {}
     for leaf in leaves:
         endings.setdefault(leaf.path.rpartition(".")[2], []).append(leaf)
-    return [
-        entry for name, group in endings.items() for entry in _list_entries(scenario, name, group)
-    ]
+    return [entry for name, group in endings.items() for entry in _list_entries(scenario, name, group)]
 
 
 def _can_be_free(leaf: Leaf) -> bool:

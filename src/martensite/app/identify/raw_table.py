@@ -101,10 +101,7 @@ def _read_text(path: Path, separator: str) -> RawTable:
             f"`{path.name}`: no row has as many cells as the first, {width}; is the separator "
             "right, and are the headings the first line?"
         )
-    columns = [
-        _describe_column(even, place, first[place].strip() if headed else "")
-        for place in range(width)
-    ]
+    columns = [_describe_column(even, place, first[place].strip() if headed else "") for place in range(width)]
     return RawTable(
         path.name,
         _name_separator(path, separator, first),

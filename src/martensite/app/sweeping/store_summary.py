@@ -12,12 +12,7 @@ from martensite.design.sweep.store import STATUS, Store
 
 def summarise_store(key: str, path: Path) -> JsonTable:
     """A line about a sweep: `state` is running, done, stopped or unreadable."""
-    told = {
-        "key": key,
-        "path": str(path),
-        "bytes": measure_bytes(path),
-        "made": path.stat().st_mtime,
-    }
+    told = {"key": key, "path": str(path), "bytes": measure_bytes(path), "made": path.stat().st_mtime}
     try:
         store = Store(path)
         spec, runs = store.spec, int(store.group[STATUS].shape[0])

@@ -57,9 +57,7 @@ class SweepDrawing:
             return [-(-self.size // MOST_DRAWN)]
         shape = [len(one) for one in self.levels]
         found = [1] * len(shape)
-        while (
-            np.prod(drawn := [-(-n // k) for n, k in zip(shape, found, strict=True)]) > MOST_DRAWN
-        ):
+        while np.prod(drawn := [-(-n // k) for n, k in zip(shape, found, strict=True)]) > MOST_DRAWN:
             found[int(np.argmax(drawn))] += 1
         return found
 

@@ -87,8 +87,7 @@ def read_texts(request: Request, name: str, default: Any = ...) -> tuple[str, ..
     fits = (isinstance(one, str) and len(one) <= LONGEST_ENTRY for one in given)
     if len(given) > MOST_WORDS or not all(fits):
         raise BadMessageError(
-            f"`{name}` must be a list of at most {MOST_WORDS} texts of at most {LONGEST_ENTRY} "
-            "letters."
+            f"`{name}` must be a list of at most {MOST_WORDS} texts of at most {LONGEST_ENTRY} letters."
         )
     return tuple(given)
 
@@ -144,14 +143,10 @@ def _build_design(known: SweepRequest) -> AbstractDesign:
 
 def _check_measures(scenario: Scenario, known: SweepRequest, found: FieldFaults) -> None:
     for k, words in enumerate(known.measures):
-        found.attempt(
-            f"measures.{k}", lambda words=words: parse_measure(words).unit_in(scenario.whole)
-        )
+        found.attempt(f"measures.{k}", lambda words=words: parse_measure(words).unit_in(scenario.whole))
 
 
-def _check_axes(
-    scenario: Scenario, known: SweepRequest, chosen: AbstractDesign | None, found: FieldFaults
-) -> None:
+def _check_axes(scenario: Scenario, known: SweepRequest, chosen: AbstractDesign | None, found: FieldFaults) -> None:
     """Each axis by itself: its words, its bounds, and its levels if it is one of a grid."""
     targets = list_targets(scenario)
     for k, words in enumerate(known.over):

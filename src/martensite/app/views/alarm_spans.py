@@ -75,11 +75,7 @@ def _find_spans(times: Sequence[float], margins: Sequence[float]) -> Iterator[Sp
 
 def _limit_spans(spans: list[Span]) -> list[Span]:
     """At most `MOST` spans."""
-    return (
-        spans
-        if len(spans) <= MOST_SPANS
-        else [*spans[: MOST_SPANS - 1], (spans[MOST_SPANS - 1][0], spans[-1][1])]
-    )
+    return spans if len(spans) <= MOST_SPANS else [*spans[: MOST_SPANS - 1], (spans[MOST_SPANS - 1][0], spans[-1][1])]
 
 
 def _list_supervised(result: Result) -> Iterator[JsonTable]:

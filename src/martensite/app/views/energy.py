@@ -14,9 +14,7 @@ from martensite.app.views.columns import choose_rows
 from martensite.design.analysis.energy import find_ways, integrate_energies
 from martensite.simulate.result import Result
 
-PRESCRIBED = (
-    "A drive that prescribes the temperature takes whatever energy it needs; there is no balance."
-)
+PRESCRIBED = "A drive that prescribes the temperature takes whatever energy it needs; there is no balance."
 NO_ELEMENT = "Nothing is heated here, so there is no energy to be balanced."
 NO_WORK = "The work is left out: this element does not say how far it pulls."
 
@@ -54,11 +52,7 @@ def describe_energy(result: Result) -> JsonTable:
         for key, symbol, words, unit, factor, values in named
     ]
     efficiency = None if ways is None else found.efficiency[kept].tolist()
-    return {
-        "courses": courses,
-        "efficiency": efficiency,
-        "sentence": NO_WORK if ways is None else "",
-    }
+    return {"courses": courses, "efficiency": efficiency, "sentence": NO_WORK if ways is None else ""}
 
 
 def _describe_missing(sentence: str) -> JsonTable:

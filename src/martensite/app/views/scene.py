@@ -42,10 +42,7 @@ def describe_scene(scenario: Scenario, result: Result) -> JsonTable:
     quantum = _choose_quantum(math.dist(low, high))
     still = [_is_still(pictures, k) for k in range(len(first))]
     return {
-        "shapes": [
-            _describe_shape(shape, stands, system, quantum)
-            for shape, stands in zip(first, still, strict=True)
-        ],
+        "shapes": [_describe_shape(shape, stands, system, quantum) for shape, stands in zip(first, still, strict=True)],
         "times": [result.times[row] for row in rows],
         "quantum": quantum,
         "frames": [_flatten_points(_list_moving(shapes, still), quantum) for shapes in pictures],
@@ -67,16 +64,10 @@ TURNING = ("pulley", "rotor")
 
 
 def draw_row(
-    system: AbstractSystem,
-    result: Result,
-    lengths: Mapping[str, float],
-    names: Sequence[str],
-    row: int,
+    system: AbstractSystem, result: Result, lengths: Mapping[str, float], names: Sequence[str], row: int
 ) -> list[DrawingShape]:
     """The mechanism at one row of the result, from its outputs by name."""
-    return system.mechanism.draw_shapes(
-        DrawingState({n: result.columns[n][row] for n in names}, lengths)
-    )
+    return system.mechanism.draw_shapes(DrawingState({n: result.columns[n][row] for n in names}, lengths))
 
 
 def measure_lengths(system: AbstractSystem, result: Result) -> dict[str, float]:
@@ -105,9 +96,7 @@ def _find_natural_length(element: AbstractElement) -> float:
     return getattr(element, "length", getattr(element, "free_length", UNKNOWN_LENGTH))
 
 
-def _describe_shape(
-    shape: DrawingShape, stands: bool, system: AbstractSystem, quantum: float
-) -> JsonTable:
+def _describe_shape(shape: DrawingShape, stands: bool, system: AbstractSystem, quantum: float) -> JsonTable:
     """A shape without its places, unless it stands still."""
     found: JsonTable = {
         "name": shape.name,

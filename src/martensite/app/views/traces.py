@@ -22,11 +22,7 @@ from martensite.show.figures.hysteresis import LOOPS, find_senses, split_runs
 from martensite.show.figures.labels import FRACTIONS
 from martensite.simulate.result import Result
 
-TOGETHER = {
-    "hottest": "temperature",
-    "oriented_fraction": "martensite_fraction",
-    "heat_loss": "power",
-}
+TOGETHER = {"hottest": "temperature", "oriented_fraction": "martensite_fraction", "heat_loss": "power"}
 """Output of an actuator -> the one in whose panel it stands."""
 USUAL = ("temperature", "martensite_fraction", "stress", "drive")
 """Panels of actuators that are shown until others are chosen."""
@@ -138,8 +134,7 @@ def list_loops(result: Result) -> list[JsonTable]:
     system = result.system
     ports = list(system.actuators())
     found = [
-        {"key": f"{y}-{x}", "ports": {p: [system.label(p, x), system.label(p, y)] for p in ports}}
-        for x, y in LOOPS
+        {"key": f"{y}-{x}", "ports": {p: [system.label(p, x), system.label(p, y)] for p in ports}} for x, y in LOOPS
     ]
     if len(ports) == 1:
         pair = [system.label(ports[0], "temperature"), result.coordinate]

@@ -27,9 +27,7 @@ class AbstractAbove(AbstractCheck):
         """The reading."""
         return (self.reading,)
 
-    def look(
-        self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
-    ) -> Looked:
+    def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
         """Whether its size is above the limit."""
         size = xp.abs(readings[self.reading])
         return Looked(xp.negate(size <= self.limit), size < self.limit - self.band, ())
@@ -41,12 +39,8 @@ class Overheat(AbstractAbove):
 
     alarm = 1
 
-    limit: Scalar = param(
-        "K", "highest temperature", above=0.0, default=math.inf, typical="80 degC"
-    )
-    band: Scalar = param(
-        DEGREES, "how far below it is well again", low=0.0, default=0.0, typical="5 K"
-    )
+    limit: Scalar = param("K", "highest temperature", above=0.0, default=math.inf, typical="80 degC")
+    band: Scalar = param(DEGREES, "how far below it is well again", low=0.0, default=0.0, typical="5 K")
 
 
 @CHECKS.register("over-current")
@@ -56,9 +50,7 @@ class OverCurrent(AbstractAbove):
     alarm = 2
 
     limit: Scalar = param("A", "largest current", above=0.0, default=math.inf, typical="1 A")
-    band: Scalar = param(
-        "A", "how far below it is well again", low=0.0, default=0.0, typical="0.2 A"
-    )
+    band: Scalar = param("A", "how far below it is well again", low=0.0, default=0.0, typical="0.2 A")
 
 
 @CHECKS.register("over-stress")
@@ -68,9 +60,7 @@ class OverStress(AbstractAbove):
     alarm = 3
 
     limit: Scalar = param("Pa", "largest stress", above=0.0, default=math.inf, typical="100 MPa")
-    band: Scalar = param(
-        "Pa", "how far below it is well again", low=0.0, default=0.0, typical="10 MPa"
-    )
+    band: Scalar = param("Pa", "how far below it is well again", low=0.0, default=0.0, typical="10 MPa")
 
 
 @CHECKS.register("over-force")

@@ -71,9 +71,7 @@ class AbstractCheck(Parametrised):
         return ()
 
     @abstractmethod
-    def look(
-        self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
-    ) -> Looked:
+    def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
         """What it finds.
 
         Args:

@@ -23,12 +23,8 @@ class Mismatch(AbstractCheck):
 
     reading: str = text("name of a reading", typical="temperature")
     other: str = text("name of the other reading, or of an estimate", typical="=reading")
-    limit: Scalar = param(
-        DIFFERENCE, "largest difference", above=0.0, default=math.inf, typical=0.1
-    )
-    longest: Scalar = param(
-        "s", "time for which they may differ more", low=0.0, default=0.0, typical="0.3 s"
-    )
+    limit: Scalar = param(DIFFERENCE, "largest difference", above=0.0, default=math.inf, typical=0.1)
+    longest: Scalar = param("s", "time for which they may differ more", low=0.0, default=0.0, typical="0.3 s")
 
     def reads(self) -> tuple[str, ...]:
         """Both."""
@@ -38,9 +34,7 @@ class Mismatch(AbstractCheck):
         """For how long they have differed."""
         return (0.0,)
 
-    def look(
-        self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
-    ) -> Looked:
+    def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
         """Whether they have differed for too long."""
         fine = xp.abs(readings[self.reading] - readings[self.other]) <= self.limit
         time = xp.where(fine, 0.0, memory[0] + dt)

@@ -24,11 +24,7 @@ class NoCurrent(AbstractCheck):
     reading: str = text("name of the reading of the current", typical="current")
     most: Scalar = param("A", "current that counts as none", low=0.0, default=0.0, typical="0.02 A")
     longest: Scalar = param(
-        "s",
-        "time under a signal after which it is open",
-        low=0.0,
-        default=math.inf,
-        typical="0.3 s",
+        "s", "time under a signal after which it is open", low=0.0, default=math.inf, typical="0.3 s"
     )
     least: Scalar = param(DRIVE, "signal that counts as none", low=0.0, default=0.0, typical=0.05)
 
@@ -40,9 +36,7 @@ class NoCurrent(AbstractCheck):
         """For how long there has been no current, and whether a signal is on."""
         return 0.0, 0.0
 
-    def look(
-        self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
-    ) -> Looked:
+    def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
         """Whether there has been no current for too long."""
         time, on = memory
         none = xp.both(on > 0.5, xp.abs(readings[self.reading]) <= self.most)

@@ -21,17 +21,13 @@ class SensorLost(AbstractCheck):
     alarm = 4
 
     reading: str = text("name of the reading", typical="temperature")
-    timeout: Scalar = param(
-        "s", "age beyond which it is lost", above=0.0, default=math.inf, typical="0.3 s"
-    )
+    timeout: Scalar = param("s", "age beyond which it is lost", above=0.0, default=math.inf, typical="0.3 s")
 
     def reads(self) -> tuple[str, ...]:
         """The age of the reading."""
         return (self.reading + AGE,)
 
-    def look(
-        self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
-    ) -> Looked:
+    def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
         """Whether it is too old."""
         fine = readings[self.reading + AGE] <= self.timeout
         return Looked(xp.negate(fine), fine, ())

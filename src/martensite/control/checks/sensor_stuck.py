@@ -26,11 +26,7 @@ class SensorStuck(AbstractCheck):
 
     reading: str = text("name of the reading", typical="temperature")
     longest: Scalar = param(
-        "s",
-        "time under a signal after which it is stuck",
-        above=0.0,
-        default=math.inf,
-        typical="0.3 s",
+        "s", "time under a signal after which it is stuck", above=0.0, default=math.inf, typical="0.3 s"
     )
     band: Scalar = param(DIFFERENCE, "change that is none", low=0.0, default=0.0, typical=0.1)
     least: Scalar = param(DRIVE, "signal that counts as none", low=0.0, default=0.0, typical=0.05)
@@ -43,9 +39,7 @@ class SensorStuck(AbstractCheck):
         """The reading, for how long it has been so, and whether a signal is on."""
         return readings[self.reading], 0.0, 0.0
 
-    def look(
-        self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
-    ) -> Looked:
+    def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
         """Whether it has been the same for too long."""
         same, time, on = memory
         now = readings[self.reading]

@@ -44,12 +44,8 @@ class ThermalBound(AbstractCheck):
 
     drive: str = text("name of the drive that heats the element", default="drive")
     limit: Scalar = param("K", "highest temperature", above=0.0, default=math.inf, typical="400 K")
-    band: Scalar = param(
-        DEGREES, "how far below it is well again", low=0.0, default=0.0, typical="5 K"
-    )
-    power: Scalar = param(
-        "W", "largest power in the element at the full signal", above=0.0, typical="1 W"
-    )
+    band: Scalar = param(DEGREES, "how far below it is well again", low=0.0, default=0.0, typical="5 K")
+    power: Scalar = param("W", "largest power in the element at the full signal", above=0.0, typical="1 W")
     full: Scalar = param(DRIVE, "the full signal", above=0.0, default=1.0)
     rises: str = option(
         "power with the signal: `linear` for a duty or a power, `square` for volt or ampere",
@@ -57,9 +53,7 @@ class ThermalBound(AbstractCheck):
         "square",
         default="linear",
     )
-    capacity: Scalar = param(
-        "J/K", "heat capacity of the element, without latent heat", above=0.0, typical="0.02 J/K"
-    )
+    capacity: Scalar = param("J/K", "heat capacity of the element, without latent heat", above=0.0, typical="0.02 J/K")
     conductance: Scalar = param("W/K", "least heat loss per kelvin", above=0.0, typical="0.01 W/K")
     ambient: Scalar = param("K", "hottest surroundings", above=0.0, typical="30 degC")
 
@@ -71,9 +65,7 @@ class ThermalBound(AbstractCheck):
         """As hot as the hottest surroundings."""
         return (self.ambient,)
 
-    def look(
-        self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
-    ) -> Looked:
+    def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
         """Whether the element may be too hot at the end of the period."""
         then = self.after(xp, memory[0], wanted[self.drive], dt)
         return Looked(then > self.limit, then <= self.limit - self.band, memory)

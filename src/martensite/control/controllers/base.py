@@ -24,9 +24,7 @@ from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import WAVEFORMS, AbstractDrive, AbstractWaveform
 
-CONTROLLERS: Registry[AbstractController] = Registry(
-    "controller", "martensite.control.controllers", typical="pid"
-)
+CONTROLLERS: Registry[AbstractController] = Registry("controller", "martensite.control.controllers", typical="pid")
 Column: TypeAlias = Sequence[Scalar]
 Readings: TypeAlias = Mapping[str, Scalar]
 HAIR = 1e-9
@@ -87,9 +85,7 @@ class AbstractController(AbstractDrive):
         """Nothing measured."""
         return None
 
-    def __call__(
-        self, time: float, measurement: Mapping[str, float], memory: Any
-    ) -> tuple[float, Any]:
+    def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
         """Signal at `time` [s] and the new memory; called once in every sample.
 
         Raises:
@@ -110,6 +106,5 @@ def require_readings(controller: AbstractController, known: Mapping[str, Any]) -
         if name not in known:
             title = controller.registered_name or type(controller).__name__
             raise ParameterError(
-                f"Controller `{title}` cannot measure `{name}`: there is no such reading. "
-                f"{suggest_name(name, known)}"
+                f"Controller `{title}` cannot measure `{name}`: there is no such reading. {suggest_name(name, known)}"
             )

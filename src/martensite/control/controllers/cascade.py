@@ -46,9 +46,7 @@ class Cascade(AbstractController):
     cites = ("copaci2019",)
 
     temperature: str = text("name of the reading of the temperature", default="temperature")
-    start: Scalar = param(
-        "K", "temperature T_0 to which the outer controller adds", typical="60 degC"
-    )
+    start: Scalar = param("K", "temperature T_0 to which the outer controller adds", typical="60 degC")
     outer: PidGains = part("of the position: gains in kelvin per SI unit, limits in kelvin")
     inner: PidGains = part("of the temperature: gains in signal per kelvin, limits of the signal")
 
@@ -67,15 +65,9 @@ class Cascade(AbstractController):
     ) -> tuple[Scalar, Column]:
         """Signal of this sample, and what is remembered for the next."""
         before, position = CascadeMemory.of(memory), readings[self.measured]
-        added, outer = self.outer.law.answer(
-            xp, self.outer.gains(xp, dt), before.outer, reference, position
-        )
+        added, outer = self.outer.law.answer(xp, self.outer.gains(xp, dt), before.outer, reference, position)
         signal, inner = self.inner.law.answer(
-            xp,
-            self.inner.gains(xp, dt),
-            before.inner,
-            self.start + added,
-            readings[self.temperature],
+            xp, self.inner.gains(xp, dt), before.inner, self.start + added, readings[self.temperature]
         )
         limits, gained = self.inner.law, outer.integral - before.outer.integral
         over = xp.both(signal >= limits.high, gained > 0.0)

@@ -42,14 +42,9 @@ class ConstantPower(AbstractController):
         default="every-period",
     )
     largest: Scalar = param(
-        "W",
-        "largest power, if it is measured once and that was done before; 0: it was not",
-        low=0.0,
-        default=0.0,
+        "W", "largest power, if it is measured once and that was done before; 0: it was not", low=0.0, default=0.0
     )
-    probe: Scalar = param(
-        DRIVE, "duty as long as nothing was measured", above=0.0, high=1.0, default=0.01
-    )
+    probe: Scalar = param(DRIVE, "duty as long as nothing was measured", above=0.0, high=1.0, default=0.01)
 
     def reads(self) -> tuple[str, ...]:
         """Voltage, current and duty."""

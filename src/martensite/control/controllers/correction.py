@@ -34,13 +34,7 @@ class Correction(Parametrised):
         return self.law.rest(xp, reference, measured)
 
     def answer(
-        self,
-        xp: Namespace,
-        memory: PidMemory,
-        feed: Scalar,
-        reference: Scalar,
-        measured: Scalar,
-        dt: Scalar,
+        self, xp: Namespace, memory: PidMemory, feed: Scalar, reference: Scalar, measured: Scalar, dt: Scalar
     ) -> tuple[Scalar, PidMemory]:
         """Signal of this sample with a feed-forward within the limits, and the new memory."""
         gains = sample_gains(xp, Gains(self.Kp, self.Ki, self.Kd), "in-seconds", dt)

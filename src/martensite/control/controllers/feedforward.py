@@ -67,19 +67,13 @@ class Feedforward(AbstractController):
 
     model: AbstractSystem = part("the plant as it is believed to be, with one drive")
     output: str = text("output of the model that follows; empty: named as measured", default="")
-    lookahead: Scalar = param(
-        "s", "time L after which the model shall be there", above=0.0, default=0.1
-    )
+    lookahead: Scalar = param("s", "time L after which the model shall be there", above=0.0, default=0.1)
     slope_weight: Scalar = param(
         "1", "share c of the reference's rate that is looked ahead", low=0.0, high=1.0, default=1.0
     )
     filter: Scalar = param("s", "time constant of the filter of that rate", low=0.0, default=0.05)
-    sense: str = option(
-        "whether the output rises or falls with the signal", "rising", "falling", default="rising"
-    )
-    slack: Scalar = param(
-        DIFFERENCE, "least answer of the model in the time L that is one", above=0.0, default=1e-6
-    )
+    sense: str = option("whether the output rises or falls with the signal", "rising", "falling", default="rising")
+    slack: Scalar = param(DIFFERENCE, "least answer of the model in the time L that is one", above=0.0, default=1e-6)
     substeps: int = part("steps of the model in a sample", default=1)
     ahead: int = part("steps of the model in the time L", default=1)
     iterations: int = part("Newton iterations for the signal", default=8)
@@ -101,9 +95,7 @@ class Feedforward(AbstractController):
         for name in ("substeps", "ahead", "iterations"):
             count = self.__dict__[name]
             if not isinstance(count, int) or count < 1:
-                raise ParameterError(
-                    f"`{name}` of `feedforward` must be a whole number above 0, but is {count!r}."
-                )
+                raise ParameterError(f"`{name}` of `feedforward` must be a whole number above 0, but is {count!r}.")
         self.__dict__["_rest"] = self.model.init(floats, self.feedback.law.idle)
 
     def layout(self) -> tuple[int, ...]:

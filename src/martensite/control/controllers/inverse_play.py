@@ -39,14 +39,10 @@ class InversePlay(AbstractController):
 
     cites = ("kuhnen2003", "krasnoselskii1989")
 
-    thresholds: Any = part(
-        "thresholds r_1 < r_2 < … of the plays, in the unit of the signal", default=()
-    )
+    thresholds: Any = part("thresholds r_1 < r_2 < … of the plays, in the unit of the signal", default=())
     weights: Any = part("weights a_0, a_1, …, one more than thresholds", default=(1.0,))
     knots: Any = part("levels of the sum of plays, rising", default=(0.0, 1.0))
-    outputs: Any = part(
-        "what is measured at these levels, rising or falling, in SI", default=(0.0, 1.0)
-    )
+    outputs: Any = part("what is measured at these levels, rising or falling, in SI", default=(0.0, 1.0))
     feedback: Correction = part("limits, and PID on the measured error", default=Correction())
 
     def check(self) -> None:
@@ -90,10 +86,7 @@ class InversePlay(AbstractController):
         correction, plays = PidMemory(*memory[:KEPT]), memory[KEPT:]
         level = self._level(xp, reference)
         first, rows = _invert_plays(self.thresholds, self.weights)
-        after = [
-            xp.maximum(level - r, xp.minimum(level + r, q))
-            for (r, _), q in zip(rows, plays, strict=True)
-        ]
+        after = [xp.maximum(level - r, xp.minimum(level + r, q)) for (r, _), q in zip(rows, plays, strict=True)]
         signal = first * level
         for (_, b), q in zip(rows, after, strict=True):
             signal = signal + b * q
@@ -120,9 +113,7 @@ def _sum_weights(weights: NumberedGains) -> Scalar:
     return total
 
 
-def _invert_plays(
-    thresholds: NumberedGains, weights: NumberedGains
-) -> tuple[Scalar, list[tuple[Scalar, Scalar]]]:
+def _invert_plays(thresholds: NumberedGains, weights: NumberedGains) -> tuple[Scalar, list[tuple[Scalar, Scalar]]]:
     """b_0, and threshold and weight of every play of the inverse, by Kuhnen's equations."""
     first, *others = weights.numbers
     slope, before, place = first, 0.0, 0.0

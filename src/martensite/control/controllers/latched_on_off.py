@@ -22,13 +22,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from martensite.base.parameters import param, text
-from martensite.control.controllers.base import (
-    CONTROLLERS,
-    HAIR,
-    AbstractController,
-    Column,
-    Readings,
-)
+from martensite.control.controllers.base import CONTROLLERS, HAIR, AbstractController, Column, Readings
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE, AbstractDrive
 from martensite.signals.levels import HIGH
@@ -56,12 +50,8 @@ class LatchedOnOff(AbstractController):
 
     cites = ("kossoski2018",)
 
-    oscillation: str = text(
-        "name of the reading whose amplitude switches it off", typical="=measured"
-    )
-    share: Scalar = param(
-        "1", "share of the largest amplitude below which it is off", low=0.0, high=1.0, default=0.3
-    )
+    oscillation: str = text("name of the reading whose amplitude switches it off", typical="=measured")
+    share: Scalar = param("1", "share of the largest amplitude below which it is off", low=0.0, high=1.0, default=0.3)
     window: Scalar = param("s", "length of the window of an amplitude", above=0.0, default=0.25)
     high: Scalar = param(DRIVE, "signal while it is on", typical=HIGH)
     low: Scalar = param(DRIVE, "signal while it is off", default=0.0)

@@ -31,14 +31,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import option, param, part, text
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, require_readings
-from martensite.control.controllers.planning import (
-    Moment,
-    Planner,
-    PlanSearch,
-    Price,
-    SignalLimits,
-    shift_plan,
-)
+from martensite.control.controllers.planning import Moment, Planner, PlanSearch, Price, SignalLimits, shift_plan
 from martensite.control.controllers.time_scales import measure_reach
 from martensite.control.observers.base import ESTIMATED
 from martensite.control.observers.hidden_states import list_names, place_hidden
@@ -81,9 +74,7 @@ class Mpc(AbstractController):
     kernel = False
 
     model: AbstractSystem = part("the system as it is believed to be, with one drive")
-    output: str = text(
-        "output of the model that is measured; none: called as the reading", default=""
-    )
+    output: str = text("output of the model that is measured; none: called as the reading", default="")
     period: float = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
     horizon: float = param("s", "how far plans reach", above=0.0, typical="2 s")
     blocks: int = part("parts of the horizon, each with a signal of its own", default=20)
@@ -152,24 +143,19 @@ class Mpc(AbstractController):
         """Raise `ParameterError` where nothing could be planned."""
         if len(self.model.drives()) != 1:
             raise ParameterError(
-                f"The model of a predictive controller must have one drive, but has "
-                f"{len(self.model.drives())}."
+                f"The model of a predictive controller must have one drive, but has {len(self.model.drives())}."
             )
         _find_output(self.model, self.followed_output)
         if not self.low < self.high:
             raise ParameterError(
-                f"The least signal must be below the largest one, but they are {self.low:g} and "
-                f"{self.high:g}."
+                f"The least signal must be below the largest one, but they are {self.low:g} and {self.high:g}."
             )
         for name in ("blocks", "kept"):
             value = self.__dict__[name]
             if not isinstance(value, int) or value < 1:
                 raise ParameterError(f"`{name}` must be a whole number above 0, but is {value!r}.")
         if self.horizon < self.period:
-            raise ParameterError(
-                f"The horizon of {self.horizon:g} s is shorter than the period of "
-                f"{self.period:g} s."
-            )
+            raise ParameterError(f"The horizon of {self.horizon:g} s is shorter than the period of {self.period:g} s.")
 
     def cautions(self) -> list[str]:
         """Whether the horizon ends before full signal moves anything."""
@@ -208,9 +194,7 @@ class Mpc(AbstractController):
         plan = np.full(self.blocks, idle)
         return Planned(0, model.state, idle, plan, 0.0, (), 0.0, shape, model, planner)
 
-    def __call__(
-        self, time: float, measurement: Mapping[str, float], memory: Any
-    ) -> tuple[float, Planned]:
+    def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Planned]:
         """Signal at `time` [s] and the new memory; called once in every period.
 
         Raises:
@@ -242,9 +226,7 @@ class Mpc(AbstractController):
         past = (float(value), *memory.past)[: self.kept]
         return memory._replace(state=model.state, past=past)
 
-    def _place_state(
-        self, memory: Planned, state: Numbers, measurement: Mapping[str, float]
-    ) -> Numbers:
+    def _place_state(self, memory: Planned, state: Numbers, measurement: Mapping[str, float]) -> Numbers:
         """A state with what an observer says of it."""
         at = [measurement[name] for name in self.reads()[1:]]
         nested = memory.shape.rebuild(state[:, 0].tolist())
@@ -268,7 +250,5 @@ class Mpc(AbstractController):
 def _find_output(model: AbstractSystem, output: str) -> str:
     """An output of a model; raises `ParameterError` if there is none."""
     if output not in model.outputs():
-        raise ParameterError(
-            f"The model has no output `{output}`. {suggest_name(output, model.outputs())}"
-        )
+        raise ParameterError(f"The model has no output `{output}`. {suggest_name(output, model.outputs())}")
     return output

@@ -23,11 +23,7 @@ class OnOff(AbstractController):
     """A switch that keeps a measured quantity near its target."""
 
     band: Scalar = param(
-        DIFFERENCE,
-        "how far below the target it is switched on again",
-        low=0.0,
-        default=0.0,
-        typical=MARGIN,
+        DIFFERENCE, "how far below the target it is switched on again", low=0.0, default=0.0, typical=MARGIN
     )
     high: Scalar = param(DRIVE, "signal while it is on", typical=HIGH)
     low: Scalar = param(DRIVE, "signal while it is off", default=0.0)

@@ -70,18 +70,11 @@ class PidLaw(Parametrised):
     high: float = param(DRIVE, "largest signal", default=1.0)
     weight: float = param("1", "set-point weight b of the proportional part", default=1.0)
     slope_weight: float = param("1", "set-point weight c of the derivative part", default=1.0)
-    filter: float = param(
-        "1", "time constant N of the derivative's filter, in samples", low=0.0, default=0.0
-    )
+    filter: float = param("1", "time constant N of the derivative's filter, in samples", low=0.0, default=0.0)
     anti_windup: str = option(
-        "what the integral does where the signal is limited",
-        "conditional",
-        "back-calculation",
-        default="conditional",
+        "what the integral does where the signal is limited", "conditional", "back-calculation", default="conditional"
     )
-    tracking: float = param(
-        "1", "time constant N_t of back-calculation, in samples", low=1.0, default=10.0
-    )
+    tracking: float = param("1", "time constant N_t of back-calculation, in samples", low=1.0, default=10.0)
 
     def check(self) -> None:
         """Raise `ParameterError` if there is nothing between the limits."""
@@ -142,9 +135,7 @@ def sample_gains(xp: Namespace, gains: Gains, kind: str, dt: Scalar) -> Gains:
 class PidGains(Parametrised):
     """What any PID controller is given: gains and limits."""
 
-    Kp: Scalar = param(
-        "1", "proportional gain, in signal per SI unit of what is measured", typical=100.0
-    )
+    Kp: Scalar = param("1", "proportional gain, in signal per SI unit of what is measured", typical=100.0)
     Ki: Scalar = param("1", "integral gain", default=0.0)
     Kd: Scalar = param("1", "derivative gain", default=0.0)
     gains_are: str = option(

@@ -81,8 +81,7 @@ class PlanSearch(Parametrised):
             value = self.__dict__[name]
             if not isinstance(value, int) or value < least:
                 raise ParameterError(
-                    f"`{name}` of a search must be a whole number, at least {least}, but is "
-                    f"{value!r}."
+                    f"`{name}` of a search must be a whole number, at least {least}, but is {value!r}."
                 )
 
 
@@ -112,9 +111,7 @@ class Moment(NamedTuple):
 class Planner:
     """Plans of one controller, side by side in lanes of its model."""
 
-    def __init__(
-        self, lanes: Lanes, output: str, price: Price, search: PlanSearch, limits: SignalLimits
-    ) -> None:
+    def __init__(self, lanes: Lanes, output: str, price: Price, search: PlanSearch, limits: SignalLimits) -> None:
         self.lanes, self.price, self.search, self.limits = lanes, price, search, limits
         names = lanes.names
         self.followed_output = names.index(output)
@@ -123,9 +120,7 @@ class Planner:
             for kind in ("power", "hottest", "stress")
         )
 
-    def best(
-        self, moment: Moment, guess: Numbers, dt: float, rng: np.random.Generator
-    ) -> tuple[Numbers, float]:
+    def best(self, moment: Moment, guess: Numbers, dt: float, rng: np.random.Generator) -> tuple[Numbers, float]:
         """The best plan that is found, shape (blocks,), and what it costs.
 
         Args:
@@ -170,14 +165,7 @@ class Planner:
         price, found = self.price, np.zeros(rows.shape[2])
         if price.energy > 0.0:
             found += price.energy * _average_rows(rows, self.powers)
-        bounds = (
-            (price.hottest, KELVIN, self.temperatures),
-            (
-                price.strongest,
-                MEGAPASCAL,
-                self.stresses,
-            ),
-        )
+        bounds = ((price.hottest, KELVIN, self.temperatures), (price.strongest, MEGAPASCAL, self.stresses))
         for bound, unit, which in bounds:
             if math.isfinite(bound):
                 over = np.maximum(rows[:, which] - bound, 0.0) / unit
@@ -195,11 +183,7 @@ class Planner:
         """Plans that reach far, the guess first, shape (blocks, plans)."""
         low, high = self.limits
         stays = [np.full_like(guess, level) for level in np.linspace(low, high, LEVELS)]
-        bursts = [
-            np.where(np.arange(len(guess)) < blocks, level, guess)
-            for blocks in WHILES
-            for level in (low, high)
-        ]
+        bursts = [np.where(np.arange(len(guess)) < blocks, level, guess) for blocks in WHILES for level in (low, high)]
         return np.column_stack([guess, *stays, *bursts])
 
     def _sample_plans(self, centre: Numbers, spread: Numbers, rng: np.random.Generator) -> Numbers:

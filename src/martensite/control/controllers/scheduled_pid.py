@@ -32,9 +32,7 @@ class GainsAt(Parametrised):
     """Gains at a point of the schedule."""
 
     at: Scalar = param(LEVEL, "where: value of the reference or of the reading", typical=HIGH)
-    Kp: Scalar = param(
-        "1", "proportional gain, in signal per SI unit of what is measured", typical=100.0
-    )
+    Kp: Scalar = param("1", "proportional gain, in signal per SI unit of what is measured", typical=100.0)
     Ki: Scalar = param("1", "integral gain", default=0.0)
     Kd: Scalar = param("1", "derivative gain", default=0.0)
 
@@ -52,8 +50,7 @@ class GainSchedule(Members[GainsAt], init=False):
         for before, after in pairwise(places):
             if not before < after:
                 raise ParameterError(
-                    f"The points of a schedule of gains must ascend, but {after:g} comes after "
-                    f"{before:g}."
+                    f"The points of a schedule of gains must ascend, but {after:g} comes after {before:g}."
                 )
 
     def gains(self, xp: Namespace, at: Scalar) -> Gains:
@@ -90,8 +87,7 @@ class ScheduledPid(AbstractController):
 
     over: str = text("name of the reading that decides; the reference if none", default="")
     rising: GainSchedule = part(
-        "gains since the reference rose",
-        typical={"low": {"at": "1 mm", "Kp": 100}, "high": {"at": "5 mm", "Kp": 100}},
+        "gains since the reference rose", typical={"low": {"at": "1 mm", "Kp": 100}, "high": {"at": "5 mm", "Kp": 100}}
     )
     falling: GainSchedule | None = part("gains since it fell; as rising if none", default=None)
     gains_are: str = option(

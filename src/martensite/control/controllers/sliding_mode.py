@@ -55,18 +55,11 @@ class SlidingMode(AbstractController):
 
     gain: Scalar = param(DRIVE, "largest signal K of the switching part", typical=HIGH)
     slope: Scalar = param("1/s", "slope λ of the surface", above=0.0, typical="2 1/s")
-    layer: Scalar = param(
-        RATE, "half width Φ of the boundary layer, in units of s", above=0.0, typical=MARGIN
-    )
-    boundary: str = option(
-        "what the switching is inside of the layer", "saturation", "tanh", default="saturation"
-    )
+    layer: Scalar = param(RATE, "half width Φ of the boundary layer, in units of s", above=0.0, typical=MARGIN)
+    boundary: str = option("what the switching is inside of the layer", "saturation", "tanh", default="saturation")
     integral: str = option("integral in the surface", "without", "with", default="without")
     equivalent: str = option(
-        "the equivalent signal: a line of the reference, or the signal behind a lag",
-        "line",
-        "filtered",
-        default="line",
+        "the equivalent signal: a line of the reference, or the signal behind a lag", "line", "filtered", default="line"
     )
     offset: Scalar = param(DRIVE, "u_0 of the line", default=0.0)
     per_reference: Scalar = param("1", "k of the line, in signal per SI unit", default=0.0)
@@ -117,9 +110,7 @@ class SlidingMode(AbstractController):
 
     def _equivalent_signal(self, mean: Scalar, reference: Scalar) -> Scalar:
         """The signal u_eq."""
-        return (
-            mean if self.equivalent == "filtered" else self.offset + self.per_reference * reference
-        )
+        return mean if self.equivalent == "filtered" else self.offset + self.per_reference * reference
 
 
 def lag_rate(xp: Namespace, before: Scalar, change: Scalar, lag: Scalar, dt: Scalar) -> Scalar:

@@ -55,9 +55,7 @@ def measure_reach(system: AbstractSystem, output: str, low: float, high: float) 
     lanes.advance(np.full((_count_until(share >= MOST), 1, 1), high), dt)
     down = (_settle_output(lanes, low, dt, index, top) - rest) / (top - rest)
     return TimeScales(
-        dt * _count_until(share >= BEGUN),
-        dt * _count_until(share >= HALF),
-        dt * _count_until(down <= HALF),
+        dt * _count_until(share >= BEGUN), dt * _count_until(share >= HALF), dt * _count_until(down <= HALF)
     )
 
 

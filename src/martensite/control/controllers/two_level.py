@@ -41,8 +41,7 @@ class TwoLevel(AbstractController):
         least, most = sorted((self.low, self.high))
         if not least <= self.near <= most:
             raise ParameterError(
-                f"The level `near` of a two-level relay must be between {least:g} and {most:g}, "
-                f"but is {self.near:g}."
+                f"The level `near` of a two-level relay must be between {least:g} and {most:g}, but is {self.near:g}."
             )
 
     def answer(

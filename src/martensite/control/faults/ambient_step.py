@@ -14,9 +14,7 @@ from martensite.kernels.namespace import Flag, Namespace, Scalar
 class AmbientStep(AbstractFault):
     """Surroundings that are warmer by some kelvin."""
 
-    by: Scalar = param(
-        DEGREES, "how much warmer; negative if colder", low=-200.0, high=500.0, typical="10 K"
-    )
+    by: Scalar = param(DEGREES, "how much warmer; negative if colder", low=-200.0, high=500.0, typical="10 K")
     drive: str = text("drive of the actuator; all actuators if empty", default="")
 
     def names(self) -> dict[str, str]:

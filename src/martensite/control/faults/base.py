@@ -30,8 +30,7 @@ class AbstractFault(Parametrised):
         """Raise `ParameterError` unless it ends after it begins."""
         if not self.start < self.end:
             raise ParameterError(
-                f"A fault must end after it begins, but begins at {self.start:g} s and ends at "
-                f"{self.end:g} s."
+                f"A fault must end after it begins, but begins at {self.start:g} s and ends at {self.end:g} s."
             )
 
     def active(self, xp: Namespace, time: Scalar) -> Flag:
@@ -54,9 +53,7 @@ class AbstractFault(Parametrised):
         """What arrives at the source of a drive."""
         return signal
 
-    def reading(
-        self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag
-    ) -> Scalar:
+    def reading(self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag) -> Scalar:
         """What a sensor says; `held` is what it said before."""
         return reading
 

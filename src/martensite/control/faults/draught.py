@@ -28,9 +28,7 @@ class Multiplied(AbstractCooling):
 class Draught(AbstractFault):
     """Air that moves more, or less, than it should."""
 
-    factor: Scalar = param(
-        "1", "film coefficient over that without the fault", low=0.0, high=1e3, typical=2.0
-    )
+    factor: Scalar = param("1", "film coefficient over that without the fault", low=0.0, high=1e3, typical=2.0)
     drive: str = text("drive of the actuator; all actuators if empty", default="")
 
     def names(self) -> dict[str, str]:

@@ -35,9 +35,7 @@ class Drift(AbstractFault):
         since = xp.maximum(time - self.start, 0.0)
         return self.rebuilt({"bias": self.bias + self.rate * since})
 
-    def reading(
-        self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag
-    ) -> Scalar:
+    def reading(self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag) -> Scalar:
         """The reading, and the offset."""
         off = xp.where(active, self.bias, 0.0)
         return reading + off if sensor == self.sensor else reading

@@ -26,10 +26,7 @@ def change_plant(plant: AbstractSystem, drive: str, change: Change) -> AbstractS
     """
     at = {plant.drive_at(port): one for port, one in plant.actuators().items()}
     if drive and drive not in at:
-        raise ParameterError(
-            f"A fault of an actuator needs the drive of one, not `{drive}`. "
-            f"{suggest_name(drive, at)}"
-        )
+        raise ParameterError(f"A fault of an actuator needs the drive of one, not `{drive}`. {suggest_name(drive, at)}")
     places = {id(one): prefix for prefix, one in _list_placed(plant, "")}
     found: dict[str, Any] = {}
     for name, one in at.items():

@@ -17,8 +17,6 @@ class Stuck(AbstractFault):
         """The sensor."""
         return {self.sensor: "sensor"}
 
-    def reading(
-        self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag
-    ) -> Scalar:
+    def reading(self, xp: Namespace, sensor: str, reading: Scalar, held: Scalar, active: Flag) -> Scalar:
         """The last reading."""
         return xp.where(active, held, reading) if sensor == self.sensor else reading

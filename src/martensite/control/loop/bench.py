@@ -123,17 +123,12 @@ class Bench(AbstractSystem, init=False):
         observers, controllers, held, _ = period.begin_loop(self, xp, known, given)
         return BenchState(0.0, state, sensors, observers, controllers, held)
 
-    def step(
-        self, xp: Namespace, state: BenchState, *drives: Scalar, dt: Scalar
-    ) -> tuple[BenchState, StepReport]:
+    def step(self, xp: Namespace, state: BenchState, *drives: Scalar, dt: Scalar) -> tuple[BenchState, StepReport]:
         """One period, whatever `dt`: the plant goes on, then everything samples."""
         given = period.sorted_inputs(self, drives)
         allowed = period.apply_supervisor(self, xp, state, given)
         signals = period.deliver_signals(self, xp, state.time, allowed.signals)
-        plant, pieces = (
-            period.apply_faults(self, xp, state.time),
-            period.split_period(self, xp, signals),
-        )
+        plant, pieces = (period.apply_faults(self, xp, state.time), period.split_period(self, xp, signals))
         after, report = advance_steps(xp, plant, state.plant, pieces, self.turns)
         time = state.time + self.period
         known = period.collect_truth(self, xp, period.apply_faults(self, xp, time), after, signals)

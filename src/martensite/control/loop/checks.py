@@ -22,8 +22,7 @@ def check_bench(bench: Bench) -> None:
         for seen in mounted.sees():
             if seen not in known:
                 raise ParameterError(
-                    f"Sensor `{name}` looks at `{seen}`, which the plant does not have. "
-                    f"{suggest_name(seen, known)}"
+                    f"Sensor `{name}` looks at `{seen}`, which the plant does not have. {suggest_name(seen, known)}"
                 )
     for name in bench.controllers.members():
         if name not in drives:
@@ -73,9 +72,7 @@ def _check_estimates(bench: Bench) -> None:
 def _require_names(who: str, names: tuple[str, ...], readings: Mapping[str, object]) -> None:
     for name in names:
         if name not in readings:
-            raise ParameterError(
-                f"{who} reads `{name}`, which is not measured. {suggest_name(name, readings)}"
-            )
+            raise ParameterError(f"{who} reads `{name}`, which is not measured. {suggest_name(name, readings)}")
 
 
 def _check_faults(bench: Bench, drives: list[str]) -> None:
@@ -84,10 +81,7 @@ def _check_faults(bench: Bench, drives: list[str]) -> None:
     for title, fault in bench.faults.members().items():
         for name, what in fault.names().items():
             if name not in known[what]:
-                raise ParameterError(
-                    f"Fault `{title}`: there is no {what} `{name}`. "
-                    f"{suggest_name(name, known[what])}"
-                )
+                raise ParameterError(f"Fault `{title}`: there is no {what} `{name}`. {suggest_name(name, known[what])}")
 
 
 def _check_switching(bench: Bench) -> None:
@@ -97,6 +91,5 @@ def _check_switching(bench: Bench) -> None:
     duty = one and isinstance(sources[0], AbstractSwitch) and sources[0].unit == "1"
     if bench.switching == "pulses" and not duty:
         raise ParameterError(
-            "Pulses are for a plant with one drive, a switch that takes a duty, such as "
-            "`pwm-voltage`."
+            "Pulses are for a plant with one drive, a switch that takes a duty, such as `pwm-voltage`."
         )

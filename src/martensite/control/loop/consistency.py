@@ -94,9 +94,7 @@ def check_consistency(
     """
     chosen, unknown = _find_filter(bench, observer), hidden_states.list_names(bench.plant)
     found = [
-        _judge_run(
-            simulate_bench(bench, duration, waveforms=waveforms, seed=seed + k).require(), unknown
-        )
+        _judge_run(simulate_bench(bench, duration, waveforms=waveforms, seed=seed + k).require(), unknown)
         for k in range(runs)
     ]
     nees, nis, error = zip(*found, strict=True)

@@ -113,9 +113,7 @@ class MountedSensor(Parametrised):
         return Sensed(tuple(inner), held, elapsed, past, ages, travels, reading, age)
 
 
-def _find_arrived(
-    xp: Namespace, past: Column, ages: Column, travels: Column, period: Scalar
-) -> tuple[Scalar, Scalar]:
+def _find_arrived(xp: Namespace, past: Column, ages: Column, travels: Column, period: Scalar) -> tuple[Scalar, Scalar]:
     """The newest reading that has arrived, and its age [s]; the oldest one has."""
     oldest = len(past) - 1
     reading, age = past[oldest], ages[oldest] + oldest * period

@@ -51,9 +51,7 @@ def list_drives(bench: Bench) -> list[DriveSignal]:
     followed = [DriveSignal(name, unit, False, True) for name, unit in rows]
     free = [drive for drive in bench.plant.drives() if drive.name not in taken]
     numbers = [
-        DriveSignal(kind + name, "1", False, True)
-        for name in bench.sensors.members()
-        for kind in (NOISE, JITTER)
+        DriveSignal(kind + name, "1", False, True) for name in bench.sensors.members() for kind in (NOISE, JITTER)
     ]
     return [*followed, *free, *numbers]
 

@@ -32,19 +32,13 @@ def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
     return Inputs(references, free, numbers)
 
 
-def apply_supervisor(
-    bench: Bench, xp: Namespace, state: BenchState, given: Inputs
-) -> SupervisorVerdict:
+def apply_supervisor(bench: Bench, xp: Namespace, state: BenchState, given: Inputs) -> SupervisorVerdict:
     """Signals by drive of the plant, as the supervisor lets them pass."""
     ordered, known = collect_wanted(bench, state.controllers, given), Named()
     if bench.supervisor is not None:
         if not state.sensors:
-            known = collect_truth(
-                bench, xp, apply_faults(bench, xp, state.time), state.plant, ordered
-            )
-        known = collect_readings(bench, state.sensors, known) | collect_estimates(
-            bench, state.observers
-        )
+            known = collect_truth(bench, xp, apply_faults(bench, xp, state.time), state.plant, ordered)
+        known = collect_readings(bench, state.sensors, known) | collect_estimates(bench, state.observers)
     return judge_signals(bench, xp, state.supervisor, ordered, known)
 
 
@@ -73,10 +67,7 @@ def begin_loop(
     bench: Bench, xp: Namespace, known: Named, given: Inputs
 ) -> tuple[tuple[ObserverState, ...], tuple[Controlling, ...], tuple[Scalar, ...], Named]:
     """Observers, controllers and supervisor in the first sample, and all that is read there."""
-    first = [
-        one.rest(xp, known, collect_idle(bench, given))
-        for one in bench.observers.members().values()
-    ]
+    first = [one.rest(xp, known, collect_idle(bench, given)) for one in bench.observers.members().values()]
     observers = tuple(ObserverState(tuple(guess), tuple(memory)) for guess, memory in first)
     known = known | collect_estimates(bench, observers)
     rows = zip(bench.controllers.members().values(), given.references, strict=True)
@@ -109,10 +100,7 @@ def split_period(bench: Bench, xp: Namespace, signals: Signals) -> list[Piece]:
     if bench.switching == "averaged":
         return [(list(signals.values()), length)]
     ((duty, share),) = _switch_signals(bench, xp, signals)
-    on, off = (
-        close_switch(xp, duty, share),
-        xp.where(share < 1.0, 0.0, close_switch(xp, duty, share)),
-    )
+    on, off = (close_switch(xp, duty, share), xp.where(share < 1.0, 0.0, close_switch(xp, duty, share)))
     share = xp.clip(share, SLIGHT, 1.0 - SLIGHT)
     return [([on], share * length), ([off], (1.0 - share) * length)]
 
@@ -130,9 +118,7 @@ def close_switch(xp: Namespace, duty: Scalar, share: Scalar) -> Scalar:
     return xp.where(share > 0.0, xp.where(duty < 0.0, -1.0, 1.0), 0.0)
 
 
-def collect_truth(
-    bench: Bench, xp: Namespace, plant: AbstractSystem, state: Any, signals: Signals
-) -> Named:
+def collect_truth(bench: Bench, xp: Namespace, plant: AbstractSystem, state: Any, signals: Signals) -> Named:
     """What sensors may look at; electrical outputs are those while the switch is closed."""
     applied = list(signals.values())
     if bench.switching == "pulses":
@@ -161,9 +147,7 @@ def update_observers(
 ) -> tuple[ObserverState, ...]:
     """All observers a period later."""
     rows = zip(bench.observers.members().values(), before, strict=True)
-    found = [
-        one.update(xp, held.memory, known, signals, bench.period, bench.turns) for one, held in rows
-    ]
+    found = [one.update(xp, held.memory, known, signals, bench.period, bench.turns) for one, held in rows]
     return tuple(ObserverState(tuple(guess), tuple(memory)) for guess, memory in found)
 
 

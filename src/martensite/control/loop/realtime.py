@@ -19,13 +19,7 @@ from martensite.base.parameters import values_at
 from martensite.control.loop import period
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE
-from martensite.control.loop.realtime_program import (
-    CompiledLoop,
-    FloatLoop,
-    LoopState,
-    list_reads,
-    trace_loop,
-)
+from martensite.control.loop.realtime_program import CompiledLoop, FloatLoop, LoopState, list_reads, trace_loop
 from martensite.kernels.compiler import find_compiler
 
 
@@ -91,17 +85,14 @@ class RealtimeStep:
         if not isinstance(readings, Mapping):
             if len(readings) != len(self.readings):
                 raise ParameterError(
-                    f"A step needs {len(self.readings)} readings ({', '.join(self.readings)}), "
-                    f"but got {len(readings)}."
+                    f"A step needs {len(self.readings)} readings ({', '.join(self.readings)}), but got {len(readings)}."
                 )
             return [*map(float, readings), *(0.0 for _ in self.readings)]
         try:
             values = [readings[name] for name in self.readings]
         except KeyError as error:
             name = str(error.args[0])
-            raise ParameterError(
-                f"A step needs the reading `{name}`. {suggest_name(name, readings)}"
-            ) from None
+            raise ParameterError(f"A step needs the reading `{name}`. {suggest_name(name, readings)}") from None
         return [*values, *(readings.get(age, 0.0) for _, age in self._keys)]
 
     @property

@@ -35,10 +35,7 @@ class LoopState(NamedTuple):
 
 def list_reads(bench: Bench) -> tuple[str, ...]:
     """Names of the readings that the parts of a bench need from sensors."""
-    parts: list[Any] = [
-        *bench.observers.members().values(),
-        *bench.controllers.members().values(),
-    ]
+    parts: list[Any] = [*bench.observers.members().values(), *bench.controllers.members().values()]
     parts += [] if bench.supervisor is None else [bench.supervisor]
     names = [name for one in parts for name in one.reads()]
     measured = [name for name in names if not name.startswith(ESTIMATED)]
@@ -54,9 +51,7 @@ def _begin_sample(bench: Bench, xp: Namespace, known: Named, given: Inputs) -> L
     return _judge_sample(bench, xp, LoopState(observers, controllers, held, 0.0, ()), known, given)
 
 
-def _continue_sample(
-    bench: Bench, xp: Namespace, before: LoopState, known: Named, given: Inputs
-) -> LoopState:
+def _continue_sample(bench: Bench, xp: Namespace, before: LoopState, known: Named, given: Inputs) -> LoopState:
     """Another sample, a period after the one before."""
     signals = dict(zip(_list_drives(bench), before.signals, strict=True))
     observers = period.update_observers(bench, xp, before.observers, known, signals)
@@ -66,9 +61,7 @@ def _continue_sample(
     return _judge_sample(bench, xp, after, known, given)
 
 
-def _judge_sample(
-    bench: Bench, xp: Namespace, loop: LoopState, known: Named, given: Inputs
-) -> LoopState:
+def _judge_sample(bench: Bench, xp: Namespace, loop: LoopState, known: Named, given: Inputs) -> LoopState:
     """With the signals that the supervisor lets pass."""
     ordered = period.collect_wanted(bench, loop.controllers, given)
     said = period.judge_signals(bench, xp, loop.supervisor, ordered, known)
@@ -108,10 +101,7 @@ def _trace_keyed(keyed: Keyed[Bench]) -> TracedLoop:
     program = Program()
     paths = tuple(leaf.path for leaf in keyed.part.leaves())
     bench = keyed.part.rebuilt({path: program.parameter(path) for path in paths})
-    names, free = (
-        list_reads(bench),
-        [n for n in _list_drives(bench) if n not in bench.controllers.members()],
-    )
+    names, free = (list_reads(bench), [n for n in _list_drives(bench) if n not in bench.controllers.members()])
     signals = [*names, *(name + AGE for name in names), *list_references(bench), *free]
     labels = [f"i{i}" for i in range(len(signals))]
     found: list[NestedShape] = []

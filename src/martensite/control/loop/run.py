@@ -137,9 +137,7 @@ class Seeing(AbstractDrive):
         """Memory of the drive."""
         return self.drive.init()
 
-    def __call__(
-        self, time: float, measurement: Mapping[str, float], memory: Any
-    ) -> tuple[float, Any]:
+    def __call__(self, time: float, measurement: Mapping[str, float], memory: Any) -> tuple[float, Any]:
         """Its signal at `time` [s] and its new memory."""
         return self.drive(time, select_visible(measurement), memory)
 

@@ -14,9 +14,7 @@ from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
 
-SUPERVISORS: Registry[AbstractSupervisor] = Registry(
-    "supervisor", "martensite.control.supervisors", typical="guard"
-)
+SUPERVISORS: Registry[AbstractSupervisor] = Registry("supervisor", "martensite.control.supervisors", typical="guard")
 Column: TypeAlias = Sequence[Scalar]
 Named: TypeAlias = Mapping[str, Scalar]
 
@@ -47,9 +45,7 @@ class AbstractSupervisor(Parametrised):
         return ()
 
     @abstractmethod
-    def judge(
-        self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
-    ) -> SupervisorVerdict:
+    def judge(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> SupervisorVerdict:
         """What is allowed for the next period.
 
         Args:

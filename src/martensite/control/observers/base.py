@@ -18,9 +18,7 @@ from martensite.base.parameters import Parametrised, part
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
 
-OBSERVERS: Registry[AbstractObserver] = Registry(
-    "observer", "martensite.control.observers", typical="inverse-model"
-)
+OBSERVERS: Registry[AbstractObserver] = Registry("observer", "martensite.control.observers", typical="inverse-model")
 Column: TypeAlias = Sequence[Scalar]
 Named: TypeAlias = Mapping[str, Scalar]
 ESTIMATED = "estimated."
@@ -46,13 +44,7 @@ class AbstractObserver(Parametrised):
 
     @abstractmethod
     def update(
-        self,
-        xp: Namespace,
-        memory: Column,
-        readings: Named,
-        signals: Named,
-        dt: Scalar,
-        turns: int,
+        self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
         """Estimates of this sample, and what is remembered for the next.
 

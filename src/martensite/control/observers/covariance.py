@@ -99,9 +99,7 @@ def condition_on_readings(
     return found, unpack_matrix(pack_matrix(matrix)), nis
 
 
-def put_unknown(
-    xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, index: int, value: Scalar
-) -> list[Scalar]:
+def put_unknown(xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, index: int, value: Scalar) -> list[Scalar]:
     """Unknowns of which one is put at a value; the others follow as they are correlated."""
     some = matrix[index][index] > LEAST
     inverse = xp.where(some, 1.0 / xp.where(some, matrix[index][index], 1.0), 0.0)

@@ -40,9 +40,7 @@ class ExtendedKalman(AbstractFilter):
         added = self.noise_covariance(xp, state, drift, going)
         return Forecast(state, mean, covariance.add_matrices(matrix, added))
 
-    def _predict_state(
-        self, xp: Namespace, before: Believed, going: ObserverPeriod
-    ) -> tuple[list[Scalar], Columns]:
+    def _predict_state(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> tuple[list[Scalar], Columns]:
         """The flat state at the end of the period, and its slopes: a column per unknown."""
         shape, count = NestedShape(before.state), self.unknowns()
         model = self.model_at_factors(before.drift)
@@ -52,9 +50,7 @@ class ExtendedKalman(AbstractFilter):
 
         def start(dual: Any, x: Sequence[Any]) -> list[Any]:
             model = self.model_at_factors(x[unknown:])
-            return flatten_numbers(
-                hidden_states.place_hidden(dual, model, before.state, x[:unknown], going.signals)
-            )
+            return flatten_numbers(hidden_states.place_hidden(dual, model, before.state, x[:unknown], going.signals))
 
         def turn(*numbers: Any) -> list[Any]:
             flat, columns = numbers[:size], list[Any]()
@@ -78,12 +74,7 @@ class ExtendedKalman(AbstractFilter):
         return list(found[:size]), columns
 
     def _predict_outputs(
-        self,
-        xp: Namespace,
-        before: Believed,
-        flat: list[Scalar],
-        slopes: Columns,
-        going: ObserverPeriod,
+        self, xp: Namespace, before: Believed, flat: list[Scalar], slopes: Columns, going: ObserverPeriod
     ) -> tuple[list[Scalar], Columns]:
         """Everything at the end of the period, and its slopes: a row each."""
         shape, columns = NestedShape(before.state), Columns()

@@ -68,40 +68,24 @@ class AbstractFilter(AbstractObserver):
 
     names_reading = ("measured",)
 
-    measured: tuple[str, ...] = text(
-        "readings it uses, called as the outputs of the model", default=("resistance",)
-    )
+    measured: tuple[str, ...] = text("readings it uses, called as the outputs of the model", default=("resistance",))
     wanted: tuple[str, ...] = text("outputs to be estimated; its own choice if none", default=())
     drifting: tuple[str, ...] = text("parameters of the model that it estimates", default=())
-    reading_noise: Scalar = param(
-        "1", "standard deviation of readings as a share of them", low=0.0, default=0.01
-    )
+    reading_noise: Scalar = param("1", "standard deviation of readings as a share of them", low=0.0, default=0.01)
     reading_deviation: Scalar = param(
-        DIFFERENCE,
-        "standard deviation of readings whatever they are; in SI if units differ",
-        low=0.0,
-        default=0.0,
+        DIFFERENCE, "standard deviation of readings whatever they are; in SI if units differ", low=0.0, default=0.0
     )
-    temperature_noise: Scalar = param(
-        "K/s^0.5", "random walk of the temperature", low=0.0, default=0.5
-    )
-    fraction_noise: Scalar = param(
-        "1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.02
-    )
+    temperature_noise: Scalar = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.5)
+    fraction_noise: Scalar = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.02)
     drift_noise: Scalar = param(
         "1/s^0.5", "random walk of drifting parameters, as a share of them", low=0.0, default=1e-3
     )
     first_temperature: Scalar = param(
         DEGREES, "standard deviation of the temperature at the start", low=0.0, default=1.0
     )
-    first_fraction: Scalar = param(
-        "1", "standard deviation of the fraction at the start", low=0.0, default=0.02
-    )
+    first_fraction: Scalar = param("1", "standard deviation of the fraction at the start", low=0.0, default=0.02)
     first_drift: Scalar = param(
-        "1",
-        "standard deviation of drifting parameters at the start, as a share of them",
-        low=0.0,
-        default=0.02,
+        "1", "standard deviation of drifting parameters at the start, as a share of them", low=0.0, default=0.02
     )
     oldest: Scalar = param("s", "age up to which a reading is used", low=0.0, default=0.0)
 
@@ -113,14 +97,11 @@ class AbstractFilter(AbstractObserver):
         for name in (*self.reads(), *list_several(self.wanted)):
             if name not in known:
                 raise ParameterError(
-                    f"Observer `{self.registered_name}`: its model has no output `{name}`. "
-                    f"{suggest_name(name, known)}"
+                    f"Observer `{self.registered_name}`: its model has no output `{name}`. {suggest_name(name, known)}"
                 )
         for path in self._paths():
             if self.model.value_of(path) == 0.0:
-                raise ParameterError(
-                    f"Parameter `{path}` cannot drift: it is 0, and drifts by a factor."
-                )
+                raise ParameterError(f"Parameter `{path}` cannot drift: it is 0, and drifts by a factor.")
         self.__dict__["_example"] = hidden_states.build_example(self.model)
 
     def reads(self) -> tuple[str, ...]:
@@ -165,26 +146,16 @@ class AbstractFilter(AbstractObserver):
         first += [self.first_drift] * len(drift)
         matrix = covariance.build_diagonal([x * x for x in first])
         mean, slopes = self.outlook(xp, state, drift, applied)
-        return self._list_estimates(
-            xp, Forecast(state, mean, covariance.propagate_covariance(slopes, matrix)), 0.0
-        )
+        return self._list_estimates(xp, Forecast(state, mean, covariance.propagate_covariance(slopes, matrix)), 0.0)
 
     def update(
-        self,
-        xp: Namespace,
-        memory: Column,
-        readings: Named,
-        signals: Named,
-        dt: Scalar,
-        turns: int,
+        self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
         """Estimates after the readings of this sample, and what is believed."""
         going = ObserverPeriod(list_required(self, signals), dt, turns)
         expected = self.forecast(xp, self._unflatten_memory(memory), going)
         rows = self._readings(xp, expected.mean, readings, dt)
-        mean, matrix, nis = covariance.condition_on_readings(
-            xp, expected.mean, expected.covariance, rows
-        )
+        mean, matrix, nis = covariance.condition_on_readings(xp, expected.mean, expected.covariance, rows)
         for i in range(1, 2 * len(self.model.actuators()), 2):
             mean = covariance.put_unknown(xp, mean, matrix, i, xp.clip(mean[i], 0.0, 1.0))
         unknown, count = len(hidden_states.list_names(self.model)), self.unknowns()
@@ -194,9 +165,7 @@ class AbstractFilter(AbstractObserver):
         state = hidden_states.place_hidden(xp, model, expected.state, at, going.signals)
         return self._list_estimates(xp, Forecast(state, mean, matrix), nis)
 
-    def _readings(
-        self, xp: Namespace, mean: Sequence[Scalar], readings: Named, dt: Scalar
-    ) -> list[UnknownReading]:
+    def _readings(self, xp: Namespace, mean: Sequence[Scalar], readings: Named, dt: Scalar) -> list[UnknownReading]:
         """Readings as what they tell of the unknowns."""
         names, found = self._rows(), list[UnknownReading]()
         for name in self.reads():
@@ -219,9 +188,7 @@ class AbstractFilter(AbstractObserver):
         pairs = zip(self._paths(), drift, strict=True)
         return self.model.rebuilt({path: x * self.model.value_of(path) for path, x in pairs})
 
-    def read_model(
-        self, xp: Namespace, state: Any, drift: Sequence[Scalar], signals: Column
-    ) -> list[Scalar]:
+    def read_model(self, xp: Namespace, state: Any, drift: Sequence[Scalar], signals: Column) -> list[Scalar]:
         """Hidden values, factors and outputs of a state."""
         found = hidden_states.observe_model(xp, self.model_at_factors(drift), state, signals)
         unknown = [found[name] for name in hidden_states.list_names(self.model)]
@@ -241,16 +208,12 @@ class AbstractFilter(AbstractObserver):
 
         return compute_jacobian(xp, from_unknowns, [*at, *drift])
 
-    def noise_covariance(
-        self, xp: Namespace, state: Any, drift: Sequence[Scalar], going: ObserverPeriod
-    ) -> Matrix:
+    def noise_covariance(self, xp: Namespace, state: Any, drift: Sequence[Scalar], going: ObserverPeriod) -> Matrix:
         """Covariance that the noise of a period adds to everything."""
         walks = [self.temperature_noise, self.fraction_noise] * len(self.model.actuators())
         walks += [self.drift_noise] * len(drift)
         _, slopes = self.outlook(xp, state, drift, going.signals)
-        return covariance.propagate_covariance(
-            slopes, covariance.build_diagonal([w * w * going.dt for w in walks])
-        )
+        return covariance.propagate_covariance(slopes, covariance.build_diagonal([w * w * going.dt for w in walks]))
 
     # ---------------------------------------------------------------- memory
 

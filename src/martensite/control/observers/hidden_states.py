@@ -37,8 +37,7 @@ def build_example(model: AbstractSystem) -> State:
     """
     if not isinstance(model, AbstractAssembly):
         raise ParameterError(
-            f"An observer needs a `System` or a `Machine` as its model, but has a "
-            f"`{type(model).__name__}`."
+            f"An observer needs a `System` or a `Machine` as its model, but has a `{type(model).__name__}`."
         )
     mechanism = model.mechanism
     if isinstance(mechanism, AbstractMultibody) and mechanism.moves:
@@ -57,27 +56,19 @@ def list_names(model: AbstractSystem) -> list[str]:
     return [model.label(port, name) for port in model.actuators() for name in HIDDEN]
 
 
-def observe_model(
-    xp: Namespace, model: AbstractSystem, state: Any, signals: Sequence[Scalar]
-) -> dict[str, Scalar]:
+def observe_model(xp: Namespace, model: AbstractSystem, state: Any, signals: Sequence[Scalar]) -> dict[str, Scalar]:
     """Outputs of a model by name."""
     return dict(zip(model.outputs(), model.observe(xp, state, *signals), strict=True))
 
 
-def read_hidden(
-    xp: Namespace, model: AbstractSystem, state: Any, signals: Sequence[Scalar]
-) -> list[Scalar]:
+def read_hidden(xp: Namespace, model: AbstractSystem, state: Any, signals: Sequence[Scalar]) -> list[Scalar]:
     """What is hidden in a state."""
     found = observe_model(xp, model, state, signals)
     return [found[name] for name in list_names(model)]
 
 
 def place_hidden(
-    xp: Namespace,
-    model: AbstractSystem,
-    state: State,
-    at: Sequence[Scalar],
-    signals: Sequence[Scalar],
+    xp: Namespace, model: AbstractSystem, state: State, at: Sequence[Scalar], signals: Sequence[Scalar]
 ) -> State:
     """The state with other hidden values, under forces at which everything fits."""
     for _ in range(2):
@@ -106,9 +97,7 @@ def _scale_fractions(
     xp: Namespace, model: AbstractSystem, port: str, found: Mapping[str, Scalar], fraction: Scalar
 ) -> Fractions:
     """Phase state of a port at another martensite fraction, oriented in proportion."""
-    before, oriented = (
-        found[model.label(port, name)] for name in ("martensite_fraction", "oriented_fraction")
-    )
+    before, oriented = (found[model.label(port, name)] for name in ("martensite_fraction", "oriented_fraction"))
     some = before > SLIGHT
     share = xp.where(some, oriented / xp.where(some, before, 1.0), 1.0)
     return Fractions(fraction, xp.clip(share, -1.0, 1.0) * fraction)

@@ -50,8 +50,7 @@ class InverseModel(AbstractObserver):
         for name in (self.measured, *list_several(self.wanted)):
             if name not in known:
                 raise ParameterError(
-                    f"Observer `inverse-model`: its model has no output `{name}`. "
-                    f"{suggest_name(name, known)}"
+                    f"Observer `inverse-model`: its model has no output `{name}`. {suggest_name(name, known)}"
                 )
         self.__dict__["_example"] = hidden_states.build_example(self.model)
         if len(self.model.actuators()) != 1:
@@ -73,11 +72,7 @@ class InverseModel(AbstractObserver):
     def _shown_outputs(self) -> list[str]:
         (port,) = self.model.actuators()
         own = (*hidden_states.list_names(self.model), *self.model.mechanism.outputs())
-        chosen = list_several(self.wanted) or (
-            *own,
-            self.model.label(port, "strain"),
-            self.measured,
-        )
+        chosen = list_several(self.wanted) or (*own, self.model.label(port, "strain"), self.measured)
         return list(dict.fromkeys(chosen))
 
     def rest(self, xp: Namespace, readings: Named, signals: Named) -> tuple[Column, Column]:
@@ -86,13 +81,7 @@ class InverseModel(AbstractObserver):
         return self._list_estimates(xp, self.model.init(xp, *applied), applied)
 
     def update(
-        self,
-        xp: Namespace,
-        memory: Column,
-        readings: Named,
-        signals: Named,
-        dt: Scalar,
-        turns: int,
+        self, xp: Namespace, memory: Column, readings: Named, signals: Named, dt: Scalar, turns: int
     ) -> tuple[Column, Column]:
         """Estimates at the root, and the state of the model there."""
         applied = list_required(self, signals)

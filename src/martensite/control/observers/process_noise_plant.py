@@ -47,9 +47,7 @@ class ProcessNoisePlant(AbstractSystem):
 
     def drives(self) -> list[DriveSignal]:
         """Those of the plant, then the numbers."""
-        own = [
-            DriveSignal(NOISE + name, "1", False) for name in hidden_states.list_names(self.plant)
-        ]
+        own = [DriveSignal(NOISE + name, "1", False) for name in hidden_states.list_names(self.plant)]
         return [*self.plant.drives(), *own]
 
     def label(self, port: str, name: str) -> str:
@@ -76,9 +74,7 @@ class ProcessNoisePlant(AbstractSystem):
         """The plant at rest."""
         return self.plant.init(xp, *self._apart(drives)[0])
 
-    def step(
-        self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar
-    ) -> tuple[Any, StepReport]:
+    def step(self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar) -> tuple[Any, StepReport]:
         """A step of the plant, then one of the walk."""
         signals, numbers = self._apart(drives)
         after, report = self.plant.step(xp, state, *signals, dt=dt)

@@ -59,10 +59,7 @@ class UnscentedKalman(AbstractFilter):
             found.append([x - d for x, d in zip(middle, way, strict=True)])
         count = len(middle) - len(before.drift)
         return [
-            [
-                *hidden_states.limit_fractions(xp, x[:count]),
-                *(xp.clip(f, LEAST, MOST) for f in x[count:]),
-            ]
+            [*hidden_states.limit_fractions(xp, x[:count]), *(xp.clip(f, LEAST, MOST) for f in x[count:])]
             for x in found
         ]
 
@@ -91,9 +88,7 @@ class UnscentedKalman(AbstractFilter):
         found = turn(*flat) if going.turns == 1 else xp.repeat(going.turns, turn, *flat)
         return [list(row) for row in zip(*_cut_columns(found, len(points)), strict=True)]
 
-    def _predict_outputs(
-        self, xp: Namespace, rows: Matrix, before: Believed, going: ObserverPeriod
-    ) -> Matrix:
+    def _predict_outputs(self, xp: Namespace, rows: Matrix, before: Believed, going: ObserverPeriod) -> Matrix:
         """Hidden values, factors and outputs of every point."""
         shape, size = NestedShape(before.state), len(flatten_numbers(before.state))
 

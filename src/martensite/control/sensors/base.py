@@ -27,9 +27,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-SENSORS: Registry[AbstractSensor] = Registry(
-    "sensor", "martensite.control.sensors", typical="ideal"
-)
+SENSORS: Registry[AbstractSensor] = Registry("sensor", "martensite.control.sensors", typical="ideal")
 DRAWN = 1024
 """Random numbers that are drawn at a time."""
 Column: TypeAlias = Sequence[Scalar]
@@ -62,9 +60,7 @@ class AbstractSensor(Parametrised):
         return ()
 
     @abstractmethod
-    def step(
-        self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
         """The reading before rounding, and what is remembered.
 
         Args:
@@ -75,9 +71,7 @@ class AbstractSensor(Parametrised):
             dt: time since the reading before [s]; 0 for the first one.
         """
 
-    def reading(
-        self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def reading(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
         """What it says, and what is remembered: `step`, rounded and within the range."""
         value, after = self.step(xp, state, truth, noise, dt)
         return self.digits(xp, value), after
@@ -110,9 +104,7 @@ class Probe:
         return value
 
 
-def simulate_readings(
-    sensor: AbstractSensor, truth: Numbers, interval: float, rng: np.random.Generator
-) -> Numbers:
+def simulate_readings(sensor: AbstractSensor, truth: Numbers, interval: float, rng: np.random.Generator) -> Numbers:
     """What a sensor says of a whole record, from rest.
 
     Args:

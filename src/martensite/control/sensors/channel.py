@@ -28,9 +28,7 @@ class AbstractChannel(AbstractSensor):
         """The truth."""
         return (truth[0],)
 
-    def step(
-        self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
         """What is felt, through the curve, with offset and noise."""
         felt = follow_lag(xp, state[0], truth[0], self.lag, dt)
         return self.curve(xp, felt) + self.offset + self.noise * noise, (felt,)

@@ -27,14 +27,9 @@ class EncoderSensor(AbstractSensor):
     unit = None
     sees = ("angle",)
 
-    motion: str = option(
-        "what it reads: an angle, or a length", "rotary", "linear", default="rotary"
-    )
+    motion: str = option("what it reads: an angle, or a length", "rotary", "linear", default="rotary")
     zero: str = option(
-        "where it reads 0: at its reference mark, or where it is switched on",
-        "mark",
-        "start",
-        default="mark",
+        "where it reads 0: at its reference mark, or where it is switched on", "mark", "start", default="mark"
     )
     lines: Scalar = param("1", "lines per turn of a rotary one", above=0.0, default=1024.0)
     pitch: Scalar = param("m", "length of a line of a linear one", above=0.0, default=40e-6)
@@ -48,8 +43,6 @@ class EncoderSensor(AbstractSensor):
         """Where it is switched on."""
         return truth[:1] if self.zero == "start" else ()
 
-    def step(
-        self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
         """The way from its zero, not counted yet."""
         return (truth[0] - state[0] if self.zero == "start" else truth[0]), state

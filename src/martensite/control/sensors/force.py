@@ -26,11 +26,7 @@ class ForceSensor(AbstractChannel):
     sees = ("force",)
 
     nonlinearity: Scalar = param(
-        "1",
-        "largest deviation from a straight line over the range",
-        low=-0.25,
-        high=0.25,
-        default=0.0,
+        "1", "largest deviation from a straight line over the range", low=-0.25, high=0.25, default=0.0
     )
     offset: Scalar = param("N", "reading of zero", default=0.0)
     noise: Scalar = param("N", "standard deviation of a reading", low=0.0, default=5e-3)

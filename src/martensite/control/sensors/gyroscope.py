@@ -31,12 +31,8 @@ class GyroscopeSensor(AbstractSensor):
     bias: Scalar = param("rad/s", "reading at rest", default=0.0)
     lag: Scalar = param("s", "time constant; 0 for none", low=0.0, default=4e-3)
     noise: Scalar = param("rad/s", "standard deviation of a reading", low=0.0, default=0.1 * DEGREE)
-    resolution: Scalar = param(
-        "rad/s", "least step of a reading", low=0.0, default=2000.0 * DEGREE / 2**15
-    )
-    range: Scalar = param(
-        "rad/s", "largest reading, either way", above=0.0, default=2000.0 * DEGREE
-    )
+    resolution: Scalar = param("rad/s", "least step of a reading", low=0.0, default=2000.0 * DEGREE / 2**15)
+    range: Scalar = param("rad/s", "largest reading, either way", above=0.0, default=2000.0 * DEGREE)
 
     def limits(self) -> tuple[Scalar, Scalar]:
         """As far either way."""
@@ -46,9 +42,7 @@ class GyroscopeSensor(AbstractSensor):
         """The angle, and no rate."""
         return truth[0], 0.0
 
-    def step(
-        self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
         """The lagged rate with bias and noise [rad/s]; in no time it stays as it was."""
         before, felt = state
         some = dt > 0.0

@@ -19,8 +19,6 @@ class IdealSensor(AbstractSensor):
     unit = None
     sees = ("position",)
 
-    def step(
-        self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
         """The truth."""
         return truth[0], ()

@@ -37,14 +37,9 @@ class InfraredSensor(AbstractSensor):
     sees = ("temperature", "ambient")
 
     mixing: str = option(
-        "what is averaged over the field of view: temperature, or radiation",
-        "linear",
-        "radiance",
-        default="linear",
+        "what is averaged over the field of view: temperature, or radiation", "linear", "radiance", default="linear"
     )
-    factor: Scalar = param(
-        "1", "share of the wire in what is seen", above=0.0, high=1.0, default=0.6
-    )
+    factor: Scalar = param("1", "share of the wire in what is seen", above=0.0, high=1.0, default=0.6)
     drift: Scalar = param("1/s", "change of that share with time", default=0.0)
     emissivity: Scalar = param("1", "emissivity of the wire", above=0.0, high=1.0, default=1.0)
     setting: Scalar = param("1", "emissivity that it is set to", above=0.0, high=1.0, default=1.0)
@@ -58,8 +53,7 @@ class InfraredSensor(AbstractSensor):
         """Raise `ParameterError` unless there is a range."""
         if not self.lowest < self.highest:
             raise ParameterError(
-                f"The range of a thermometer must not be empty, but goes from {self.lowest:g} K "
-                f"to {self.highest:g} K."
+                f"The range of a thermometer must not be empty, but goes from {self.lowest:g} K to {self.highest:g} K."
             )
 
     def limits(self) -> tuple[Scalar, Scalar]:
@@ -70,9 +64,7 @@ class InfraredSensor(AbstractSensor):
         """The temperature seen, and no time gone by."""
         return self._filtered_temperature(xp, truth, 0.0), 0.0
 
-    def step(
-        self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
         """The lagged temperature with noise [K]; the lag is exact for a truth that is held."""
         time = state[1] + dt
         felt = follow_lag(xp, state[0], self._filtered_temperature(xp, truth, time), self.lag, dt)

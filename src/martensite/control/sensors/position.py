@@ -36,9 +36,7 @@ class PositionSensor(AbstractSensor):
         """In the middle of the play, and no time gone by."""
         return truth[0], 0.0
 
-    def step(
-        self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
         """The position of the slider with offset and noise [m]."""
         half, time = 0.5 * self.backlash, state[1] + dt
         place = xp.maximum(truth[0] - half, xp.minimum(truth[0] + half, state[0]))

@@ -24,14 +24,10 @@ class ResistanceSensor(AbstractSensor):
     unit = "ohm"
     sees = ("voltage", "current")
 
-    relative_noise: Scalar = param(
-        "1", "standard deviation of a reading as a share of it", low=0.0, default=0.01
-    )
+    relative_noise: Scalar = param("1", "standard deviation of a reading as a share of it", low=0.0, default=0.01)
     noise: Scalar = param("ohm", "standard deviation whatever it reads", low=0.0, default=0.0)
     resolution: Scalar = param("ohm", "least step of a reading", low=0.0, default=0.0)
-    least_current: Scalar = param(
-        "A", "current below which there is nothing to measure", above=0.0, default=0.01
-    )
+    least_current: Scalar = param("A", "current below which there is nothing to measure", above=0.0, default=0.01)
     first: Scalar = param("ohm", "what it says before it has measured", low=0.0, default=0.0)
 
     def valid(self, xp: Namespace, truth: Column) -> Flag:
@@ -42,9 +38,7 @@ class ResistanceSensor(AbstractSensor):
         """What it says while there is no current."""
         return (xp.where(self.valid(xp, truth), self._ratio(xp, truth), self.first),)
 
-    def step(
-        self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
         """The resistance with noise [ohm], or the last one."""
         ratio, own = self._ratio(xp, truth), self.relative_noise
         size = xp.sqrt(own * own * ratio * ratio + self.noise * self.noise)

@@ -39,9 +39,7 @@ class ThermocoupleSensor(AbstractSensor):
         """The temperature of the bead."""
         return (self._bead(truth),)
 
-    def step(
-        self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
         """The temperature of the bead with noise [K]."""
         felt = follow_lag(xp, state[0], self._bead(truth), self.lag, dt)
         return felt + self.offset + self.noise * noise, (felt,)

@@ -62,9 +62,7 @@ def guard_for(
         drive = system.drive_at(port)
         limit = temperature_limit or one.element.limits.temperature_limit
         if not math.isfinite(limit):
-            raise InputError(
-                f"The element at `{drive}` has no `temperature_limit`; give one to the guard."
-            )
+            raise InputError(f"The element at `{drive}` has no `temperature_limit`; give one to the guard.")
         ambient = hottest or one.environment.temperature
         cut = () if len(system.actuators()) == 1 else (drive,)
         found[f"bound_{drive}"] = ThermalBound(

@@ -17,13 +17,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param, part
 from martensite.control.checks.base import AbstractCheck, Checks
 from martensite.control.checks.thermal_bound import ThermalBound
-from martensite.control.loop.supervisor import (
-    SUPERVISORS,
-    AbstractSupervisor,
-    Column,
-    Named,
-    SupervisorVerdict,
-)
+from martensite.control.loop.supervisor import SUPERVISORS, AbstractSupervisor, Column, Named, SupervisorVerdict
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.signals.base import DRIVE
 
@@ -68,9 +62,7 @@ class Guard(AbstractSupervisor):
             found += [0.0, 0.0, *one.rest(xp, readings)]
         return tuple(found)
 
-    def judge(
-        self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar
-    ) -> SupervisorVerdict:
+    def judge(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> SupervisorVerdict:
         """What all checks leave of the signals."""
         allowed, rows = dict(wanted), list[tuple[AbstractCheck, Flag, Scalar, Column]]()
         for one, own in self._pair_memories(memory):
@@ -83,9 +75,7 @@ class Guard(AbstractSupervisor):
         kept: list[Scalar] = []
         for one, cut, left, own in rows:
             kept += [xp.where(cut, 1.0, 0.0), left, *one.remember_allowed(xp, own, allowed, dt)]
-        return SupervisorVerdict(
-            allowed, _find_alarm(xp, [(one, cut) for one, cut, _, _ in rows]), tuple(kept)
-        )
+        return SupervisorVerdict(allowed, _find_alarm(xp, [(one, cut) for one, cut, _, _ in rows]), tuple(kept))
 
     def _decide_cut(self, xp: Namespace, own: Column, trips: Flag, clears: Flag) -> Flag:
         """Whether a check cuts in this period."""

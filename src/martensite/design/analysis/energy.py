@@ -118,9 +118,7 @@ def integrate_energies(result: Result, ways: Sequence[tuple[Numbers, Numbers]]) 
     return EnergyCourses(given, taken, work[0], work[1])
 
 
-def compute_cycle_energies(
-    result: Result, period: float, *, pairs: Sequence[Pair] | None = None
-) -> CycleEnergies:
+def compute_cycle_energies(result: Result, period: float, *, pairs: Sequence[Pair] | None = None) -> CycleEnergies:
     """Energies of all whole cycles of a run.
 
     Args:
@@ -164,9 +162,7 @@ def _find_columns(result: Result, pairs: Sequence[Pair] | None) -> Sequence[Pair
     """Columns of force and coordinate."""
     if pairs is None:
         if not isinstance(result.system.mechanism, AbstractLoadLine):
-            raise InputError(
-                "Say by `pairs` which force of this mechanism works along which coordinate."
-            )
+            raise InputError("Say by `pairs` which force of this mechanism works along which coordinate.")
         (port,) = result.system.actuators()
         return [(result.system.label(port, "force"), result.coordinate)]
     for name in (one for pair in pairs for one in pair):

@@ -99,9 +99,7 @@ def _open_client(dask: Any, wanted: DaskCluster) -> Iterator[Any]:
     cluster = None
     if wanted.scheduler is None:
         cluster = dask.LocalCluster(
-            n_workers=wanted.workers or count_cores(),
-            threads_per_worker=1,
-            dashboard_address="127.0.0.1:0",
+            n_workers=wanted.workers or count_cores(), threads_per_worker=1, dashboard_address="127.0.0.1:0"
         )
     try:
         with _connect_client(dask, cluster or wanted.scheduler) as client:
@@ -123,6 +121,5 @@ def _import_distributed() -> Any:
         return import_module("distributed")
     except ImportError:
         raise InputError(
-            "The backend `dask` needs Dask, which is not installed; run "
-            "`pip install martensite[cluster]`."
+            "The backend `dask` needs Dask, which is not installed; run `pip install martensite[cluster]`."
         ) from None

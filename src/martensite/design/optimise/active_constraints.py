@@ -108,15 +108,11 @@ def find_multipliers(designs: DesignEvaluator, z: NDArray[np.float64]) -> Optima
         own = float(rate) / abs(free[k].slope(float(z[k])))
         step = PER_CENT * (BOX_TEMPERATURE if free[k].unit == "K" else abs(limit) or free[k].high)
         kind, more = f"{side} bound", side == "upper"
-        pressing.append(
-            ActiveConstraint(free[k].name, kind, limit, free[k].unit, own, step, goal, more)
-        )
+        pressing.append(ActiveConstraint(free[k].name, kind, limit, free[k].unit, own, step, goal, more))
     return OptimalityBalance(tuple(pressing), residue)
 
 
-def _solve_multipliers(
-    rows: NDArray[np.float64], slope: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], float]:
+def _solve_multipliers(rows: NDArray[np.float64], slope: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
     """Non-negative weights of rows whose sum is the slope, and the share that is missing."""
     size = float(np.linalg.norm(slope))
     if not size:
@@ -140,9 +136,5 @@ def _list_active(
         rate = float(sum(rates[k] for k in rows)) / one.scale
         step, unit = PER_CENT * one.scale, one.aim.unit
         cases = tuple(int(slack[k]) // len(subject) for k in rows)
-        found.append(
-            ActiveConstraint(
-                one.words, "constraint", one.limit, unit, rate, step, goal, one.most, cases
-            )
-        )
+        found.append(ActiveConstraint(one.words, "constraint", one.limit, unit, rate, step, goal, one.most, cases))
     return found

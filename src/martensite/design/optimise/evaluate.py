@@ -107,9 +107,7 @@ class DesignEvaluator:
         self.outputs = list_needed(every, self.system)
         self.runner = BatchRunner(self.system, self.grid, self.outputs, native=native)
         self.native = self.runner.native
-        self._rows = [
-            [self._find_row(c.path, c.level) for c in one.targets] for one in question.free
-        ]
+        self._rows = [[self._find_row(c.path, c.level) for c in one.targets] for one in question.free]
 
     def numbers(self, z: Numbers) -> Numbers:
         """Free numbers [SI] at places, (..., free)."""
@@ -144,12 +142,8 @@ class DesignEvaluator:
             if run is None:
                 return None
             seen, moved = run[0].T, np.moveaxis(run[1], 0, 1)
-            values.append(
-                np.array([self._value(aim, seen[:, :, None], numbers)[0] for aim in self.aims])
-            )
-            slopes.append(
-                np.stack([self._slope(aim, seen[:, :, None], moved) for aim in self.aims])
-            )
+            values.append(np.array([self._value(aim, seen[:, :, None], numbers)[0] for aim in self.aims]))
+            slopes.append(np.stack([self._slope(aim, seen[:, :, None], moved) for aim in self.aims]))
         own = self._own_slopes() * inner
         return AimSlopes(np.stack(values), np.stack(slopes) + own)
 
@@ -193,10 +187,7 @@ class DesignEvaluator:
     def judge_values(self, values: Numbers) -> JudgedPoints:
         """Goals and slacks of values of designs, (designs, cases, aims)."""
         goal = self.sign * values[:, :, 0].mean(axis=1) / self.goal_size
-        slack = [
-            c.sign * (values[:, :, k + 1] - c.limit) / c.scale
-            for k, c in enumerate(self.question.subject)
-        ]
+        slack = [c.sign * (values[:, :, k + 1] - c.limit) / c.scale for k, c in enumerate(self.question.subject)]
         table = np.stack(slack, axis=2).reshape(len(values), -1) if slack else goal[:, None][:, :0]
         most = LARGEST_SLACK
         held = np.clip(np.nan_to_num(table, nan=-most, posinf=most, neginf=-most), -most, most)
@@ -210,9 +201,7 @@ class DesignEvaluator:
             return None
         one = self.judge_values(found.values[None])
         slope = self.sign * found.slopes[:, 0].mean(axis=0) / self.goal_size
-        rows = [
-            c.sign * found.slopes[:, k + 1] / c.scale for k, c in enumerate(self.question.subject)
-        ]
+        rows = [c.sign * found.slopes[:, k + 1] / c.scale for k, c in enumerate(self.question.subject)]
         table = np.stack(rows, axis=1).reshape(-1, len(z)) if rows else np.zeros((0, len(z)))
         table = np.where((np.abs(one.slack[0]) < LARGEST_SLACK)[:, None], table, 0.0)
         return PointSlopes(float(one.goal[0]), one.slack[0], slope, table)
@@ -265,17 +254,13 @@ class DesignEvaluator:
         return found
 
 
-def apply_numbers(
-    steering: WaveformLevels, question: DesignQuestion, numbers: Sequence[float]
-) -> WaveformLevels:
+def apply_numbers(steering: WaveformLevels, question: DesignQuestion, numbers: Sequence[float]) -> WaveformLevels:
     """System and waveforms of a design, checked.
 
     Raises:
         ParameterError: the system refuses the numbers together.
     """
-    pairs = [
-        (c, float(v)) for one, v in zip(question.free, numbers, strict=True) for c in one.targets
-    ]
+    pairs = [(c, float(v)) for one, v in zip(question.free, numbers, strict=True) for c in one.targets]
     system = steering.system.with_values({c.path: v for c, v in pairs if c.level is None})
     waves = dict(steering.own)
     for drive in waves:

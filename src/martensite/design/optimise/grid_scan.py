@@ -58,9 +58,7 @@ class DesignScan:
 
 
 def scan_designs(
-    designs: DesignEvaluator,
-    points: int | Sequence[int],
-    watch: Callable[[float], None] | None = None,
+    designs: DesignEvaluator, points: int | Sequence[int], watch: Callable[[float], None] | None = None
 ) -> DesignScan:
     """Judge all designs of a grid, even on the scale of each free number.
 
@@ -95,9 +93,7 @@ def scan_designs(
     )
 
 
-def _evaluate_grid(
-    designs: DesignEvaluator, z: Numbers, watch: Callable[[float], None] | None
-) -> Numbers:
+def _evaluate_grid(designs: DesignEvaluator, z: Numbers, watch: Callable[[float], None] | None) -> Numbers:
     """Values of all designs, which do not count as those of a search."""
     counts, designs.counts = designs.counts, RunCounts()
     found: list[Numbers] = []

@@ -27,9 +27,7 @@ ROUNDS = 3
 """How often the relaxed design is searched anew."""
 
 
-def round_design(
-    hunt: BoxSearch, free: Sequence[FreeNumber], relaxed: BoxPoint
-) -> tuple[BoxPoint, Tried, BoxPoint]:
+def round_design(hunt: BoxSearch, free: Sequence[FreeNumber], relaxed: BoxPoint) -> tuple[BoxPoint, Tried, BoxPoint]:
     """The best design whose whole numbers are whole, all that were tried, and the best relaxed one.
 
     A whole design that is better than the relaxed one shows that this was not the best: it is
@@ -54,11 +52,7 @@ def round_design(
 
 
 def _walk_neighbours(
-    hunt: BoxSearch,
-    free: Sequence[FreeNumber],
-    relaxed: BoxPoint,
-    whole: NDArray[np.bool_],
-    tried: Tried,
+    hunt: BoxSearch, free: Sequence[FreeNumber], relaxed: BoxPoint, whole: NDArray[np.bool_], tried: Tried
 ) -> None:
     """Try what lies around the relaxed design, then neighbours of the best, one up or down."""
     counted = [one for one in free if one.whole]

@@ -20,19 +20,10 @@ from martensite.design.optimise.active_constraints import find_multipliers
 from martensite.design.optimise.evaluate import DesignEvaluator, Numbers, apply_numbers
 from martensite.design.optimise.integer_variables import round_design
 from martensite.design.optimise.life import build_life_constraints, describe_life
-from martensite.design.optimise.optimised_design import (
-    OptimisedDesign,
-    ReportedMeasure,
-    RoundedDesign,
-)
+from martensite.design.optimise.optimised_design import OptimisedDesign, ReportedMeasure, RoundedDesign
 from martensite.design.optimise.question import DesignAim, DesignQuestion, read_aim, read_question
 from martensite.design.optimise.search import DesignSearch, search_designs, start_search
-from martensite.search.box_search import (
-    FEASIBLE_VIOLATION,
-    BoxPoint,
-    SearchMark,
-    Tell,
-)
+from martensite.search.box_search import FEASIBLE_VIOLATION, BoxPoint, SearchMark, Tell
 from martensite.simulate.api import longest_step
 from martensite.simulate.drive_waveforms import Waveforms
 from martensite.simulate.waveform_levels import WaveformLevels
@@ -116,9 +107,7 @@ def optimise_design(
         system.with_values(case)
     first = step or min(_find_longest_step(steering, question), duration / (samples - 1))
     also = _list_measures(steering, {aim.words for aim in question.aims})
-    designs = DesignEvaluator(
-        steering, question, samples=samples, step=first, also=also, native=native
-    )
+    designs = DesignEvaluator(steering, question, samples=samples, step=first, also=also, native=native)
     how = search or DesignSearch()
     begin = np.array([one.share(one.start) for one in question.free])
     hunt = search_designs(designs, begin, how, watch)
@@ -141,23 +130,13 @@ def optimise_design(
 
 def _find_longest_step(steering: WaveformLevels, question: DesignQuestion) -> float:
     """The shortest of the longest sensible steps at the corners of the box [s]."""
-    ends = [
-        [(c.path, v) for v in (one.low, one.high)]
-        for one in question.free
-        for c in one.targets
-        if c.level is None
-    ]
+    ends = [[(c.path, v) for v in (one.low, one.high)] for one in question.free for c in one.targets if c.level is None]
     corners = itertools.islice(itertools.product(*ends), 256)
     return min(longest_step(steering.system.rebuilt(dict(corner))) for corner in corners)
 
 
 def _refine_step(
-    designs: DesignEvaluator,
-    point: BoxPoint,
-    how: DesignSearch,
-    watch: Tell | None,
-    accuracy: float,
-    halvings: int,
+    designs: DesignEvaluator, point: BoxPoint, how: DesignSearch, watch: Tell | None, accuracy: float, halvings: int
 ) -> tuple[DesignEvaluator, BoxPoint, float]:
     """The design adjusted in steps that are short enough, and what halving them changes."""
     fixed = np.array([one.whole for one in designs.question.free])
@@ -198,19 +177,13 @@ def _compare_steps(designs: DesignEvaluator, finer: DesignEvaluator, z: Numbers)
     return float(max(goal, slack.max(initial=0.0)))
 
 
-def _build_answer(
-    steering: WaveformLevels, designs: DesignEvaluator, point: BoxPoint, apart: float
-) -> OptimisedDesign:
+def _build_answer(steering: WaveformLevels, designs: DesignEvaluator, point: BoxPoint, apart: float) -> OptimisedDesign:
     """The answer, but for what was seen on the way."""
     question = designs.question
     numbers = tuple(designs.numbers(point.z).tolist())
-    exact = tuple(
-        float(round(v)) if one.whole else v for v, one in zip(numbers, question.free, strict=True)
-    )
+    exact = tuple(float(round(v)) if one.whole else v for v, one in zip(numbers, question.free, strict=True))
     slack = designs.judge(point.z[None]).slack[0].reshape(-1, len(question.subject) or 1)
-    missed = [
-        c.words for k, c in enumerate(question.subject) if (slack[:, k] < -FEASIBLE_VIOLATION).any()
-    ]
+    missed = [c.words for k, c in enumerate(question.subject) if (slack[:, k] < -FEASIBLE_VIOLATION).any()]
     notes: list[str] = []
     if not point.kept:
         notes.append(
@@ -231,17 +204,13 @@ def _build_answer(
     )
 
 
-def _report_measures(
-    designs: DesignEvaluator, numbers: Sequence[float]
-) -> tuple[ReportedMeasure, ...]:
+def _report_measures(designs: DesignEvaluator, numbers: Sequence[float]) -> tuple[ReportedMeasure, ...]:
     """What the question asks for and other measures, of the scenario and of the design."""
     start = [one.start for one in designs.question.free]
     aims = {aim.words: aim for aim in (*designs.question.aims, *designs.also)}
     before, after = designs.evaluate_aims(np.array([start, numbers]), list(aims.values()))
     return tuple(
-        ReportedMeasure(
-            aim.words, aim.unit, tuple(before[:, k].tolist()), tuple(after[:, k].tolist())
-        )
+        ReportedMeasure(aim.words, aim.unit, tuple(before[:, k].tolist()), tuple(after[:, k].tolist()))
         for k, aim in enumerate(aims.values())
     )
 
@@ -260,9 +229,7 @@ def _list_measures(steering: WaveformLevels, asked: set[str]) -> list[DesignAim]
     return found
 
 
-def _describe_rounded(
-    designs: DesignEvaluator, whole: tuple[int, ...], point: BoxPoint
-) -> RoundedDesign:
+def _describe_rounded(designs: DesignEvaluator, whole: tuple[int, ...], point: BoxPoint) -> RoundedDesign:
     numbers = tuple(designs.numbers(point.z).tolist())
     goal = designs.restore_goal(point.goal)
     return RoundedDesign(whole, numbers, goal, point.kept, point.violation)

@@ -146,9 +146,7 @@ class OptimisedDesign:
             "pressing": [] if balance is None else [one.to_dict() for one in balance.pressing],
             "imbalance": None if balance is None else balance.residue,
             "whole_numbers": [vars(one) for one in self.held],
-            "relaxed": None
-            if self.relaxed is None
-            else {"numbers": list(self.relaxed), "goal": self.relaxed_goal},
+            "relaxed": None if self.relaxed is None else {"numbers": list(self.relaxed), "goal": self.relaxed_goal},
             "runs": self.counts.to_dict(),
             "step": self.step,
             "accuracy": self.accuracy,

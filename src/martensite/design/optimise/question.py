@@ -114,17 +114,13 @@ def read_question(
         InputError: a text that cannot be read, an unknown name, a wrong unit.
     """
     if not free:
-        raise ParameterError(
-            "Nothing is free: name what may change, such as `element.diameter=0.05..0.5 mm`."
-        )
+        raise ParameterError("Nothing is free: name what may change, such as `element.diameter=0.05..0.5 mm`.")
     known = list_targets(steering, written)
     freed = tuple(read_design_number(text, known, steering.system) for text in free)
     _refuse_twice(freed)
     aim = read_aim(goal, steering, freed)
     limits = tuple(read_constraint(text, steering, freed) for text in subject)
-    return DesignQuestion(
-        freed, aim, most, limits, ({}, *(_read_case(text, known, freed) for text in cases))
-    )
+    return DesignQuestion(freed, aim, most, limits, ({}, *(_read_case(text, known, freed) for text in cases)))
 
 
 def _refuse_twice(freed: Sequence[FreeNumber]) -> None:
@@ -147,9 +143,7 @@ def read_aim(words: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) 
     name = words.partition("(")[0].strip()
     if name not in MEASURES.names():
         valid = [*MEASURES.names(), *(one.name for one in freed)]
-        raise ParameterError(
-            f"`{words}` is neither a measure nor a free number. {suggest_name(name, valid)}"
-        )
+        raise ParameterError(f"`{words}` is neither a measure nor a free number. {suggest_name(name, valid)}")
     found = parse_measure(words)
     return DesignAim(words, found.unit_in(steering.system), found)
 
@@ -163,8 +157,7 @@ def read_constraint(text: str, steering: WaveformLevels, freed: Sequence[FreeNum
     match = _CONSTRAINT.match(text.strip())
     if match is None:
         raise ParameterError(
-            f"`{text}` is no constraint; write a measure, <= or >=, and a limit, such as "
-            "`max(stress) <= 200 MPa`."
+            f"`{text}` is no constraint; write a measure, <= or >=, and a limit, such as `max(stress) <= 200 MPa`."
         )
     words, sign, limit = match.groups()
     aim = read_aim(words, steering, freed)
@@ -181,10 +174,7 @@ def _read_case(text: str, known: Sequence[Target], freed: Sequence[FreeNumber]) 
     for piece in text.split(","):
         match = _SETTING.match(piece)
         if match is None:
-            raise ParameterError(
-                f"`{text}` is no case; write what differs, such as "
-                "`environment.temperature=35 degC`."
-            )
+            raise ParameterError(f"`{text}` is no case; write what differs, such as `environment.temperature=35 degC`.")
         for target in find_alike(match[1], known):
             if target.path in free or target.level is not None:
                 what = "is free" if target.path in free else "is a level of a waveform"

@@ -38,17 +38,9 @@ class DesignSearch:
     seed: int = 0
 
 
-def start_search(
-    designs: DesignEvaluator, search: DesignSearch, watch: Tell | None = None
-) -> BoxSearch:
+def start_search(designs: DesignEvaluator, search: DesignSearch, watch: Tell | None = None) -> BoxSearch:
     """A search of designs that has judged nothing yet."""
-    return BoxSearch(
-        designs,
-        iterations=search.iterations,
-        clouds=search.clouds,
-        seed=search.seed,
-        watch=watch,
-    )
+    return BoxSearch(designs, iterations=search.iterations, clouds=search.clouds, seed=search.seed, watch=watch)
 
 
 def search_designs(
@@ -69,9 +61,7 @@ def search_designs(
     return hunt
 
 
-def _sample_box(
-    hunt: BoxSearch, designs: DesignEvaluator, begin: Numbers, search: DesignSearch
-) -> list[BoxPoint]:
+def _sample_box(hunt: BoxSearch, designs: DesignEvaluator, begin: Numbers, search: DesignSearch) -> list[BoxPoint]:
     """The sample, until one of its points keeps all constraints; the scenario first."""
     sobol = start_sobol(hunt.size, search.seed)
     hunt.tell("sampling", 0.0)
@@ -94,9 +84,7 @@ def _sample_box(
 
 def _choose_starts(points: Sequence[BoxPoint], count: int) -> list[BoxPoint]:
     """The best points that lie apart, after the design of the scenario."""
-    judged = JudgedPoints(
-        np.array([p.goal for p in points]), -np.array([[p.violation] for p in points])
-    )
+    judged = JudgedPoints(np.array([p.goal for p in points]), -np.array([[p.violation] for p in points]))
     places = np.stack([point.z for point in points])
     chosen = [points[k] for k in choose_apart(places, judged.order(), count)]
     own = points[0]

@@ -13,20 +13,11 @@ from dataclasses import replace
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base import units
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.search.free_numbers import (
-    FreeNumber,
-    Target,
-    build_free,
-    find_targets,
-    parse_free,
-    read_free,
-)
+from martensite.search.free_numbers import FreeNumber, Target, build_free, find_targets, parse_free, read_free
 from martensite.simulate.waveform_levels import PEAK, WaveformLevels
 
 
-def list_targets(
-    steering: WaveformLevels, written: Mapping[str, str] | None = None
-) -> list[Target]:
+def list_targets(steering: WaveformLevels, written: Mapping[str, str] | None = None) -> list[Target]:
     """All numbers of a system and levels of its waveforms.
 
     Args:
@@ -97,9 +88,7 @@ def _is_whole(system: AbstractSystem, free: FreeNumber) -> bool:
     if free.unit != "1" or target.level is not None or free.high < free.low + 1.0:
         return False
     whole = math.ceil(free.low)
-    return _accepts_value(system, target.path, whole) and not _accepts_value(
-        system, target.path, whole + 0.5
-    )
+    return _accepts_value(system, target.path, whole) and not _accepts_value(system, target.path, whole + 0.5)
 
 
 def _accepts_value(system: AbstractSystem, path: str, value: float) -> bool:

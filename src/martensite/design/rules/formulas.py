@@ -149,38 +149,29 @@ RULES: Mapping[str, Rule] = {
         ("cohen1953",),
         lambda L, x, aim: IdealGains((0.9 + x / 12.0) / L, L * (30.0 + 3.0 * x) / (9.0 + 20.0 * x)),
         lambda L, x, aim: IdealGains(
-            (4.0 / 3.0 + x / 4.0) / L,
-            L * (32.0 + 6.0 * x) / (13.0 + 8.0 * x),
-            4.0 * L / (11.0 + 2.0 * x),
+            (4.0 / 3.0 + x / 4.0) / L, L * (32.0 + 6.0 * x) / (13.0 + 8.0 * x), 4.0 * L / (11.0 + 2.0 * x)
         ),
     ),
     "simc": Rule(
         ("skogestad2003", "grimholt2018"),
         lambda L, x, aim: IdealGains(*_apply_simc(L, x, L if aim is None else aim)),
-        lambda L, x, aim: convert_series(
-            *_apply_simc(L, x, 0.5 * L if aim is None else aim), L / 3.0
-        ),
+        lambda L, x, aim: convert_series(*_apply_simc(L, x, 0.5 * L if aim is None else aim), L / 3.0),
         integrating=True,
         aimed=True,
     ),
     "amigo": Rule(
         ("astrom2004",),
         lambda L, x, aim: IdealGains(
-            (0.15 * x + 0.35 - x / (1.0 + x) ** 2) / L,
-            0.35 * L + 13.0 * L / (1.0 + 12.0 * x + 7.0 * x**2),
+            (0.15 * x + 0.35 - x / (1.0 + x) ** 2) / L, 0.35 * L + 13.0 * L / (1.0 + 12.0 * x + 7.0 * x**2)
         ),
-        lambda L, x, aim: IdealGains(
-            (0.2 * x + 0.45) / L, L * (0.4 * x + 0.8) / (x + 0.1), 0.5 * L / (0.3 * x + 1.0)
-        ),
+        lambda L, x, aim: IdealGains((0.2 * x + 0.45) / L, L * (0.4 * x + 0.8) / (x + 0.1), 0.5 * L / (0.3 * x + 1.0)),
         integrating=True,
     ),
     "lambda": Rule(
         ("dahlin1968", "rivera1986"),
         lambda L, x, aim: IdealGains(1.0 / ((L / x if aim is None else aim) + L), L / x),
         lambda L, x, aim: IdealGains(
-            (1.0 + 0.5 * x) / ((L / x if aim is None else aim) + 0.5 * L),
-            L / x + 0.5 * L,
-            L / (2.0 + x),
+            (1.0 + 0.5 * x) / ((L / x if aim is None else aim) + 0.5 * L), L / x + 0.5 * L, L / (2.0 + x)
         ),
         aimed=True,
     ),
@@ -207,9 +198,7 @@ def gains_by_rule(
     if rule not in RULES:
         raise ParameterError(f"There is no tuning rule `{rule}`. {suggest_name(rule, RULES)}")
     if form not in FORMS:
-        raise ParameterError(
-            f"A rule gives `pi` or `pid`, not `{form}`. {suggest_name(form, FORMS)}"
-        )
+        raise ParameterError(f"A rule gives `pi` or `pid`, not `{form}`. {suggest_name(form, FORMS)}")
     if aim is not None and not (RULES[rule].aimed and aim > 0.0):
         raise ParameterError(
             f"A time wanted of the loop must be above 0 s and is for `simc` and `lambda`, but is "

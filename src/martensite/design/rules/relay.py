@@ -109,9 +109,7 @@ def gains_by_relay(cycle: LimitCycle, rule: str = "tyreus-luyben", form: str = "
     if rule not in RELAY_RULES:
         raise ParameterError(f"There is no relay rule `{rule}`. {suggest_name(rule, RELAY_RULES)}")
     if form not in FORMS:
-        raise ParameterError(
-            f"A rule gives `pi` or `pid`, not `{form}`. {suggest_name(form, FORMS)}"
-        )
+        raise ParameterError(f"A rule gives `pi` or `pid`, not `{form}`. {suggest_name(form, FORMS)}")
     if form not in RELAY_RULES[rule]:
         raise ParameterError(f"Relay rule `{rule}` is for pid only.")
     Kp, Ti, Td = RELAY_RULES[rule][form]
@@ -188,11 +186,7 @@ def _insert_relay(
 
 
 def _run_relay(
-    bench: Bench,
-    drive: str,
-    duration: float,
-    seed: int | None,
-    waveforms: Mapping[str, AbstractWaveform] | None,
+    bench: Bench, drive: str, duration: float, seed: int | None, waveforms: Mapping[str, AbstractWaveform] | None
 ) -> tuple[Numbers, Numbers, Numbers]:
     """Times, signals and readings."""
     run = simulate_bench(bench, duration, waveforms=waveforms, seed=seed).require()
@@ -201,12 +195,7 @@ def _run_relay(
 
 
 def _measure_cycle(
-    times: Numbers,
-    signal: Numbers,
-    reading: Numbers,
-    turns: NDArray[np.intp],
-    d: float,
-    hysteresis: float,
+    times: Numbers, signal: Numbers, reading: Numbers, turns: NDArray[np.intp], d: float, hysteresis: float
 ) -> LimitCycle:
     """Means over whole cycles, from one switching on to the next."""
     lengths = np.diff(times[turns])

@@ -18,13 +18,7 @@ from martensite.control.controllers.pid import Pid
 from martensite.control.loop.bench import Bench
 from martensite.design.rules.formulas import FORMS, RULES, IdealGains, gains_by_rule
 from martensite.design.rules.relay import RELAY_RULES, LimitCycle, gains_by_relay, run_relay_test
-from martensite.design.rules.step_test import (
-    HoldingSignals,
-    StepTest,
-    Waveforms,
-    find_holding_signals,
-    run_step_test,
-)
+from martensite.design.rules.step_test import HoldingSignals, StepTest, Waveforms, find_holding_signals, run_step_test
 from martensite.design.tuning.goals import Course
 from martensite.design.tuning.loop_runs import LoopRuns, find_loop
 from martensite.design.tuning.measures import compute_itae
@@ -55,8 +49,7 @@ def find_pid(bench: Bench, drive: str | None = None) -> tuple[str, Pid]:
     controller = bench.controllers.members()[name]
     if not isinstance(controller, Pid):
         raise ParameterError(
-            f"Tuning rules are for a `pid` controller, but that of `{name}` is "
-            f"`{controller.registered_name}`."
+            f"Tuning rules are for a `pid` controller, but that of `{name}` is `{controller.registered_name}`."
         )
     return name, controller
 
@@ -94,20 +87,14 @@ def run_loop_tests(
     """
     name, controller = find_pid(bench, drive)
     low, high = float(controller.law.low), float(controller.law.high)
-    found = find_holding_signals(
-        bench, level, low, high, drive=name, hold=hold, waveforms=waveforms
-    )
+    found = find_holding_signals(bench, level, low, high, drive=name, hold=hold, waveforms=waveforms)
     width = max(found.width, LEAST_STEP * (high - low))
     first = max(min(found) - BEYOND * width, low)
     last = min(max(found) + BEYOND * width, high)
-    stepped = run_step_test(
-        bench, first, last - first, drive=name, hold=hold, seed=seed, waveforms=waveforms
-    )
+    stepped = run_step_test(bench, first, last - first, drive=name, hold=hold, seed=seed, waveforms=waveforms)
     swing = min(SWING * width, high - found.bias, found.bias - low)
     band = BAND * float(stepped.reading.max() - stepped.reading.min())
-    return LoopTests(
-        found, stepped, _test_relay(bench, level, found, swing, band, name, seed, stepped)
-    )
+    return LoopTests(found, stepped, _test_relay(bench, level, found, swing, band, name, seed, stepped))
 
 
 def _test_relay(
@@ -122,9 +109,7 @@ def _test_relay(
 ) -> LimitCycle | None:
     reverse = stepped.heating.first_order.gain < 0.0
     try:
-        return run_relay_test(
-            bench, level, held.bias, swing, band, drive=drive, reverse=reverse, seed=seed
-        )
+        return run_relay_test(bench, level, held.bias, swing, band, drive=drive, reverse=reverse, seed=seed)
     except DataError:
         return None
 

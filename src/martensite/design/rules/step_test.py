@@ -68,9 +68,7 @@ class StepTest(NamedTuple):
                 math.sqrt(up.dead_time * down.dead_time),
             )
         if which not in ("heating", "cooling"):
-            raise ParameterError(
-                f"A step test has models of heating, cooling and their mean, not `{which}`."
-            )
+            raise ParameterError(f"A step test has models of heating, cooling and their mean, not `{which}`.")
         return up if which == "heating" else down
 
 
@@ -165,9 +163,7 @@ def find_holding_signals(
     ]
     cut = " Its supervisor may have cut the signal." if bench.supervisor is not None else ""
     ends = [
-        np.array(
-            [_simulate_reading(bench, name, w, k * held, None, waveforms)[1][-1] for w in waves]
-        )
+        np.array([_simulate_reading(bench, name, w, k * held, None, waveforms)[1][-1] for w in waves])
         for k, waves in enumerate(branches, start=1)
     ]
     return HoldingSignals(*(_find_crossing(signals, found, level, cut) for found in ends))
@@ -193,12 +189,7 @@ def _choose_hold(bench: Bench, hold: float | None) -> float:
 
 
 def _simulate_reading(
-    bench: Bench,
-    drive: str,
-    wave: AbstractWaveform,
-    duration: float,
-    seed: int | None,
-    waveforms: Waveforms | None,
+    bench: Bench, drive: str, wave: AbstractWaveform, duration: float, seed: int | None, waveforms: Waveforms | None
 ) -> tuple[Numbers, Numbers]:
     """Times and the reading of the controller, with the loop open."""
     free, _ = open_loop(bench, drive)

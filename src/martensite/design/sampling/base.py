@@ -55,8 +55,7 @@ class AbstractSample(AbstractDesign):
         super().__post_init__()
         if self.count is None or not 1 <= self.count <= MOST_RUNS:
             raise ParameterError(
-                f"`{self.registered_name}` needs how many runs, such as "
-                f"`{self.registered_name}:1024`."
+                f"`{self.registered_name}` needs how many runs, such as `{self.registered_name}:1024`."
             )
 
     def size(self, axes: Sequence[SweepAxis]) -> int:

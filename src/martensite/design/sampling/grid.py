@@ -33,9 +33,7 @@ class Grid(AbstractDesign):
         """The product of all levels."""
         found = math.prod(self.shape(axes))
         if found > MOST_RUNS:
-            raise ParameterError(
-                f"This grid has {found:,} runs; at most {MOST_RUNS:,} are allowed."
-            )
+            raise ParameterError(f"This grid has {found:,} runs; at most {MOST_RUNS:,} are allowed.")
         return found
 
     def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:

@@ -54,8 +54,7 @@ class LatinHypercube(AbstractSample):
         super().__post_init__()
         if (self.count or 0) > MOST_STRATA:
             raise ParameterError(
-                f"A Latin hypercube has at most {MOST_STRATA:,} runs, not {self.count:,}; take "
-                "`sobol`."
+                f"A Latin hypercube has at most {MOST_STRATA:,} runs, not {self.count:,}; take `sobol`."
             )
 
     def cube(self, width: int, first: int, count: int) -> Numbers:
@@ -63,9 +62,7 @@ class LatinHypercube(AbstractSample):
         stream = np.random.PCG64([self.seed, 1])
         stream.advance(first * width)
         inside = np.random.Generator(stream).random((count, width))
-        strata = [
-            _draw_strata(self.count or 0, self.seed, k)[first : first + count] for k in range(width)
-        ]
+        strata = [_draw_strata(self.count or 0, self.seed, k)[first : first + count] for k in range(width)]
         return np.maximum((np.stack(strata, axis=1) + inside) / (self.count or 1), TINY)
 
 
@@ -105,8 +102,7 @@ class Saltelli(AbstractSample):
         found = (self.count or 0) * count_block_runs(len(axes))
         if found > MOST_RUNS:
             raise ParameterError(
-                f"`saltelli:{self.count}` of {len(axes)} axes has {found:,} runs; at most "
-                f"{MOST_RUNS:,} are allowed."
+                f"`saltelli:{self.count}` of {len(axes)} axes has {found:,} runs; at most {MOST_RUNS:,} are allowed."
             )
         return found
 

@@ -15,13 +15,7 @@ from typing import Any
 
 from martensite.actuators.assembly import System
 from martensite.design.sizing import remarks
-from martensite.design.sizing.cycle import (
-    PulseCycle,
-    find_current,
-    find_hottest,
-    find_reach_time,
-    simulate_cycle,
-)
+from martensite.design.sizing.cycle import PulseCycle, find_current, find_hottest, find_reach_time, simulate_cycle
 from martensite.design.sizing.request import WireRequest
 from martensite.design.sizing.statics import Statics, compute_statics
 from martensite.design.sizing.strand import list_alloy_numbers

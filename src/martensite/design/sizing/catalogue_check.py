@@ -127,15 +127,11 @@ def _check_row(size: WireSize, strand: Strand, stress: float) -> CheckRow:
     current = find_current(system, position, PULSE, size.current.value)
     if current is None:
         raise SolveError(f"No current contracts Flexinol wire of {size.name} in {PULSE:g} s.")
-    _, cooling = simulate_cooling(
-        system, LEFT * strand.length, current, PULSE, strand.time_constant()
-    )
+    _, cooling = simulate_cooling(system, LEFT * strand.length, current, PULSE, strand.time_constant())
     cell = size.cooling_70 if strand.alloy == "70" else size.cooling_90
     run = simulate(system, Step(high=current), PULSE, step=PULSE / STEPS, samples=STEPS + 1)
     lost, given = (float(np.trapezoid(run[name], run.times)) for name in ("heat_loss", "power"))
     numbers = list_alloy_numbers(strand.alloy)
     taken = strand.mass * (65.0 * numbers["heat_capacity"] + numbers["latent_heat"])
     stored = size.current.value**2 * strand.resistance * PULSE / taken
-    return CheckRow(
-        size.name, strand.alloy, current, size.current, cooling, cell, lost / given, stored
-    )
+    return CheckRow(size.name, strand.alloy, current, size.current, cooling, cell, lost / given, stored)

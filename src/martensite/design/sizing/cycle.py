@@ -91,9 +91,7 @@ def find_current(system: System, position: float, time: float, guess: float) -> 
     return high
 
 
-def find_reach_time(
-    system: System, position: float, current: float, longest: float
-) -> float | None:
+def find_reach_time(system: System, position: float, current: float, longest: float) -> float | None:
     """Time [s] at which a constant current first reaches `position` [m]; None if it does not."""
     samples = 10 * STEPS + 1
     step = longest / (samples - 1)
@@ -101,9 +99,7 @@ def find_reach_time(
     return find_crossing(run.times, run.columns["position"], position)
 
 
-def simulate_cycle(
-    system: System, position: float, current: float, heating: float, time_constant: float
-) -> PulseCycle:
+def simulate_cycle(system: System, position: float, current: float, heating: float, time_constant: float) -> PulseCycle:
     """The cooling after a pulse of `current` [A] that lasts `heating` [s]."""
     left = RETURNED * position
     run, cooling = simulate_cooling(system, left, current, heating, time_constant)

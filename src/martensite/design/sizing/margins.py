@@ -43,9 +43,7 @@ def list_margins(request: WireRequest, found: Candidate) -> list[Margin]:
     return [
         Margin("stress", static.hot_stress, request.stress, "Pa", "MPa"),
         Margin("strain", static.strain, request.strain, "1", "%", chosen=True),
-        Margin(
-            "strain of what the wire gives", static.strain, static.reachable, "1", "%", chosen=True
-        ),
+        Margin("strain of what the wire gives", static.strain, static.reachable, "1", "%", chosen=True),
         *_list_cycle_margins(request, found),
         Margin("strands", float(static.count), request.strands, "1", "1"),
     ]
@@ -57,13 +55,7 @@ def _list_cycle_margins(request: WireRequest, found: Candidate) -> Iterator[Marg
         return
     hottest = max(cycle.hottest, cycle.running or 0.0)
     limit = found.temperature_limit
-    yield Margin(
-        "temperature above the ambient",
-        hottest - request.ambient,
-        limit - request.ambient,
-        "K",
-        "K",
-    )
+    yield Margin("temperature above the ambient", hottest - request.ambient, limit - request.ambient, "K", "K")
     if cycle.fastest is not None:
         yield Margin("time of a cycle", 1.0 / cycle.fastest, request.period, "s", "s")
     yield Margin("voltage", drive.voltage, request.supply, "V", "V")

@@ -40,11 +40,7 @@ def list_static_reasons(request: WireRequest, static: Statics) -> Iterator[str]:
 
 
 def list_reasons(
-    request: WireRequest,
-    static: Statics,
-    wiring: Wiring | None,
-    cycle: PulseCycle | None,
-    limits: Mapping[str, float],
+    request: WireRequest, static: Statics, wiring: Wiring | None, cycle: PulseCycle | None, limits: Mapping[str, float]
 ) -> Iterator[str]:
     """Why a simulated candidate does not do."""
     if wiring is not None and cycle is None:
@@ -53,8 +49,7 @@ def list_reasons(
         return
     if cycle.cooling is None:
         yield (
-            f"does not return: more than {100.0 * RETURNED:.0f} % of the stroke is left after "
-            "16 thermal time constants"
+            f"does not return: more than {100.0 * RETURNED:.0f} % of the stroke is left after 16 thermal time constants"
         )
     elif not cycle.keeps(request.period):
         spent = cycle.current > 0.999 * wiring.most(request)
@@ -82,11 +77,7 @@ def _describe_supply(request: WireRequest, static: Statics, wiring: Wiring) -> s
 
 
 def list_warnings(
-    request: WireRequest,
-    static: Statics,
-    cycle: PulseCycle | None,
-    overheating: float,
-    limits: Mapping[str, float],
+    request: WireRequest, static: Statics, cycle: PulseCycle | None, overheating: float, limits: Mapping[str, float]
 ) -> Iterator[str]:
     """What to beware of."""
     yield from _warn_of_cold(request, static)
@@ -96,10 +87,7 @@ def list_warnings(
             f"{_format_megapascal(limits['stress_limit'])} for repeated use"
         )
     if static.strain > limits["strain_limit"]:
-        yield (
-            f"{100.0 * static.strain:.2f} % strain is above the maker's "
-            f"{100.0 * limits['strain_limit']:.0f} %"
-        )
+        yield (f"{100.0 * static.strain:.2f} % strain is above the maker's {100.0 * limits['strain_limit']:.0f} %")
     if static.strain < request.strain:
         yield (
             f"{100.0 * static.strain:.2f} % strain is used, not {100.0 * request.strain:.2f} %: "

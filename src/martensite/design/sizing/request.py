@@ -26,16 +26,10 @@ class WireRequest(Parametrised):
     stroke: Scalar = param("m", "way of the load", above=0.0, high=10.0)
     rate: Scalar = param("Hz", "cycles per second", above=0.0, high=1e3)
     supply: Scalar = param("V", "voltage of the supply", above=0.0, high=1e4)
-    ambient: Scalar = param(
-        "K", "ambient temperature, still air", low=250.0, high=400.0, default=295.15
-    )
+    ambient: Scalar = param("K", "ambient temperature, still air", low=250.0, high=400.0, default=295.15)
     strain: Scalar = param("1", "largest strain to be used", low=0.002, high=0.08, default=0.04)
-    stress: Scalar = param(
-        "Pa", "largest stress of the hot wire", above=0.0, high=6e8, default=172e6
-    )
-    return_stress: Scalar = param(
-        "Pa", "stress that stretches the cold wire", above=0.0, high=3e8, default=69e6
-    )
+    stress: Scalar = param("Pa", "largest stress of the hot wire", above=0.0, high=6e8, default=172e6)
+    return_stress: Scalar = param("Pa", "stress that stretches the cold wire", above=0.0, high=3e8, default=69e6)
     spring_rise: Scalar = param(
         "1",
         "growth of the return spring's force over the stroke, as a share of its preload",

@@ -40,8 +40,7 @@ def format_scenario(request: WireRequest, candidate: Candidate, catalogue: WireC
 
 def _format_head(request: WireRequest, candidate: Candidate) -> str:
     asked = (
-        f"{request.force:.6g} N over {1e3 * request.stroke:.6g} mm at {request.rate:.6g} Hz from "
-        f"{request.supply:.6g} V"
+        f"{request.force:.6g} N over {1e3 * request.stroke:.6g} mm at {request.rate:.6g} Hz from {request.supply:.6g} V"
     )
     found = f"{_count_samples(candidate)}Flexinol {candidate.size.name}, {candidate.alloy} °C"
     lines = [f"# Sized for {asked}: {found}."]

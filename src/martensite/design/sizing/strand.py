@@ -105,14 +105,10 @@ class Strand:
             length=self.length,
             law=self.law,
             resistance=PerLengthResistance(r_A=per_metre, r_M=per_metre),
-            limits=ElementLimits(
-                **{k: v for k, v in numbers.items() if k in ElementLimits.declarations}
-            ),
+            limits=ElementLimits(**{k: v for k, v in numbers.items() if k in ElementLimits.declarations}),
             density=numbers["density"],
             heat_capacity=numbers["heat_capacity"],
             latent_heat=numbers["latent_heat"],
         )
         surroundings = Environment(temperature=self.ambient, cooling=LeFevreEde())
-        return System(
-            element=wire, environment=surroundings, source=CurrentSource(), mechanism=mechanism
-        )
+        return System(element=wire, environment=surroundings, source=CurrentSource(), mechanism=mechanism)

@@ -27,9 +27,7 @@ class Wiring:
 
     def most(self, request: WireRequest) -> float:
         """Largest current per strand [A] that the supply drives."""
-        return min(
-            request.supply / self.voltage(1.0), request.current_limit / self.total_current(1.0)
-        )
+        return min(request.supply / self.voltage(1.0), request.current_limit / self.total_current(1.0))
 
 
 def choose_wiring(request: WireRequest, count: int, resistance: float, needed: float) -> Wiring:

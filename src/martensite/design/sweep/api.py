@@ -52,9 +52,7 @@ class SweepExecution:
         given = {"workers": self.workers or None, "scheduler": self.scheduler}
         for name, value in given.items():
             if value is not None and name not in fields:
-                raise InputError(
-                    f"Option `--{name}` has no effect on the backend `{made.registered_name}`."
-                )
+                raise InputError(f"Option `--{name}` has no effect on the backend `{made.registered_name}`.")
         return made(**{name: value for name, value in given.items() if value is not None})
 
     def _name(self, chunks: int, runtime: str | None) -> str:
@@ -86,9 +84,7 @@ class PlannedSweep:
         return run_chunks(self.job, self.part, self.store.made(), self.backend, tell)
 
 
-def begin_sweep(
-    scenario: Scenario, wanted: SweepRequest, path: Path, how: SweepExecution
-) -> PlannedSweep:
+def begin_sweep(scenario: Scenario, wanted: SweepRequest, path: Path, how: SweepExecution) -> PlannedSweep:
     """Plan a sweep, and make its store or open it.
 
     Nothing is removed or written before all that is asked for has been found to be right.
@@ -104,11 +100,7 @@ def begin_sweep(
     if old:
         known = old.spec  # nothing but a sweep is opened, or removed
         if not how.force:  # the step and the runtime that it was begun with
-            wanted = replace(
-                wanted,
-                step=wanted.step or known["step"],
-                runtime=wanted.runtime or known["runtime"],
-            )
+            wanted = replace(wanted, step=wanted.step or known["step"], runtime=wanted.runtime or known["runtime"])
     plan, wanted = prepare_plan(scenario, wanted)
     spec = build_spec(scenario, wanted, how.modules)
     if old and how.force:
@@ -179,9 +171,7 @@ def run_sweep(
     import_modules(modules)
     found = scenario if isinstance(scenario, Scenario) else load(scenario)
     length = units.parse_quantity(step, "s") if isinstance(step, str) else step
-    wanted = SweepRequest(
-        tuple(over), sample, tuple(measures), tuple(traces), seed, chunk, length, runtime, precision
-    )
+    wanted = SweepRequest(tuple(over), sample, tuple(measures), tuple(traces), seed, chunk, length, runtime, precision)
     how = SweepExecution(backend, workers, scheduler, part, tuple(modules), force)
     begin_sweep(found, wanted, Path(out), how).run(tell)
     return open_sweep(out)

@@ -74,10 +74,7 @@ class SweepAxis:
     def _spread(self, share: Numbers) -> Numbers:
         """Numbers of a range: exactly its ends at 0 and 1."""
         low, high = self.numbers
-        if self.log:
-            found = low * np.exp(share * math.log(high / low))
-        else:
-            found = low + share * (high - low)
+        found = low * np.exp(share * math.log(high / low)) if self.log else low + share * (high - low)
         return np.where(share >= 1.0, high, found)
 
     def extremes(self) -> tuple[float, ...]:
@@ -131,9 +128,7 @@ def _find_one(name: str, targets: Mapping[str, Target]) -> Target:
 
 
 def _read_axis_range(words: str, target: Target) -> SweepAxis:
-    low, high, count, scale = parse_range(
-        words, target.unit, lambda end: _parse_number(end, target)
-    )
+    low, high, count, scale = parse_range(words, target.unit, lambda end: _parse_number(end, target))
     if low is None or high is None or scale == "whole":
         raise UnitError(f"`{words}` is no range with two ends, such as `1..2:9 log`.")
     if not low < high:

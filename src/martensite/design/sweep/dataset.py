@@ -49,9 +49,7 @@ def open_sweep(path: Path | str, grid: bool = True) -> xarray.Dataset:
     store = Store(Path(path))
     axes, status = read_axes(store), read_status(store)
     xarray: Any = import_module("xarray")
-    opened = xarray.open_zarr(
-        str(path), consolidated=False, decode_times=False, decode_timedelta=False
-    )
+    opened = xarray.open_zarr(str(path), consolidated=False, decode_times=False, decode_timedelta=False)
     names = [one.target.name for one in axes]
     traces = [name for name, _ in store.spec["traces"]]
     kept = [*store.spec["measures"], *traces, *DETAILS, STATUS]
@@ -89,9 +87,7 @@ def _arrange_grid(xarray: Any, made: xarray.Dataset, levels: Mapping[str, Any]) 
     """With one dimension per axis instead of that of the runs."""
     shape = tuple(map(len, levels.values()))
     told = {name: made[name].attrs for name in levels}
-    variables = {
-        name: _fold_runs(one, tuple(levels), shape) for name, one in made.data_vars.items()
-    }
+    variables = {name: _fold_runs(one, tuple(levels), shape) for name, one in made.data_vars.items()}
     times = {name: one for name, one in made.coords.items() if RUN not in one.dims}
     coords = {name: (name, values, told[name]) for name, values in levels.items()}
     return xarray.Dataset(variables, {**coords, **times})

@@ -51,9 +51,7 @@ def keep_runs(
     remarks = [begin] if begin else []
     if lost:
         reason = next(iter(lost.values())).rstrip(".")
-        remarks.append(
-            f"Lost: run {_name_run(lost)} ({reason}). The others of its chunk were made."
-        )
+        remarks.append(f"Lost: run {_name_run(lost)} ({reason}). The others of its chunk were made.")
     return SweepPiece.joined(pieces), tuple(remarks)
 
 

@@ -24,12 +24,7 @@ from martensite.base.errors import DataError
 from martensite.design.sampling.samples import count_block_runs
 from martensite.design.sweep.axes import Numbers
 from martensite.design.sweep.table import SweepColumn, SweepTable
-from martensite.search.given_data_indices import (
-    NORMAL_95,
-    SensitivityIndex,
-    estimate_indices,
-    is_spread,
-)
+from martensite.search.given_data_indices import NORMAL_95, SensitivityIndex, estimate_indices, is_spread
 
 LEAST_BLOCKS = 8
 LEAST_RUNS = 32
@@ -65,9 +60,7 @@ class SensitivityIndices:
         return [int(k) for k in np.argsort(-np.nan_to_num(leading.values), kind="stable")]
 
 
-def compute_sensitivity(
-    found: SweepTable, measures: Sequence[str] | None = None
-) -> list[SensitivityIndices]:
+def compute_sensitivity(found: SweepTable, measures: Sequence[str] | None = None) -> list[SensitivityIndices]:
     """What the measures of a sweep depend on.
 
     Args:
@@ -78,10 +71,7 @@ def compute_sensitivity(
         UnknownNameError: there is no such measure.
         DataError: too few runs are there.
     """
-    return [
-        _analyse_measure(found, one)
-        for one in found.chosen(None if measures is None else list(measures))
-    ]
+    return [_analyse_measure(found, one) for one in found.chosen(None if measures is None else list(measures))]
 
 
 def _analyse_measure(found: SweepTable, one: SweepColumn) -> SensitivityIndices:
@@ -96,21 +86,14 @@ def _analyse_measure(found: SweepTable, one: SweepColumn) -> SensitivityIndices:
         remarks.append("The grid is not whole: its runs are taken as a sample.")
     least = max(LEAST_RUNS, 4 * len(found.varied))
     if usable.sum() < least:
-        raise DataError(
-            f"`{one.name}` is known of {usable.sum():,} runs; at least {least} are needed."
-        )
+        raise DataError(f"`{one.name}` is known of {usable.sum():,} runs; at least {least} are needed.")
     x, y = found.inputs[usable], one.values[usable]
     indices, more = estimate_indices(x, y)
     return _build_result(found, one, "given data", indices, y, remarks + more)
 
 
 def _build_result(
-    found: SweepTable,
-    one: SweepColumn,
-    method: str,
-    indices: dict[str, SensitivityIndex],
-    y: Numbers,
-    more: list[str],
+    found: SweepTable, one: SweepColumn, method: str, indices: dict[str, SensitivityIndex], y: Numbers, more: list[str]
 ) -> SensitivityIndices:
     varies = is_spread(y)
     constant = [] if varies else ["It is the same in all runs: nothing to be explained."]
@@ -141,9 +124,7 @@ def _describe_left_out(found: SweepTable, one: SweepColumn, usable: NDArray[np.b
 # ---------------------------------------------------------------- blocks
 
 
-def _analyse_blocks(
-    found: SweepTable, one: SweepColumn, usable: NDArray[np.bool_]
-) -> SensitivityIndices:
+def _analyse_blocks(found: SweepTable, one: SweepColumn, usable: NDArray[np.bool_]) -> SensitivityIndices:
     """From the blocks of a design `saltelli`; one without a number is left out as a whole."""
     size = count_block_runs(len(found.varied))
     whole = usable.reshape(-1, size).all(axis=1)
@@ -209,7 +190,4 @@ def estimate_grid_indices(y: Numbers) -> dict[str, SensitivityIndex]:
     first = [float(np.var(np.mean(y, axis=axes))) / variance for axes in others]
     total = [1.0 - float(np.var(np.mean(y, axis=k))) / variance for k in every]
     none = np.full(y.ndim, np.nan)
-    return {
-        "first": SensitivityIndex(np.array(first), none),
-        "total": SensitivityIndex(np.array(total), none),
-    }
+    return {"first": SensitivityIndex(np.array(first), none), "total": SensitivityIndex(np.array(total), none)}

@@ -92,9 +92,7 @@ def prepare_plan(scenario: Scenario, wanted: SweepRequest) -> tuple[SweepPlan, S
     return plan, replace(wanted, step=plan.course.step, runtime=plan.course.runtime)
 
 
-def build_spec(
-    scenario: Scenario, wanted: SweepRequest, modules: Sequence[str] = ()
-) -> dict[str, Any]:
+def build_spec(scenario: Scenario, wanted: SweepRequest, modules: Sequence[str] = ()) -> dict[str, Any]:
     """All that is needed to make any chunk anywhere.
 
     `numbers` stands for those of the system and its signals: so that a file that the scenario

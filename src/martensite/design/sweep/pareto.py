@@ -40,9 +40,7 @@ class ParetoFront:
         return {**found.varied, **{one.name: one for one in self.goals}}
 
 
-def find_pareto_front(
-    found: SweepTable, minimise: Sequence[str] = (), maximise: Sequence[str] = ()
-) -> ParetoFront:
+def find_pareto_front(found: SweepTable, minimise: Sequence[str] = (), maximise: Sequence[str] = ()) -> ParetoFront:
     """The runs of a sweep that no other beats.
 
     Args:

@@ -139,9 +139,7 @@ class SweepPlan:
     def outputs(self) -> tuple[str, ...]:
         """Every output that something is made of, once."""
         shown = (trace.output for trace in self.traces)
-        return tuple(
-            dict.fromkeys((*list_needed(self.measures.values(), self.course.system), *shown))
-        )
+        return tuple(dict.fromkeys((*list_needed(self.measures.values(), self.course.system), *shown)))
 
     @cached_property
     def times(self) -> Numbers:
@@ -162,9 +160,7 @@ class SweepPlan:
         """Varied numbers of some runs, (runs, axes), in SI."""
         return self.design.values(self.axes, rows.start, len(rows))
 
-    def by_owner(
-        self, columns: Sequence[Kind]
-    ) -> tuple[dict[str, Kind], dict[str, dict[str, Kind]]]:
+    def by_owner(self, columns: Sequence[Kind]) -> tuple[dict[str, Kind], dict[str, dict[str, Kind]]]:
         """What belongs to each axis, by path in the system, and by drive and path in waveforms."""
         system: dict[str, Kind] = {}
         signals: dict[str, dict[str, Kind]] = {}

@@ -34,8 +34,7 @@ def read_sweep(path: Path | str) -> SweepTable:
     names = [one.target.name for one in axes]
     logs = {one.target.name: one.log for one in axes}
     columns = {
-        name: _read_column(store, name, gone, logs.get(name, False))
-        for name in (*names, *store.spec["measures"])
+        name: _read_column(store, name, gone, logs.get(name, False)) for name in (*names, *store.spec["measures"])
     }
     return SweepTable(
         title=store.spec["title"],

@@ -46,11 +46,7 @@ Tell = Callable[[Progress], None]
 
 
 def run_chunks(
-    job: Job,
-    wanted: Sequence[int],
-    done: set[int],
-    backend: AbstractBackend,
-    tell: Tell | None = None,
+    job: Job, wanted: Sequence[int], done: set[int], backend: AbstractBackend, tell: Tell | None = None
 ) -> Progress:
     """Make the chunks that are wanted and not done yet.
 

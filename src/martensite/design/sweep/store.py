@@ -65,9 +65,7 @@ def import_zarr() -> Any:
     try:
         return import_module("zarr")
     except ImportError:
-        raise InputError(
-            "This needs Zarr, which is not installed; run `pip install martensite[sweep]`."
-        ) from None
+        raise InputError("This needs Zarr, which is not installed; run `pip install martensite[sweep]`.") from None
 
 
 def create_store(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> Store:
@@ -94,8 +92,7 @@ def create_store(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> Store:
     apart = list_differences(store.spec, spec)
     if apart:
         raise DataError(
-            f"`{path}` holds another sweep: {'; '.join(apart)}. Choose another --out, or replace "
-            "it by --force."
+            f"`{path}` holds another sweep: {'; '.join(apart)}. Choose another --out, or replace it by --force."
         )
     return store
 
@@ -123,9 +120,7 @@ def _create_group(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> None:
         group[TIME.format(trace.output)][:] = plan.trace_times(trace)
 
 
-def _lay_out_arrays(
-    plan: SweepPlan,
-) -> dict[str, tuple[str, tuple[str, ...], list[tuple[int, int]], Any]]:
+def _lay_out_arrays(plan: SweepPlan) -> dict[str, tuple[str, tuple[str, ...], list[tuple[int, int]], Any]]:
     """Every array: its numbers, dimensions, (length, length of a chunk) of each, attributes."""
     runs, system = (plan.size, plan.chunk), plan.course.system
     found: dict[str, Any] = {}

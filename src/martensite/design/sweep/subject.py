@@ -21,10 +21,7 @@ if TYPE_CHECKING:
 
 
 def build_course(
-    scenario: Scenario,
-    step: float | None = None,
-    runtime: str | None = None,
-    precision: str = "float64",
+    scenario: Scenario, step: float | None = None, runtime: str | None = None, precision: str = "float64"
 ) -> VariantSetup:
     """What all variants of a scenario have in common.
 
@@ -52,8 +49,7 @@ def build_course(
     found = interval or step or scenario.step
     if chosen == "jax" and found is None:
         raise InputError(
-            "A sweep on JAX runs on equal steps; say how long they are at most by `--step`, or "
-            "take the runtime `c`."
+            "A sweep on JAX runs on equal steps; say how long they are at most by `--step`, or take the runtime `c`."
         )
     return VariantSetup(
         system,
@@ -105,8 +101,7 @@ def _list_references(bench: Bench) -> dict[str, str]:
 
     members = bench.controllers.members()
     return {
-        f"controllers.{member}.reference.": name
-        for member, name in zip(members, list_references(bench), strict=True)
+        f"controllers.{member}.reference.": name for member, name in zip(members, list_references(bench), strict=True)
     }
 
 

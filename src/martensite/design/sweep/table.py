@@ -142,7 +142,5 @@ def shorten_names(names: Mapping[str, SweepColumn] | list[str]) -> dict[str, str
     for name in names:
         words = name.split(".")
         endings = (".".join(words[k:]) for k in range(len(words) - 1, -1, -1))
-        found[name] = next(
-            e for e in endings if e == name or sum(n == e or n.endswith(f".{e}") for n in names) < 2
-        )
+        found[name] = next(e for e in endings if e == name or sum(n == e or n.endswith(f".{e}") for n in names) < 2)
     return found

@@ -45,11 +45,7 @@ NOISE = 1e-9
 
 
 def linearise_plant(
-    point: SteadyPoint,
-    period: float | None = None,
-    *,
-    inputs: Sequence[str] | None = None,
-    push: float = PUSH,
+    point: SteadyPoint, period: float | None = None, *, inputs: Sequence[str] | None = None, push: float = PUSH
 ) -> LinearSystem:
     """The linear system around an operating point, with the flat state of the plant.
 
@@ -90,9 +86,7 @@ def linearise_plant(
     )
 
 
-def _differentiate_plant(
-    system: AbstractSystem, at: list[float], size: int, interval: float
-) -> list[list[Scalar]]:
+def _differentiate_plant(system: AbstractSystem, at: list[float], size: int, interval: float) -> list[list[Scalar]]:
     """Derivatives of the next state and of the outputs now, by state and signals."""
     shape = NestedShape(system.init(floats, *at[size:]))
     turns = 1 if system.sample_time() else steps_in(system, interval)

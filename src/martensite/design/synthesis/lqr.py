@@ -112,8 +112,7 @@ def augment_plant(linear: LinearSystem, measured: str) -> tuple[Numbers, Numbers
     """A and B with the integral of the error as the last state, and the row of what is measured."""
     if measured not in linear.output_names:
         raise ParameterError(
-            f"`{measured}` is no state of the linear plant. "
-            f"{suggest_name(measured, linear.output_names)}"
+            f"`{measured}` is no state of the linear plant. {suggest_name(measured, linear.output_names)}"
         )
     count, row = len(linear.a), linear.c[[linear.output_names.index(measured)]]
     step = -linear.interval * row

@@ -197,6 +197,4 @@ def _settle_lanes(lanes: Lanes, signals: Numbers) -> None:
         if np.max(np.abs(now - last) / sizes, initial=0.0) <= SETTLED:
             return
         last, stretch = now, stretch * 2
-    raise SolveError(
-        f"The plant does not come to rest within {stretch * dt:.3g} s under constant signals."
-    )
+    raise SolveError(f"The plant does not come to rest within {stretch * dt:.3g} s under constant signals.")

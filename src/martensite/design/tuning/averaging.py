@@ -83,28 +83,21 @@ def compare_averaging(
     switched, drive = switch_plant(system, waveform)
     if not (0.0 < frequency < math.inf and duration * frequency >= 1.0 - 1e-9):
         raise InputError(
-            f"The carrier must make at least one period in {duration:.6g} s, "
-            f"but its frequency is {frequency:.6g} Hz."
+            f"The carrier must make at least one period in {duration:.6g} s, but its frequency is {frequency:.6g} Hz."
         )
     periods, period = int(duration * frequency + 1e-9), 1.0 / frequency
     step = step or min(first_step(system, duration, 2), 0.5 * period)
     average = simulate(system, waveform, periods * period, step=step, samples=2 * periods + 1)
-    pulsed = simulate_loop(
-        switched, drive, periods * period, period, pulses=True, shortest=shortest, step=step
-    )
+    pulsed = simulate_loop(switched, drive, periods * period, period, pulses=True, shortest=shortest, step=step)
     for run in (average, pulsed.result):
         run.require()
-    differences = {
-        name: _compare_runs(pulsed.means[name], average.columns[name][1::2]) for name in COMPARED
-    }
+    differences = {name: _compare_runs(pulsed.means[name], average.columns[name][1::2]) for name in COMPARED}
     capacity = system.element.heat_capacity_total()
     estimate = max(
         power * (1.0 - duty) * period / capacity
         for power, duty in zip(pulsed.means["power"], pulsed.means["drive"], strict=True)
     )
-    return Averaging(
-        frequency, differences, max(measure_ripples(pulsed)), estimate, average, pulsed
-    )
+    return Averaging(frequency, differences, max(measure_ripples(pulsed)), estimate, average, pulsed)
 
 
 def switch_plant(system: System, waveform: AbstractWaveform) -> tuple[System, AbstractDrive]:
@@ -117,14 +110,9 @@ def switch_plant(system: System, waveform: AbstractWaveform) -> tuple[System, Ab
     if isinstance(source, PwmVoltage):
         return system, waveform
     if not isinstance(source, PowerPwm):
-        raise InputError(
-            f"Pulses need the drive `pwm-voltage` or `power-pwm`, but it is "
-            f"`{source.registered_name}`."
-        )
+        raise InputError(f"Pulses need the drive `pwm-voltage` or `power-pwm`, but it is `{source.registered_name}`.")
     switch = PwmVoltage(
-        supply=source.supply,
-        series_resistance=source.series_resistance,
-        current_limit=source.current_limit,
+        supply=source.supply, series_resistance=source.series_resistance, current_limit=source.current_limit
     )
     once = source.measured == "once"
     largest = source.reach(source.reference_resistance).most if once else 0.0

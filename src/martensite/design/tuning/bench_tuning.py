@@ -98,9 +98,7 @@ def tune_bench(
         ParameterError: an unknown name, a parameter that cannot be searched, no reference.
         SolveError: no start can be run.
     """
-    runs = LoopRuns(
-        bench, duration, drive=drive, seed=noise_seed, waveforms=waveforms, native=native
-    )
+    runs = LoopRuns(bench, duration, drive=drive, seed=noise_seed, waveforms=waveforms, native=native)
     own = {path: float(value) for path, value in zip(runs.paths, runs.base, strict=True)}
     freed = build_free_gains(bench, free, starts)
     before = {one.path: own[one.path] for one in freed}
@@ -108,9 +106,7 @@ def tune_bench(
     course = Course(first.one(0), bench.period) if _is_finite(first) else _find_scales(runs, starts)
     how = search or TuningSearch()
     costs = GainCosts(runs, Cost(goal or TuningGoal(), course), freed, plants, how.slopes)
-    cost, best, ends = search_gains(
-        costs, [before, *[{**before, **start} for start in starts]], how, watch
-    )
+    cost, best, ends = search_gains(costs, [before, *[{**before, **start} for start in starts]], how, watch)
     after = {path: float(value) for path, value in costs.numbers(best).items()}
     found = compare_gains(runs, after, course)
     return replace(
@@ -124,9 +120,7 @@ def tune_bench(
     )
 
 
-def compare_gains(
-    runs: LoopRuns, after: Mapping[str, float], course: Course | None = None
-) -> TunedBench:
+def compare_gains(runs: LoopRuns, after: Mapping[str, float], course: Course | None = None) -> TunedBench:
     """A loop on the nominal plant before and after a change of numbers by path.
 
     Costs are those of the default goal; `course` says with what scales, by default those of the
@@ -178,7 +172,6 @@ def _list_bounds(free: Sequence[FreeNumber], shares: Numbers) -> list[str]:
         if bound is not None:
             end = one.low if bound == "lower" else one.high
             found.append(
-                f"`{one.path}` ended at its bound {end:.4g}: a better number may be beyond it, "
-                f"or it does not matter."
+                f"`{one.path}` ended at its bound {end:.4g}: a better number may be beyond it, or it does not matter."
             )
     return found

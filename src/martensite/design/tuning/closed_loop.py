@@ -88,9 +88,7 @@ class ClosedLoop(AbstractBlock):
         memory = self.law.rest(xp, x[0], measured - self.offset)
         return [*memory, self.law.idle, *kept]
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """Measure, answer, go on."""
         memory, before, inner = PidMemory(*state[:3]), state[3], state[KEPT:]
         measured, _ = self._model(xp, inner, before, dt)
@@ -99,9 +97,7 @@ class ClosedLoop(AbstractBlock):
         _, inner = self._model(xp, inner, signal, dt)
         return (measured, signal), [*memory, signal, *inner]
 
-    def _model(
-        self, xp: Namespace, state: Column, signal: Scalar, dt: Scalar
-    ) -> tuple[Scalar, list[Scalar]]:
+    def _model(self, xp: Namespace, state: Column, signal: Scalar, dt: Scalar) -> tuple[Scalar, list[Scalar]]:
         """What is measured of the model under a signal, and its next state."""
         signals: Column = (signal,)
         after: list[Scalar] = []
@@ -174,11 +170,7 @@ class ControlledModel:
         parts = zip(chain.blocks, chain.split(), strict=True)
         values = [float(v) for block, own in parts for v in (*own, *block.given())]
         block = ClosedLoop(
-            blocks=chain.blocks,
-            values=tuple(values),
-            tap=taps[measured],
-            law=law,
-            sign=-1.0 if reverse else 1.0,
+            blocks=chain.blocks, values=tuple(values), tap=taps[measured], law=law, sign=-1.0 if reverse else 1.0
         )
         if zeroed:
             idle = np.full((1, 1), law.idle)

@@ -28,9 +28,7 @@ BOX_FACTOR = 100.0
 """Box around the starts, as a factor."""
 
 
-def build_free_gains(
-    bench: Bench, texts: Sequence[str], starts: Sequence[Mapping[str, float]]
-) -> list[FreeNumber]:
+def build_free_gains(bench: Bench, texts: Sequence[str], starts: Sequence[Mapping[str, float]]) -> list[FreeNumber]:
     """Free numbers of the controllers of a bench.
 
     Args:
@@ -60,9 +58,7 @@ def build_free_gains(
 
 def _read_gain(text: str, unit: str) -> SearchRange:
     """Bounds may have no unit: they are in SI then."""
-    return read_free(
-        text, unit, lambda x: float(x) if is_bare(x) else units.parse_quantity(x, unit)
-    )
+    return read_free(text, unit, lambda x: float(x) if is_bare(x) else units.parse_quantity(x, unit))
 
 
 def find_gain(bench: Bench, name: str) -> str:

@@ -56,12 +56,7 @@ class GainCosts:
     """Costs of places z = width · share of gains, so that a step is one of a logarithm."""
 
     def __init__(
-        self,
-        runs: LoopRuns,
-        cost: Cost,
-        free: Sequence[FreeNumber],
-        plants: Plants | None,
-        most: int,
+        self, runs: LoopRuns, cost: Cost, free: Sequence[FreeNumber], plants: Plants | None, most: int
     ) -> None:
         """Prepare runs; derivatives are taken on so many plants at most."""
         self.loop, self.cost, self.free = runs, cost, free
@@ -125,19 +120,14 @@ class GainCosts:
 
 
 def search_gains(
-    costs: GainCosts,
-    starts: Sequence[Mapping[str, float]],
-    search: TuningSearch,
-    watch: Tell | None,
+    costs: GainCosts, starts: Sequence[Mapping[str, float]], search: TuningSearch, watch: Tell | None
 ) -> tuple[float, Numbers, tuple[float, ...]]:
     """Least cost, where it is (the first start if none is less), and where descents ended.
 
     Raises:
         SolveError: no start can be run.
     """
-    hunt = BoxSearch(
-        costs, iterations=search.iterations, clouds=search.clouds, seed=search.seed, watch=watch
-    )
+    hunt = BoxSearch(costs, iterations=search.iterations, clouds=search.clouds, seed=search.seed, watch=watch)
     begun = hunt.judge(np.array([costs.place(start) for start in starts]))
     if hunt.found.goal >= FAILED_COST:
         raise SolveError(f"None of {len(starts)} starts of the tuning can be run.")

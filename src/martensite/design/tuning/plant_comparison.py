@@ -50,9 +50,7 @@ class OverPlants:
         return Ratio(float(np.median(found)), float(found.max()), float((found < 1.0).mean()))
 
 
-def compare_over_plants(
-    runs: LoopRuns, sets: Mapping[str, Mapping[str, float]], plants: Plants
-) -> OverPlants:
+def compare_over_plants(runs: LoopRuns, sets: Mapping[str, Mapping[str, float]], plants: Plants) -> OverPlants:
     """Run every set of numbers, given by path, on every plant.
 
     Raises:

@@ -47,11 +47,7 @@ class Plants:
 
 
 def draw_plants(
-    bench: Bench,
-    spreads: Mapping[str, float],
-    count: int = 64,
-    seed: int = 0,
-    method: str = "sobol",
+    bench: Bench, spreads: Mapping[str, float], count: int = 64, seed: int = 0, method: str = "sobol"
 ) -> Plants:
     """Draw plants around that of a bench.
 
@@ -70,8 +66,7 @@ def draw_plants(
         raise ParameterError(f"No draw is named `{method}`. {suggest_name(method, METHODS)}")
     if count < 1 or not spreads:
         raise ParameterError(
-            f"Plants need a spread and must be at least 1, but are {count} with "
-            f"{len(spreads)} spreads."
+            f"Plants need a spread and must be at least 1, but are {count} with {len(spreads)} spreads."
         )
     unit = _draw_unit(len(spreads), count, seed, method)
     values: dict[str, Any] = {}
@@ -89,9 +84,7 @@ def _draw_unit(width: int, count: int, seed: int, method: str) -> NDArray[np.flo
     return 2.0 * qmc.LatinHypercube(width, seed=seed).random(count) - 1.0
 
 
-def _draw_parameter(
-    bench: Bench, name: str, spread: float, z: NDArray[np.float64]
-) -> tuple[str, NDArray[np.float64]]:
+def _draw_parameter(bench: Bench, name: str, spread: float, z: NDArray[np.float64]) -> tuple[str, NDArray[np.float64]]:
     """Path in the bench and numbers of one parameter."""
     leaf = find_plant_leaf(bench, name)
     if not (math.isfinite(spread) and spread > 0.0):

@@ -144,29 +144,20 @@ def tune_model(
     gains = _build_gains(ends[0][1], model)
     run = model.run(gains, reference)
     responses = tuple(measure_steps(reference, run.output, run.interval))
-    return TunedGains(
-        gains, ends[0][0], run, responses, tuple(e[0] for e in ends), count, tuning.scale
-    )
+    return TunedGains(gains, ends[0][0], run, responses, tuple(e[0] for e in ends), count, tuning.scale)
 
 
 def _build_gains(theta: Numbers, model: ControlledModel) -> Gains:
     return Gains(*(model.block.sign * float(gain) for gain in np.exp(np.clip(theta, -60, 60))))
 
 
-def _search_simplex(
-    value: Callable[[Numbers], float], begin: Numbers, evaluations: int
-) -> tuple[float, Numbers]:
+def _search_simplex(value: Callable[[Numbers], float], begin: Numbers, evaluations: int) -> tuple[float, Numbers]:
     simplex = np.vstack([begin, begin + np.eye(len(begin))])
     with np.errstate(all="ignore"):
         found = minimize(
             value,
             begin,
             method="Nelder-Mead",
-            options={
-                "maxfev": evaluations,
-                "initial_simplex": simplex,
-                "xatol": 1e-3,
-                "fatol": 1e-6,
-            },
+            options={"maxfev": evaluations, "initial_simplex": simplex, "xatol": 1e-3, "fatol": 1e-6},
         )
     return float(found.fun), np.asarray(found.x)

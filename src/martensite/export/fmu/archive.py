@@ -86,13 +86,9 @@ def to_fmu(
     called = checked_identifier(make_identifier(path.stem) if name is None else name)
     plan = plan_of(model, called, step)
     shown = list_variables(plan)
-    token = _make_token(
-        [write_description(fmi, plan, shown, ""), *write_sources(plan, fmi, "").values()]
-    )
+    token = _make_token([write_description(fmi, plan, shown, ""), *write_sources(plan, fmi, "").values()])
     texts = write_sources(plan, fmi, token)
-    content: dict[str, str | bytes] = {
-        "modelDescription.xml": write_description(fmi, plan, shown, token)
-    }
+    content: dict[str, str | bytes] = {"modelDescription.xml": write_description(fmi, plan, shown, token)}
     for target in targets:
         content[_locate_library(fmi, target, called)] = build_library(texts, target)
     content |= {f"sources/{file}": text for file, text in texts.items()}

@@ -21,14 +21,7 @@ from pathlib import Path
 from martensite.base.errors import InputError, MartensiteError, suggest_name
 from martensite.kernels.compiler import find_compiler
 
-FLAGS = (
-    "-std=c99",
-    "-O2",
-    "-shared",
-    "-fvisibility=hidden",
-    "-ffp-contract=off",
-    "-fno-math-errno",
-)
+FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
 
 
 @dataclass(frozen=True)
@@ -47,9 +40,7 @@ class BinaryTarget:
 
 TARGETS = {
     "x86_64-linux": BinaryTarget("linux64", ".so", "x86_64-linux-gnu.2.17", "x86_64-linux-gnu-gcc"),
-    "aarch64-linux": BinaryTarget(
-        "aarch64-linux", ".so", "aarch64-linux-gnu.2.17", "aarch64-linux-gnu-gcc"
-    ),
+    "aarch64-linux": BinaryTarget("aarch64-linux", ".so", "aarch64-linux-gnu.2.17", "aarch64-linux-gnu-gcc"),
     "x86_64-windows": BinaryTarget(
         "win64", ".dll", "x86_64-windows-gnu", "x86_64-w64-mingw32-gcc", ("-static-libgcc",)
     ),
@@ -101,9 +92,7 @@ def checked_targets(names: Sequence[str] | None) -> list[str]:
         if name not in TARGETS:
             raise InputError(f"No platform named `{name}`. {suggest_name(name, TARGETS)}")
         if name not in found:
-            raise InputError(
-                f"There is no compiler for `{name}` on this machine. {suggest_name(name, found)}"
-            )
+            raise InputError(f"There is no compiler for `{name}` on this machine. {suggest_name(name, found)}")
     return list(dict.fromkeys(names))
 
 
@@ -131,7 +120,5 @@ def build_library(sources: Mapping[str, str], target: str) -> bytes:
             check=False,
         )
         if done.returncode != 0:
-            raise MartensiteError(
-                f"The C compiler `{' '.join(cc)}` failed: {done.stderr.strip()[:500]}"
-            )
+            raise MartensiteError(f"The C compiler `{' '.join(cc)}` failed: {done.stderr.strip()[:500]}")
         return (Path(folder) / made).read_bytes()

@@ -16,11 +16,7 @@ CATEGORIES = ("logStatusWarning", "logStatusDiscard", "logStatusError")
 
 def write_description(fmi: str, plan: FmuPlan, variables: Sequence[FmuVariable], token: str) -> str:
     """modelDescription.xml of an FMI version, 2.0 or 3.0."""
-    made = (
-        _write_version_2(plan, variables, token)
-        if fmi == "2.0"
-        else _write_version_3(plan, variables, token)
-    )
+    made = _write_version_2(plan, variables, token) if fmi == "2.0" else _write_version_3(plan, variables, token)
     return as_text(made)
 
 

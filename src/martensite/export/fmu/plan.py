@@ -85,9 +85,7 @@ def _fix_steps(system: AbstractSystem) -> AbstractSystem:
 def _choose_step(system: AbstractSystem, scenario: Scenario | None, step: float | None) -> float:
     period = system.sample_time()
     if step is not None and period:
-        raise ParameterError(
-            f"This model goes on in samples of {period:g} s; it has no step to choose."
-        )
+        raise ParameterError(f"This model goes on in samples of {period:g} s; it has no step to choose.")
     if step is not None and not 0.0 < step < math.inf:
         raise ParameterError(f"Argument `step` must be above 0, but is {step}.")
     if period or step is not None:
@@ -113,9 +111,7 @@ def _first_inputs(core: CCore, system: AbstractSystem) -> tuple[float, ...]:
 # ---------------------------------------------------------------- numbers
 
 
-def _list_numbers(
-    core: CCore, system: AbstractSystem, scenario: Scenario | None
-) -> tuple[ModelNumber, ...]:
+def _list_numbers(core: CCore, system: AbstractSystem, scenario: Scenario | None) -> tuple[ModelNumber, ...]:
     places = {one.name: one.index for one in core.parameters}
     sampled = bool(system.sample_time())
     found: list[ModelNumber] = []

@@ -22,11 +22,7 @@ _LARGEST = 1.7e308
 
 def write_sources(plan: FmuPlan, version: str, token: str) -> dict[str, str]:
     """All C of an FMU, by file; `token` is its GUID, or instantiation token."""
-    found = {
-        "all.c": _write_all(plan, version),
-        "model.h": _write_model(plan, token),
-        **plan.core.files,
-    }
+    found = {"all.c": _write_all(plan, version), "model.h": _write_model(plan, token), **plan.core.files}
     folder = files("martensite.export.fmu")
     for name in (*SHARED, _read_interface(version)):
         found[name] = (folder / name).read_text(encoding="utf-8")

@@ -65,9 +65,7 @@ class AbstractBlock(Parametrised):
         return ()
 
     @abstractmethod
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """Outputs of this sample and the state for the next, `dt` [s] later."""
 
     def adapt_to(self, x: Numbers, dt: float) -> Self:
@@ -89,9 +87,7 @@ class AbstractBlock(Parametrised):
         """
         return None
 
-    def as_linear(
-        self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float
-    ) -> tuple[Self, Numbers]:
+    def as_linear(self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float) -> tuple[Self, Numbers]:
         """The block, and free numbers with which it runs as a linear one, nonlinear terms 0.
 
         Args:
@@ -118,16 +114,12 @@ class AbstractBlock(Parametrised):
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Name, value and unit of what the free numbers mean, for people to read."""
-        return [
-            (name, float(value), "1") for name, value in zip(self.numbers(), theta, strict=True)
-        ]
+        return [(name, float(value), "1") for name, value in zip(self.numbers(), theta, strict=True)]
 
     def text(self) -> str:
         """The block as it is written in the text of a chain."""
         told = [getattr(self, name) for name in self.shape]
-        for name in reversed(
-            self.shape
-        ):  # what is read goes by place: only the last may be left out
+        for name in reversed(self.shape):  # what is read goes by place: only the last may be left out
             if not isinstance(told[-1], str) or told[-1] != self.declarations[name].default:
                 break
             told.pop()
@@ -170,9 +162,7 @@ class AbstractRanged(AbstractBlock):
 class AbstractStatic(AbstractRanged):
     """A block without memory: one signal in, one out."""
 
-    offset: str = option(
-        "whether the output at zero input is free; else it is 0", "yes", "no", default="yes"
-    )
+    offset: str = option("whether the output at zero input is free; else it is 0", "yes", "no", default="yes")
 
     @abstractmethod
     def value(self, xp: Namespace, theta: Column, x: Scalar) -> Scalar:
@@ -193,8 +183,6 @@ class AbstractStatic(AbstractRanged):
         """The identity."""
         return self.line(1.0, 0.0)
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """The output of this sample."""
         return (self.value(xp, theta, x[0]),), ()

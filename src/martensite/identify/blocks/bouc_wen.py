@@ -40,9 +40,7 @@ class BoucWen(AbstractRanged):
         """Unstrained: w = 0."""
         return x[0], 0.0
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """Along two exponentials."""
         before, w = state
         half = 0.5 * (self.high - self.low)

@@ -32,9 +32,7 @@ class Duhem(AbstractRanged):
     cites = ("ivshin1994",)
 
     logistics: float = param("1", "logistic functions per branch", low=1.0, high=2.0, default=2.0)
-    history: str = option(
-        "where the input came from before the first sample", "below", "above", default="below"
-    )
+    history: str = option("where the input came from before the first sample", "below", "above", default="below")
 
     def check(self) -> None:
         """Raise `ParameterError` unless the number of logistic functions is whole."""
@@ -49,9 +47,7 @@ class Duhem(AbstractRanged):
         """The input before, and z."""
         return 2
 
-    def _branches(
-        self, xp: Namespace, theta: Column
-    ) -> tuple[branches.LogisticBranch, branches.LogisticBranch]:
+    def _branches(self, xp: Namespace, theta: Column) -> tuple[branches.LogisticBranch, branches.LogisticBranch]:
         half = len(theta) // 2
         return branches.branch_of(xp, theta[:half]), branches.branch_of(xp, theta[half:])
 
@@ -63,9 +59,7 @@ class Duhem(AbstractRanged):
             return r, branches.from_below(xp, rising, r)
         return r, branches.from_above(xp, falling, r)
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """Along the branch of the direction; an input that stays changes nothing."""
         before, z = state
         rising, falling = self._branches(xp, theta)

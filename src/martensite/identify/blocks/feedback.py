@@ -47,12 +47,8 @@ class Feedback(AbstractRanged):
 
     order: float = param("1", "number of poles of the linear part", low=1.0, high=8.0, default=2.0)
     degree: float = param("1", "highest degree of what is fed back", low=2.0, high=9.0, default=3.0)
-    past: float = param(
-        "1", "outputs fed back: 1, or 2 samples back", low=1.0, high=2.0, default=2.0
-    )
-    feedthrough: str = option(
-        "whether the input acts within the sample", "yes", "no", default="yes"
-    )
+    past: float = param("1", "outputs fed back: 1, or 2 samples back", low=1.0, high=2.0, default=2.0)
+    feedthrough: str = option("whether the input acts within the sample", "yes", "no", default="yes")
 
     def check(self) -> None:
         """Raise `ParameterError` unless orders are whole."""
@@ -67,11 +63,7 @@ class Feedback(AbstractRanged):
     def numbers(self) -> tuple[str, ...]:
         """Poles, β_k, coefficients of φ by their powers of r and δ."""
         beta = (f"beta{k + 1}" for k in range(self._zeros))
-        return (
-            *sections.name_sections(int(self.order)),
-            *beta,
-            *(f"c{i}{j}" for i, j in self.powers()),
-        )
+        return (*sections.name_sections(int(self.order)), *beta, *(f"c{i}{j}" for i, j in self.powers()))
 
     @property
     def _zeros(self) -> int:
@@ -99,9 +91,7 @@ class Feedback(AbstractRanged):
         y = xp.implicit_root(root, root + _step_towards(xp, fed, root, u, middle, half, 1e300))
         return [u] * order + sections.rest_cascade(order, y) + [y] * self._earlier
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """What is fed back comes from the samples before: nothing is to be solved."""
         order, half = int(self.order), 0.5 * (self.high - self.low)
         poles, zeros = list(theta[:order]), theta[order : order + self._zeros]
@@ -140,9 +130,7 @@ class Feedback(AbstractRanged):
         delay = self.feedthrough == "no"
         return TransferFunction(nb=self._zeros + 1, nf=self.order, nk=int(delay))
 
-    def as_linear(
-        self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float
-    ) -> tuple[Feedback, Numbers]:
+    def as_linear(self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float) -> tuple[Feedback, Numbers]:
         """The block and `like`."""
         own = isinstance(linear, TransferFunction)
         return self, self.like(linear, theta, dt) if own else self.start()
@@ -161,8 +149,7 @@ class Feedback(AbstractRanged):
         order, delay = int(self.order), int(self.feedthrough == "no")
         if int(linear.nf) != order or int(linear.nk) != delay or linear.nb > self._zeros + 1:
             raise ParameterError(
-                f"`{self.text()}` can begin as `oe({self._zeros + 1},{order},{delay})`, "
-                f"not as `{linear.text()}`."
+                f"`{self.text()}` can begin as `oe({self._zeros + 1},{order},{delay})`, not as `{linear.text()}`."
             )
         denominator = np.poly(sections.find_poles(order, theta[:order], dt)).real
         response = _respond_to_impulse(linear, theta, dt, order + 1)
@@ -185,9 +172,7 @@ def _respond_to_impulse(linear: TransferFunction, theta: Numbers, dt: float, cou
     """Outputs to an input of 1 in the first sample."""
     state, found = [0.0] * linear.states(), np.zeros(count)
     for k in range(count):
-        (found[k],), after = linear.step(
-            floats, list(map(float, theta)), state, (float(k == 0),), dt
-        )
+        (found[k],), after = linear.step(floats, list(map(float, theta)), state, (float(k == 0),), dt)
         state = list(after)
     return found
 
@@ -219,13 +204,7 @@ def _shape_inputs(inputs: list[Scalar], weights: Column, size: Scalar) -> Scalar
 
 
 def _step_towards(
-    xp: Namespace,
-    fed: list[tuple[int, Scalar]],
-    y: Scalar,
-    u: Scalar,
-    middle: Scalar,
-    half: Scalar,
-    most: Scalar,
+    xp: Namespace, fed: list[tuple[int, Scalar]], y: Scalar, u: Scalar, middle: Scalar, half: Scalar, most: Scalar
 ) -> Scalar:
     """Newton's step towards y + h φ(r, 0) = u, `most` at a time."""
     r = (y - middle) / half

@@ -23,13 +23,7 @@ import numpy as np
 from martensite.base.parameters import param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
 from martensite.identify.operators.counts import check_whole
-from martensite.identify.operators.play import (
-    FARTHEST,
-    compute_logistic,
-    compute_sizes,
-    evaluate_hinges,
-    keep_between,
-)
+from martensite.identify.operators.play import FARTHEST, compute_logistic, compute_sizes, evaluate_hinges, keep_between
 from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -47,15 +41,9 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
     cites = ("aljanaideh2011",)
 
     plays: float = param("1", "number of plays", low=1.0, high=200.0, default=4.0, typical=3.0)
-    knots: float = param(
-        "1", "number of knots of each curve", low=2.0, high=200.0, default=8.0, typical=3.0
-    )
+    knots: float = param("1", "number of knots of each curve", low=2.0, high=200.0, default=8.0, typical=3.0)
     reach: float = param(
-        "1",
-        "what thresholds end below, over the rise of the curves",
-        above=0.0,
-        high=1.0,
-        default=0.25,
+        "1", "what thresholds end below, over the rise of the curves", above=0.0, high=1.0, default=0.25
     )
 
     def check(self) -> None:
@@ -90,10 +78,7 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         for alpha, beta in zip(logits[:count], logits[count:], strict=True):
             above.append(above[-1] + (1.0 - above[-1]) * compute_logistic(xp, alpha))
             below.append(below[-1] + (above[-1] - below[-1]) * compute_logistic(xp, beta))
-        lower, upper = (
-            evaluate_hinges(xp, self._slopes([*values, 1.0]), 1.0, r) - 1.0
-            for values in (below, above)
-        )
+        lower, upper = (evaluate_hinges(xp, self._slopes([*values, 1.0]), 1.0, r) - 1.0 for values in (below, above))
         return xp.minimum(lower, upper), xp.maximum(lower, upper)
 
     def _slopes(self, values: Column) -> list[Scalar]:
@@ -111,9 +96,7 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
         lower, upper = self.curves(xp, self._split_parameters(theta)[2], self.unit(x[0]))
         return [0.5 * (lower + upper)] * int(self.plays)
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """Plays between the curves, and their sum."""
         rise, weights, logits = self._split_parameters(theta)
         lower, upper = self.curves(xp, logits, self.unit(x[0]))

@@ -116,9 +116,7 @@ class HeatedDuhem(AbstractBlock):
 
     gives: str = option("what it gives", "both", "temperature", "position", default="both")
     ambient: float = param("1", "temperature of the surroundings [degC or K]", default=23.0)
-    gain: float = param(
-        "1", "rise held by one unit of input [K]; 0: 50 K at the mean input", low=0.0, default=0.0
-    )
+    gain: float = param("1", "rise held by one unit of input [K]; 0: 50 K at the mean input", low=0.0, default=0.0)
     time_constant: float = param("s", "time constant of cooling", above=0.0, default=10.0)
     latent: float = param(DEGREES, "latent heat over heat capacity", above=0.0, default=30.0)
     rising: float = param(DEGREES, "rise at which half is austenite on heating", default=65.0)
@@ -163,9 +161,7 @@ class HeatedDuhem(AbstractBlock):
         z = branches.from_below(xp, heat.rising, rise)
         return rise, z, rise, z
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """What is measured now, and heat, transformation and lags until the next sample."""
         rise, z, seen, moved = state
         new_rise, new_z = _heat_step(xp, self._heat(xp, theta), rise, z, x[0], dt)
@@ -224,10 +220,7 @@ class HeatedDuhem(AbstractBlock):
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Numbers as they stand in the equations, temperatures as the record has them."""
-        return [
-            self._row(n, float(v), float(theta[5]))
-            for n, v in zip(self.numbers(), theta, strict=True)
-        ]
+        return [self._row(n, float(v), float(theta[5])) for n, v in zip(self.numbers(), theta, strict=True)]
 
     def _row(self, name: str, value: float, ambient: float) -> tuple[str, float, str]:
         if name.startswith("log_"):
@@ -238,18 +231,14 @@ class HeatedDuhem(AbstractBlock):
         return name, value + ambient if "centre" in name else value, "1"
 
 
-def _lag_ramp(
-    xp: Namespace, log_tau: Scalar, y: Scalar, before: Scalar, after: Scalar, dt: Scalar
-) -> Scalar:
+def _lag_ramp(xp: Namespace, log_tau: Scalar, y: Scalar, before: Scalar, after: Scalar, dt: Scalar) -> Scalar:
     """A lag of first order over a step in which its input goes straight: exact."""
     p = first_order(xp, log_tau, dt)
     steps = dt * xp.exp(-xp.clip(log_tau, -14.0, 14.0))
     return y + p * (before - y) + (after - before) * (1.0 - p / steps)
 
 
-def _heat_step(
-    xp: Namespace, heat: _Heat, rise: Scalar, z: Scalar, u: Scalar, dt: Scalar
-) -> tuple[Scalar, Scalar]:
+def _heat_step(xp: Namespace, heat: _Heat, rise: Scalar, z: Scalar, u: Scalar, dt: Scalar) -> tuple[Scalar, Scalar]:
     """Rise and z after a step: θ - θ₀ + Λ (z - z₀) = (dt/τ) (net heat)."""
     part = dt / heat.tau
     net = part * (heat.power(xp, u, z) - heat.loss(xp, rise))

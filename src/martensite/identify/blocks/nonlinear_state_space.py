@@ -45,19 +45,11 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
     linear = False
 
     order: float = param("1", "number of states", low=1.0, high=6.0, default=2.0)
-    degree: float = param(
-        "1", "highest degree of a monomial", low=2.0, high=5.0, default=3.0, typical=2.0
-    )
+    degree: float = param("1", "highest degree of a monomial", low=2.0, high=5.0, default=3.0, typical=2.0)
     ins: float = param("1", "number of inputs", low=1.0, high=1.0, default=1.0)
-    offset: str = option(
-        "whether the outputs at zero input are free; else they are 0", "yes", "no", default="yes"
-    )
-    input_terms: str = option(
-        "whether the input enters the monomials beside the states", "yes", "no", default="yes"
-    )
-    output_terms: str = option(
-        "whether monomials enter the outputs as well", "yes", "no", default="yes"
-    )
+    offset: str = option("whether the outputs at zero input are free; else they are 0", "yes", "no", default="yes")
+    input_terms: str = option("whether the input enters the monomials beside the states", "yes", "no", default="yes")
+    output_terms: str = option("whether monomials enter the outputs as well", "yes", "no", default="yes")
     reach: float = param("1", "range of the states over that of the input", above=0.0, default=1.0)
 
     def monomials(self) -> list[tuple[int, ...]]:
@@ -78,9 +70,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         """How many numbers the linear system has."""
         return len(super().numbers())
 
-    def _products(
-        self, xp: Namespace, poles: Column, held: Column, u: Scalar, dt: Scalar
-    ) -> list[Scalar]:
+    def _products(self, xp: Namespace, poles: Column, held: Column, u: Scalar, dt: Scalar) -> list[Scalar]:
         """h φ."""
         half, middle = 0.5 * (self.high - self.low), 0.5 * (self.high + self.low)
         wide = half * self.reach
@@ -113,16 +103,12 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         def held(xp: Namespace, state: Column, given: Column) -> Column:
             u, own = given[0], given[1:]
             products = self._products(xp, own[:n], state, u, dt)
-            return sections.fed_resting(
-                xp, n, list(own[:n]), self._feed_states(own, u, products), dt
-            )
+            return sections.fed_resting(xp, n, list(own[:n]), self._feed_states(own, u, products), dt)
 
         found = fixed_point(xp, held, sections.rest_cascade(n, x[0]), [x[0], *theta])
         return [x[0]] * int(self.nk) + found
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """Delay, monomials, sections, sums."""
         n, p, nk = int(self.order), self.outputs, int(self.nk)
         line = [x[0], *state[:nk]]

@@ -45,9 +45,7 @@ class Play(AbstractBlock):
         """In the middle of the backlash."""
         return x[:1]
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """Pushed along, or left."""
         y = move_play(xp, x[0], self.radius(xp, theta), state[0])
         return (y,), (y,)

@@ -17,14 +17,7 @@ import numpy as np
 from martensite.base.parameters import option, param
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
 from martensite.identify.operators.counts import check_whole
-from martensite.identify.operators.play import (
-    FARTHEST,
-    PlaySum,
-    compute_logits,
-    compute_sizes,
-    find_range,
-    move_play,
-)
+from martensite.identify.operators.play import FARTHEST, PlaySum, compute_logits, compute_sizes, find_range, move_play
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -44,23 +37,14 @@ class PrandtlIshlinskii(AbstractBlock):
     cites = ("krasnoselskii1989", "kuhnen2003")
 
     plays: float = param("1", "number K of plays", low=1.0, default=12.0, typical=4.0)
-    reach: float = param(
-        "1", "highest threshold over the range of the input", above=0.0, high=1.0, default=0.25
-    )
+    reach: float = param("1", "highest threshold over the range of the input", above=0.0, high=1.0, default=0.25)
     low: float = param("1", "lower end of the range of the input", default=-1.0)
     high: float = param("1", "upper end of the range of the input", default=1.0)
     weights: str = option(
-        "whether the weights of input and plays are all positive",
-        "positive",
-        "free",
-        default="positive",
+        "whether the weights of input and plays are all positive", "positive", "free", default="positive"
     )
     thresholds: str = option(
-        "even with a free reach, even up to the given reach, or all free",
-        "scaled",
-        "even",
-        "free",
-        default="scaled",
+        "even with a free reach, even up to the given reach, or all free", "scaled", "even", "free", default="scaled"
     )
 
     def check(self) -> None:
@@ -84,9 +68,7 @@ class PrandtlIshlinskii(AbstractBlock):
         """All plays are where the input is."""
         return [x[0]] * int(self.plays)
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """Plays, and their sum."""
         radii = self.radii(xp, theta)
         after = [move_play(xp, x[0], r, p) for r, p in zip(radii, state, strict=True)]

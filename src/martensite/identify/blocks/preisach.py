@@ -35,20 +35,11 @@ class Preisach(AbstractCurve):
     fixed = ("low", "high", "reach")
     cites = ("brokate1996", "mayergoyz2003")
 
-    levels: float = param(
-        "1", "number L of thresholds above 0", low=1.0, high=200.0, default=8.0, typical=3.0
-    )
-    knots: float = param(
-        "1", "number of knots of each curve", low=2.0, high=200.0, default=8.0, typical=3.0
-    )
-    reach: float = param(
-        "1", "highest threshold over the range of the input", above=0.0, high=0.45, default=0.25
-    )
+    levels: float = param("1", "number L of thresholds above 0", low=1.0, high=200.0, default=8.0, typical=3.0)
+    knots: float = param("1", "number of knots of each curve", low=2.0, high=200.0, default=8.0, typical=3.0)
+    reach: float = param("1", "highest threshold over the range of the input", above=0.0, high=0.45, default=0.25)
     slopes: str = option(
-        "whether all curves rise, or fall, together, or each as it likes",
-        "alike",
-        "free",
-        default="alike",
+        "whether all curves rise, or fall, together, or each as it likes", "alike", "free", default="alike"
     )
 
     def check(self) -> None:
@@ -79,9 +70,7 @@ class Preisach(AbstractCurve):
         """All plays are where the input is."""
         return [x[0]] * int(self.levels)
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """Plays, and the sum of their curves."""
         half = 0.5 * (self.high - self.low)
         after = [move_play(xp, x[0], half * self._radius(i + 1), p) for i, p in enumerate(state)]
@@ -110,9 +99,7 @@ class Preisach(AbstractCurve):
         for level, p in enumerate(at):
             own = sizes[level * segments : (level + 1) * segments]
             half = 1.0 - self._radius(level)
-            total = total + (
-                evaluate_hinges(xp, own, half, p) - evaluate_hinges(xp, own, half, 0.0)
-            )
+            total = total + (evaluate_hinges(xp, own, half, p) - evaluate_hinges(xp, own, half, 0.0))
         return factor * total
 
     def _sizes(self, xp: Namespace, heights: Column, places: Column) -> tuple[list[Scalar], Scalar]:

@@ -55,9 +55,7 @@ class SideBySide(AbstractBlock):
     def _place_blocks(self) -> Iterator[tuple[int, AbstractBlock]]:
         return enumerate(self.blocks, start=1)
 
-    def split(
-        self, column: Any, count: Callable[[AbstractBlock], int]
-    ) -> Iterator[tuple[AbstractBlock, Any]]:
+    def split(self, column: Any, count: Callable[[AbstractBlock], int]) -> Iterator[tuple[AbstractBlock, Any]]:
         """The blocks, each with its share of a column, of which it has a certain count."""
         first = 0
         for block in self.blocks:
@@ -75,9 +73,7 @@ class SideBySide(AbstractBlock):
         shares = self._shares(theta, x)
         return [s for block, own, taken in shares for s in block.rest(xp, own, taken, dt)]
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """A step of every block."""
         held = self.split(state, lambda block: block.states())
         outputs: list[Scalar] = []

@@ -36,9 +36,7 @@ class StateSpace(AbstractBlock):
     ins: float = param("1", "number of inputs", low=1.0, default=1.0, typical=2.0)
     outs: float = param("1", "number of outputs", low=1.0, default=1.0, typical=2.0)
     nk: float = param("1", "delay in samples; 0 adds feed-through", low=0.0, default=1.0)
-    offset: str = option(
-        "whether the outputs at zero input are free; else they are 0", "yes", "no", default="no"
-    )
+    offset: str = option("whether the outputs at zero input are free; else they are 0", "yes", "no", default="no")
 
     @property
     def inputs(self) -> int:
@@ -88,18 +86,14 @@ class StateSpace(AbstractBlock):
         held = sections.fed_resting(xp, n, list(theta[:n]), self._entering(theta, x), dt)
         return [*list(x) * int(self.nk), *held]
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """Delay, sections, sums of their signals."""
         n, m, nk = int(self.order), self.inputs, int(self.nk)
         line = [*x, *state[: nk * m]]
         u = line[nk * m :]
         fed = self._entering(theta, u)
         more = fed[1:] if m > 1 else ()
-        made = sections.step_cascade(
-            xp, n, list(theta[:n]), list(state[nk * m :]), fed[0], dt, more
-        )
+        made = sections.step_cascade(xp, n, list(theta[:n]), list(state[nk * m :]), fed[0], dt, more)
         y = self._sum_outputs(theta, [*made.signals, *(u if nk == 0 else ())])
         return y, (*line[: nk * m], *made.state)
 

@@ -29,18 +29,13 @@ class TransferFunction(AbstractBlock):
     shape = ("nb", "nf", "nk")
     linear = True
 
-    nb: float = param(
-        "1", "number of numerator coefficients (zeros + 1)", low=1.0, default=1.0, typical=3.0
-    )
+    nb: float = param("1", "number of numerator coefficients (zeros + 1)", low=1.0, default=1.0, typical=3.0)
     nf: float = param("1", "number of poles", low=0.0, default=1.0, typical=3.0)
     nk: float = param("1", "delay in samples", low=0.0, default=1.0)
 
     def numbers(self) -> tuple[str, ...]:
         """Poles, then weights of all signals but the one that carries the gain."""
-        return (
-            *sections.name_sections(int(self.nf)),
-            *(f"weight{k}" for k in range(2, int(self.nb) + 1)),
-        )
+        return (*sections.name_sections(int(self.nf)), *(f"weight{k}" for k in range(2, int(self.nb) + 1)))
 
     def states(self) -> int:
         """Delayed inputs, sections, and inputs of the numerator beyond nf."""
@@ -55,9 +50,7 @@ class TransferFunction(AbstractBlock):
         w = x[0]
         return [w] * int(self.nk) + sections.rest_cascade(int(self.nf), w) + [w] * self._taps
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """Delay, sections, weighted sum."""
         nk, nf = int(self.nk), int(self.nf)
         line = [x[0], *state[:nk]]

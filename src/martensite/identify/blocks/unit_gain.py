@@ -16,8 +16,6 @@ class UnitGain(AbstractBlock):
 
     short = "unit"
 
-    def step(
-        self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar
-    ) -> tuple[Column, Column]:
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """The input of this sample."""
         return (x[0],), ()

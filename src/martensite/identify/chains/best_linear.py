@@ -24,13 +24,7 @@ from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.decimation import thin_records
 from martensite.identify.chains.impulse_response import Pair, impulse_response
 from martensite.identify.chains.linear_weights import LinearStart, fit_weights
-from martensite.identify.chains.realisation import (
-    Matched,
-    Realised,
-    find_entering,
-    match_poles,
-    realise_responses,
-)
+from martensite.identify.chains.realisation import Matched, Realised, find_entering, match_poles, realise_responses
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.identify.operators import sections
 from martensite.kernels import floats
@@ -73,11 +67,7 @@ def linear_start(
 
 
 def best_linear(
-    records: Sampled | Sequence[Sampled],
-    order: int,
-    nk: int = 1,
-    skip: int = 0,
-    iterations: int = 60,
+    records: Sampled | Sequence[Sampled], order: int, nk: int = 1, skip: int = 0, iterations: int = 60
 ) -> Chain:
     """The linear model of an order that reproduces records best in free run from rest.
 
@@ -102,11 +92,7 @@ def best_linear(
 
 
 def polish_linear(
-    block: Linear,
-    records: Sequence[Sampled],
-    start: str = "rest",
-    skip: int = 0,
-    iterations: int = 60,
+    block: Linear, records: Sequence[Sampled], start: str = "rest", skip: int = 0, iterations: int = 60
 ) -> Chain:
     """A linear block, with the line that its gain and offset need, refined from its start.
 
@@ -123,19 +109,13 @@ def polish_linear(
     first = max(records, key=len)
     lined = block.outputs == 1 and (isinstance(block, TransferFunction) or block.offset == "no")
     chain = build_untrained([block, Polynomial(degree=1)] if lined else [block], first)
-    found = linear_start(
-        block, [r.inputs for r in records], [r.outputs for r in records], first.interval
-    )
+    found = linear_start(block, [r.inputs for r in records], [r.outputs for r in records], first.interval)
     theta = found.theta
     if isinstance(line := chain.blocks[-1], Polynomial):
         theta = np.concatenate([theta, line.line(found.gain, found.offset)])
-    squares = ResidualSquares(
-        chain.engine, [RecordResidual(record, skip, None, start) for record in records]
-    )
+    squares = ResidualSquares(chain.engine, [RecordResidual(record, skip, None, start) for record in records])
     if iterations:
-        theta = minimise_cost(squares, squares.extend_parameters(theta), iterations).theta[
-            : len(theta)
-        ]
+        theta = minimise_cost(squares, squares.extend_parameters(theta), iterations).theta[: len(theta)]
     return chain.with_theta(theta)
 
 
@@ -172,18 +152,14 @@ def _list_factors(pairs: Sequence[Pair]) -> list[int]:
     return [f for f in (1, 8, 64, 512) if f == 1 or longest // f >= FEWEST]
 
 
-def _find_poles(
-    block: TransferFunction | StateSpace, pairs: Sequence[Pair], dt: float, factor: int
-) -> Numbers:
+def _find_poles(block: TransferFunction | StateSpace, pairs: Sequence[Pair], dt: float, factor: int) -> Numbers:
     """Poles, and the B of several inputs, from records at `factor` times the sample time."""
     order = _find_order(block)
     if not order:
         return np.zeros(0)
     nk = int(block.nk)
     nb = int(block.nb) if isinstance(block, TransferFunction) else order + (nk == 0)
-    lags = min(
-        max(LAGS // block.inputs, 32), max(2 * order + 4, max(len(u) for u, _ in pairs) // 4)
-    )
+    lags = min(max(LAGS // block.inputs, 32), max(2 * order + 4, max(len(u) for u, _ in pairs) // 4))
     g = impulse_response(pairs, lags, nk // factor)
     model = realise_responses(g[max(nb - order, 0) if factor == 1 else 1 :], order)
     z = np.linalg.eigvals(model.a)
@@ -193,9 +169,7 @@ def _find_poles(
     return np.concatenate([found.numbers, _find_mixing(block, model, z, found, dt * factor)])
 
 
-def _find_mixing(
-    block: AbstractBlock, model: Realised, z: Numbers, found: Matched, dt: float
-) -> Numbers:
+def _find_mixing(block: AbstractBlock, model: Realised, z: Numbers, found: Matched, dt: float) -> Numbers:
     """The free numbers of B."""
     numbers = list(map(float, found.numbers))
     n, m = len(numbers), block.inputs

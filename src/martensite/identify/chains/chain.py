@@ -47,9 +47,7 @@ class Chain:
                 )
         count = sum(len(block.numbers()) for block in self.blocks)
         if len(self.theta) != count:
-            raise ParameterError(
-                f"Chain `{self.text()}` has {count} free numbers, but {len(self.theta)} are given."
-            )
+            raise ParameterError(f"Chain `{self.text()}` has {count} free numbers, but {len(self.theta)} are given.")
 
     def text(self) -> str:
         """The chain as it is written: `poly2 | oe(3,3,1) | pwl10`."""
@@ -134,9 +132,7 @@ class Chain:
         )
 
 
-def build_untrained(
-    blocks: Sequence[AbstractBlock], record: Sampled, taps: Taps | None = None
-) -> Chain:
+def build_untrained(blocks: Sequence[AbstractBlock], record: Sampled, taps: Taps | None = None) -> Chain:
     """A chain for a record, its blocks one by one adapted to what reaches them from the start."""
     made: list[AbstractBlock] = []
     x, theta = record.inputs, np.zeros(0)

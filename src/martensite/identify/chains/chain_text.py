@@ -42,8 +42,7 @@ def parse_block(text: str) -> AbstractBlock:
     found = _BLOCK.fullmatch(text.lower())
     if found is None:
         raise InputError(
-            f"`{text}` is no block; write a name and its orders, such as `poly2`, "
-            f"`pwl(10)` or `oe(3,3,1)`."
+            f"`{text}` is no block; write a name and its orders, such as `poly2`, `pwl(10)` or `oe(3,3,1)`."
         )
     name, inner, digits = found.groups()
     known = short_names()
@@ -68,9 +67,7 @@ def _parse_beside(text: str) -> AbstractBlock:
 def _build_block(block: type[AbstractBlock], text: str, words: list[str]) -> AbstractBlock:
     if len(words) > len(block.shape):
         allowed = f"at most {len(block.shape)}: {', '.join(block.shape)}" if block.shape else "none"
-        raise InputError(
-            f"Block `{text}` is given {len(words)}, but `{block.short}` takes {allowed}."
-        )
+        raise InputError(f"Block `{text}` is given {len(words)}, but `{block.short}` takes {allowed}.")
     try:
         pairs = zip(block.shape, words, strict=False)
         made = block(**{name: _parse_value(block, name, word) for name, word in pairs})
@@ -96,9 +93,7 @@ def parse_chain(text: str) -> tuple[AbstractBlock, ...]:
     _check_brackets(text)
     words = _BAR.split(text)
     if not text.strip() or any(not word.strip() for word in words):
-        raise InputError(
-            f"`{text}` is no chain; write blocks between bars, such as `poly2 | oe(3,3,1) | pwl10`."
-        )
+        raise InputError(f"`{text}` is no chain; write blocks between bars, such as `poly2 | oe(3,3,1) | pwl10`.")
     return fix_gauge([parse_block(word) for word in words])
 
 

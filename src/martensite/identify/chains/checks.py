@@ -23,9 +23,7 @@ def check_records(records: Sequence[Sampled]) -> None:
                 f"{first.interval:.6g} s and `{record.name}` {record.interval:.6g} s."
             )
         if (record.input_names, record.output_names) != (first.input_names, first.output_names):
-            raise InputError(
-                f"Records `{first.name}` and `{record.name}` have different inputs or outputs."
-            )
+            raise InputError(f"Records `{first.name}` and `{record.name}` have different inputs or outputs.")
 
 
 def check_informative(records: Sequence[Sampled], skip: int, start: str) -> None:
@@ -39,17 +37,14 @@ def check_informative(records: Sequence[Sampled], skip: int, start: str) -> None
     for name, column in zip(first.input_names, u.T, strict=True):
         if start != "estimate" and np.ptp(column) == 0.0:
             raise InputError(
-                f"Input `{name}` is {column[0]:g} throughout; nothing can be found from an input "
-                "that never changes."
+                f"Input `{name}` is {column[0]:g} throughout; nothing can be found from an input that never changes."
             )
     for name, column in zip(first.output_names, y.T, strict=True):
         known = column[np.isfinite(column)]
         if not len(known):
             raise InputError(f"Output `{name}` has no known samples that count.")
         if np.ptp(known) == 0.0:
-            raise InputError(
-                f"Output `{name}` is {known[0]:g} throughout; there is nothing to fit."
-            )
+            raise InputError(f"Output `{name}` is {known[0]:g} throughout; there is nothing to fit.")
 
 
 def check_enough(chain: Chain, records: Sequence[Sampled], skip: int) -> None:

@@ -34,9 +34,7 @@ class CompiledChain:
         """Simulate inputs u (samples, inputs) from a state, into y (samples, outputs)."""
         call_compiled(self._library.run, len(u), p, u, s, y)
 
-    def slopes(
-        self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers
-    ) -> None:
+    def slopes(self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers) -> None:
         """The same with derivatives: dy is (samples, outputs, extra + columns).
 
         The first columns are those of the initial state; there are as many as ds has beyond

@@ -95,11 +95,7 @@ class Crossed:
 
     def to_dict(self) -> dict[str, Any]:
         """All fields by name and the verdict, for JSON."""
-        return asdict(self) | {
-            "limit": self.limit,
-            "explained": self.explained,
-            "sentence": self.sentence,
-        }
+        return asdict(self) | {"limit": self.limit, "explained": self.explained, "sentence": self.sentence}
 
     def _largest(self, places: Sequence[int]) -> tuple[int, float]:
         if not places:
@@ -151,13 +147,7 @@ def correlate_residuals(
     variance = max(1.0 + 2.0 * float(rho_e[1:] @ rho_w[1:]), 0.0) / count
     values = [float(_sum_shifted(e, w, lag)) / size for lag in chosen]
     return Crossed(
-        output,
-        name,
-        tuple(chosen),
-        tuple(values),
-        math.sqrt(max(variance, 1.0 / count**2)),
-        interval,
-        level,
+        output, name, tuple(chosen), tuple(values), math.sqrt(max(variance, 1.0 / count**2)), interval, level
     )
 
 

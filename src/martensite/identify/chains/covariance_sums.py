@@ -45,9 +45,7 @@ def block_lengths(squares: ResidualSquares, theta: Numbers) -> list[int]:
         DataError: a residual is not finite.
     """
     found: list[int] = []
-    for aim, state in zip(
-        squares.aims, squares.initial(squares.extend_parameters(theta)), strict=True
-    ):
+    for aim, state in zip(squares.aims, squares.initial(squares.extend_parameters(theta)), strict=True):
         y = squares.engine.simulate(theta, aim.record.inputs, state.copy())
         errors = (aim.record.outputs - y)[aim.skip :]
         longest = 1.0

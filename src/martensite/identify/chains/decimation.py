@@ -38,10 +38,7 @@ def coarsen_records(records: Sequence[Sampled], most: int = COARSE) -> list[Samp
     """
     factor = min(max(map(len, records)) // most, min(map(len, records)) // LEAST)
     if (kept := find_thinnest(records, factor)) < factor:
-        factor, records = (
-            kept,
-            [_cut_part(r, min(int(PART * most), MIDDLE) * kept) for r in records],
-        )
+        factor, records = (kept, [_cut_part(r, min(int(PART * most), MIDDLE) * kept) for r in records])
     return [r if factor < 2 else resample_record(r, ratio=float(factor)) for r in records]
 
 
@@ -65,9 +62,7 @@ def find_thinnest(records: Sequence[Sampled], factor: int) -> int:
     if factor <= 1:
         return factor
     most, pair = factor, _measure_loss(records, 2)
-    while factor > 1 and np.any(
-        _measure_loss(records, factor) - 2.0 * (1.0 - 1.0 / factor) * pair > LOST
-    ):
+    while factor > 1 and np.any(_measure_loss(records, factor) - 2.0 * (1.0 - 1.0 / factor) * pair > LOST):
         factor //= 2
     return factor if factor >= min(WORTH, most) else 1
 

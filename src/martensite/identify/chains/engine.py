@@ -51,11 +51,7 @@ class ChainEngine:
     """
 
     def __init__(
-        self,
-        blocks: Sequence[AbstractBlock],
-        interval: float,
-        taps: Taps | None = None,
-        compiled: bool | None = None,
+        self, blocks: Sequence[AbstractBlock], interval: float, taps: Taps | None = None, compiled: bool | None = None
     ) -> None:
         self.blocks, self.interval = tuple(blocks), interval
         last = len(self.blocks) - 1
@@ -97,12 +93,7 @@ class ChainEngine:
         return y
 
     def sensitivities(
-        self,
-        theta: Numbers,
-        u: Numbers,
-        start: ChainStart | None = None,
-        chunk: int = CHUNK,
-        reuse: bool = False,
+        self, theta: Numbers, u: Numbers, start: ChainStart | None = None, chunk: int = CHUNK, reuse: bool = False
     ) -> Iterator[Chunk]:
         """Outputs and their derivatives, some thousand samples at a time.
 
@@ -121,9 +112,7 @@ class ChainEngine:
             self._runner.slopes(numbers, part, state, slopes, y, dy)
             yield Chunk(slice(first, first + len(part)), y, dy)
 
-    def jacobian(
-        self, theta: Numbers, u: Numbers, start: ChainStart | None = None
-    ) -> tuple[Numbers, Numbers]:
+    def jacobian(self, theta: Numbers, u: Numbers, start: ChainStart | None = None) -> tuple[Numbers, Numbers]:
         """Outputs and derivatives of a whole record at once."""
         chunks = list(self.sensitivities(theta, u, start, max(len(u), 1)))
         return chunks[0].outputs, chunks[0].slopes

@@ -117,13 +117,7 @@ def estimate_chain(
         chain = chain.with_theta(found.theta[: len(chain.theta)])
     fits = (_compute_fit(end.chain, middle, own) for end in refined)
     return ChainEstimate(
-        chain,
-        records,
-        wanted,
-        found,
-        tuple(sorted(fits, reverse=True)),
-        tuple(end.cost for end in first),
-        options,
+        chain, records, wanted, found, tuple(sorted(fits, reverse=True)), tuple(end.cost for end in first), options
     )
 
 
@@ -152,9 +146,7 @@ def _thin_options(options: Options, thin: Sequence[Sampled], records: Sequence[S
     return replace(options, skip=round(options.skip * records[0].interval / thin[0].interval))
 
 
-def _search_thin(
-    chain: Chain, records: Sequence[Sampled], options: Options, tell: Tell
-) -> list[SearchEnd]:
+def _search_thin(chain: Chain, records: Sequence[Sampled], options: Options, tell: Tell) -> list[SearchEnd]:
     """Ends of first searches over thin records, from given chains and from others."""
     slow = replace(chain, interval=records[0].interval)
     given = [begin_from_chain(slow, one, records) for one in options.begin]
@@ -177,10 +169,7 @@ def _tell_searches(tell: Tell, word: str, low: float, high: float) -> Callable[[
 
 
 def _refine_all(
-    chains: Sequence[Chain],
-    records: Sequence[Sampled],
-    options: Options,
-    told: Callable[[int, int], None],
+    chains: Sequence[Chain], records: Sequence[Sampled], options: Options, told: Callable[[int, int], None]
 ) -> list[SearchEnd]:
     """Ends of searches from chains over records, best first; Ctrl-C keeps what there is."""
     ends: list[SearchEnd] = []
@@ -208,10 +197,7 @@ def _refine_one(chain: Chain, records: Sequence[Sampled], options: Options) -> S
 
 
 def _finish_search(
-    refined: Sequence[SearchEnd],
-    middle: Sequence[Sampled],
-    records: Sequence[Sampled],
-    options: Options,
+    refined: Sequence[SearchEnd], middle: Sequence[Sampled], records: Sequence[Sampled], options: Options
 ) -> SearchEnd:
     """The end of the best search at the full rate.
 

@@ -53,9 +53,7 @@ class FloatChain:
                     if number == k:
                         y[t, place] = x[channel]
 
-    def slopes(
-        self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers
-    ) -> None:
+    def slopes(self, p: Numbers, u: Numbers, s: Numbers, ds: Numbers, y: Numbers, dy: Numbers) -> None:
         """The same with derivatives: dy is (samples, outputs, extra + columns)."""
         functions, m = self._bound(p), ds.shape[1]
         extra = m - self._plan.columns
@@ -63,9 +61,7 @@ class FloatChain:
             x, dx, state = row, np.zeros((len(row), m)), 0
             for k, piece in enumerate(self._plan.pieces):
                 rows = slice(state, state + piece.block.states())
-                x, dx, s[rows], ds[rows] = _step_block(
-                    piece, functions, x, dx, s[rows], ds[rows], extra
-                )
+                x, dx, s[rows], ds[rows] = _step_block(piece, functions, x, dx, s[rows], ds[rows], extra)
                 state = rows.stop
                 for place, (number, channel) in enumerate(self._taps):
                     if number == k:
@@ -76,13 +72,7 @@ class FloatChain:
 
 
 def _step_block(
-    piece: ChainPiece,
-    functions: Functions,
-    x: Numbers,
-    dx: Numbers,
-    s: Numbers,
-    ds: Numbers,
-    extra: int,
+    piece: ChainPiece, functions: Functions, x: Numbers, dx: Numbers, s: Numbers, ds: Numbers, extra: int
 ) -> tuple[Numbers, Numbers, Numbers, Numbers]:
     """One block in one sample: outputs, their columns, the next state, its columns."""
     block, step = piece.block, piece.step

@@ -59,6 +59,4 @@ def find_expected(chain: Chain, options: Options) -> tuple[Numbers, Numbers]:
 
 def squares_of(chain: Chain, records: Sequence[Sampled], options: Options) -> ResidualSquares:
     """The sum of squares that a search from the numbers of a chain minimises."""
-    return ResidualSquares(
-        chain.engine, build_aims(records, options), options.ridge, *find_expected(chain, options)
-    )
+    return ResidualSquares(chain.engine, build_aims(records, options), options.ridge, *find_expected(chain, options))

@@ -55,9 +55,7 @@ def impulse_response(pairs: Sequence[Pair], length: int, nk: int = 0) -> Numbers
     """
     known = int(sum(np.all(np.isfinite(y), axis=1).sum() for _, y in pairs))
     if known < 4:
-        raise DataError(
-            f"An impulse response needs at least 4 samples known in all outputs, not {known}."
-        )
+        raise DataError(f"An impulse response needs at least 4 samples known in all outputs, not {known}.")
     u_scale = _find_spread(np.concatenate([u for u, _ in pairs]))
     y_scale = _find_spread(np.concatenate([y for _, y in pairs]))
     sums = _sum_products([(u / u_scale, y / y_scale) for u, y in pairs], length, nk)

@@ -90,9 +90,7 @@ def find_zeros(block: AbstractBlock, theta: Numbers, dt: float) -> Numbers:
         ParameterError: the block is not linear, or has several inputs or outputs.
     """
     if (block.inputs, block.outputs) != (1, 1):
-        raise ParameterError(
-            f"Block `{block.text()}` has several inputs or outputs; zeros are those of one of each."
-        )
+        raise ParameterError(f"Block `{block.text()}` has several inputs or outputs; zeros are those of one of each.")
     made = build_state_space(block, theta, dt)
     numerator, _ = find_fraction(made)
     size = np.abs(numerator)

@@ -24,10 +24,7 @@ from martensite.identify.chains.best_linear import Linear, linear_start, polish_
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.starts import align_chain, draw_numbers
-from martensite.identify.chains.wiener_hammerstein import (
-    is_wiener_hammerstein,
-    wiener_hammerstein_starts,
-)
+from martensite.identify.chains.wiener_hammerstein import is_wiener_hammerstein, wiener_hammerstein_starts
 from martensite.signals.sampling.sampled import Sampled
 
 POLISH = 40
@@ -35,11 +32,7 @@ POLISH = 40
 
 
 def list_informed_starts(
-    chain: Chain,
-    records: Sequence[Sampled],
-    rng: np.random.Generator,
-    count: int,
-    state: str = "rest",
+    chain: Chain, records: Sequence[Sampled], rng: np.random.Generator, count: int, state: str = "rest"
 ) -> list[Chain]:
     """Chains to start from: one the plainest, some from linear models, others at random.
 
@@ -67,9 +60,7 @@ def list_informed_starts(
     return [align_chain(one, records) for one in made[:count]]
 
 
-def _shared_out(
-    chain: Chain, records: Sequence[Sampled], rng: np.random.Generator, count: int
-) -> list[Chain]:
+def _shared_out(chain: Chain, records: Sequence[Sampled], rng: np.random.Generator, count: int) -> list[Chain]:
     """Of linear | static | linear: one linear model shared out, then at random."""
     shared = wiener_hammerstein_starts(chain, max(records, key=len), count - 1)
     base = shared[0] if shared else chain

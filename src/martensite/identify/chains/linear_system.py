@@ -60,13 +60,7 @@ class LinearSystem:
     def reduce_states(self) -> LinearSystem:
         """The same system with its active states alone."""
         kept = self.active
-        return replace(
-            self,
-            a=self.a[np.ix_(kept, kept)],
-            b=self.b[kept],
-            c=self.c[:, kept],
-            state=self.state[kept],
-        )
+        return replace(self, a=self.a[np.ix_(kept, kept)], b=self.b[kept], c=self.c[:, kept], state=self.state[kept])
 
     def poles(self) -> Numbers:
         """Poles in the plane of z, the slowest first; stable inside the unit circle."""
@@ -102,9 +96,7 @@ class LinearSystem:
         f = np.atleast_1d(np.asarray(frequencies, dtype=float))
         most = 0.5 / self.interval
         if not np.all((f >= 0.0) & (f <= most * (1.0 + 1e-12))):
-            raise ParameterError(
-                f"Frequencies must be between 0 and half the sample rate, {most:.6g} Hz."
-            )
+            raise ParameterError(f"Frequencies must be between 0 and half the sample rate, {most:.6g} Hz.")
         slim = self.reduce_states()
         z = np.exp(2j * np.pi * f * self.interval)
         here = z[:, None, None] * np.eye(len(slim.a)) - slim.a

@@ -27,9 +27,7 @@ class LinearStart(NamedTuple):
     """Sum of squared errors over the outputs' variances."""
 
 
-def fit_weights(
-    block: TransferFunction | StateSpace, known: Numbers, pairs: Sequence[Pair], dt: float
-) -> LinearStart:
+def fit_weights(block: TransferFunction | StateSpace, known: Numbers, pairs: Sequence[Pair], dt: float) -> LinearStart:
     """The start with given first numbers; all others are linear and follow from least squares."""
     theta = np.zeros(len(block.numbers()))
     theta[: len(known)] = known

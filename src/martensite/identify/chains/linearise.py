@@ -38,9 +38,7 @@ class LinearisationPoint(NamedTuple):
     outputs: Numbers
 
 
-def operating_point(
-    chain: Chain, level: Any, history: Numbers | Sampled | None = None
-) -> LinearisationPoint:
+def operating_point(chain: Chain, level: Any, history: Numbers | Sampled | None = None) -> LinearisationPoint:
     """The state in which a chain rests under a constant input.
 
     Args:
@@ -115,9 +113,7 @@ def linearise_chain(
     return linearise_around(chain, point, _find_entering(chain, u, state))
 
 
-def linearise_around(
-    chain: Chain, point: LinearisationPoint, pushed: Sequence[Numbers] | None = None
-) -> LinearSystem:
+def linearise_around(chain: Chain, point: LinearisationPoint, pushed: Sequence[Numbers] | None = None) -> LinearSystem:
     """The linear system around any state and input: also one that does not rest.
 
     Args:
@@ -152,16 +148,7 @@ def linearise_around(
         first = rows.stop
     c, d = np.split(seen, [states], axis=1)
     return LinearSystem(
-        a,
-        b,
-        c,
-        d,
-        chain.interval,
-        point.inputs,
-        point.state,
-        point.outputs,
-        chain.input_names,
-        chain.output_names,
+        a, b, c, d, chain.interval, point.inputs, point.state, point.outputs, chain.input_names, chain.output_names
     )
 
 
@@ -178,20 +165,13 @@ def _find_entering(chain: Chain, u: Numbers, state: Numbers) -> list[Numbers]:
     for piece in chain.engine.plan.pieces:
         last = first + piece.block.states()
         found.append(x[: piece.block.inputs])
-        values = functions[f"v{piece.step.name}"](
-            *map(float, found[-1]), *map(float, state[first:last])
-        )
+        values = functions[f"v{piece.step.name}"](*map(float, found[-1]), *map(float, state[first:last]))
         x, first = np.array(values[: piece.block.outputs]), last
     return found
 
 
 def static_curve(
-    chain: Chain,
-    low: float,
-    high: float,
-    points: int = 101,
-    number: int = 0,
-    others: Any = None,
+    chain: Chain, low: float, high: float, points: int = 101, number: int = 0, others: Any = None
 ) -> tuple[Numbers, Numbers]:
     """Levels of one input, and the outputs (points, outputs) of the chain at rest under them.
 
@@ -216,9 +196,7 @@ def static_curve(
     return levels, np.array([operating_point(chain, row).outputs for row in rows])
 
 
-def static_loop(
-    chain: Chain, low: float, high: float, hold: float, points: int = 41
-) -> tuple[Numbers, Numbers]:
+def static_loop(chain: Chain, low: float, high: float, hold: float, points: int = 41) -> tuple[Numbers, Numbers]:
     """Levels up and down again, and the outputs (2 points - 1, outputs) at the end of each.
 
     Every level is held for some time, so a hold of several time constants gives the hysteresis

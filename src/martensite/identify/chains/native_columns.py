@@ -61,8 +61,7 @@ def at_once(piece: ChainPiece, results: Sequence[str]) -> tuple[list[str], list[
     values = {e.place: f"j[{k}][t]" for k, e in enumerate(entries)}
     kept = [f"{values[e.place]} = {results[e.place]};" for e in entries]
     kept += [
-        f"to[({e.row} * M + lo + {e.column - list_moving(piece)}) * stride + t] = "
-        f"{results[e.place]};"
+        f"to[({e.row} * M + lo + {e.column - list_moving(piece)}) * stride + t] = {results[e.place]};"
         for e in list_own(piece)
     ]
     known = {(e.row, e.column - list_moving(piece)) for e in list_own(piece)}
@@ -71,10 +70,7 @@ def at_once(piece: ChainPiece, results: Sequence[str]) -> tuple[list[str], list[
         "for (long q = 0; q < lo; q++) {",
         "    #pragma omp simd",
         "    for (long t = 0; t < TILE; t++) {",
-        *(
-            f"        const double q{i} = dw[({i} * M + q) * TILE + t];"
-            for i in sorted({e.column for e in entries})
-        ),
+        *(f"        const double q{i} = dw[({i} * M + q) * TILE + t];" for i in sorted({e.column for e in entries})),
         *(
             f"        to[({row} * M + q) * stride + t] = {_print_sum(row, entries, values)};"
             for row in range(block.outputs)
@@ -90,25 +86,21 @@ def at_once(piece: ChainPiece, results: Sequence[str]) -> tuple[list[str], list[
     return [f"double j[{max(len(entries), 1)}][TILE];", "(void)j;"], kept, lines
 
 
-def in_sequence(
-    piece: ChainPiece, results: Sequence[str]
-) -> tuple[list[str], list[str], list[str]]:
+def in_sequence(piece: ChainPiece, results: Sequence[str]) -> tuple[list[str], list[str], list[str]]:
     """A block with memory: lines before its loop over samples, in the loop, and behind it."""
     block = piece.block
     varying = [e for e in list_through(piece) if not e.constant]
     rows = sorted({e.row for e in list_own(piece)})
     signals, begun = max(block.inputs, block.outputs), _count_begun(piece)
     before = [
-        f"enum {{ LP = lo ? (lo + {LANES - 1}) / {LANES} * {LANES} : {LANES}, "
-        f"CP = {pad_count(piece.count)} }};",
+        f"enum {{ LP = lo ? (lo + {LANES - 1}) / {LANES} * {LANES} : {LANES}, CP = {pad_count(piece.count)} }};",
         f"double j[{max(len(varying), 1)}][TILE];",
         "(void)j;",
         f"double *restrict o = z + TILE * {signals} * LP, *restrict g = o + TILE * {begun} * CP;",
     ]
     inside = [f"j[{k}][t] = {results[e.place]};" for k, e in enumerate(varying)]
     inside += [
-        f"o[(t * {begun} + {rows.index(e.row)}) * CP + {e.column - list_moving(piece)}] "
-        f"= {results[e.place]};"
+        f"o[(t * {begun} + {rows.index(e.row)}) * CP + {e.column - list_moving(piece)}] = {results[e.place]};"
         for e in list_own(piece)
     ]
     values = {e.place: f"j[{k}][t]" for k, e in enumerate(varying)}
@@ -127,9 +119,7 @@ def _print_carried(piece: ChainPiece, values: dict[int, str], rows: list[int]) -
     first = {row: f"o[(t * {begun} + {k}) * CP + q]" for k, row in enumerate(rows)}
     held = [e for e in entries if e.column >= inputs]
     lines = [
-        *_print_turned(
-            inputs, "lo", f"z[(t * {signals} + i) * LP + q] = dw[(i * M + q) * TILE + t];"
-        ),
+        *_print_turned(inputs, "lo", f"z[(t * {signals} + i) * LP + q] = dw[(i * M + q) * TILE + t];"),
         f"double e[{states}][LP], f[{states}][CP];",
         "memset(e, 0, sizeof(e)); memset(f, 0, sizeof(f));",
         *_print_moved(states, "e[i]", "ds + i * M", "lo"),
@@ -159,9 +149,7 @@ def _print_turned(signals: int, columns: str, body: str) -> list[str]:
 
 
 def _print_moved(states: int, target: str, source: str, count: str) -> list[str]:
-    return [
-        f"for (long i = 0; i < {states}; i++) memcpy({target}, {source}, sizeof(double) * {count});"
-    ]
+    return [f"for (long i = 0; i < {states}; i++) memcpy({target}, {source}, sizeof(double) * {count});"]
 
 
 def _print_columns(lanes: str, body: Sequence[str]) -> list[str]:

@@ -51,8 +51,7 @@ class _Writer:
         """`prepare(p, c)`. A long list of assignments: inlined, it would be compiled twice."""
         made = self.kernels.prepare
         return _print_function(
-            "static __attribute__((noinline)) void prepare(\n"
-            "    const double *restrict p, double *restrict c)",
+            "static __attribute__((noinline)) void prepare(\n    const double *restrict p, double *restrict c)",
             [*made.lines, *(f"c[{i}] = {value};" for i, value in enumerate(made.results))],
         )
 
@@ -82,12 +81,7 @@ class _Writer:
         )
         head += ["enum { stride = TILE };", "double *const to = dw;"] if slopes and not last else []
         head += ["(void)to;"] if slopes else []
-        lines = [
-            *head,
-            *before,
-            *_print_loop(piece, named.lines, named.results, inside, slopes),
-            *after,
-        ]
+        lines = [*head, *before, *_print_loop(piece, named.lines, named.results, inside, slopes), *after]
         return _print_function(
             f"static void block{k}{'d' if slopes else ''}(long n, const double *restrict c,\n"
             f"    double *restrict w, double *restrict s{tail})",
@@ -135,9 +129,7 @@ class _Writer:
         piece, count, lines = self.plan.pieces[k], len(self.taps), list[str]()
         known = f"(M - {self.plan.columns - piece.first - piece.count})"
         for place, channel in ((i, tap[1]) for i, tap in enumerate(self.taps) if tap[0] == k):
-            lines.append(
-                f"for (long t = 0; t < n; t++) y[t * {count} + {place}] = w[{channel} * TILE + t];"
-            )
+            lines.append(f"for (long t = 0; t < n; t++) y[t * {count} + {place}] = w[{channel} * TILE + t];")
             row, size = f"dy + ({place} * M + q) * stride", "sizeof(double) * TILE"
             if slopes:
                 lines += [
@@ -188,8 +180,7 @@ class _Writer:
         for e in piece.rest.entries:
             target, value = f"ds[{state + e.row} * M", named.results[e.place]
             lines.append(
-                f"for (long q = 0; q < {first}; q++) "
-                f"{target} + q] += {value} * dw[({e.column} * M + q) * TILE];"
+                f"for (long q = 0; q < {first}; q++) {target} + q] += {value} * dw[({e.column} * M + q) * TILE];"
                 if e.column < inputs
                 else f"{target} + {first + e.column - inputs}] += {value};"
             )
@@ -197,11 +188,7 @@ class _Writer:
 
 
 def _print_loop(
-    piece: ChainPiece,
-    lines: Sequence[str],
-    results: Sequence[str],
-    inside: Sequence[str],
-    slopes: bool,
+    piece: ChainPiece, lines: Sequence[str], results: Sequence[str], inside: Sequence[str], slopes: bool
 ) -> list[str]:
     """The loop over samples; the state is in local variables meanwhile."""
     inputs, outputs, states = piece.block.inputs, piece.block.outputs, piece.block.states()

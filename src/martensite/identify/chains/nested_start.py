@@ -68,9 +68,7 @@ def _cut_record(x: Sequence[Numbers], y: Sequence[Numbers], dt: float) -> list[S
     return [Sampled("block", dt, a, b, ins, outs) for a, b in zip(x, y, strict=True)]
 
 
-def _follow_block(
-    block: AbstractBlock, records: Sequence[Sampled]
-) -> tuple[AbstractBlock, Numbers]:
+def _follow_block(block: AbstractBlock, records: Sequence[Sampled]) -> tuple[AbstractBlock, Numbers]:
     """The block, adapted, with numbers with which it reproduces the records of another."""
     longest = max(records, key=len)
     dt, x = longest.interval, longest.inputs
@@ -81,7 +79,5 @@ def _follow_block(
     if (twin := linear_twin(block)) is not None:
         linear = polish_linear(twin, records).split()[0]
         block, theta = block.as_linear(twin, linear, x, dt)
-    squares = ResidualSquares(
-        ChainEngine([block], dt), [RecordResidual(record) for record in records]
-    )
+    squares = ResidualSquares(ChainEngine([block], dt), [RecordResidual(record) for record in records])
     return block, minimise_cost(squares, theta, STEPS).theta

@@ -118,9 +118,7 @@ def _plan_keyed(shaped: tuple[_Shaped, ...]) -> ChainPlan:
     return ChainPlan(program, tuple(pieces))
 
 
-def _build_piece(
-    program: Program, block: AbstractBlock, k: int, first: int, theta: list[Any], dt: Any
-) -> ChainPiece:
+def _build_piece(program: Program, block: AbstractBlock, k: int, first: int, theta: list[Any], dt: Any) -> ChainPiece:
     x = [f"x{i}" for i in range(block.inputs)]
     s = [f"s{i}" for i in range(block.states())]
     inputs, states = len(x), len(s)

@@ -90,10 +90,7 @@ class ModelMechanism(AbstractMechanism):
     def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
         """One parameter per free or fixed number, and the structure as an option."""
         chain: Chain = self.__dict__["chain"]
-        found = {
-            name: Declared("parameter", "number of a block", REQUIRED)
-            for name in _list_paths(chain)
-        }
+        found = {name: Declared("parameter", "number of a block", REQUIRED) for name in _list_paths(chain)}
         return {"structure": Declared("option", "blocks and signals", REQUIRED), **found}
 
     def _with_paths(self, values: Mapping[str, Any]) -> Self:
@@ -103,11 +100,7 @@ class ModelMechanism(AbstractMechanism):
             block.with_given([float(own[f"b{k}_{name}"]) for name in block.fixed])
             for k, block in enumerate(self.model.blocks, start=1)
         )
-        theta = [
-            float(own[f"b{k}_{name}"])
-            for k, block in enumerate(blocks, start=1)
-            for name in block.numbers()
-        ]
+        theta = [float(own[f"b{k}_{name}"]) for k, block in enumerate(blocks, start=1) for name in block.numbers()]
         return type(self)(replace(self.model, blocks=blocks, theta=np.array(theta)))
 
     @property
@@ -146,13 +139,7 @@ class ModelMechanism(AbstractMechanism):
         """None."""
         return ()
 
-    def init(
-        self,
-        xp: Namespace,
-        elements: Sequence[AbstractElement],
-        elongations: Column,
-        signals: Column,
-    ) -> Any:
+    def init(self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column) -> Any:
         """The state at rest under the first inputs, block by block."""
         x, found = self._inside(signals), []
         for block, theta in self._blocks():
@@ -197,10 +184,7 @@ class ModelMechanism(AbstractMechanism):
     def _inside(self, signals: Column) -> list[Scalar]:
         """Inputs in SI in the units of the model."""
         kinds = [_find_conversion(self.model, name) for name in self.model.input_names]
-        return [
-            (u - offset) * (1.0 / factor)
-            for u, (_, factor, offset) in zip(signals, kinds, strict=True)
-        ]
+        return [(u - offset) * (1.0 / factor) for u, (_, factor, offset) in zip(signals, kinds, strict=True)]
 
     def _outside(self, outputs: Sequence[Scalar]) -> list[Scalar]:
         """Outputs in the units of the model in SI."""
@@ -211,9 +195,7 @@ class ModelMechanism(AbstractMechanism):
 def _list_paths(chain: Chain) -> list[str]:
     """Names of all fixed and free numbers, with the number of their block."""
     return [
-        f"b{k}_{name}"
-        for k, block in enumerate(chain.blocks, start=1)
-        for name in (*block.fixed, *block.numbers())
+        f"b{k}_{name}" for k, block in enumerate(chain.blocks, start=1) for name in (*block.fixed, *block.numbers())
     ]
 
 

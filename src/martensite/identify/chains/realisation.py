@@ -73,12 +73,7 @@ def match_poles(z: Numbers, dt: float) -> Matched:
     first = [positive.pop()] if len(positive) % 2 else []
     pairs += list(zip(positive[::2], positive[1::2], strict=True))
     return Matched(
-        np.array(
-            [
-                *(-np.log(-s[i].real) for i in first),
-                *(n for p in pairs for n in _describe_pair(s, p)),
-            ]
-        ),
+        np.array([*(-np.log(-s[i].real) for i in first), *(n for p in pairs for n in _describe_pair(s, p))]),
         np.array([*first, *(i for pair in pairs for i in pair)], dtype=int),
     )
 

@@ -31,9 +31,7 @@ class ErrorStretch:
         return asdict(self)
 
 
-def summarise_segments(
-    times: Numbers, residuals: Numbers, output: str, count: int = COUNT
-) -> list[ErrorStretch]:
+def summarise_segments(times: Numbers, residuals: Numbers, output: str, count: int = COUNT) -> list[ErrorStretch]:
     """Errors in stretches of equal length, without those in which nothing is known."""
     found: list[ErrorStretch] = []
     for t, e in zip(np.array_split(times, count), np.array_split(residuals, count), strict=True):

@@ -44,8 +44,7 @@ class RecordResidual:
     def __post_init__(self) -> None:
         if self.start not in STARTS:
             raise ParameterError(
-                f"The state at the start is {', '.join(STARTS[:-1])} or {STARTS[-1]}, "
-                f"not `{self.start}`."
+                f"The state at the start is {', '.join(STARTS[:-1])} or {STARTS[-1]}, not `{self.start}`."
             )
 
     def scale(self) -> Numbers:
@@ -124,12 +123,8 @@ class ResidualSquares:
         with np.errstate(all="ignore"):
             for aim, place in self._place_states():
                 start = self._start(aim, theta, place, slopes=False)
-                y = self.engine.simulate(
-                    theta[: self.columns], aim.record.inputs, start.state.copy()
-                )
-                total += float(
-                    np.sum(_filter_residuals(aim, _weigh_residuals(aim, y, slice(None))) ** 2)
-                )
+                y = self.engine.simulate(theta[: self.columns], aim.record.inputs, start.state.copy())
+                total += float(np.sum(_filter_residuals(aim, _weigh_residuals(aim, y, slice(None))) ** 2))
         return total if np.isfinite(total) else np.inf
 
     def normal(self, theta: Numbers) -> Normal:
@@ -184,9 +179,7 @@ class ResidualSquares:
             return theta
         return np.concatenate([np.arange(place, place + self.states), theta])
 
-    def _start(
-        self, aim: RecordResidual, theta: Numbers, place: int | None, slopes: bool
-    ) -> ChainStart:
+    def _start(self, aim: RecordResidual, theta: Numbers, place: int | None, slopes: bool) -> ChainStart:
         own, first = theta[: self.columns], aim.record.inputs[0]
         if aim.start == "zero":
             return ChainStart(np.zeros(self.states), np.zeros((self.states, self.columns)))
@@ -194,9 +187,7 @@ class ResidualSquares:
         start = self.engine.rest(own, first, away)
         return start if slopes or place is None else start._replace(slopes=start.slopes[:, :0])
 
-    def _parts(
-        self, aim: RecordResidual, theta: Numbers, place: int | None, reuse: bool = False
-    ) -> Iterator[Part]:
+    def _parts(self, aim: RecordResidual, theta: Numbers, place: int | None, reuse: bool = False) -> Iterator[Part]:
         """Weighted residuals and slopes without weights; with `reuse` overwritten by the next."""
         start = self._start(aim, theta, place, slopes=True)
         memory: Memory | None = None

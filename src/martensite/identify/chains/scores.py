@@ -74,12 +74,7 @@ def free_run(chain: Chain, record: Sampled, start: str = "rest", skip: int = 0) 
 
 
 def score_chain(
-    chain: Chain,
-    records: Iterable[Sampled],
-    role: str,
-    start: str = "rest",
-    skip: int = 0,
-    model: str = "model",
+    chain: Chain, records: Iterable[Sampled], role: str, start: str = "rest", skip: int = 0, model: str = "model"
 ) -> list[OutputScore]:
     """Scores of all outputs over records, at their full rate.
 

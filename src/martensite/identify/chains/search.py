@@ -122,9 +122,7 @@ def search_structures(
     return _decide_next(done, validation, complete)
 
 
-def _decide_next(
-    done: Sequence[StructureCandidate], validation: Sequence[Sampled], complete: bool
-) -> Searched:
+def _decide_next(done: Sequence[StructureCandidate], validation: Sequence[Sampled], complete: bool) -> Searched:
     ranked = sorted(done, key=lambda c: -c.validation if math.isfinite(c.validation) else math.inf)
     good = [c for c in ranked if c.found is not None and math.isfinite(c.validation)]
     if not good:
@@ -168,9 +166,7 @@ def _try_candidate(
     return StructureCandidate(text, numbers, found, own, score, time.perf_counter() - begun)
 
 
-def cross_validated(
-    structure: str, records: Sequence[Sampled], options: Options, folds: int = FOLDS
-) -> float:
+def cross_validated(structure: str, records: Sequence[Sampled], options: Options, folds: int = FOLDS) -> float:
     """Fit [%] on what was left out, block after block, each of a chain estimated without it.
 
     Inputs are known throughout, so that every chain runs freely over whole records; only the

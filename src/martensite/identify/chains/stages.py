@@ -108,10 +108,7 @@ def identify_stages(
         inputs = stage.outputs
     model = _join_series([e.chain for e, _ in found])
     if len(planned) > 1:
-        ends = [
-            [select_signals(r, r.input_names, planned[-1].outputs) for r in group]
-            for group in groups
-        ]
+        ends = [[select_signals(r, r.input_names, planned[-1].outputs) for r in group] for group in groups]
         scores += _score_stage(model, ends, options, SERIES)
     estimates, searches = zip(*found, strict=True)
     return Identified(tuple(planned), estimates, model, tuple(scores), searches, options)
@@ -128,9 +125,7 @@ def _plan_stages(stages: str | Sequence[str | ModelStage], record: Sampled) -> l
         raise InputError("A model needs at least one stage.")
     last = len(given) - 1
     planned = [
-        s
-        if isinstance(s, ModelStage)
-        else ModelStage.read(s, record.output_names[-1] if k == last else None)
+        s if isinstance(s, ModelStage) else ModelStage.read(s, record.output_names[-1] if k == last else None)
         for k, s in enumerate(given)
     ]
     for stage in planned:
@@ -160,9 +155,7 @@ def _share_progress(
     return lambda text, share: watch(f"stage {k + 1}: {text}", (k + share) / count)
 
 
-def _score_stage(
-    chain: Chain, groups: Sequence[Sequence[Sampled]], options: Options, model: str
-) -> list[OutputScore]:
+def _score_stage(chain: Chain, groups: Sequence[Sequence[Sampled]], options: Options, model: str) -> list[OutputScore]:
     return [
         score
         for role, group in zip(ROLES, groups, strict=True)

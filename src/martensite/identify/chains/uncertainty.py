@@ -110,9 +110,7 @@ class ChainUncertainty:
             first = own.stop
         return found
 
-    def band(
-        self, record: Sampled, level: float = LEVEL, start: ChainStart | None = None
-    ) -> OutputBand:
+    def band(self, record: Sampled, level: float = LEVEL, start: ChainStart | None = None) -> OutputBand:
         """Outputs along the inputs of a record, with their band.
 
         Args:
@@ -135,9 +133,7 @@ class ChainUncertainty:
             outputs.append(chunk.outputs)
             spreads.append(np.sum((own @ root) ** 2, axis=2))
         variance = np.concatenate(spreads)
-        return OutputBand(
-            np.concatenate(outputs), z * np.sqrt(variance), z * np.sqrt(variance + self.residual**2)
-        )
+        return OutputBand(np.concatenate(outputs), z * np.sqrt(variance), z * np.sqrt(variance + self.residual**2))
 
     def draws(self, count: int, seed: int = 0) -> list[Chain]:
         """Chains whose free numbers are drawn from a normal distribution with covariance C.
@@ -212,16 +208,13 @@ def measure_coverage(band: OutputBand, record: Sampled, skip: int = 0) -> Number
     return np.sum(inside & known, axis=0) / np.sum(known, axis=0)
 
 
-def _choose_lengths(
-    squares: ResidualSquares, theta: Numbers, blocks: Sequence[int] | int | None
-) -> tuple[int, ...]:
+def _choose_lengths(squares: ResidualSquares, theta: Numbers, blocks: Sequence[int] | int | None) -> tuple[int, ...]:
     if blocks is None:
         return tuple(block_lengths(squares, theta))
     given = (blocks,) * len(squares.aims) if isinstance(blocks, int) else tuple(blocks)
     if len(given) != len(squares.aims) or min(given) < 1:
         raise ParameterError(
-            f"Blocks must be of at least 1 sample, for each of {len(squares.aims)} records, but "
-            f"are {blocks}."
+            f"Blocks must be of at least 1 sample, for each of {len(squares.aims)} records, but are {blocks}."
         )
     return given
 

@@ -103,15 +103,11 @@ def invert_normal(square: Numbers, names: Sequence[str], cut: float = CUT) -> In
     return Inverse(matrix, vectors[:, ~kept], scale, condition, tuple(flat))
 
 
-def _find_flat(
-    root: Numbers, lost: Numbers, scale: Numbers, names: Sequence[str], limit: float
-) -> list[Flat]:
+def _find_flat(root: Numbers, lost: Numbers, scale: Numbers, names: Sequence[str], limit: float) -> list[Flat]:
     """Directions that are cut, in the fewest numbers where these are few enough to try."""
     if not lost.shape[1]:
         return []
-    found = (
-        list(_part_directions(lost).T) if len(names) > MANY else find_weak_directions(root, limit)
-    )
+    found = list(_part_directions(lost).T) if len(names) > MANY else find_weak_directions(root, limit)
     return [_describe_direction(direction / scale, direction, names) for direction in found]
 
 
@@ -129,7 +125,5 @@ def _describe_direction(moves: Numbers, direction: Numbers, names: Sequence[str]
     shown = order[:NAMED]
     first = float(moves[shown[0]])
     return Flat(
-        tuple(names[i] for i in shown),
-        tuple(float(moves[i]) / first for i in shown),
-        rest + len(order) - len(shown),
+        tuple(names[i] for i in shown), tuple(float(moves[i]) / first for i in shown), rest + len(order) - len(shown)
     )

@@ -18,11 +18,7 @@ from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.correlations import LEVEL, Crossed, correlate_residuals
 from martensite.identify.chains.directions import REVERSAL, Masks, split_by_direction
-from martensite.identify.chains.residual_segments import (
-    ErrorStretch,
-    known_stretch,
-    summarise_segments,
-)
+from martensite.identify.chains.residual_segments import ErrorStretch, known_stretch, summarise_segments
 from martensite.search.model_score import Score, score_model
 from martensite.search.quantity_text import format_number, join_phrases
 from martensite.search.whiteness import FEWEST, Whiteness, assess_whiteness
@@ -222,9 +218,7 @@ def validate_chain(
     return found
 
 
-def _score_parts(
-    record: Sampled, computed: Numbers, skip: int, parts: dict[str, Numbers]
-) -> Iterable[Score]:
+def _score_parts(record: Sampled, computed: Numbers, skip: int, parts: dict[str, Numbers]) -> Iterable[Score]:
     late = np.arange(len(record)) >= skip
     for k, output in enumerate(record.output_names):
         y = record.outputs[:, k]
@@ -262,12 +256,7 @@ def _test_correlation(record: Sampled, residuals: Numbers, level: float) -> Iter
             middle = u - u.mean()
             for name, signal in ((f"`{given}`", middle), (f"`{given}`²", middle**2)):
                 found = correlate_residuals(
-                    residuals[:, k],
-                    signal,
-                    record.interval,
-                    output=output,
-                    name=name,
-                    level=level,
+                    residuals[:, k], signal, record.interval, output=output, name=name, level=level
                 )
                 if found is not None:
                     yield found
@@ -283,7 +272,5 @@ def compare_validations(validations: Iterable[Validation]) -> str:
     if not ranked:
         raise DataError("There are no validations to compare.")
     fits = [one.fit for one in ranked]
-    names = join_phrases(
-        [f"`{one.record.name}` {one.fit:.2f} %" for one in (ranked[-1], ranked[0])]
-    )
+    names = join_phrases([f"`{one.record.name}` {one.fit:.2f} %" for one in (ranked[-1], ranked[0])])
     return f"{len(ranked)} records: median fit {np.median(fits):.2f} %; best and worst {names}."

@@ -102,15 +102,11 @@ def _linear_models(both: Orders, record: Sampled) -> list[tuple[Numbers, Numbers
         squares = ResidualSquares(chain.engine, [RecordResidual(record.rows(0, POLISHED))])
         for one in (theta, minimise_cost(squares, theta, 40).theta):
             own = one[: len(start.theta)]
-            made.append(
-                (find_poles(block, own, record.interval), find_zeros(block, own, record.interval))
-            )
+            made.append((find_poles(block, own, record.interval), find_zeros(block, own, record.interval)))
     return made
 
 
-def shared_out(
-    z_poles: Numbers, z_zeros: Numbers, first: Orders, last: Orders, record: Sampled
-) -> list[Shared]:
+def shared_out(z_poles: Numbers, z_zeros: Numbers, first: Orders, last: Orders, record: Sampled) -> list[Shared]:
     """All ways to share out poles and zeros, best first."""
     ways = [
         (p, z)
@@ -132,27 +128,19 @@ def _list_choices(z: Numbers, first: int, last: int) -> list[tuple[Numbers, Numb
     made: list[tuple[Numbers, Numbers]] = []
     for count in range(len(groups) + 1):
         for chosen in combinations(range(len(groups)), count):
-            parts = (
-                [groups[i] for i in chosen],
-                [g for i, g in enumerate(groups) if i not in chosen],
-            )
+            parts = ([groups[i] for i in chosen], [g for i, g in enumerate(groups) if i not in chosen])
             a, b = (np.concatenate([np.zeros(0, complex), *part]) for part in parts)
             if len(a) <= first and len(b) <= last:
                 made.append((a, b))
     return made
 
 
-def _score_sharing(
-    p: tuple[Numbers, Numbers], z: tuple[Numbers, Numbers], u: Numbers, y: Numbers
-) -> Shared:
+def _score_sharing(p: tuple[Numbers, Numbers], z: tuple[Numbers, Numbers], u: Numbers, y: Numbers) -> Shared:
     """Filters of unit gain at rest (or of unit size), and the best polynomial between them."""
     filters = tuple(_build_filter(zeros_, poles_) for zeros_, poles_ in zip(z, p, strict=True))
     x = _filter_signal(filters[0], u)
     size = max(float(np.abs(x).max()), 1e-300)
-    basis = [
-        np.ones(len(u)),
-        *(_filter_signal(filters[1], (x / size) ** k) for k in range(1, DEGREE + 1)),
-    ]
+    basis = [np.ones(len(u)), *(_filter_signal(filters[1], (x / size) ** k) for k in range(1, DEGREE + 1))]
     known = np.isfinite(y)
     columns = np.column_stack(basis)[known]
     with np.errstate(all="ignore"):
@@ -235,12 +223,6 @@ def fit_through(block: AbstractBlock, x: Numbers, y: Numbers, points: int = 400)
     order = np.argsort(x)[np.linspace(0, len(x) - 1, min(points, len(x))).astype(int)]
     record = Sampled("curve", 1.0, x[order], y[order], ("x",), ("y",))
     slope, offset = np.polyfit(x[order], y[order], 1)
-    theta = (
-        block.line(float(slope), float(offset))
-        if isinstance(block, AbstractStatic)
-        else (block.start())
-    )
-    squares = ResidualSquares(
-        ChainEngine([block], 1.0), [RecordResidual(record)], ridge=1e-6, reference=theta
-    )
+    theta = block.line(float(slope), float(offset)) if isinstance(block, AbstractStatic) else (block.start())
+    squares = ResidualSquares(ChainEngine([block], 1.0), [RecordResidual(record)], ridge=1e-6, reference=theta)
     return minimise_cost(squares, theta, 30).theta

@@ -91,12 +91,7 @@ class BranchLeg(NamedTuple):
 
 
 def follow_leg(
-    xp: Namespace,
-    rising: LogisticBranch,
-    falling: LogisticBranch,
-    upward: bool,
-    x: Scalar,
-    z: Scalar,
+    xp: Namespace, rising: LogisticBranch, falling: LogisticBranch, upward: bool, x: Scalar, z: Scalar
 ) -> BranchLeg:
     """The way on from x and z, upward or not."""
 

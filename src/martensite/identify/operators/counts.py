@@ -12,6 +12,5 @@ def check_whole(block: AbstractBlock) -> None:
         value = getattr(block, name)
         if isinstance(value, float) and value != int(value):
             raise ParameterError(
-                f"Parameter `{name}` of `{block.registered_name}` must be a whole number, "
-                f"but is {value:g}."
+                f"Parameter `{name}` of `{block.registered_name}` must be a whole number, but is {value:g}."
             )

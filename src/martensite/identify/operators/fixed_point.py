@@ -32,9 +32,7 @@ def fixed_point(xp: Namespace, held: Map, start: Column, given: Column) -> list[
     return [xp.implicit_root(s, s - d) for s, d in zip(root, newton, strict=True)]
 
 
-def _compute_newton_step(
-    xp: Namespace, held: Map, state: Column, fixed: Column, given: Column
-) -> list[Scalar]:
+def _compute_newton_step(xp: Namespace, held: Map, state: Column, fixed: Column, given: Column) -> list[Scalar]:
     """Newton's step: the matrix at what is fixed, the residual at what is given."""
 
     def away(xp: Namespace, s: Column) -> Column:

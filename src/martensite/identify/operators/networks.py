@@ -58,9 +58,7 @@ class AbstractNetwork(AbstractCurve):
         """The same at random: around the frame."""
         first, second = self.frame()
         gap = 2.0 / len(first)
-        return first + rng.normal(0.0, 0.3, len(first)), second + gap * rng.normal(
-            0.0, 0.5, len(second)
-        )
+        return first + rng.normal(0.0, 0.3, len(first)), second + gap * rng.normal(0.0, 0.5, len(second))
 
     def heights(self) -> tuple[str, ...]:
         """Rise of the line over half the range, heights of the units."""

@@ -147,9 +147,7 @@ class PlaySum:
             )
         steps = np.diff(r, prepend=0.0)
         b = -a[1:] / (slopes[1:] * slopes[:-1])
-        return PlaySum(
-            tuple(np.cumsum(slopes[:-1] * steps).tolist()), (float(1.0 / a[0]), *b.tolist())
-        )
+        return PlaySum(tuple(np.cumsum(slopes[:-1] * steps).tolist()), (float(1.0 / a[0]), *b.tolist()))
 
     def matching(self, state: Numbers) -> Numbers:
         """State of the inverse that belongs to a state of this operator.

@@ -121,9 +121,7 @@ def rest_cascade(order: int, w: Scalar) -> list[Scalar]:
     return [w] * (order % 2) + [w, 0.0] * (order // 2)
 
 
-def fed_resting(
-    xp: Namespace, order: int, poles: list[Scalar], fed: list[Scalar], dt: Scalar
-) -> list[Scalar]:
+def fed_resting(xp: Namespace, order: int, poles: list[Scalar], fed: list[Scalar], dt: Scalar) -> list[Scalar]:
     """State of a cascade at rest under constant inputs of all its states."""
     w, held = fed[0], [fed[0]] * (order % 2)
     for k in range(order % 2, order, 2):
@@ -137,9 +135,7 @@ def fed_resting(
 def find_poles(order: int, numbers: Numbers, dt: float) -> Numbers:
     """Poles z = exp(s dt) of a cascade, from its free numbers; all inside the unit circle."""
     first = order % 2
-    s: list[complex] = [
-        complex(-np.exp(-np.clip(log_tau, -LONGEST, LONGEST))) for log_tau in numbers[:first]
-    ]
+    s: list[complex] = [complex(-np.exp(-np.clip(log_tau, -LONGEST, LONGEST))) for log_tau in numbers[:first]]
     for k in range(first, order, 2):
         omega = float(np.exp(np.clip(numbers[k], -LONGEST, LONGEST)))
         zeta = float(np.exp(np.clip(numbers[k + 1], -STRONGEST, STRONGEST)))

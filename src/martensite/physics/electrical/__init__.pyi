@@ -1,7 +1,5 @@
 from martensite.physics.electrical.current import CurrentSource as CurrentSource
-from martensite.physics.electrical.furst_seelecke import (
-    FurstSeeleckeResistance as FurstSeeleckeResistance,
-)
+from martensite.physics.electrical.furst_seelecke import FurstSeeleckeResistance as FurstSeeleckeResistance
 from martensite.physics.electrical.h_bridge import HBridge as HBridge
 from martensite.physics.electrical.linear_amplifier import LinearAmplifier as LinearAmplifier
 from martensite.physics.electrical.mixture import MixtureResistance as MixtureResistance

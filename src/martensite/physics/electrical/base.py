@@ -20,9 +20,7 @@ from martensite.signals.moments import Moments
 RESISTANCES: Registry[AbstractResistance] = Registry(
     "resistance", "martensite.physics.electrical", typical="per-length"
 )
-SOURCES: Registry[AbstractSource] = Registry(
-    "drive", "martensite.physics.electrical", typical="current"
-)
+SOURCES: Registry[AbstractSource] = Registry("drive", "martensite.physics.electrical", typical="current")
 STRAIGHT = 1e-9
 """Departure of a current or a power from a straight line that is none, as a share of it."""
 
@@ -59,12 +57,7 @@ class AbstractResistance(Parametrised):
 
     @abstractmethod
     def resistance(
-        self,
-        xp: Namespace,
-        fraction: Scalar,
-        strain: Scalar,
-        temperature: Scalar,
-        shape: Conductor,
+        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
         """Resistance [ohm] at martensite `fraction`, `strain` and `temperature` [K]."""
 
@@ -139,12 +132,8 @@ class AbstractSupply(AbstractSource):
         default=0.0,
         typical="0.5 ohm",
     )
-    current_limit: Scalar = param(
-        "A", "current limit", above=0.0, high=1e6, default=1e6, typical="0.6 A"
-    )
-    voltage_limit: Scalar = param(
-        "V", "supply voltage", above=0.0, high=1e9, default=1e9, typical="6 V"
-    )
+    current_limit: Scalar = param("A", "current limit", above=0.0, high=1e6, default=1e6, typical="0.6 A")
+    voltage_limit: Scalar = param("V", "supply voltage", above=0.0, high=1e9, default=1e9, typical="6 V")
 
     def most(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Largest current [A] that the supply drives through an element of `resistance` [ohm]."""
@@ -164,15 +153,9 @@ class AbstractSwitch(AbstractSource):
 
     supply: Scalar = param("V", "supply voltage", above=0.0, high=1e4, typical="6 V")
     series_resistance: Scalar = param(
-        "ohm",
-        "resistance outside the element: leads, contacts, closed switch",
-        low=0.0,
-        high=1e6,
-        default=0.0,
+        "ohm", "resistance outside the element: leads, contacts, closed switch", low=0.0, high=1e6, default=0.0
     )
-    current_limit: Scalar = param(
-        "A", "current limit while the switch is closed", above=0.0, high=1e6, default=1e6
-    )
+    current_limit: Scalar = param("A", "current limit while the switch is closed", above=0.0, high=1e6, default=1e6)
 
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm] while the switch is closed."""

@@ -24,32 +24,16 @@ class FurstSeeleckeResistance(AbstractResistance):
 
     cites = ("furst2012", "ullrich2014")
 
-    rho_A: Scalar = param(
-        "ohm*m", "resistivity of austenite", above=0.0, high=1e-4, typical="8e-7 ohm m"
-    )
-    rho_M: Scalar = param(
-        "ohm*m", "resistivity of martensite", above=0.0, high=1e-4, typical="9e-7 ohm m"
-    )
+    rho_A: Scalar = param("ohm*m", "resistivity of austenite", above=0.0, high=1e-4, typical="8e-7 ohm m")
+    rho_M: Scalar = param("ohm*m", "resistivity of martensite", above=0.0, high=1e-4, typical="9e-7 ohm m")
     a_rho_A: Scalar = param(
-        "1/K",
-        "temperature coefficient of the resistivity of austenite",
-        low=-1e-3,
-        high=5e-3,
-        typical="5e-4 1/K",
+        "1/K", "temperature coefficient of the resistivity of austenite", low=-1e-3, high=5e-3, typical="5e-4 1/K"
     )
     a_rho_M: Scalar = param(
-        "1/K",
-        "temperature coefficient of the resistivity of martensite",
-        low=-1e-3,
-        high=5e-3,
-        typical="1e-3 1/K",
+        "1/K", "temperature coefficient of the resistivity of martensite", low=-1e-3, high=5e-3, typical="1e-3 1/K"
     )
     T_rho: Scalar = param(
-        "K",
-        "temperature at which both resistivities hold",
-        low=100.0,
-        high=1000.0,
-        typical="20 degC",
+        "K", "temperature at which both resistivities hold", low=100.0, high=1000.0, typical="20 degC"
     )
     nu: Scalar = param("1", "Poisson's ratio", low=0.0, high=0.5, typical=0.33)
 
@@ -61,12 +45,7 @@ class FurstSeeleckeResistance(AbstractResistance):
         return austenite + fraction * (martensite - austenite)
 
     def resistance(
-        self,
-        xp: Namespace,
-        fraction: Scalar,
-        strain: Scalar,
-        temperature: Scalar,
-        shape: Conductor,
+        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
         """R [ohm]."""
         width = 1.0 - self.nu * strain

@@ -29,21 +29,11 @@ class HBridge(AbstractSwitch):
 
     unit: ClassVar[str] = "1"
 
-    high_resistance: Scalar = param(
-        "ohm", "on-resistance of the switch to the supply", low=0.0, high=1e6, default=0.0
-    )
-    low_resistance: Scalar = param(
-        "ohm", "on-resistance of the switch to ground", low=0.0, high=1e6, default=0.0
-    )
-    frequency: Scalar = param(
-        "Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz"
-    )
+    high_resistance: Scalar = param("ohm", "on-resistance of the switch to the supply", low=0.0, high=1e6, default=0.0)
+    low_resistance: Scalar = param("ohm", "on-resistance of the switch to ground", low=0.0, high=1e6, default=0.0)
+    frequency: Scalar = param("Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz")
     dead_time: Scalar = param(
-        "s",
-        "time that is lost at each of the two edges of a pulse",
-        low=0.0,
-        high=1.0,
-        default=0.0,
+        "s", "time that is lost at each of the two edges of a pulse", low=0.0, high=1.0, default=0.0
     )
     conducts: str = option(
         "directions that reach the element: both, or one through a diode",
@@ -52,9 +42,7 @@ class HBridge(AbstractSwitch):
         "negative",
         default="both",
     )
-    diode_voltage: Scalar = param(
-        "V", "forward voltage of the diode, if there is one", low=0.0, high=1e3, default=0.0
-    )
+    diode_voltage: Scalar = param("V", "forward voltage of the diode, if there is one", low=0.0, high=1e3, default=0.0)
 
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Size [A] of the current through `resistance` [ohm] while the switches conduct."""

@@ -39,15 +39,9 @@ class LinearAmplifier(AbstractSupply):
         default=0.0,
     )
     headroom: Scalar = param(
-        "V",
-        "voltage across the transistor that is needed at most output",
-        low=0.0,
-        high=1e3,
-        default=0.0,
+        "V", "voltage across the transistor that is needed at most output", low=0.0, high=1e3, default=0.0
     )
-    output_resistance: Scalar = param(
-        "ohm", "output resistance of the amplifier", low=0.0, high=1e6, default=0.0
-    )
+    output_resistance: Scalar = param("ohm", "output resistance of the amplifier", low=0.0, high=1e6, default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` if the supply leaves no room for an output."""

@@ -15,20 +15,11 @@ from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, 
 class MixtureResistance(AbstractResistance):
     """Linear mixture of two resistivities; geometry at its nominal size."""
 
-    rho_A: Scalar = param(
-        "ohm*m", "resistivity of austenite", above=0.0, high=1e-4, typical="8e-7 ohm m"
-    )
-    rho_M: Scalar = param(
-        "ohm*m", "resistivity of martensite", above=0.0, high=1e-4, typical="9e-7 ohm m"
-    )
+    rho_A: Scalar = param("ohm*m", "resistivity of austenite", above=0.0, high=1e-4, typical="8e-7 ohm m")
+    rho_M: Scalar = param("ohm*m", "resistivity of martensite", above=0.0, high=1e-4, typical="9e-7 ohm m")
 
     def resistance(
-        self,
-        xp: Namespace,
-        fraction: Scalar,
-        strain: Scalar,
-        temperature: Scalar,
-        shape: Conductor,
+        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
         """R [ohm]."""
         return (self.rho_A + fraction * (self.rho_M - self.rho_A)) * (shape.length / shape.area)

@@ -29,21 +29,13 @@ class Mosfet(AbstractSwitch):
 
     unit: ClassVar[str] = "1"
 
-    supply_resistance: Scalar = param(
-        "ohm", "internal resistance of the supply", low=0.0, high=1e6, default=0.0
-    )
+    supply_resistance: Scalar = param("ohm", "internal resistance of the supply", low=0.0, high=1e6, default=0.0)
     on_resistance: Scalar = param(
         "ohm", "resistance of the transistor while it conducts", low=0.0, high=1e6, default=0.0
     )
-    frequency: Scalar = param(
-        "Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz"
-    )
+    frequency: Scalar = param("Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz")
     dead_time: Scalar = param(
-        "s",
-        "time of every pulse that is lost before the transistor conducts",
-        low=0.0,
-        high=1.0,
-        default=0.0,
+        "s", "time of every pulse that is lost before the transistor conducts", low=0.0, high=1.0, default=0.0
     )
     smallest_pulse: Scalar = param(
         "s", "shortest time for which the transistor conducts", low=0.0, high=1.0, default=0.0

@@ -39,11 +39,7 @@ class PowerPwm(AbstractSwitch):
         default="every-period",
     )
     reference_resistance: Scalar = param(
-        "ohm",
-        "resistance of the element when measured once",
-        above=0.0,
-        default=math.inf,
-        typical="4 ohm",
+        "ohm", "resistance of the element when measured once", above=0.0, default=math.inf, typical="4 ohm"
     )
 
     def check(self) -> None:

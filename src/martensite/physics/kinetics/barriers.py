@@ -82,9 +82,7 @@ class RateStart(NamedTuple):
     """(√π/2) erfc(⟨y⟩)."""
 
 
-def build_wells(
-    xp: Namespace, material: BarrierConstants, threshold: Scalar, temperature: Scalar, form: str
-) -> Wells:
+def build_wells(xp: Namespace, material: BarrierConstants, threshold: Scalar, temperature: Scalar, form: str) -> Wells:
     """The free energy whose threshold σ_A, before the limit at zero, is given [Pa]."""
     per_energy = material.volume / (BOLTZMANN * xp.maximum(temperature, COLDEST))
     least = 0.0
@@ -104,15 +102,11 @@ class BarrierScales(NamedTuple):
     M: Scalar
 
 
-def compute_scales(
-    xp: Namespace, material: BarrierConstants, at: Wells, form: str
-) -> BarrierScales:
+def compute_scales(xp: Namespace, material: BarrierConstants, at: Wells, form: str) -> BarrierScales:
     """Reciprocals of the thermal widths; the bridge between the wells softens the saddle."""
     bridge = at.gap / material.width if form == "barrier" else 0.0
     half = 0.5 * at.per_energy
-    return BarrierScales(
-        xp.sqrt(half * (1.0 / material.E_A + bridge)), xp.sqrt(half * (1.0 / material.E_M + bridge))
-    )
+    return BarrierScales(xp.sqrt(half * (1.0 / material.E_A + bridge)), xp.sqrt(half * (1.0 / material.E_M + bridge)))
 
 
 def compute_edges(at: Wells, scale: BarrierScales, stress: Scalar) -> tuple[Scalar, Scalar]:
@@ -147,9 +141,7 @@ def _compute_saddle(
     square = xp.where(stress < -at.stress_A, -4.0 * at.stress_A * stress, up * up)
     deep_A = xp.sqrt(at.per_energy * (0.5 * square / material.E_A - middle))
     deep_M = xp.sqrt(at.per_energy * (0.5 * down * down / material.E_M + middle))
-    return Process(xp.where(down < 0.0, deep_A, u), 1.0), Process(
-        xp.where(up < 0.0, deep_M, z), 1.0
-    )
+    return Process(xp.where(down < 0.0, deep_A, u), 1.0), Process(xp.where(up < 0.0, deep_M, z), 1.0)
 
 
 def _out_of_well(xp: Namespace, u: Scalar, v: Scalar) -> Process:

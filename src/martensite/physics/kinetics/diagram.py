@@ -38,59 +38,21 @@ class AbstractTwoPhaseLaw(AbstractLaw):
 
     E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="70 GPa")
     E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")
-    A_s: Scalar = param(
-        "K", "austenite start temperature at zero stress", low=100.0, high=1000.0, typical="65 degC"
-    )
-    A_f: Scalar = param(
-        "K",
-        "austenite finish temperature at zero stress",
-        low=100.0,
-        high=1000.0,
-        typical="75 degC",
-    )
-    M_s: Scalar = param(
-        "K",
-        "martensite start temperature at zero stress",
-        low=100.0,
-        high=1000.0,
-        typical="50 degC",
-    )
-    M_f: Scalar = param(
-        "K",
-        "martensite finish temperature at zero stress",
-        low=100.0,
-        high=1000.0,
-        typical="40 degC",
-    )
+    A_s: Scalar = param("K", "austenite start temperature at zero stress", low=100.0, high=1000.0, typical="65 degC")
+    A_f: Scalar = param("K", "austenite finish temperature at zero stress", low=100.0, high=1000.0, typical="75 degC")
+    M_s: Scalar = param("K", "martensite start temperature at zero stress", low=100.0, high=1000.0, typical="50 degC")
+    M_f: Scalar = param("K", "martensite finish temperature at zero stress", low=100.0, high=1000.0, typical="40 degC")
 
 
 class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
     """Strips shifted by stress, and a Young's modulus that a law chooses."""
 
     eps_L: Scalar = param("1", "maximum recoverable strain", above=0.0, high=0.2, typical=0.04)
-    C_A: Scalar = param(
-        "Pa/K",
-        "Clausius–Clapeyron slope of the reverse strip",
-        low=1e5,
-        high=1e9,
-        typical="8 MPa/K",
-    )
-    C_M: Scalar = param(
-        "Pa/K",
-        "Clausius–Clapeyron slope of the forward strip",
-        low=1e5,
-        high=1e9,
-        typical="8 MPa/K",
-    )
-    Theta: Scalar = param(
-        "Pa/K", "thermoelastic modulus; -E times the expansion", low=-1e7, high=1e7, default=0.0
-    )
-    T_ref: Scalar = param(
-        "K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15
-    )
-    history: str = option(
-        "what happens to an interrupted transformation", "resume", "restart", default="resume"
-    )
+    C_A: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the reverse strip", low=1e5, high=1e9, typical="8 MPa/K")
+    C_M: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the forward strip", low=1e5, high=1e9, typical="8 MPa/K")
+    Theta: Scalar = param("Pa/K", "thermoelastic modulus; -E times the expansion", low=-1e7, high=1e7, default=0.0)
+    T_ref: Scalar = param("K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15)
+    history: str = option("what happens to an interrupted transformation", "resume", "restart", default="resume")
 
     @abstractmethod
     def young(self, fractions: Fractions) -> Scalar:

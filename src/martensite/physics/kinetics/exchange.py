@@ -39,19 +39,12 @@ class AbstractExchange(AbstractLayers):
 
     @abstractmethod
     def remember(
-        self,
-        xp: Namespace,
-        plus: Sequence[Scalar],
-        minus: Sequence[Scalar],
-        stress: Scalar,
-        temperature: Scalar,
+        self, xp: Namespace, plus: Sequence[Scalar], minus: Sequence[Scalar], stress: Scalar, temperature: Scalar
     ) -> Any:
         """The memory with these populations of every group."""
 
     @abstractmethod
-    def jumps(
-        self, xp: Namespace, stress: Scalar, temperature: Scalar
-    ) -> Callable[[Scalar], Flows]:
+    def jumps(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Callable[[Scalar], Flows]:
         """Rates [1/s] of the four processes, by the quantile of a group."""
 
 
@@ -64,9 +57,7 @@ class Flows(NamedTuple):
     from_minus: Scalar
 
 
-def mean_flows(
-    xp: Namespace, starts: Sequence[RateStart], ends: Sequence[Process], share: Scalar
-) -> Flows:
+def mean_flows(xp: Namespace, starts: Sequence[RateStart], ends: Sequence[Process], share: Scalar) -> Flows:
     """Flows of a step between the processes at its two ends; `share` is the step over τ."""
     return Flows(*(share * mean_rate(xp, a, b) for a, b in zip(starts, ends, strict=True)))
 
@@ -92,9 +83,7 @@ def exchange_fractions(xp: Namespace, before: VariantFractions, flows: Flows) ->
     return VariantFractions(plus, xp.clip(minus, 0.0, 1.0 - plus))
 
 
-def _compute_psi_pair(
-    xp: Namespace, low: Scalar, high: Scalar, apart: Scalar
-) -> tuple[Scalar, Scalar]:
+def _compute_psi_pair(xp: Namespace, low: Scalar, high: Scalar, apart: Scalar) -> tuple[Scalar, Scalar]:
     """ψ(high), and the divided difference of ψ: its slope where the eigenvalues are close."""
     at_low, at_high = _compute_psi(xp, low), _compute_psi(xp, high)
     close, small = apart < CLOSE, xp.abs(high) < 0.1

@@ -116,9 +116,7 @@ class StripLeg(NamedTuple):
     """Share of the leg after which the finish line is reached."""
 
 
-def round_off(
-    xp: Namespace, strip: Strip, start: LegStart, stress: Scalar, temperature: Scalar
-) -> Scalar:
+def round_off(xp: Namespace, strip: Strip, start: LegStart, stress: Scalar, temperature: Scalar) -> Scalar:
     """What rounding alone may make of the distance [-] travelled on a leg."""
     size = xp.abs(start.temperature) + xp.abs(temperature)
     size = size + (xp.abs(start.stress) + xp.abs(stress)) * strip.per_slope
@@ -152,12 +150,7 @@ def follow_strip(
 
 
 def follow_both_strips(
-    xp: Namespace,
-    forward: Strip,
-    reverse: Strip,
-    memory: OneFractionMemory,
-    stress: Scalar,
-    temperature: Scalar,
+    xp: Namespace, forward: Strip, reverse: Strip, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
 ) -> tuple[StripLeg, StripLeg, Flag]:
     """Both courses of a leg, and whether the reverse process is the one that acts first."""
     f = follow_strip(xp, forward, memory, stress, temperature, 1.0 - memory.fraction)
@@ -169,9 +162,7 @@ def follow_both_strips(
     return f, r, xp.both(r.acts, xp.either(xp.negate(f.acts), earlier))
 
 
-def endless_turns(
-    xp: Namespace, f: StripLeg, r: StripLeg, branch: Scalar
-) -> tuple[StripLeg, StripLeg, Flag]:
+def endless_turns(xp: Namespace, f: StripLeg, r: StripLeg, branch: Scalar) -> tuple[StripLeg, StripLeg, Flag]:
     """The same for endless processes.
 
     One in progress has always something left to transform, though rounding may hide it. From
@@ -222,12 +213,7 @@ def select_process(
 
 
 def follow_process(
-    xp: Namespace,
-    left: Left,
-    move: OneFractionProcess,
-    stress: Scalar,
-    temperature: Scalar,
-    endless: bool = False,
+    xp: Namespace, left: Left, move: OneFractionProcess, stress: Scalar, temperature: Scalar, endless: bool = False
 ) -> Scalar:
     """Martensite fraction if the move ends at (stress, temperature)."""
     distance = move.distance(stress, temperature)
@@ -298,12 +284,7 @@ def relocate_memory(
 
 
 def find_handover(
-    xp: Namespace,
-    forward: Strip,
-    reverse: Strip,
-    memory: OneFractionMemory,
-    stress: Scalar,
-    temperature: Scalar,
+    xp: Namespace, forward: Strip, reverse: Strip, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
     """The point of a leg at which its first process is done and a second may begin.
 
@@ -330,7 +311,4 @@ def turning_point(
     whole = share >= 1.0
     turn_stress = start.stress + share * (stress - start.stress)
     turn_temperature = start.temperature + share * (temperature - start.temperature)
-    return (
-        xp.where(whole, stress, turn_stress),
-        xp.where(whole, temperature, turn_temperature),
-    )
+    return (xp.where(whole, stress, turn_stress), xp.where(whole, temperature, turn_temperature))

@@ -69,35 +69,17 @@ class AbstractLayers(AbstractLaw):
 
     E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="50 GPa")
     E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")
-    eps_T: Scalar = param(
-        "1", "transformation strain of one variant", above=0.0, high=0.2, typical=0.04
-    )
+    eps_T: Scalar = param("1", "transformation strain of one variant", above=0.0, high=0.2, typical=0.04)
     sigma_L: Scalar = param(
-        "Pa",
-        "stress of the austenite to martensite transition at T_L",
-        low=-2e9,
-        high=2e9,
-        typical="100 MPa",
+        "Pa", "stress of the austenite to martensite transition at T_L", low=-2e9, high=2e9, typical="100 MPa"
     )
-    T_L: Scalar = param(
-        "K", "temperature at which sigma_L holds", low=100.0, high=1000.0, typical="70 degC"
-    )
+    T_L: Scalar = param("K", "temperature at which sigma_L holds", low=100.0, high=1000.0, typical="70 degC")
     dsigma_dT: Scalar = param(
-        "Pa/K",
-        "slope of the transition stresses with temperature",
-        low=1e5,
-        high=1e9,
-        typical="4 MPa/K",
+        "Pa/K", "slope of the transition stresses with temperature", low=1e5, high=1e9, typical="4 MPa/K"
     )
-    Delta_sigma: Scalar = param(
-        "Pa", "width of the stress hysteresis", low=1e4, high=2e9, typical="50 MPa"
-    )
-    layer_volume: Scalar = param(
-        "m^3", "volume of a transforming layer", above=0.0, high=1e-15, typical="5e-23 m^3"
-    )
-    layer_time: Scalar = param(
-        "s", "time constant of a transforming layer", above=0.0, high=1e3, typical="10 ms"
-    )
+    Delta_sigma: Scalar = param("Pa", "width of the stress hysteresis", low=1e4, high=2e9, typical="50 MPa")
+    layer_volume: Scalar = param("m^3", "volume of a transforming layer", above=0.0, high=1e-15, typical="5e-23 m^3")
+    layer_time: Scalar = param("s", "time constant of a transforming layer", above=0.0, high=1e3, typical="10 ms")
     heat_model: str = option(
         "heat of transformation: the element's latent heat, plus work, or from the free energy",
         "constant",
@@ -127,9 +109,7 @@ class AbstractLayers(AbstractLaw):
 
     def material(self) -> BarrierConstants:
         """Constants of the free energy and of the layers."""
-        return BarrierConstants(
-            self.E_A, self.E_M, self.eps_T, self.Delta_sigma, self.layer_volume, self.layer_time
-        )
+        return BarrierConstants(self.E_A, self.E_M, self.eps_T, self.Delta_sigma, self.layer_volume, self.layer_time)
 
     def linear_transition_stress(self, temperature: Scalar) -> Scalar:
         """σ_L + s (T - T_L) [Pa], before the limit at zero."""
@@ -165,9 +145,7 @@ class AbstractLayers(AbstractLaw):
         martensite = self.E_M * (self.eps_T - eps_A) * (self.eps_T - eps_M)
         return 0.5 * (martensite - self.E_A * eps_A * eps_M)
 
-    def strongest(
-        self, xp: Namespace, present: VariantFractions, stress: Scalar, temperature: Scalar
-    ) -> Pull:
+    def strongest(self, xp: Namespace, present: VariantFractions, stress: Scalar, temperature: Scalar) -> Pull:
         """The process that an elastic trial drives hardest, among those with layers left."""
         austenite = 1.0 - present.plus - present.minus
         candidates = (
@@ -189,9 +167,7 @@ class AbstractLayers(AbstractLaw):
         """How far beyond its threshold the pulled process would end [Pa]."""
         return pull.drive(stress, self.transition_stress(xp, temperature))
 
-    def crossing(
-        self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar
-    ) -> Scalar:
+    def crossing(self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar) -> Scalar:
         """Overshoot of the trial beyond the threshold, in widths of the hysteresis [-].
 
         Every move of these laws has a `pull`.
@@ -224,9 +200,7 @@ class CrystalMemory(NamedTuple):
 class AbstractCrystal(AbstractLayers):
     """Layers that are all alike; a law adds how they move."""
 
-    def init(
-        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
-    ) -> CrystalMemory:
+    def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> CrystalMemory:
         """Memory of a wire in a phase state that has no history."""
         return CrystalMemory(split_variants(fractions), stress, temperature)
 
@@ -239,12 +213,7 @@ class AbstractCrystal(AbstractLayers):
         return (memory.present.plus,), (memory.present.minus,)
 
     def remember(
-        self,
-        xp: Namespace,
-        plus: Sequence[Scalar],
-        minus: Sequence[Scalar],
-        stress: Scalar,
-        temperature: Scalar,
+        self, xp: Namespace, plus: Sequence[Scalar], minus: Sequence[Scalar], stress: Scalar, temperature: Scalar
     ) -> CrystalMemory:
         """The memory with these populations."""
         return CrystalMemory(VariantFractions(plus[0], minus[0]), stress, temperature)

@@ -75,19 +75,12 @@ class AbstractStripLaw(AbstractPhaseDiagram):
             Strip(self.A_f, 1.0 / (self.A_s - self.A_f), 1.0 / self.C_A, self.endless),
         )
 
-    def init(
-        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
-    ) -> OneFractionMemory:
+    def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> OneFractionMemory:
         """Memory of a wire that has no history; all martensite counts as oriented."""
         return OneFractionMemory(fractions.martensite, 0.0, 0.0, stress, temperature)
 
     def relocate(
-        self,
-        xp: Namespace,
-        memory: OneFractionMemory,
-        fractions: Fractions,
-        stress: Scalar,
-        temperature: Scalar,
+        self, xp: Namespace, memory: OneFractionMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> OneFractionMemory:
         """The branch in progress goes on from another fraction at another point."""
         there = fractions.martensite, stress, temperature
@@ -102,17 +95,10 @@ class AbstractStripLaw(AbstractPhaseDiagram):
     ) -> OneFractionProcess:
         """The process set off by a straight move to (stress [Pa], temperature [K])."""
         rule = self.history
-        return history.select_process(
-            xp, rule, self.left, *self.strips(), memory, stress, temperature
-        )
+        return history.select_process(xp, rule, self.left, *self.strips(), memory, stress, temperature)
 
     def follow(
-        self,
-        xp: Namespace,
-        move: OneFractionProcess,
-        stress: Scalar,
-        temperature: Scalar,
-        dt: Scalar,
+        self, xp: Namespace, move: OneFractionProcess, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
         fraction = history.follow_process(xp, self.left, move, stress, temperature, self.endless)
@@ -133,12 +119,7 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         return history.commit_move(xp, memory, move, fraction, stress, temperature, self.endless)
 
     def kinetics(
-        self,
-        xp: Namespace,
-        memory: OneFractionMemory,
-        stress: Scalar,
-        temperature: Scalar,
-        dt: Scalar,
+        self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[OneFractionMemory, Fractions]:
         """Advance along a straight leg; both processes may act, one after the other."""
         for _ in range(2 if self.endless else 1):
@@ -167,12 +148,7 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         return lines
 
     def crossing(
-        self,
-        xp: Namespace,
-        memory: OneFractionMemory,
-        move: OneFractionProcess,
-        stress: Scalar,
-        temperature: Scalar,
+        self, xp: Namespace, memory: OneFractionMemory, move: OneFractionProcess, stress: Scalar, temperature: Scalar
     ) -> Scalar:
         """Share of the selected strip crossed by the move [-]; tails do not count."""
         start = move.distance(memory.stress, memory.temperature)

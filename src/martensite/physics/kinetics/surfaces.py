@@ -99,59 +99,32 @@ class StraightPath(NamedTuple):
 class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
     """Parameters, constants and surfaces; a law adds memory and flow."""
 
-    C_A: Scalar = param(
-        "Pa/K", "slope of the reverse surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K"
-    )
-    C_M: Scalar = param(
-        "Pa/K", "slope of the forward surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K"
-    )
-    sigma_cal: Scalar = param(
-        "Pa", "stress at which both slopes hold", low=0.0, high=2e9, typical="150 MPa"
-    )
-    H_min: Scalar = param(
-        "1", "transformation strain up to sigma_crit", low=0.0, high=0.2, typical=0.05
-    )
-    H_sat: Scalar = param(
-        "1", "transformation strain at high stress", above=0.0, high=0.2, typical=0.05
-    )
-    H_k: Scalar = param(
-        "1/Pa", "rate at which H approaches H_sat", low=0.0, high=1e-5, typical="2e-8 1/Pa"
-    )
-    sigma_crit: Scalar = param(
-        "Pa", "stress at which H begins to grow", low=0.0, high=1e9, default=0.0
-    )
-    n_1: Scalar = param(
-        "1", "roundness of the forward start", low=LEAST_EXPONENT, high=1.0, default=1.0
-    )
-    n_2: Scalar = param(
-        "1", "roundness of the forward end", low=LEAST_EXPONENT, high=1.0, default=1.0
-    )
-    n_3: Scalar = param(
-        "1", "roundness of the reverse end", low=LEAST_EXPONENT, high=1.0, default=1.0
-    )
-    n_4: Scalar = param(
-        "1", "roundness of the reverse start", low=LEAST_EXPONENT, high=1.0, default=1.0
-    )
+    C_A: Scalar = param("Pa/K", "slope of the reverse surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K")
+    C_M: Scalar = param("Pa/K", "slope of the forward surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K")
+    sigma_cal: Scalar = param("Pa", "stress at which both slopes hold", low=0.0, high=2e9, typical="150 MPa")
+    H_min: Scalar = param("1", "transformation strain up to sigma_crit", low=0.0, high=0.2, typical=0.05)
+    H_sat: Scalar = param("1", "transformation strain at high stress", above=0.0, high=0.2, typical=0.05)
+    H_k: Scalar = param("1/Pa", "rate at which H approaches H_sat", low=0.0, high=1e-5, typical="2e-8 1/Pa")
+    sigma_crit: Scalar = param("Pa", "stress at which H begins to grow", low=0.0, high=1e9, default=0.0)
+    n_1: Scalar = param("1", "roundness of the forward start", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    n_2: Scalar = param("1", "roundness of the forward end", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    n_3: Scalar = param("1", "roundness of the reverse end", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    n_4: Scalar = param("1", "roundness of the reverse start", low=LEAST_EXPONENT, high=1.0, default=1.0)
     hardening: str = option(
         "shape of the shares h(ξ): smooth, or drawn together in the middle by `waist_f`, `waist_r`",
         "smooth",
         "waisted",
         default="smooth",
     )
-    waist_f: Scalar = param(
-        "1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.8
-    )
-    waist_r: Scalar = param(
-        "1", "waist of the reverse range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.9
-    )
+    waist_f: Scalar = param("1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.8)
+    waist_r: Scalar = param("1", "waist of the reverse range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.9)
 
     def check(self) -> None:
         """Raise `ParameterError` where the surfaces have no width, no order or no slope."""
         require_order(self, *WIDTHS, ("M_f", "A_s"), ("M_s", "A_f"))
         if self.H_min > self.H_sat:
             raise ParameterError(
-                f"Parameter `H_min` of `lagoudas` must not exceed `H_sat`, but is {self.H_min} "
-                f"against {self.H_sat}."
+                f"Parameter `H_min` of `lagoudas` must not exceed `H_sat`, but is {self.H_min} against {self.H_sat}."
             )
         if not self._work(floats, self.sigma_cal) > 0.0:
             raise ParameterError(
@@ -259,9 +232,7 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
         """The share h [-] of smooth hardening that belongs to a share with its waist."""
         return remove_waist(xp, share, waist) if self.hardening == "waisted" else share
 
-    def forward_share(
-        self, xp: Namespace, scale: WorkScale, stress: Scalar, temperature: Scalar
-    ) -> Scalar:
+    def forward_share(self, xp: Namespace, scale: WorkScale, stress: Scalar, temperature: Scalar) -> Scalar:
         """h_f that forward transformation would reach at (σ, T) [-]; unlimited."""
         tension = xp.maximum(stress, 0.0)
         shift = scale.forward * self.current(xp, stress) * stress
@@ -276,9 +247,7 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
         shift = scale.reverse * strain * stress + 0.5 * scale.elastic * tension * tension
         return (self.A_f - temperature + shift) / (self.A_f - self.A_s)
 
-    def forward_meeting(
-        self, xp: Namespace, scale: WorkScale, way: StraightPath, share: Scalar
-    ) -> Scalar:
+    def forward_meeting(self, xp: Namespace, scale: WorkScale, way: StraightPath, share: Scalar) -> Scalar:
         """The part of a way after which `forward_share` rises beyond a share; 1 if it does not.
 
         Sought from the end of the way, since the share may fall before it rises.
@@ -315,9 +284,7 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
             t = xp.store(xp.clip(t + xp.where(usable, step, 0.0), first, first + 100.0))
         return xp.where(moves, xp.clip((t / rate - way.stress) / size, 0.0, 1.0), 0.0)
 
-    def reverse_peak(
-        self, xp: Namespace, scale: WorkScale, way: StraightPath, strain: Scalar
-    ) -> Scalar:
+    def reverse_peak(self, xp: Namespace, scale: WorkScale, way: StraightPath, strain: Scalar) -> Scalar:
         """The part of a way at which `reverse_share` is least, if that is inside."""
         bend = scale.elastic * way.more * way.more
         bends = bend > 1e-30

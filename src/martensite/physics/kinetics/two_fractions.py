@@ -16,14 +16,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from martensite.kernels.namespace import Flag, Namespace, Scalar
-from martensite.physics.kinetics.history import (
-    RESUME,
-    Strip,
-    StripLeg,
-    follow_strip,
-    round_off,
-    turning_point,
-)
+from martensite.physics.kinetics.history import RESUME, Strip, StripLeg, follow_strip, round_off, turning_point
 from martensite.physics.laws.base import Fractions
 
 UNSET = 1.0
@@ -106,9 +99,7 @@ class Courses(NamedTuple):
 def start_memory(fractions: Fractions, stress: Scalar, temperature: Scalar) -> TwoFractionMemory:
     """Memory of a wire that has no history."""
     reaches = UNSET, UNSET, UNSET
-    return TwoFractionMemory(
-        fractions.martensite, fractions.oriented, 0.0, *reaches, stress, temperature
-    )
+    return TwoFractionMemory(fractions.martensite, fractions.oriented, 0.0, *reaches, stress, temperature)
 
 
 def relocate_memory(
@@ -243,9 +234,7 @@ def compute_distances(
 ) -> tuple[Scalar, Scalar]:
     """Least distance of S or reverse on a leg that ends there, and the one of T at its end."""
     strip = move.strip()
-    crosses, _, turn = find_kink(
-        xp, move.bend, PathPoint(move.stress, move.temperature), stress, temperature
-    )
+    crosses, _, turn = find_kink(xp, move.bend, PathPoint(move.stress, move.temperature), stress, temperature)
     end = strip.distance(stress, xp.maximum(temperature, move.bend))
     least = xp.where(crosses, xp.minimum(end, strip.distance(turn, move.bend)), end)
     cooling = diagram.cooling.distance(stress, temperature)
@@ -265,18 +254,14 @@ def follow_direction(
 ) -> Fractions:
     """Fractions if the move ends at (stress, temperature)."""
     distance, cooled = compute_distances(xp, diagram, move, stress, temperature)
-    first, second = (
-        compute_rest_ratio(xp, move.reach, distance),
-        compute_rest_ratio(xp, move.cooling, cooled),
-    )
+    first, second = (compute_rest_ratio(xp, move.reach, distance), compute_rest_ratio(xp, move.cooling, cooled))
     oriented = move.oriented + (1.0 - move.oriented) * (1.0 - first)
     martensite = move.martensite + (1.0 - move.martensite) * (1.0 - first * second)
     martensite = xp.maximum(martensite, oriented)
     ahead, back = move.direction > 0.0, move.direction < 0.0
     rest = xp.where(back, first, 1.0)
     return Fractions(
-        xp.where(ahead, martensite, move.martensite * rest),
-        xp.where(ahead, oriented, move.oriented * rest),
+        xp.where(ahead, martensite, move.martensite * rest), xp.where(ahead, oriented, move.oriented * rest)
     )
 
 

@@ -64,9 +64,7 @@ def waist_energy(xp: Namespace, start: Scalar, end: Scalar) -> Scalar:
         start: exponent m of h at the start.
         end: exponent n at the end.
     """
-    cross = _compute_beta(xp, start + 1.0, 2.0 * end + 1.0) - _compute_beta(
-        xp, 2.0 * start + 1.0, end + 1.0
-    )
+    cross = _compute_beta(xp, start + 1.0, 2.0 * end + 1.0) - _compute_beta(xp, 2.0 * start + 1.0, end + 1.0)
     cube = 1.0 / (3.0 * start + 1.0) - 1.0 / (3.0 * end + 1.0) + 3.0 * cross
     return cube - 1.0 / (start + 1.0) + 1.0 / (end + 1.0)
 

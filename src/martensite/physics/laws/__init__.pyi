@@ -3,9 +3,7 @@ from martensite.physics.laws.elahinia import Elahinia as Elahinia
 from martensite.physics.laws.lagoudas import Lagoudas as Lagoudas
 from martensite.physics.laws.liang_rogers import LiangRogers as LiangRogers
 from martensite.physics.laws.mas import MullerAchenbachSeelecke as MullerAchenbachSeelecke
-from martensite.physics.laws.mas_hybrid import (
-    MullerAchenbachSeeleckeHybrid as MullerAchenbachSeeleckeHybrid,
-)
+from martensite.physics.laws.mas_hybrid import MullerAchenbachSeeleckeHybrid as MullerAchenbachSeeleckeHybrid
 from martensite.physics.laws.mas_polycrystal import (
     MullerAchenbachSeeleckePolycrystal as MullerAchenbachSeeleckePolycrystal,
 )

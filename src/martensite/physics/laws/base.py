@@ -80,14 +80,7 @@ class AbstractLaw(Parametrised):
     def fractions(self, memory: Any) -> Fractions:
         """The phase state stored in a memory."""
 
-    def relocate(
-        self,
-        xp: Namespace,
-        memory: Any,
-        fractions: Fractions,
-        stress: Scalar,
-        temperature: Scalar,
-    ) -> Any:
+    def relocate(self, xp: Namespace, memory: Any, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
         """A memory put elsewhere, as an observer corrects it; the same point changes nothing.
 
         What it remembers of its history goes along: a transformation that was going on goes on
@@ -101,9 +94,7 @@ class AbstractLaw(Parametrised):
         """The process that a straight move to (stress [Pa], temperature [K]) sets off."""
 
     @abstractmethod
-    def follow(
-        self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> Fractions:
+    def follow(self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar) -> Fractions:
         """Fractions at the end of the move if it ends at (stress, temperature) after dt [s].
 
         The oriented fraction must not fall with stress, nor the total rise with temperature.
@@ -138,9 +129,7 @@ class AbstractLaw(Parametrised):
     def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
         """Elastic strain per stress [1/Pa]."""
 
-    def strain(
-        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
-    ) -> Scalar:
+    def strain(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Scalar:
         """Total strain [-], affine in stress [Pa] at frozen fractions."""
         free = self.free_strain(xp, fractions, temperature)
         return free + self.compliance(xp, fractions) * stress
@@ -152,9 +141,7 @@ class AbstractLaw(Parametrised):
         """
         return latent
 
-    def drive(
-        self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> Scalar:
+    def drive(self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
         """How far beyond balance the selected process would end, on any scale.
 
         Nearly linear in (stress, temperature), 0 where it would come to rest: from it the solve
@@ -171,7 +158,5 @@ class AbstractLaw(Parametrised):
         return []
 
     @abstractmethod
-    def crossing(
-        self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar
-    ) -> Scalar:
+    def crossing(self, xp: Namespace, memory: Any, move: Any, stress: Scalar, temperature: Scalar) -> Scalar:
         """Share of a transformation strip that a move crosses [-]: for the step control."""

@@ -26,11 +26,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import two_fractions
 from martensite.physics.kinetics.diagram import AbstractPhaseDiagram
 from martensite.physics.kinetics.history import Strip
-from martensite.physics.kinetics.two_fractions import (
-    Diagram,
-    TwoFractionDirection,
-    TwoFractionMemory,
-)
+from martensite.physics.kinetics.two_fractions import Diagram, TwoFractionDirection, TwoFractionMemory
 from martensite.physics.laws.base import LAWS, Doubt, Fractions
 
 PIECES = 3
@@ -45,12 +41,8 @@ class Brinson(AbstractPhaseDiagram):
     twins = True
     one_way = False
 
-    sigma_s: Scalar = param(
-        "Pa", "start stress of detwinning below M_s", above=0.0, high=1e10, typical="80 MPa"
-    )
-    sigma_f: Scalar = param(
-        "Pa", "finish stress of detwinning below M_s", above=0.0, high=1e10, typical="150 MPa"
-    )
+    sigma_s: Scalar = param("Pa", "start stress of detwinning below M_s", above=0.0, high=1e10, typical="80 MPa")
+    sigma_f: Scalar = param("Pa", "finish stress of detwinning below M_s", above=0.0, high=1e10, typical="150 MPa")
 
     def check(self) -> None:
         """Raise `ParameterError` if a strip has no width."""
@@ -100,24 +92,15 @@ class Brinson(AbstractPhaseDiagram):
             bend=self.M_s,
         )
 
-    def init(
-        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
-    ) -> TwoFractionMemory:
+    def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> TwoFractionMemory:
         """Memory of a wire that has no history; needs 0 ≤ ξ_S ≤ ξ ≤ 1."""
         return two_fractions.start_memory(fractions, stress, temperature)
 
     def relocate(
-        self,
-        xp: Namespace,
-        memory: TwoFractionMemory,
-        fractions: Fractions,
-        stress: Scalar,
-        temperature: Scalar,
+        self, xp: Namespace, memory: TwoFractionMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> TwoFractionMemory:
         """The branch in progress goes on from other fractions at another point."""
-        return two_fractions.relocate_memory(
-            xp, self.diagram(), memory, fractions, stress, temperature
-        )
+        return two_fractions.relocate_memory(xp, self.diagram(), memory, fractions, stress, temperature)
 
     def fractions(self, memory: TwoFractionMemory) -> Fractions:
         """ξ and ξ_S."""
@@ -132,12 +115,7 @@ class Brinson(AbstractPhaseDiagram):
         return two_fractions.select_direction(xp, self.history, diagram, memory, found)
 
     def follow(
-        self,
-        xp: Namespace,
-        move: TwoFractionDirection,
-        stress: Scalar,
-        temperature: Scalar,
-        dt: Scalar,
+        self, xp: Namespace, move: TwoFractionDirection, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
         return two_fractions.follow_direction(xp, self.diagram(), move, stress, temperature)
@@ -157,12 +135,7 @@ class Brinson(AbstractPhaseDiagram):
         return two_fractions.commit_move(xp, self.history, self.diagram(), memory, move, *end)
 
     def kinetics(
-        self,
-        xp: Namespace,
-        memory: TwoFractionMemory,
-        stress: Scalar,
-        temperature: Scalar,
-        dt: Scalar,
+        self, xp: Namespace, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[TwoFractionMemory, Fractions]:
         """Advance along a straight leg; both directions may act, one after the other."""
         diagram = self.diagram()
@@ -179,12 +152,7 @@ class Brinson(AbstractPhaseDiagram):
         return self.mixture(fractions)
 
     def crossing(
-        self,
-        xp: Namespace,
-        memory: TwoFractionMemory,
-        move: TwoFractionDirection,
-        stress: Scalar,
-        temperature: Scalar,
+        self, xp: Namespace, memory: TwoFractionMemory, move: TwoFractionDirection, stress: Scalar, temperature: Scalar
     ) -> Scalar:
         """Largest share of a strip crossed by the move [-]."""
         return two_fractions.compute_crossing(xp, self.diagram(), memory, move, stress, temperature)

@@ -52,12 +52,7 @@ class StepReport(NamedTuple):
 
 
 def advance_memory(
-    xp: Namespace,
-    law: AbstractLaw,
-    memory: Any,
-    settle: Settle,
-    dt: Scalar,
-    change: Scalar = 0.0,
+    xp: Namespace, law: AbstractLaw, memory: Any, settle: Settle, dt: Scalar, change: Scalar = 0.0
 ) -> tuple[Any, StepReport]:
     """The memory after a step of dt [s], and how well the step was solved.
 
@@ -82,9 +77,7 @@ def advance_memory(
         end = _polish_fractions(xp, answer, end)
     found = answer(xp, end)
     stress, temperature = settle(xp, end)
-    residual = xp.maximum(
-        xp.abs(end.martensite - found.martensite), xp.abs(end.oriented - found.oriented)
-    )
+    residual = xp.maximum(xp.abs(end.martensite - found.martensite), xp.abs(end.oriented - found.oriented))
     after = law.commit(xp, memory, move, end, stress, temperature, dt)
     return after, StepReport(residual, law.crossing(xp, memory, move, *trial))
 
@@ -146,13 +139,7 @@ def _polish_fractions(
     """Newton's method in both fractions; a step that does not help is shortened."""
 
     def turn(
-        _: Scalar,
-        m: Scalar,
-        o: Scalar,
-        step_m: Scalar,
-        step_o: Scalar,
-        length: Scalar,
-        least: Scalar,
+        _: Scalar, m: Scalar, o: Scalar, step_m: Scalar, step_o: Scalar, length: Scalar, least: Scalar
     ) -> tuple[Scalar, ...]:
         tried = _limit_fractions(xp, m + length * step_m, o + length * step_o)
         newton, residual = _compute_newton_step(xp, answer, tried)

@@ -37,11 +37,7 @@ from typing import ClassVar, NamedTuple
 
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics.hardening import (
-    compute_hardening,
-    hardening_integral,
-    invert_hardening,
-)
+from martensite.physics.kinetics.hardening import compute_hardening, hardening_integral, invert_hardening
 from martensite.physics.kinetics.surfaces import AbstractSurfaceLaw, StraightPath, WorkScale
 from martensite.physics.kinetics.waist import apply_waist
 from martensite.physics.laws.base import LAWS, Fractions
@@ -87,19 +83,11 @@ class Lagoudas(AbstractSurfaceLaw):
     twins: ClassVar[bool] = True
     one_way: ClassVar[bool] = False
 
-    alpha_A: Scalar = param(
-        "1/K", "thermal expansion of austenite", low=-1e-4, high=1e-4, default=0.0
-    )
-    alpha_M: Scalar = param(
-        "1/K", "thermal expansion of martensite", low=-1e-4, high=1e-4, default=0.0
-    )
-    T_ref: Scalar = param(
-        "K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15
-    )
+    alpha_A: Scalar = param("1/K", "thermal expansion of austenite", low=-1e-4, high=1e-4, default=0.0)
+    alpha_M: Scalar = param("1/K", "thermal expansion of martensite", low=-1e-4, high=1e-4, default=0.0)
+    T_ref: Scalar = param("K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15)
 
-    def init(
-        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
-    ) -> LagoudasMemory:
+    def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> LagoudasMemory:
         """Memory of a wire in any phase state; ε_t is `oriented` times H_sat."""
         some = fractions.martensite > 0.0
         ratio = fractions.oriented / xp.where(some, fractions.martensite, 1.0)
@@ -107,12 +95,7 @@ class Lagoudas(AbstractSurfaceLaw):
         return LagoudasMemory(fractions.martensite, ratio, stress, temperature)
 
     def relocate(
-        self,
-        xp: Namespace,
-        memory: LagoudasMemory,
-        fractions: Fractions,
-        stress: Scalar,
-        temperature: Scalar,
+        self, xp: Namespace, memory: LagoudasMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> LagoudasMemory:
         """As if it began there; where no martensite is left, its ratio stays."""
         found = self.init(xp, fractions, stress, temperature)
@@ -123,9 +106,7 @@ class Lagoudas(AbstractSurfaceLaw):
         """The phase state stored in a memory."""
         return Fractions(memory.fraction, memory.ratio * memory.fraction)
 
-    def select(
-        self, xp: Namespace, memory: LagoudasMemory, stress: Scalar, temperature: Scalar
-    ) -> LagoudasProcess:
+    def select(self, xp: Namespace, memory: LagoudasMemory, stress: Scalar, temperature: Scalar) -> LagoudasProcess:
         """Where on a straight way to (stress [Pa], temperature [K]) the martensite grows."""
         scale = self.scale(xp)
         move = LagoudasProcess(*memory, grows_from=0.0, grows_to=1.0)
@@ -150,12 +131,7 @@ class Lagoudas(AbstractSurfaceLaw):
         return Fractions(fraction, kept + gained / self.H_sat)
 
     def _integrate_strain(
-        self,
-        xp: Namespace,
-        scale: WorkScale,
-        move: LagoudasProcess,
-        way: StraightPath,
-        fraction: Scalar,
+        self, xp: Namespace, scale: WorkScale, move: LagoudasProcess, way: StraightPath, fraction: Scalar
     ) -> Scalar:
         """∫H dξ [-] up to a fraction.
 
@@ -249,12 +225,7 @@ class Lagoudas(AbstractSurfaceLaw):
         return 1.0 / self.E_A + fractions.martensite * self.softening()
 
     def crossing(
-        self,
-        xp: Namespace,
-        memory: LagoudasMemory,
-        move: LagoudasProcess,
-        stress: Scalar,
-        temperature: Scalar,
+        self, xp: Namespace, memory: LagoudasMemory, move: LagoudasProcess, stress: Scalar, temperature: Scalar
     ) -> Scalar:
         """Share of a transformation range by which the move goes beyond its surface [-].
 

@@ -32,19 +32,8 @@ from martensite.physics.kinetics.barriers import (
     compute_scales,
     keep_process,
 )
-from martensite.physics.kinetics.exchange import (
-    AbstractExchange,
-    Flows,
-    exchange_fractions,
-    mean_flows,
-)
-from martensite.physics.kinetics.layers import (
-    AbstractCrystal,
-    CrystalMemory,
-    Pull,
-    VariantFractions,
-    join_variants,
-)
+from martensite.physics.kinetics.exchange import AbstractExchange, Flows, exchange_fractions, mean_flows
+from martensite.physics.kinetics.layers import AbstractCrystal, CrystalMemory, Pull, VariantFractions, join_variants
 from martensite.physics.laws.base import LAWS, Fractions
 
 
@@ -67,8 +56,7 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
     cites = ("seelecke2004", "ullrich2014")
 
     rates: str = option(
-        "barrier: saddle height; well: layers at the edge of their well (erfc); "
-        "edge: saddle with a rigid bridge",
+        "barrier: saddle height; well: layers at the edge of their well (erfc); edge: saddle with a rigid bridge",
         "barrier",
         "well",
         "edge",
@@ -83,39 +71,27 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
     def barriers(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Process, ...]:
         """The four processes at a point."""
         constants = self.material()
-        at = build_wells(
-            xp, constants, self.linear_transition_stress(temperature), temperature, self.form
-        )
+        at = build_wells(xp, constants, self.linear_transition_stress(temperature), temperature, self.form)
         plus = build_processes(xp, constants, at, stress, self.form)
         minus = build_processes(xp, constants, at, -stress, self.form)
         return (*plus, *minus)
 
-    def select(
-        self, xp: Namespace, memory: CrystalMemory, stress: Scalar, temperature: Scalar
-    ) -> MasStep:
+    def select(self, xp: Namespace, memory: CrystalMemory, stress: Scalar, temperature: Scalar) -> MasStep:
         """The barriers at the start of a step."""
         found = self.barriers(xp, memory.stress, memory.temperature)
         starts = tuple(keep_process(xp, process) for process in found)
-        return MasStep(
-            memory.present, starts, self.strongest(xp, memory.present, stress, temperature)
-        )
+        return MasStep(memory.present, starts, self.strongest(xp, memory.present, stress, temperature))
 
-    def follow(
-        self, xp: Namespace, move: MasStep, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> Fractions:
+    def follow(self, xp: Namespace, move: MasStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Fractions:
         """Fractions if the step of dt [s] ends at (stress, temperature)."""
         ends = self.barriers(xp, stress, temperature)
         flows = mean_flows(xp, move.starts, ends, dt / self.layer_time)
         return join_variants(exchange_fractions(xp, move.present, flows))
 
-    def drive(
-        self, xp: Namespace, move: MasStep, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> Scalar:
+    def drive(self, xp: Namespace, move: MasStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
         """How far the pulled process would end beyond where it rests in a step of dt [Pa]."""
         pull = move.pull
-        at = build_wells(
-            xp, self.material(), self.linear_transition_stress(temperature), temperature, self.form
-        )
+        at = build_wells(xp, self.material(), self.linear_transition_stress(temperature), temperature, self.form)
         scale = compute_scales(xp, self.material(), at, self.form)
         slow = xp.sqrt(xp.log(xp.maximum(dt / (RESTING * self.layer_time), 1.0)))
         inside = slow / xp.where(pull.offset < 0.0, scale.M, scale.A)
@@ -126,9 +102,7 @@ class MullerAchenbachSeelecke(AbstractCrystal, AbstractExchange):
         found = self.barriers(xp, stress, temperature)
         return Flows(*(compute_rate(xp, process, self.layer_time) for process in found))
 
-    def jumps(
-        self, xp: Namespace, stress: Scalar, temperature: Scalar
-    ) -> Callable[[Scalar], Flows]:
+    def jumps(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Callable[[Scalar], Flows]:
         """The same, whatever the quantile."""
         rates = self.jump_rates(xp, stress, temperature)
         return lambda quantile: rates

@@ -27,13 +27,7 @@ from typing import NamedTuple
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.barriers import build_wells, compute_scales
-from martensite.physics.kinetics.layers import (
-    AbstractCrystal,
-    CrystalMemory,
-    Pull,
-    VariantFractions,
-    join_variants,
-)
+from martensite.physics.kinetics.layers import AbstractCrystal, CrystalMemory, Pull, VariantFractions, join_variants
 from martensite.physics.laws.base import LAWS, Fractions
 
 
@@ -60,9 +54,7 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
     transit_time: Scalar = param(
         "s", "time in which layers pass the barrier that is left", above=0.0, high=1e6, default=1.0
     )
-    ramp: Scalar = param(
-        "Pa", "stress over which a transformation runs", low=1e3, high=1e8, default=1e5
-    )
+    ramp: Scalar = param("Pa", "stress over which a transformation runs", low=1e3, high=1e8, default=1e5)
 
     def inside(self, xp: Namespace) -> Rests:
         """How far inside σ_A and σ_M transformations rest [Pa], from the wells at T_L."""
@@ -76,20 +68,15 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
         """Thresholds with thermal activation [Pa]."""
         inside, threshold = self.inside(xp), self.linear_transition_stress(temperature)
         return Rests(
-            xp.maximum(threshold - inside.A, 0.0),
-            self.transition_stress(xp, temperature) - self.Delta_sigma + inside.M,
+            xp.maximum(threshold - inside.A, 0.0), self.transition_stress(xp, temperature) - self.Delta_sigma + inside.M
         )
 
-    def select(
-        self, xp: Namespace, memory: CrystalMemory, stress: Scalar, temperature: Scalar
-    ) -> HybridStep:
+    def select(self, xp: Namespace, memory: CrystalMemory, stress: Scalar, temperature: Scalar) -> HybridStep:
         """The state in balance at the start, and the process that is driven hardest."""
         present = self.balance(xp, memory.present, memory.stress, memory.temperature)
         return HybridStep(present, self.strongest(xp, present, stress, temperature))
 
-    def follow(
-        self, xp: Namespace, move: HybridStep, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> Fractions:
+    def follow(self, xp: Namespace, move: HybridStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Fractions:
         """Fractions if the step ends at (stress, temperature); independent of dt."""
         return join_variants(self.balance(xp, move.present, stress, temperature))
 
@@ -121,16 +108,11 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
         moves = xp.abs(way) > 0.0
         share = (bend - memory.temperature) / xp.where(moves, way, 1.0)
         share = xp.where(moves, xp.clip(share, 0.0, 1.0), 0.0)
-        between = (
-            memory.stress + share * (stress - memory.stress),
-            memory.temperature + share * way,
-        )
+        between = (memory.stress + share * (stress - memory.stress), memory.temperature + share * way)
         halfway, _ = super().kinetics(xp, memory, *between, dt)
         return super().kinetics(xp, halfway, stress, temperature, dt)
 
-    def drive(
-        self, xp: Namespace, move: HybridStep, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> Scalar:
+    def drive(self, xp: Namespace, move: HybridStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
         """Distance beyond the middle of what is left of the ramp, for the pulled process [Pa]."""
         rests, pull, now = self.rests(xp, temperature), move.pull, move.present
         present = xp.where(pull.by_stress * pull.by_threshold < 0.0, now.plus, now.minus)

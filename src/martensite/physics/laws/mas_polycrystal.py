@@ -35,12 +35,7 @@ from martensite.physics.kinetics.barriers import (
     compute_scales,
     keep_process,
 )
-from martensite.physics.kinetics.exchange import (
-    AbstractExchange,
-    Flows,
-    exchange_fractions,
-    mean_flows,
-)
+from martensite.physics.kinetics.exchange import AbstractExchange, Flows, exchange_fractions, mean_flows
 from martensite.physics.kinetics.layers import PRESENT, Pull, VariantFractions, split_variants
 from martensite.physics.laws.base import LAWS, Fractions
 
@@ -75,17 +70,9 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
     grouped = True
     cites = ("heintze2008", "massad2005", "ullrich2014")
 
-    spread: Scalar = param(
-        "Pa",
-        "standard deviation of barriers or internal stresses",
-        low=0.0,
-        high=1e9,
-        default=20e6,
-    )
+    spread: Scalar = param("Pa", "standard deviation of barriers or internal stresses", low=0.0, high=1e9, default=20e6)
     groups: str = option("number of groups", "31", "15", default="31")
-    distribution: str = option(
-        "what differs between groups", "barriers", "internal-stress", default="barriers"
-    )
+    distribution: str = option("what differs between groups", "barriers", "internal-stress", default="barriers")
 
     def quantiles(self) -> tuple[float, ...]:
         """Deviations of the groups in standard deviations [-]."""
@@ -97,21 +84,14 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         shift = self.spread * quantile
         return (shift, 0.0) if self.distribution == "barriers" else (0.0, shift)
 
-    def init(
-        self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar
-    ) -> PolycrystalMemory:
+    def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> PolycrystalMemory:
         """Memory of a wire in a phase state that has no history; all groups are alike."""
         present, count = split_variants(fractions), int(self.groups)
         columns = (present.plus,) * count, (present.minus,) * count
         return PolycrystalMemory(*columns, fractions, stress, temperature)
 
     def relocate(
-        self,
-        xp: Namespace,
-        memory: PolycrystalMemory,
-        fractions: Fractions,
-        stress: Scalar,
-        temperature: Scalar,
+        self, xp: Namespace, memory: PolycrystalMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> PolycrystalMemory:
         """Each variant shrinks by one factor in all groups, or grows in proportion to austenite."""
         before, after = split_variants(memory.mean), split_variants(fractions)
@@ -124,9 +104,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         free = 1.0 - before.plus * keep.plus - before.minus * keep.minus
         some = free > PRESENT
         per = xp.where(some, 1.0 / xp.where(some, free, 1.0), 0.0)
-        grow = VariantFractions(
-            *(per * xp.maximum(b - a, 0.0) for a, b in zip(before, after, strict=True))
-        )
+        grow = VariantFractions(*(per * xp.maximum(b - a, 0.0) for a, b in zip(before, after, strict=True)))
 
         def group(plus: Scalar, minus: Scalar) -> tuple[Scalar, Scalar]:
             plus, minus = plus * keep.plus, minus * keep.minus
@@ -148,14 +126,10 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         mean = self.mean(xp, plus, minus)
         return PolycrystalMemory(tuple(plus), tuple(minus), mean, stress, temperature)
 
-    def jumps(
-        self, xp: Namespace, stress: Scalar, temperature: Scalar
-    ) -> Callable[[Scalar], Flows]:
+    def jumps(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Callable[[Scalar], Flows]:
         """Rates [1/s] of the four processes, by the quantile of a group."""
         four, time = self.group(xp, stress, temperature), self.layer_time
-        return lambda quantile: Flows(
-            *(compute_rate(xp, process, time) for process in four(quantile))
-        )
+        return lambda quantile: Flows(*(compute_rate(xp, process, time) for process in four(quantile)))
 
     def fractions(self, memory: PolycrystalMemory) -> Fractions:
         """Mean over the groups of ξ = x₊ + x₋ and of x₊ - x₋."""
@@ -167,9 +141,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         a, b = share * sum_column(plus), share * sum_column(minus)
         return Fractions(xp.minimum(a + b, 1.0), a - b)
 
-    def select(
-        self, xp: Namespace, memory: PolycrystalMemory, stress: Scalar, temperature: Scalar
-    ) -> PolycrystalStep:
+    def select(self, xp: Namespace, memory: PolycrystalMemory, stress: Scalar, temperature: Scalar) -> PolycrystalStep:
         """The barriers of all groups at the start of a step."""
         group = self.group(xp, memory.stress, memory.temperature)
 
@@ -181,9 +153,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         starts = xp.each(start, self.quantiles())
         return PolycrystalStep(memory.plus, memory.minus, starts, pull, rest)
 
-    def group(
-        self, xp: Namespace, stress: Scalar, temperature: Scalar
-    ) -> Callable[[Scalar], tuple[Process, ...]]:
+    def group(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Callable[[Scalar], tuple[Process, ...]]:
         """The four processes at a point, as a function of the quantile of a group.
 
         The bridge between the wells is that of the mean threshold for all groups; beyond the
@@ -208,9 +178,7 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         """Variants of all groups if the step of dt [s] ends at (stress, temperature)."""
         group = self.group(xp, stress, temperature)
 
-        def advance(
-            quantile: Scalar, plus: Scalar, minus: Scalar, *numbers: Scalar
-        ) -> tuple[Scalar, Scalar]:
+        def advance(quantile: Scalar, plus: Scalar, minus: Scalar, *numbers: Scalar) -> tuple[Scalar, Scalar]:
             starts = [RateStart(*pair) for pair in zip(numbers[::2], numbers[1::2], strict=True)]
             flows = mean_flows(xp, starts, group(quantile), dt / self.layer_time)
             return exchange_fractions(xp, VariantFractions(plus, minus), flows)
@@ -238,8 +206,6 @@ class MullerAchenbachSeeleckePolycrystal(AbstractExchange):
         plus, minus = self.groups_after(xp, move, stress, temperature, dt)
         return self.remember(xp, plus, minus, stress, temperature)
 
-    def drive(
-        self, xp: Namespace, move: PolycrystalStep, stress: Scalar, temperature: Scalar, dt: Scalar
-    ) -> Scalar:
+    def drive(self, xp: Namespace, move: PolycrystalStep, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
         """Distance beyond the start of the process that the trial drives hardest [Pa]."""
         return self.overshoot(xp, move.pull, stress, temperature) - move.rest

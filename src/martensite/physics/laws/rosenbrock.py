@@ -46,32 +46,14 @@ CARRIED = (
     (-2.430093356833875, -0.2063599157091915),
     (-0.1073529058151375, -9.594562251023355, -20.47028614809616),
     (7.496443313967647, -10.24680431464352, -33.99990352819905, 11.70890893206160),
-    (
-        8.083246795921522,
-        -7.981132988064893,
-        -31.52159432874371,
-        16.31930543123136,
-        -6.058818238834054,
-    ),
+    (8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054),
 )
 """What each stage takes over of the ones before, per step."""
 TIMES = (0.0, 0.386, 0.21, 0.63, 1.0, 1.0)
 SLOPES = (0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0)
 """Share of the rate of change with time alone."""
-INNER = (
-    10.12623508344586,
-    -7.487995877610167,
-    -34.80091861555747,
-    -7.992771707568823,
-    1.025137723295662,
-)
-OUTER = (
-    -0.6762803392801253,
-    6.087714651680015,
-    16.43084320892478,
-    24.76722511418386,
-    -6.594389125716872,
-)
+INNER = (10.12623508344586, -7.487995877610167, -34.80091861555747, -7.992771707568823, 1.025137723295662)
+OUTER = (-0.6762803392801253, 6.087714651680015, 16.43084320892478, 24.76722511418386, -6.594389125716872)
 """Of the continuous output."""
 
 
@@ -204,18 +186,9 @@ class _Stages:
             a, d = diagonal + up + rates.from_plus, diagonal + over + rates.from_minus
             share = 1.0 / (a * d - up * over)
             inverse = [xp.store(share * x) for x in (d, -up, -over, a)]
-            changes = (
-                _sum_flows(rates, here),
-                _sum_flows(by_stress, here),
-                _sum_flows(by_temperature, here),
-            )
+            changes = (_sum_flows(rates, here), _sum_flows(by_stress, here), _sum_flows(by_temperature, here))
             one, two, three = changes
-            return [
-                *one,
-                *inverse,
-                *_multiply_matrix(inverse, two),
-                *_multiply_matrix(inverse, three),
-            ]
+            return [*one, *inverse, *_multiply_matrix(inverse, two), *_multiply_matrix(inverse, three)]
 
         columns = _map_rows(xp, group, law.quantiles(), *self.begin.groups)
         a, b, c, d = columns[2:6]
@@ -266,10 +239,7 @@ class _Stages:
         stress = xp.store(stress + self.stress_by_T * change)
 
         def group(*row: Scalar) -> list[Scalar]:
-            return [
-                a + b * stress + c * change
-                for a, b, c in zip(row[:2], row[2:4], row[4:], strict=True)
-            ]
+            return [a + b * stress + c * change for a, b, c in zip(row[:2], row[2:4], row[4:], strict=True)]
 
         linear = self.linear
         groups = _map_rows(xp, group, *asked, *linear.by_stress, *linear.by_temperature)
@@ -292,20 +262,13 @@ class _Stages:
         def group(quantile: Scalar, *row: Scalar) -> list[Scalar]:
             inverse, here, rest = row[:4], row[4:6], row[6:]
             plus, minus = rest[:count], rest[count:]
-            point = _Group(
-                here[0] + _weigh_numbers(POINTS[k], plus),
-                here[1] + _weigh_numbers(POINTS[k], minus),
-            )
+            point = _Group(here[0] + _weigh_numbers(POINTS[k], plus), here[1] + _weigh_numbers(POINTS[k], minus))
             rates = _sum_flows(jumps(quantile), point)
             gain = _Group(
                 rates.plus + per_step * _weigh_numbers(CARRIED[k], plus),
                 rates.minus + per_step * _weigh_numbers(CARRIED[k], minus),
             )
-            return [
-                *_multiply_matrix(inverse, gain),
-                gain.plus + gain.minus,
-                rates.plus + rates.minus,
-            ]
+            return [*_multiply_matrix(inverse, gain), gain.plus + gain.minus, rates.plus + rates.minus]
 
         columns = _map_rows(
             xp,
@@ -325,8 +288,7 @@ def _sum_flows(flows: Flows, at: _Group) -> _Group:
     """What flows between the phases of a group."""
     austenite = 1.0 - at.plus - at.minus
     return _Group(
-        flows.to_plus * austenite - flows.from_plus * at.plus,
-        flows.to_minus * austenite - flows.from_minus * at.minus,
+        flows.to_plus * austenite - flows.from_plus * at.plus, flows.to_minus * austenite - flows.from_minus * at.minus
     )
 
 
@@ -342,35 +304,28 @@ def _weigh_numbers(weights: Sequence[float], numbers: Sequence[Scalar]) -> Scala
     return result
 
 
-def _map_rows(
-    xp: Namespace, body: Callable[..., Sequence[Scalar]], *columns: Column
-) -> tuple[Column, ...]:
+def _map_rows(xp: Namespace, body: Callable[..., Sequence[Scalar]], *columns: Column) -> tuple[Column, ...]:
     """Columns of results; a single row is no loop."""
     if len(columns[0]) > 1:
         return tuple(xp.each(body, *columns))
     return tuple((xp.store(x),) for x in body(*(column[0] for column in columns)))
 
 
-def _sum_stages(
-    xp: Namespace, begin: _Stage, stages: Sequence[_Stage], weights: Sequence[float]
-) -> _Stage:
+def _sum_stages(xp: Namespace, begin: _Stage, stages: Sequence[_Stage], weights: Sequence[float]) -> _Stage:
     """A state and a weighted sum of changes."""
 
     def add(x: Scalar, *more: Scalar) -> list[Scalar]:
         return [x + _weigh_numbers(weights, more)]
 
     groups = (
-        _map_rows(xp, add, column, *(one.groups[i] for one in stages))[0]
-        for i, column in enumerate(begin.groups)
+        _map_rows(xp, add, column, *(one.groups[i] for one in stages))[0] for i, column in enumerate(begin.groups)
     )
     scalars = [one.scalars() for one in stages]
     rest = (add(x, *column)[0] for x, *column in zip(begin.scalars(), *scalars, strict=True))
     return _Stage(_Columns(*groups), *(xp.store(x) for x in rest))
 
 
-def _make_settle(
-    xp: Namespace, law: AbstractExchange, coupling: Coupling
-) -> Callable[[_Stage, bool], Any]:
+def _make_settle(xp: Namespace, law: AbstractExchange, coupling: Coupling) -> Callable[[_Stage, bool], Any]:
     """Makes a memory of a state, with populations within their bounds if they are to be."""
 
     def limit(plus: Scalar, minus: Scalar) -> list[Scalar]:

@@ -40,9 +40,7 @@ class Tanaka(AbstractStripLaw):
     cites = ("tanaka1986", "kossoski2018")
     endless = True
 
-    modulus: str = option(
-        "Young's modulus, constant", "austenite", "martensite", default="austenite"
-    )
+    modulus: str = option("Young's modulus, constant", "austenite", "martensite", default="austenite")
 
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
         """exp[-2 ln 10 (1 - distance)]."""

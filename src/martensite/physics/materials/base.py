@@ -141,17 +141,13 @@ def _read_source(entry: Any, where: str) -> Source:
     return Source(read_text(table, "cite", where), read_text(table, "text", where))
 
 
-def _read_number(
-    name: str, entry: Mapping[str, Any], sources: dict[str, Source], file: str
-) -> MaterialNumber:
+def _read_number(name: str, entry: Mapping[str, Any], sources: dict[str, Source], file: str) -> MaterialNumber:
     if name not in NAMES:
         raise ParameterError(f"{file}: no canonical number `{name}`. {suggest_name(name, NAMES)}")
     return read_number(entry, NAMES[name][0], sources, f"{file}, `{name}`")
 
 
-def read_number(
-    entry: Mapping[str, Any], unit: str, sources: Mapping[str, Source], where: str
-) -> MaterialNumber:
+def read_number(entry: Mapping[str, Any], unit: str, sources: Mapping[str, Source], where: str) -> MaterialNumber:
     """A number declared in the SI `unit` from its table of value, kind, source, where and note.
 
     Raises:

@@ -149,8 +149,6 @@ def _read_size(name: str, row: Any, sources: Mapping[str, Source], where: str) -
     return WireSize(name, **{key: _read_cell(table, key, sources, where) for key in UNITS})
 
 
-def _read_cell(
-    table: Mapping[str, Any], column: str, sources: Mapping[str, Source], where: str
-) -> Cell:
+def _read_cell(table: Mapping[str, Any], column: str, sources: Mapping[str, Source], where: str) -> Cell:
     place = f"{where}, `{column}`"
     return read_number(read_table(table.get(column, {}), place), UNITS[column], sources, place)

@@ -10,9 +10,7 @@ from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.base import AbstractFluid
 
-COOLING: Registry[AbstractCooling] = Registry(
-    "cooling", "martensite.physics.thermal", typical="constant"
-)
+COOLING: Registry[AbstractCooling] = Registry("cooling", "martensite.physics.thermal", typical="constant")
 
 
 class Cylinder(NamedTuple):

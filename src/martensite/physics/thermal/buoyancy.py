@@ -31,9 +31,7 @@ class AbstractFreeConvection(AbstractCooling):
     """A correlation Nu(Ra, Pr) with the fluid and the gravity that go into it."""
 
     fluid: AbstractFluid = part("fluid around the element", FLUIDS, default=Air())
-    gravity: Scalar = param(
-        "m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665
-    )
+    gravity: Scalar = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """h = Nu k/s [W/(m² K)] from the properties at the film temperature."""
@@ -42,9 +40,7 @@ class AbstractFreeConvection(AbstractCooling):
         rayleigh = self.rayleigh(xp, found, xp.abs(temperature - ambient), size)
         return self.nusselt(xp, rayleigh, found.prandtl, shape) * found.conductivity / size
 
-    def rayleigh(
-        self, xp: Namespace, found: FluidProperties, difference: Scalar, size: Scalar
-    ) -> Scalar:
+    def rayleigh(self, xp: Namespace, found: FluidProperties, difference: Scalar, size: Scalar) -> Scalar:
         """Ra [-] of a body of this size [m] that is `difference` [K] off the fluid."""
         driving = self.gravity * found.expansion * xp.maximum(difference, LEAST_DIFFERENCE)
         return driving * size * size * size / (found.viscosity * found.diffusivity)

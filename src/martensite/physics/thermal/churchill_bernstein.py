@@ -25,9 +25,7 @@ class ChurchillBernstein(AbstractCooling):
 
     cites = ("churchill1977",)
 
-    speed: Scalar = param(
-        "m/s", "speed of the stream across the wire", above=0.0, high=100.0, typical="1 m/s"
-    )
+    speed: Scalar = param("m/s", "speed of the stream across the wire", above=0.0, high=100.0, typical="1 m/s")
     fluid: AbstractFluid = part("fluid around the element", FLUIDS, default=Air())
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
@@ -40,7 +38,5 @@ class ChurchillBernstein(AbstractCooling):
         """Mean Nusselt number on the diameter [-]."""
         damping = raise_constant(xp, 1.0 + raise_constant(xp, 0.4 / prandtl, 2.0 / 3.0), 0.25)
         laminar = 0.62 * xp.sqrt(reynolds) * raise_constant(xp, prandtl, 1.0 / 3.0) / damping
-        turbulent = raise_constant(
-            xp, 1.0 + raise_constant(xp, reynolds * (1.0 / 282000.0), 5.0 / 8.0), 0.8
-        )
+        turbulent = raise_constant(xp, 1.0 + raise_constant(xp, reynolds * (1.0 / 282000.0), 5.0 / 8.0), 0.8)
         return 0.3 + laminar * turbulent

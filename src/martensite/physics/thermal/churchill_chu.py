@@ -24,8 +24,6 @@ class ChurchillChu(AbstractFreeConvection):
 
     def nusselt(self, xp: Namespace, rayleigh: Scalar, prandtl: Scalar, shape: Cylinder) -> Scalar:
         """Mean Nusselt number on the diameter [-]."""
-        damping = raise_constant(
-            xp, 1.0 + raise_constant(xp, 0.559 / prandtl, 9.0 / 16.0), 8.0 / 27.0
-        )
+        damping = raise_constant(xp, 1.0 + raise_constant(xp, 0.559 / prandtl, 9.0 / 16.0), 8.0 / 27.0)
         root = 0.60 + 0.387 * raise_constant(xp, rayleigh, 1.0 / 6.0) / damping
         return root * root

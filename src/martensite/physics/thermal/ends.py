@@ -50,9 +50,7 @@ class ClampedEnds(AbstractEnds):
     thermal_conductivity: Scalar = param(
         "W/m/K", "thermal conductivity of the wire", above=0.0, high=1e4, typical="15 W/m/K"
     )
-    contact: Scalar = param(
-        "W/K", "contact conductance of one clamp", above=0.0, high=1e9, default=1e3
-    )
+    contact: Scalar = param("W/K", "contact conductance of one clamp", above=0.0, high=1e9, default=1e3)
 
     def conductance(self, xp: Namespace, film: Scalar, shape: Cylinder) -> Scalar:
         """h S/(1 - φ) [W/K]."""

@@ -18,23 +18,12 @@ class PolynomialCooling(AbstractCooling):
 
     cites = ("migaone-paper",)
 
-    h0: Scalar = param(
-        "W/m^2/K", "film coefficient at the reference", low=0.0, high=1e5, typical="60 W/m^2/K"
-    )
-    h1: Scalar = param(
-        "W/m^2/K^2", "linear coefficient", low=-1e3, high=1e3, default=0.0, typical="0.1 W/m^2/K^2"
-    )
+    h0: Scalar = param("W/m^2/K", "film coefficient at the reference", low=0.0, high=1e5, typical="60 W/m^2/K")
+    h1: Scalar = param("W/m^2/K^2", "linear coefficient", low=-1e3, high=1e3, default=0.0, typical="0.1 W/m^2/K^2")
     h2: Scalar = param(
-        "W/m^2/K^3",
-        "quadratic coefficient",
-        low=-10.0,
-        high=10.0,
-        default=0.0,
-        typical="1e-4 W/m^2/K^3",
+        "W/m^2/K^3", "quadratic coefficient", low=-10.0, high=10.0, default=0.0, typical="1e-4 W/m^2/K^3"
     )
-    reference: Scalar = param(
-        "K", "temperature at which θ is zero", low=0.0, high=1000.0, default=273.15
-    )
+    reference: Scalar = param("K", "temperature at which θ is zero", low=0.0, high=1000.0, default=273.15)
 
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """h(T) [W/(m² K)], never below zero."""

@@ -28,19 +28,8 @@ from martensite.show.figures.bench_loops import (
 )
 from martensite.show.figures.labels import choose_limits, describe_axis, enclose_values, read_column
 from martensite.show.figures.machine import choose_colours
-from martensite.show.figures.panels import (
-    WARNING_LINE,
-    add_legend_above,
-    add_panels,
-    wrap_warnings,
-    write_headline,
-)
-from martensite.show.figures.record_overlays import (
-    MeasuredRecord,
-    check_records,
-    draw_overlays,
-    find_overlays,
-)
+from martensite.show.figures.panels import WARNING_LINE, add_legend_above, add_panels, wrap_warnings, write_headline
+from martensite.show.figures.record_overlays import MeasuredRecord, check_records, draw_overlays, find_overlays
 from martensite.show.figures.style import HEATING, INK, MEASURED, QUIET, make_figure, use_style
 from martensite.simulate.result import Result
 
@@ -123,15 +112,11 @@ def _finish_panel(axes: Any, result: Result, title: str) -> None:
 
 
 def _list_panels(
-    result: Result,
-    records: Sequence[MeasuredRecord],
-    outside: Mapping[str, AbstractController] | None,
+    result: Result, records: Sequence[MeasuredRecord], outside: Mapping[str, AbstractController] | None
 ) -> list[BenchPanel]:
     """All panels, from top to bottom."""
     found = find_loops(result, outside)
-    panels = [_show_response(result, loop, records) for loop in found] or _show_outputs(
-        result, records
-    )
+    panels = [_show_response(result, loop, records) for loop in found] or _show_outputs(result, records)
     panels += [_show_errors(result, group) for group in _group_by_unit(result, found)]
     panels += _show_signals(result, found)
     panels += _show_temperatures(result, found, records)
@@ -162,9 +147,7 @@ def _show_outputs(result: Result, records: Sequence[MeasuredRecord]) -> list[Ben
     """Without a loop: what sensors look at, and their readings."""
     bench = find_bench(result)
     return [
-        _show_response(
-            result, Loop("", np.full(len(result.times), np.nan), reading, truth, ""), records
-        )
+        _show_response(result, Loop("", np.full(len(result.times), np.nan), reading, truth, ""), records)
         for name, mounted in bench.sensors.members().items()
         for reading, truth in [(f"measured.{name}", mounted.sees()[0])]
         if truth in result.outputs and result.unit(truth) == result.unit(reading)
@@ -198,10 +181,7 @@ def _show_errors(result: Result, group: Sequence[Loop]) -> BenchPanel:
 
 def _show_signals(result: Result, found: Sequence[Loop]) -> list[BenchPanel]:
     """Signals that controllers want, and those that the sources got; those of a unit together."""
-    got, wants = (
-        map_applied_signals(result),
-        {loop.drive: loop.wanted for loop in found if loop.wanted},
-    )
+    got, wants = (map_applied_signals(result), {loop.drive: loop.wanted for loop in found if loop.wanted})
     drives = [drive.name for drive in find_bench(result).plant.drives()]
     groups: dict[str, list[str]] = {}
     for drive in drives:
@@ -211,9 +191,7 @@ def _show_signals(result: Result, found: Sequence[Loop]) -> list[BenchPanel]:
     return [_show_signal(result, group, wants, got) for group in groups.values()]
 
 
-def _show_signal(
-    result: Result, group: Sequence[str], wants: Mapping[str, str], got: Mapping[str, str]
-) -> BenchPanel:
+def _show_signal(result: Result, group: Sequence[str], wants: Mapping[str, str], got: Mapping[str, str]) -> BenchPanel:
     names = [name for drive in group for name in (wants.get(drive), got.get(drive)) if name]
 
     def draw_panel(axes: Any) -> None:
@@ -229,14 +207,10 @@ def _show_signal(
     return BenchPanel("signal", draw_panel)
 
 
-def _show_temperatures(
-    result: Result, found: Sequence[Loop], records: Sequence[MeasuredRecord]
-) -> list[BenchPanel]:
+def _show_temperatures(result: Result, found: Sequence[Loop], records: Sequence[MeasuredRecord]) -> list[BenchPanel]:
     """Temperatures of all elements, unless another panel shows the only one."""
     names = list_temperatures(result)
-    seen = {loop.truth for loop in found} | {
-        one.removeprefix(ESTIMATED) for one in list_estimates(result, found)
-    }
+    seen = {loop.truth for loop in found} | {one.removeprefix(ESTIMATED) for one in list_estimates(result, found)}
     if not names or (len(names) == 1 and names[0] in seen):
         return []
 

@@ -11,13 +11,7 @@ import numpy as np
 from martensite.base.errors import InputError
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import (
-    ALARM,
-    MEASURED,
-    list_references,
-    outside_references,
-    wanted_name,
-)
+from martensite.control.loop.names import ALARM, MEASURED, list_references, outside_references, wanted_name
 from martensite.control.observers.base import ESTIMATED
 from martensite.show.figures.labels import describe_axis
 from martensite.simulate.result import Result
@@ -49,15 +43,12 @@ def find_bench(result: Result) -> Bench:
     """
     if not isinstance(result.system, Bench):
         raise InputError(
-            "This figure is that of a bench; use `plot_result` for a system without controllers "
-            "and sensors."
+            "This figure is that of a bench; use `plot_result` for a system without controllers and sensors."
         )
     return result.system
 
 
-def find_loops(
-    result: Result, outside: Mapping[str, AbstractController] | None = None
-) -> list[Loop]:
+def find_loops(result: Result, outside: Mapping[str, AbstractController] | None = None) -> list[Loop]:
     """The loops of a bench; controllers that ran outside of it are given by drive."""
     bench = find_bench(result)
     members = bench.controllers.members()
@@ -71,9 +62,7 @@ def find_loops(
     return [loop for loop in found if loop is not None]
 
 
-def _find_loop(
-    result: Result, bench: Bench, drive: str, one: AbstractController, name: str
-) -> Loop | None:
+def _find_loop(result: Result, bench: Bench, drive: str, one: AbstractController, name: str) -> Loop | None:
     """The loop of a controller; none if what it follows is no column."""
     reading = _find_column(result, one.measured)
     if reading is None:
@@ -116,9 +105,7 @@ def list_estimates(result: Result, found: Sequence[Loop]) -> list[str]:
     return [
         name
         for name in result.columns
-        if name.startswith(ESTIMATED)
-        and name not in shown
-        and name.removeprefix(ESTIMATED) in result.columns
+        if name.startswith(ESTIMATED) and name not in shown and name.removeprefix(ESTIMATED) in result.columns
     ]
 
 

@@ -8,15 +8,7 @@ import numpy as np
 
 from martensite.design.analysis.energy import CycleEnergies
 from martensite.show.figures.panels import add_panels, write_headline
-from martensite.show.figures.style import (
-    COOLING,
-    FAINT,
-    HEATING,
-    INK,
-    SIMULATED,
-    make_figure,
-    use_style,
-)
+from martensite.show.figures.style import COOLING, FAINT, HEATING, INK, SIMULATED, make_figure, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,9 +27,7 @@ def plot_energy(found: CycleEnergies, title: str = "") -> Figure:
         figure = make_figure(WIDTH, HEIGHT)
         ((heat, work, share),) = add_panels(figure, 1, 3, (0.6, 0.15, 0.71, 0.48))
         write_headline(figure, title or f"Energy per cycle of {found.period:.4g} s")
-        _draw_bars(
-            heat, (("electrical", found.electrical, HEATING), ("heat", found.lost, COOLING)), 1.0
-        )
+        _draw_bars(heat, (("electrical", found.electrical, HEATING), ("heat", found.lost, COOLING)), 1.0)
         heat.set_title("into and out of the elements [J]")
         pair = (("given", found.work, SIMULATED), ("returned", found.returned, FAINT))
         _draw_bars(work, pair, 1e3)

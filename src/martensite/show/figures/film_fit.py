@@ -12,16 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.show.figures.panels import add_panels, write_headline
-from martensite.show.figures.style import (
-    COOLING,
-    HEATING,
-    INK,
-    MEASURED,
-    QUIET,
-    SIMULATED,
-    make_figure,
-    use_style,
-)
+from martensite.show.figures.style import COOLING, HEATING, INK, MEASURED, QUIET, SIMULATED, make_figure, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

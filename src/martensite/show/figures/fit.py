@@ -71,8 +71,7 @@ def plot_fit_loops(fit: Fit, title: str = "") -> Figure:
     rows = pick_evenly([one for one, column in found if column is not None], MOST)
     if not rows:
         raise InputError(
-            "No record holds a temperature that varies, or both stress and strain: there is no "
-            "loop to draw."
+            "No record holds a temperature that varies, or both stress and strain: there is no loop to draw."
         )
     with use_style():
         figure, panels = make_grid(len(rows), title or "Measured and fitted, as loops")
@@ -81,9 +80,7 @@ def plot_fit_loops(fit: Fit, title: str = "") -> Figure:
             record = one.experiment.record
             values = np.asarray(record[column])[one.experiment.rows]
             horizontal = _make_column_axis(column, record.units[column])
-            _draw_panel(
-                axes, one, horizontal, values, make_output_axis(one.output, one.description)
-            )
+            _draw_panel(axes, one, horizontal, values, make_output_axis(one.output, one.description))
         _share_scales(panels, rows)
         _write_key(figure, rows)
         return figure
@@ -118,9 +115,7 @@ def _make_column_axis(column: str, unit: str) -> QuantityAxis:
     return QuantityAxis(column, column, symbol, unit, units.of_column(column, unit))
 
 
-def _draw_panel(
-    axes: Any, one: ComparedOutput, horizontal: QuantityAxis, x: Any, shown: QuantityAxis
-) -> None:
+def _draw_panel(axes: Any, one: ComparedOutput, horizontal: QuantityAxis, x: Any, shown: QuantityAxis) -> None:
     """Measured and modelled values over a quantity."""
     across, measured = horizontal.values(x), shown.values(one.measured)
     dots = {"marker": "o", "markersize": 2.6, "markeredgewidth": 0.0, "linestyle": "none"}

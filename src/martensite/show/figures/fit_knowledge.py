@@ -10,16 +10,7 @@ import numpy as np
 
 from martensite.search.quantity_text import format_number
 from martensite.show.figures.panels import add_panels, shorten_name, write_headline, write_title
-from martensite.show.figures.style import (
-    COOLING,
-    FAINT,
-    HEATING,
-    INK,
-    QUIET,
-    SIMULATED,
-    make_figure,
-    use_style,
-)
+from martensite.show.figures.style import COOLING, FAINT, HEATING, INK, QUIET, SIMULATED, make_figure, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,10 +36,7 @@ def plot_correlation(fit: Fit, title: str = "") -> Figure:
         fit: a finished fit.
         title: headline.
     """
-    names, matrix = (
-        [shorten_name(name) for name in fit.uncertainty.names],
-        np.asarray(fit.uncertainty.correlation),
-    )
+    names, matrix = ([shorten_name(name) for name in fit.uncertainty.names], np.asarray(fit.uncertainty.correlation))
     count = len(names)
     cell = CELL if count <= NUMBERED else 0.26
     margin = 0.25 + LETTER * max(map(len, names))
@@ -67,12 +55,8 @@ def plot_correlation(fit: Fit, title: str = "") -> Figure:
         )
         _draw_cells(axes, matrix, count <= NUMBERED)
         _name_axes(axes, names)
-        scale = figure.add_axes(
-            ((margin + cell * count + 0.25) / width, box[1], 0.12 / width, box[3])
-        )
-        figure.colorbar(shown, cax=scale, ticks=[-1.0, -0.5, 0.0, 0.5, 1.0]).outline.set_visible(
-            False
-        )
+        scale = figure.add_axes(((margin + cell * count + 0.25) / width, box[1], 0.12 / width, box[3]))
+        figure.colorbar(shown, cax=scale, ticks=[-1.0, -0.5, 0.0, 0.5, 1.0]).outline.set_visible(False)
         return figure
 
 
@@ -145,11 +129,7 @@ def _draw_cells(axes: Any, matrix: Any, numbered: bool) -> None:
             value = float(matrix[row, column])
             corner = (column - 0.5, row - 0.5)
             if math.isnan(value):
-                hatched: dict[str, Any] = {
-                    "facecolor": "white",
-                    "edgecolor": FAINT,
-                    "hatch": "////",
-                }
+                hatched: dict[str, Any] = {"facecolor": "white", "edgecolor": FAINT, "hatch": "////"}
                 axes.add_patch(Rectangle(corner, 1.0, 1.0, linewidth=0.0, **hatched))
             elif numbered and row != column:
                 words = f"{value:.2f}".replace("0.", ".").replace("-.00", ".00")
@@ -217,9 +197,7 @@ def _find_weakest(fit: Fit) -> tuple[list[str], list[float], str]:
     found, names = fit.identifiability, fit.problem.names
     if found.weak:
         first = found.weak[0]
-        slopes = {
-            free.name: free.slope(u) for free, u in zip(fit.problem.free, fit.values, strict=True)
-        }
+        slopes = {free.name: free.slope(u) for free, u in zip(fit.problem.free, fit.values, strict=True)}
         moves = {n: c / slopes[n] for n, c in zip(first.names, first.changes, strict=True)}
         others = f", first of {len(found.weak)}" if len(found.weak) > 1 else ""
         how = f"not determined{others}"

@@ -47,9 +47,7 @@ def plot_likelihood(profiles: Sequence[Profile], fit: Fit | None = None, title: 
 
 
 def _draw_panel(axes: Any, one: Profile, fit: Fit | None) -> None:
-    shown = QuantityAxis(
-        one.name, one.name, one.name, one.unit, units.choose_familiar_unit(one.value, one.unit)
-    )
+    shown = QuantityAxis(one.name, one.name, one.name, one.unit, units.choose_familiar_unit(one.value, one.unit))
     at = shown.values([point.at for point in one.points])
     excess = np.asarray([point.excess for point in one.points]) / one.limit
     limit = {"color": HEATING, "linewidth": 1.0, "linestyle": (0, (4, 2)), "zorder": 1.4}

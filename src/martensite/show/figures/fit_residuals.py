@@ -81,9 +81,7 @@ def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) ->
     axes.set_ylabel(f"{one.output} [{shown.difference_unit or '–'}]")
     axes.set_xlabel(TIME.label if last else "")
     held = " (held out)" if one.held.any() and not one.used.any() else ""
-    write_title(
-        axes, shorten_name(one.record) + held, fontweight="bold", color=HELD if held else INK
-    )
+    write_title(axes, shorten_name(one.record) + held, fontweight="bold", color=HELD if held else INK)
 
 
 def _find_factor(shown: QuantityAxis) -> float:

@@ -42,9 +42,7 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
             _draw_lines(one, found, values)
         _mark_bandwidths(axes[0], found, size)
         _set_logarithmic(axes[0], rows[0])
-        for one, words in zip(
-            axes, (f"gain [{unit}]", "phase [°]", "not in the first harmonic [%]"), strict=True
-        ):
+        for one, words in zip(axes, (f"gain [{unit}]", "phase [°]", "not in the first harmonic [%]"), strict=True):
             one.set_title(words)
         axes[2].set_ylim(bottom=0.0)
         figure.legend(
@@ -61,9 +59,7 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
 def _draw_lines(axes: Any, found: FrequencyResponse, values: Any) -> None:
     """A line per bias."""
     shown = units.choose_readable_unit(found.units[0])
-    for k, (bias, tint) in enumerate(
-        zip(found.biases, choose_colours(len(found.biases)), strict=True)
-    ):
+    for k, (bias, tint) in enumerate(zip(found.biases, choose_colours(len(found.biases)), strict=True)):
         label = f"{units.from_si(float(bias), shown, found.units[0]):.3g}"
         axes.plot(found.frequencies, values[k], ".-", color=tint, label=label)
         loose = ~found.settled[k]

@@ -103,9 +103,7 @@ def find_strips(result: Result) -> list[StripMark]:
     return [mark("A_s", "A_f", "C_A", HEATING), mark("M_f", "M_s", "C_M", COOLING)]
 
 
-def draw_loops(
-    panels: Sequence[Any], result: Result, records: Sequence[MeasuredRecord] = ()
-) -> None:
+def draw_loops(panels: Sequence[Any], result: Result, records: Sequence[MeasuredRecord] = ()) -> None:
     """Draw the three loops ξ–T, ε–T and σ–ε; the first carries legend and strip names."""
     for axes, (x, y) in zip(panels, LOOPS, strict=True):
         draw_loop(axes, result, x, y, records)
@@ -114,9 +112,7 @@ def draw_loops(
     _write_legend(panels[0])
 
 
-def draw_loop(
-    axes: Any, result: Result, x: str, y: str, records: Sequence[MeasuredRecord] = ()
-) -> None:
+def draw_loop(axes: Any, result: Result, x: str, y: str, records: Sequence[MeasuredRecord] = ()) -> None:
     """Draw one quantity over another, with arrows; measured records lie below."""
     points = read_column(result, x), read_column(result, y)
     found = pair_columns(result, records, x, y)
@@ -158,9 +154,7 @@ def _join_points(points: tuple[Any, Any], own: Sequence[tuple[int, int]]) -> lis
     return [np.concatenate([np.append(c[a : b + 1], np.nan) for a, b in own]) for c in points]
 
 
-def _mark_longest(
-    axes: Any, points: tuple[Any, Any], own: Sequence[tuple[int, int]], colour: str
-) -> None:
+def _mark_longest(axes: Any, points: tuple[Any, Any], own: Sequence[tuple[int, int]], colour: str) -> None:
     """An arrowhead on the flank of the longest stretch, as the eye measures length."""
     way = measure_way(axes, *points)
     first, last = max(own, key=lambda ends: way[ends[1]] - way[ends[0]])

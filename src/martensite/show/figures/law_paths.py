@@ -26,14 +26,7 @@ from martensite.show.figures.panels import (
     write_headline,
 )
 from martensite.show.figures.phase_diagram import ARROWS, STRESS, TEMPERATURE, draw_phase_diagram
-from martensite.show.figures.style import (
-    COOLING,
-    HEATING,
-    INK,
-    SIMULATED,
-    make_figure,
-    use_style,
-)
+from martensite.show.figures.style import COOLING, HEATING, INK, SIMULATED, make_figure, use_style
 from martensite.simulate.path_stages import list_stages
 from martensite.simulate.point import PointResult
 
@@ -65,10 +58,7 @@ ROOM, GAPS = (0.75, 0.2, HEAD, 0.5), (0.8, 0.65)
 
 
 def plot_point(
-    results: PointResult | Sequence[PointResult],
-    *,
-    title: str | None = None,
-    plane: tuple[str, str] = LOOP,
+    results: PointResult | Sequence[PointResult], *, title: str | None = None, plane: tuple[str, str] = LOOP
 ) -> Figure:
     """The figure of a material-point study.
 
@@ -103,9 +93,7 @@ def _draw_one(results: Sequence[PointResult], title: str | None) -> Figure:
     return figure
 
 
-def _draw_beside(
-    by_law: dict[Any, list[PointResult]], title: str | None, plane: tuple[str, str]
-) -> Figure:
+def _draw_beside(by_law: dict[Any, list[PointResult]], title: str | None, plane: tuple[str, str]) -> Figure:
     """One column per law."""
     figure = _make_figure(3, len(by_law), COLUMN, ROW)
     panels = add_panels(figure, 3, len(by_law), ROOM, GAPS)
@@ -133,12 +121,8 @@ def draw_curves(axes: Any, results: Sequence[PointResult], x: str, y: str) -> No
     shown = [(across.values(r[x]), up.values(r[y])) for r in results]
     axes.set_xlim(*enclose_values(*(s[0] for s in shown)))
     axes.set_ylim(*enclose_values(*(s[1] for s in shown)))
-    for result, colour, (horizontal, vertical) in zip(
-        results, _choose_colours(results), shown, strict=True
-    ):
-        for leg, (first, last, own) in enumerate(
-            _split_legs(result, colour, alone=len(results) == 1)
-        ):
+    for result, colour, (horizontal, vertical) in zip(results, _choose_colours(results), shown, strict=True):
+        for leg, (first, last, own) in enumerate(_split_legs(result, colour, alone=len(results) == 1)):
             a, b = horizontal[first : last + 1], vertical[first : last + 1]
             axes.plot(a, b, color=own, zorder=2.2)
             if measure_way(axes, a, b)[-1] > 0.12 and leg < ARROWS:
@@ -150,9 +134,7 @@ def draw_curves(axes: Any, results: Sequence[PointResult], x: str, y: str) -> No
 def draw_fractions(axes: Any, results: Sequence[PointResult]) -> None:
     """Draw ξ (solid) and the oriented part (dotted) over the legs of the paths."""
     for result, colour in zip(results, _choose_colours(results), strict=True):
-        for leg, (first, last, own) in enumerate(
-            _split_legs(result, colour, alone=len(results) == 1)
-        ):
+        for leg, (first, last, own) in enumerate(_split_legs(result, colour, alone=len(results) == 1)):
             x = np.linspace(leg, leg + 1.0, last - first + 1)
             axes.plot(x, result.martensite[first : last + 1], color=own, zorder=2.2)
             oriented = result.oriented[first : last + 1]

@@ -34,9 +34,7 @@ def draw_machine(result: Result) -> Figure:
     rows = len(own) + (len(PANELS) if ports else 0)
     height = HEAD + FOOT + PANEL_HEIGHT * max(rows, 3)
     figure = make_figure(WIDTH, height)
-    over_time = add_panels(figure, rows, 1, (0.84, 5.44, HEAD, FOOT), (0.0, 0.38), sharex=True)[
-        :, 0
-    ]
+    over_time = add_panels(figure, rows, 1, (0.84, 5.44, HEAD, FOOT), (0.0, 0.38), sharex=True)[:, 0]
     for axes, names in zip(over_time, own, strict=False):
         _draw_lines(axes, result, names, list(names), choose_colours(len(names)))
         if len(names) > 1:
@@ -78,9 +76,7 @@ def _group_outputs(result: Result) -> list[list[str]]:
     return list(found.values())
 
 
-def _draw_lines(
-    axes: Any, result: Result, columns: Sequence[str], labels: Sequence[str], tints: Sequence[Any]
-) -> None:
+def _draw_lines(axes: Any, result: Result, columns: Sequence[str], labels: Sequence[str], tints: Sequence[Any]) -> None:
     """Columns of one unit over time."""
     shown = describe_axis(result, columns[0])
     for i, (name, label) in enumerate(zip(columns, labels, strict=True)):

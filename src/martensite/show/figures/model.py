@@ -10,24 +10,9 @@ from martensite.identify.chains.directions import find_rising
 from martensite.identify.chains.validation import Validation
 from martensite.show.figures.fit import SEEN
 from martensite.show.figures.labels import enclose_values
-from martensite.show.figures.panels import (
-    add_legend_above,
-    add_panels,
-    share_limits,
-    write_headline,
-    write_title,
-)
+from martensite.show.figures.panels import add_legend_above, add_panels, share_limits, write_headline, write_title
 from martensite.show.figures.signal_labels import thin_line, write_signal_label
-from martensite.show.figures.style import (
-    COOLING,
-    FAINT,
-    HEATING,
-    INK,
-    QUIET,
-    SIMULATED,
-    make_figure,
-    use_style,
-)
+from martensite.show.figures.style import COOLING, FAINT, HEATING, INK, QUIET, SIMULATED, make_figure, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

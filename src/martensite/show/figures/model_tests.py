@@ -14,21 +14,8 @@ import numpy as np
 from martensite.identify.chains.correlations import LEVELS, Crossed
 from martensite.identify.chains.validation import Validation
 from martensite.search.whiteness import Whiteness
-from martensite.show.figures.panels import (
-    add_panels,
-    draw_autocorrelation,
-    write_headline,
-    write_title,
-)
-from martensite.show.figures.style import (
-    FAINT,
-    HEATING,
-    INK,
-    QUIET,
-    SIMULATED,
-    make_figure,
-    use_style,
-)
+from martensite.show.figures.panels import add_panels, draw_autocorrelation, write_headline, write_title
+from martensite.show.figures.style import FAINT, HEATING, INK, QUIET, SIMULATED, make_figure, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -81,9 +68,7 @@ def _draw_cross_correlation(axes: Any, one: Crossed) -> None:
         band = one.band(level)
         axes.axhspan(-band, band, color=shade, linewidth=0.0, zorder=0.6)
     for sign in (-1.0, 1.0):
-        axes.axhline(
-            sign * one.limit, color=QUIET, linewidth=0.8, linestyle=(0, (4, 3)), zorder=1.1
-        )
+        axes.axhline(sign * one.limit, color=QUIET, linewidth=0.8, linestyle=(0, (4, 3)), zorder=1.1)
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
     colour = SIMULATED if one.explained else HEATING
     axes.vlines(lags, 0.0, one.values, color=colour, linewidth=1.6, zorder=2.0)

@@ -20,12 +20,7 @@ from martensite.show.figures.files import check_format, write_figure
 from martensite.show.figures.hysteresis import LOOPS, draw_loops
 from martensite.show.figures.labels import describe_axis
 from martensite.show.figures.machine import draw_machine
-from martensite.show.figures.panels import (
-    WARNING_LINE,
-    add_panels,
-    wrap_warnings,
-    write_headline,
-)
+from martensite.show.figures.panels import WARNING_LINE, add_panels, wrap_warnings, write_headline
 from martensite.show.figures.record_overlays import MeasuredRecord, check_records, draw_key
 from martensite.show.figures.style import make_figure, use_style
 from martensite.show.figures.timeseries import draw_timeseries, list_panels
@@ -133,9 +128,7 @@ def _draw_batch(result: Result, title: str | None) -> Figure:
     return figure
 
 
-def _write_text(
-    figure: Figure, result: Result, title: str | None, warnings: Sequence[str] = ()
-) -> None:
+def _write_text(figure: Figure, result: Result, title: str | None, warnings: Sequence[str] = ()) -> None:
     described = result.system.description()
     top = described[:1].upper() + described[1:] if title is None else title
     write_headline(figure, top, _write_lead(result), warnings)
@@ -146,10 +139,7 @@ def _write_lead(result: Result) -> str:
         return f"{len(result.variants)} variants: {result.variants.count_endings()}"
     stroke = describe_axis(result, result.coordinate)
     factor, _ = units.find_conversion(stroke.shown, stroke.unit)
-    parts = [
-        f"stroke {result.stroke / factor:.3g} {stroke.difference_unit}",
-        f"{result.steps:,} steps",
-    ]
+    parts = [f"stroke {result.stroke / factor:.3g} {stroke.difference_unit}", f"{result.steps:,} steps"]
     if result.accuracy is not None:
         parts.append(f"accuracy {result.accuracy:.1e} of range")
     if result.status:

@@ -84,9 +84,7 @@ def wrap_warnings(warnings: Iterable[str], width: float) -> list[str]:
     return [line for text in warnings for line in textwrap.wrap(text, int(LETTERS * width))]
 
 
-def write_headline(
-    figure: Figure, title: str, lead: str = "", warnings: Sequence[str] = ()
-) -> None:
+def write_headline(figure: Figure, title: str, lead: str = "", warnings: Sequence[str] = ()) -> None:
     """The title of a figure at its upper left, a line below it, and warnings at its foot."""
     width, height = figure.get_size_inches()
     plain = {"va": "center", "parse_math": False}
@@ -112,9 +110,7 @@ def shorten_name(name: str, most: int = 34) -> str:
     return f"{name[: most - 1 - kept]}…{name[-kept:]}"
 
 
-def add_key(
-    figure: Figure, handles: Sequence[Any], labels: Sequence[str], below: float = 0.4
-) -> None:
+def add_key(figure: Figure, handles: Sequence[Any], labels: Sequence[str], below: float = 0.4) -> None:
     """What the lines are, so far below the top of a figure [inch]; nothing if there are none."""
     if not labels:
         return

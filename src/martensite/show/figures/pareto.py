@@ -66,9 +66,7 @@ def _choose_named(front: ParetoFront) -> list[int]:
     return [int(front.runs[k]) for k in sorted(chosen)]
 
 
-def _draw_pair(
-    axes: Axes, found: SweepTable, front: ParetoFront, pair: tuple[int, int], named: list[int]
-) -> None:
+def _draw_pair(axes: Axes, found: SweepTable, front: ParetoFront, pair: tuple[int, int], named: list[int]) -> None:
     """All runs and the front over two goals."""
     from matplotlib.patheffects import withStroke
 

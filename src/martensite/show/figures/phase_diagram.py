@@ -100,9 +100,7 @@ def confirm_lines(law: AbstractLaw, values: dict[str, float]) -> bool:
     return forward and near(pulled, stress, "A_s", "A_f", "C_A")
 
 
-def _shift_band(
-    values: dict[str, float], highest: float, process: str, start: str, finish: str, slope: str
-) -> Band:
+def _shift_band(values: dict[str, float], highest: float, process: str, start: str, finish: str, slope: str) -> Band:
     def line(name: str) -> Line:
         first = values[name]
         return Line(name, (first, first + highest / values[slope]), (0.0, highest))
@@ -122,11 +120,7 @@ def _find_detwinning(values: dict[str, float], highest: float, coldest: float) -
 
     start, finish = loading("sigma_s"), loading("sigma_f")
     cooling = Line("M_s", (M_s, M_s), (0.0, sigma_s)), Line("M_f", (M_f, M_f), (0.0, sigma_f))
-    return [
-        Band("loading", start, finish),
-        Band("cooling", *cooling),
-        _shift_band(values, highest, *_STRIPS[1]),
-    ]
+    return [Band("loading", start, finish), Band("cooling", *cooling), _shift_band(values, highest, *_STRIPS[1])]
 
 
 def find_driven_bands(law: AbstractLaw, stresses: Sequence[float], coldest: float) -> list[Band]:
@@ -148,10 +142,7 @@ def find_driven_bands(law: AbstractLaw, stresses: Sequence[float], coldest: floa
 def _find_orientation(law: AbstractLaw, coldest: float, warmest: float) -> list[Band]:
     """The band in which twinned martensite turns under stress; none if it does not."""
     temperatures = coldest, warmest
-    ends = [
-        [find_loaded(law, round(t, 6), TWINNED, share) for t in temperatures]
-        for share in (BEGUN, 1.0 - BEGUN)
-    ]
+    ends = [[find_loaded(law, round(t, 6), TWINNED, share) for t in temperatures] for share in (BEGUN, 1.0 - BEGUN)]
     lines = [
         Line(name, temperatures, tuple(point.stress for point in points if point is not None))
         for name, points in zip(CRITICAL, ends, strict=True)
@@ -195,10 +186,7 @@ def draw_phase_diagram(
 
 def draw_band(axes: Any, band: Band) -> None:
     """Fill a band and draw its lines: dashed where it starts, solid where it is finished."""
-    sides = [
-        (TEMPERATURE.values(line.temperature), STRESS.values(line.stress))
-        for line in (band.start, band.finish)
-    ]
+    sides = [(TEMPERATURE.values(line.temperature), STRESS.values(line.stress)) for line in (band.start, band.finish)]
     (x0, y0), (x1, y1) = sides
     x, y = np.concatenate([x0, x1[::-1]]), np.concatenate([y0, y1[::-1]])
     axes.fill(x, y, color=band.colour, alpha=0.12, linewidth=0.0, zorder=0.6)

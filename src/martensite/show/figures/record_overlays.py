@@ -70,13 +70,10 @@ def check_records(result: Result, records: Iterable[MeasuredRecord] | None) -> l
             raise DataError(f"The record `{record.name}` has no column `time`.")
         if not list_recorded(result, [record]):
             listed = ", ".join(f"`{name}` [{result.unit(name)}]" for name in result.outputs)
-            raise DataError(
-                f"The record `{record.name}` has no column to compare; possible are {listed}."
-            )
+            raise DataError(f"The record `{record.name}` has no column to compare; possible are {listed}.")
         if not _mask_inside(result, np.asarray(record.columns["time"], np.float64)).any():
             raise DataError(
-                f"The record `{record.name}` has no sample between 0 and "
-                f"{result.times[-1]:.6g} s, the time simulated."
+                f"The record `{record.name}` has no sample between 0 and {result.times[-1]:.6g} s, the time simulated."
             )
     return found
 
@@ -157,9 +154,7 @@ def _has_column(result: Result, record: MeasuredRecord, name: str) -> bool:
     return name in record.columns and record.units.get(name) == result.unit(name)
 
 
-def _make_overlay(
-    result: Result, record: MeasuredRecord, shown: QuantityAxis, line: dict[str, Any]
-) -> Overlay:
+def _make_overlay(result: Result, record: MeasuredRecord, shown: QuantityAxis, line: dict[str, Any]) -> Overlay:
     times = np.asarray(record.columns["time"], np.float64)
     values = shown.values(record.columns[shown.name])
     use = _mask_inside(result, times) & np.isfinite(values)

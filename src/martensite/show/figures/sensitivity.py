@@ -43,9 +43,7 @@ def plot_sensitivity(found: Sequence[SensitivityIndices], title: str = "") -> Fi
             _draw_bars(panel, one, kinds)
         for panel in panels[len(found) :]:
             panel.set_axis_off()
-        figure.legend(
-            *panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=len(kinds)
-        )
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=len(kinds))
     return figure
 
 
@@ -62,9 +60,7 @@ def _draw_bars(axes: Axes, one: SensitivityIndices, kinds: list[str]) -> None:
         values, wide = index.values[order], index.wide[order]
         axes.barh(at, np.nan_to_num(values), 0.8 / len(kinds), color=COLOURS[kind], label=kind)
         known = np.isfinite(wide) & np.isfinite(values)
-        axes.errorbar(
-            values[known], at[known], xerr=wide[known], ls="", ecolor=INK, elinewidth=0.8, capsize=2
-        )
+        axes.errorbar(values[known], at[known], xerr=wide[known], ls="", ecolor=INK, elinewidth=0.8, capsize=2)
     axes.axvline(0.0, color=QUIET, linewidth=0.7)
     axes.set_yticks(places, [names[one.names[k]] for k in order])
     axes.invert_yaxis()

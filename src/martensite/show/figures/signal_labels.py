@@ -29,11 +29,6 @@ def thin_line(values: Any, most: int = MOST) -> Any:
     rows = np.nan_to_num(np.asarray(values[:whole], dtype=float)).reshape(-1, size)
     first = np.arange(len(rows)) * size
     places = np.concatenate(
-        [
-            first,
-            first + np.argmin(rows, axis=1),
-            first + np.argmax(rows, axis=1),
-            np.arange(whole, count),
-        ]
+        [first, first + np.argmin(rows, axis=1), first + np.argmax(rows, axis=1), np.arange(whole, count)]
     )
     return np.unique(places)

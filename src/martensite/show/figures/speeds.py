@@ -56,9 +56,7 @@ def _draw_courses(axes: Any, found: Speeds) -> None:
     unit, size = label_difference(found.units[1])
     drive = units.choose_readable_unit(found.units[0])
     for rows, dash, load in _list_loads(found, found.courses):
-        for row, signal, tint in zip(
-            rows, found.signals, choose_colours(len(found.signals)), strict=True
-        ):
+        for row, signal, tint in zip(rows, found.signals, choose_colours(len(found.signals)), strict=True):
             word = f"{units.from_si(float(signal), drive, found.units[0]):.3g}"
             first = load == 0
             label = word if first else "_nolegend_"
@@ -67,9 +65,7 @@ def _draw_courses(axes: Any, found: Speeds) -> None:
     axes.set_title(f"{found.output.replace('_', ' ')} [{unit}]")
     axes.set_xlabel("$t$ [s]")
     axes.set_xlim(0.0, found.times[-1])
-    axes.legend(
-        title=_label_axis(found.drive, found.units[0]), title_fontsize=8.0, loc="upper right"
-    )
+    axes.legend(title=_label_axis(found.drive, found.units[0]), title_fontsize=8.0, loc="upper right")
 
 
 def _draw_both(axes: Any, found: Speeds, up: Any, down: Any) -> None:

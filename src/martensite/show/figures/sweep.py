@@ -113,9 +113,7 @@ def _draw_over_two(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
 def _draw_map(axes: Axes, levels: list[Any], values: Any) -> Any:
     """Cells around the levels, and lines of equal values where there are enough of them."""
     axes.set_facecolor(FAINT)
-    drawn = axes.pcolormesh(
-        *levels, np.ma.masked_invalid(values.T), shading="nearest", cmap=MAP, rasterized=True
-    )
+    drawn = axes.pcolormesh(*levels, np.ma.masked_invalid(values.T), shading="nearest", cmap=MAP, rasterized=True)
     if min(values.shape) > 3 and np.isfinite(values).all() and is_spread(values):
         lines = axes.contour(*levels, values.T, levels=6, colors="white", linewidths=0.6)
         axes.clabel(lines, fontsize=7.0, fmt="%.4g")

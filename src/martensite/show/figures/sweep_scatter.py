@@ -62,9 +62,7 @@ def draw_matrix(figure: Figure, found: SweepTable, one: SweepColumn) -> None:
     add_colour_bar(figure, drawn, panels.ravel().tolist(), label_column(one), aspect=35)
 
 
-def _find_leading(
-    columns: list[SweepColumn], one: SweepColumn, usable: NDArray[np.bool_]
-) -> list[int]:
+def _find_leading(columns: list[SweepColumn], one: SweepColumn, usable: NDArray[np.bool_]) -> list[int]:
     """Places of the varied numbers that are drawn, in their order."""
     if len(columns) <= MOST_AXES:
         return list(range(len(columns)))

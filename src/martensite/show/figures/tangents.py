@@ -13,15 +13,7 @@ import numpy as np
 
 from martensite.show.figures.labels import QuantityAxis, enclose_values, typeset_symbol
 from martensite.show.figures.panels import add_panels, pick_evenly, write_headline
-from martensite.show.figures.style import (
-    COOLING,
-    HEATING,
-    INK,
-    QUIET,
-    SIMULATED,
-    make_figure,
-    use_style,
-)
+from martensite.show.figures.style import COOLING, HEATING, INK, QUIET, SIMULATED, make_figure, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -99,9 +91,7 @@ def _draw_cycle(axes: Any, points: TangentPoints) -> None:
     axes.set_ylabel(STRAIN.label)
 
 
-def _draw_branch(
-    axes: Any, rows: CycleBranch, found: BranchTangents, names: tuple[str, str], colour: str
-) -> None:
+def _draw_branch(axes: Any, rows: CycleBranch, found: BranchTangents, names: tuple[str, str], colour: str) -> None:
     """One branch: its rows, the outer lines up to the transformation, and the steep one."""
     x, y = TEMPERATURE.values(rows.temperature), STRAIN.values(rows.strain)
     dots = {"marker": "o", "markersize": 1.8, "markeredgewidth": 0.0} if len(x) <= DOTS else {}
@@ -168,10 +158,7 @@ def _describe_half(one: Direction) -> str:
 def _draw_lines(axes: Any, found: TangentFit, one: Direction, top: float, colour: str) -> None:
     """The two lines of one direction, filled between, each with its name."""
     stress = [0.0, top]
-    sides = [
-        TEMPERATURE.values([end.value + one.shift.value * s for s in stress])
-        for end in (one.start, one.finish)
-    ]
+    sides = [TEMPERATURE.values([end.value + one.shift.value * s for s in stress]) for end in (one.start, one.finish)]
     y = STRESS.values(stress)
     axes.fill_betweenx(y, *sides, color=colour, alpha=0.10, linewidth=0.0, zorder=0.6)
     for name, x in zip(one.names, sides, strict=True):

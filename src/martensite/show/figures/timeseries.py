@@ -7,24 +7,11 @@ from typing import Any
 
 from martensite.show.figures.labels import choose_limits, describe_axis, read_column
 from martensite.show.figures.panels import add_legend_above
-from martensite.show.figures.record_overlays import (
-    MeasuredRecord,
-    draw_overlays,
-    find_overlays,
-    list_recorded,
-)
+from martensite.show.figures.record_overlays import MeasuredRecord, draw_overlays, find_overlays, list_recorded
 from martensite.show.figures.style import SIMULATED
 from martensite.simulate.result import Result
 
-PANELS = (
-    "drive",
-    "temperature",
-    "martensite_fraction",
-    "strain",
-    "stress",
-    "mechanism",
-    "resistance",
-)
+PANELS = ("drive", "temperature", "martensite_fraction", "strain", "stress", "mechanism", "resistance")
 """Quantities shown of every result, from top to bottom; all that the mechanism has for itself."""
 
 
@@ -46,10 +33,7 @@ def list_panels(result: Result, records: Sequence[MeasuredRecord] = ()) -> list[
 
 
 def draw_timeseries(
-    panels: Sequence[Any],
-    result: Result,
-    names: Sequence[str],
-    records: Sequence[MeasuredRecord] = (),
+    panels: Sequence[Any], result: Result, names: Sequence[str], records: Sequence[MeasuredRecord] = ()
 ) -> None:
     """Draw one quantity per axes, measured records over it; only the last names the time."""
     for axes, name in zip(panels, names, strict=True):
@@ -57,9 +41,7 @@ def draw_timeseries(
     panels[-1].set_xlabel(describe_axis(result, "time").label)
 
 
-def draw_panel(
-    axes: Any, result: Result, name: str, records: Sequence[MeasuredRecord] = ()
-) -> None:
+def draw_panel(axes: Any, result: Result, name: str, records: Sequence[MeasuredRecord] = ()) -> None:
     """Draw one quantity over time [s]."""
     shown, values = describe_axis(result, name), read_column(result, name)
     found = find_overlays(result, records, name)

@@ -16,12 +16,7 @@ if TYPE_CHECKING:
 WIDTH, HEIGHT = 7.0, 5.2
 BEFORE: dict[str, Any] = {"color": QUIET, "linewidth": 1.1, "label": "before"}
 AFTER: dict[str, Any] = {"color": HEATING, "linewidth": 1.4, "label": "after"}
-WANTED: dict[str, Any] = {
-    "color": INK,
-    "linewidth": 0.9,
-    "linestyle": (0, (4, 2)),
-    "label": "reference",
-}
+WANTED: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 2)), "label": "reference"}
 
 
 def plot_tuning(found: TunedBench, drive: str, title: str = "") -> Figure:

@@ -72,8 +72,7 @@ def _collect_spreads(rows: Sequence[CheckRow], alloy: str) -> dict[str, RatioSpr
 def list_spreads(rows: Sequence[CheckRow]) -> list[str]:
     """How far the ratios are apart, for each alloy and number."""
     return [
-        f"{alloy} °C, {name}: model/catalogue {found.least:.2f} to {found.most:.2f}, "
-        f"geometric mean {found.mean:.2f}"
+        f"{alloy} °C, {name}: model/catalogue {found.least:.2f} to {found.most:.2f}, geometric mean {found.mean:.2f}"
         for alloy in _list_alloys(rows)
         for name, found in _collect_spreads(rows, alloy).items()
         if found is not None

@@ -9,11 +9,7 @@ import numpy as np
 
 from martensite.base.formats import write_quantity
 from martensite.base.summary import Block, DataTable, Sentence, Summary
-from martensite.design.optimise.optimised_design import (
-    OptimisedDesign,
-    ReportedMeasure,
-    RoundedDesign,
-)
+from martensite.design.optimise.optimised_design import OptimisedDesign, ReportedMeasure, RoundedDesign
 
 NUMBERS = ("free", "scenario", "found", "from", "to", "")
 MEASURES = ("measure", "scenario", "found", "limit", "")
@@ -71,12 +67,7 @@ def _measure_rows(found: OptimisedDesign) -> list[tuple[str, ...]]:
     question = found.question
     places = {one.name: k for k, one in enumerate(question.free)}
     return [
-        (
-            one.words,
-            _write_values(one, one.before),
-            _write_values(one, one.after),
-            *_write_limits(found, one.words),
-        )
+        (one.words, _write_values(one, one.before), _write_values(one, one.after), *_write_limits(found, one.words))
         for one in found.reported
         if one.words not in places
     ]
@@ -119,20 +110,13 @@ def _describe_whole(found: OptimisedDesign) -> Iterator[Block]:
     rows = [_whole_row(one, others, unit) for one in found.held]
     head = (*names, *(one.name for _, one in others), found.question.goal.words, "kept")
     yield DataTable(head, rows, right=range(len(head) - 1))
-    values = ", ".join(
-        f"{one.name} = {v:.4g}" for one, v in zip(free, found.relaxed, strict=True) if one.whole
-    )
+    values = ", ".join(f"{one.name} = {v:.4g}" for one, v in zip(free, found.relaxed, strict=True) if one.whole)
     goal = write_quantity(found.relaxed_goal, unit)
     yield Sentence(f"If nothing had to be whole: {values}, {goal}.")
 
 
-def _whole_row(
-    one: RoundedDesign, others: Sequence[tuple[int, object]], unit: str
-) -> tuple[str, ...]:
-    numbers = [
-        write_quantity(float(f"{one.numbers[k]:.5g}"), getattr(free, "unit", "1"))
-        for k, free in others
-    ]
+def _whole_row(one: RoundedDesign, others: Sequence[tuple[int, object]], unit: str) -> tuple[str, ...]:
+    numbers = [write_quantity(float(f"{one.numbers[k]:.5g}"), getattr(free, "unit", "1")) for k, free in others]
     kept = "yes" if one.kept else f"no, misses {100.0 * one.violation:.2g} %"
     return (*map(str, one.whole), *numbers, write_quantity(float(f"{one.goal:.5g}"), unit), kept)
 
@@ -161,8 +145,7 @@ def _describe_grid(found: OptimisedDesign) -> Iterator[Block]:
         yield Sentence(f"{size}: none of its designs keeps all constraints.")
         return
     best = ", ".join(
-        f"{one.name} {write_quantity(v, one.unit, 5)}"
-        for one, v in zip(question.free, scan.numbers, strict=True)
+        f"{one.name} {write_quantity(v, one.unit, 5)}" for one, v in zip(question.free, scan.numbers, strict=True)
     )
     cells = ", ".join(f"{c:.2g}" for c in scan.cells(np.array(found.z)))
     goal = write_quantity(scan.values[0], question.goal.unit)

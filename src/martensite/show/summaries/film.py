@@ -22,9 +22,7 @@ def summarise_film(report: FilmReport, forms: Sequence[str], origin: str) -> Sum
         origin: where the points come from.
     """
     title = f"h(T) from {len(report.points)} points, {origin}"
-    return Summary(
-        title, list(_describe_film(report, forms)), {"origin": origin} | report.to_dict()
-    )
+    return Summary(title, list(_describe_film(report, forms)), {"origin": origin} | report.to_dict())
 
 
 def _describe_film(report: FilmReport, forms: Sequence[str]) -> Iterator[Block]:
@@ -41,9 +39,7 @@ def _describe_film(report: FilmReport, forms: Sequence[str]) -> Iterator[Block]:
 
 def _tabulate_ambients(report: FilmReport) -> Block:
     if report.ambient is None:
-        return Sentence(
-            "The ambient temperature behind h is not given: what h owes to it is not tested."
-        )
+        return Sentence("The ambient temperature behind h is not given: what h owes to it is not tested.")
     rows = [
         (
             f"{shift.points.ambient:g}",

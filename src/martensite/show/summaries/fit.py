@@ -9,16 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.base import units
 from martensite.base.formats import typeset_unit
-from martensite.base.summary import (
-    Block,
-    BulletList,
-    DataTable,
-    Heading,
-    Notice,
-    Picture,
-    Sentence,
-    Summary,
-)
+from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
 from martensite.fit.compared_outputs import list_compared
 from martensite.fit.fit import Fit
 from martensite.fit.fit_verdicts import describe_predictions, format_error, list_fit_warnings
@@ -29,11 +20,7 @@ from martensite.search.profile import Profile
 from martensite.search.quantity_text import format_number, join_phrases, list_names
 from martensite.show.figures.fit import MOST as PANELS
 from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops
-from martensite.show.figures.fit_knowledge import (
-    plot_correlation,
-    plot_search,
-    plot_singular_values,
-)
+from martensite.show.figures.fit_knowledge import plot_correlation, plot_search, plot_singular_values
 from martensite.show.figures.fit_likelihood import plot_likelihood
 from martensite.show.figures.fit_residuals import MOST as RESIDUALS
 from martensite.show.figures.fit_residuals import plot_fit_residuals
@@ -104,8 +91,7 @@ def _list_pictures(fit: Fit, profiles: Sequence[Profile]) -> dict[str, tuple[Dra
     found: dict[str, tuple[DrawFit, str]] = {
         "measured": (
             plot_fit,
-            "Measured and modelled, over time. What was kept back is tinted."
-            + _count_panels(rows, PANELS),
+            "Measured and modelled, over time. What was kept back is tinted." + _count_panels(rows, PANELS),
         )
     }
     if has_loops(fit):
@@ -123,8 +109,7 @@ def _list_pictures(fit: Fit, profiles: Sequence[Profile]) -> dict[str, tuple[Dra
     if profiles:
         found["likelihoods"] = (
             lambda fit: plot_likelihood(profiles, fit),
-            "How the cost rises if one parameter is held elsewhere and all others follow; shaded: "
-            "the interval.",
+            "How the cost rises if one parameter is held elsewhere and all others follow; shaded: the interval.",
         )
     found["residuals"] = (
         plot_fit_residuals,
@@ -156,9 +141,7 @@ def _describe_verdict(fit: Fit) -> Block:
     """What must be known before a number is used."""
     found = collect_warnings(fit)
     title = "Read this first" if found else "Nothing speaks against these numbers"
-    return Notice(
-        title, _typeset_sentences([*describe_predictions(fit), *found]), warning=bool(found)
-    )
+    return Notice(title, _typeset_sentences([*describe_predictions(fit), *found]), warning=bool(found))
 
 
 def collect_warnings(fit: Fit) -> list[str]:
@@ -217,9 +200,7 @@ def _list_facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
     yield f"Loss: {fit.loss}."
 
 
-def _describe_knowledge(
-    fit: Fit, profiles: Sequence[Profile], posterior: Posterior | None
-) -> Iterator[Block]:
+def _describe_knowledge(fit: Fit, profiles: Sequence[Profile], posterior: Posterior | None) -> Iterator[Block]:
     yield Heading("What the data cannot tell")
     found = [*fit.identifiability.sentences, *fit.uncertainty.sentences]
     yield BulletList(_typeset_sentences(list(dict.fromkeys(found))))

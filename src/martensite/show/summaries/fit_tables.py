@@ -76,9 +76,7 @@ def _write_parameter(fit: Fit, free: FreeNumber) -> tuple[str, ...]:
     spelling = choose_parameter_unit(free, value)
     plain, wide = found.interval(free.name), found.widened(free.name)
     decimals = _choose_decimals(plain, free.unit, spelling)
-    start, *bounds = (
-        _write_number(end, free.unit, spelling, None) for end in (free.start, free.low, free.high)
-    )
+    start, *bounds = (_write_number(end, free.unit, spelling, None) for end in (free.start, free.low, free.high))
     return (
         f"`{free.name}`",
         _write_number(value, free.unit, spelling, decimals),

@@ -33,9 +33,7 @@ def summarise_identified(found: Identified, records: Sequence[Sampled]) -> Summa
     """
     blocks = [block for k in range(len(found.stages)) for block in _describe_stage(found, k)]
     warned = [Sentence(one, "caution") for one in collect_warnings(found, records)]
-    return Summary(
-        "", [*blocks, *_describe_scores(found), *warned], _collect_numbers(found, records)
-    )
+    return Summary("", [*blocks, *_describe_scores(found), *warned], _collect_numbers(found, records))
 
 
 def _describe_stage(found: Identified, k: int) -> Iterator[Block]:
@@ -131,11 +129,7 @@ def collect_warnings(found: Identified, records: Sequence[Sampled]) -> list[str]
             "block can stand for hysteresis. Give --validate a log of another cadence, such as "
             "slow ramps with minor loops."
         )
-    if (
-        any(s is not None for s in found.searches)
-        and "validation" in roles
-        and "other" not in roles
-    ):
+    if any(s is not None for s in found.searches) and "validation" in roles and "other" not in roles:
         said.append(
             "The validation logs chose the structure, so that their fit is no final figure; give "
             "--other a log that nothing has seen."

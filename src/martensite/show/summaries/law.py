@@ -16,9 +16,7 @@ if TYPE_CHECKING:
 COLUMNS = ("path", "leg", "ξ", "transforms", "starts", "half", "ends", "strain", "stress")
 
 
-def summarise_laws(
-    path: str, dressed: Sequence[ConfiguredLaw], results: Sequence[Sequence[PointResult]]
-) -> Summary:
+def summarise_laws(path: str, dressed: Sequence[ConfiguredLaw], results: Sequence[Sequence[PointResult]]) -> Summary:
     """Everything about laws on a path.
 
     Args:
@@ -79,8 +77,7 @@ def _tell_rest(result: PointResult) -> str:
 
 def _list_rows(result: PointResult) -> list[tuple[str, ...]]:
     return [
-        (result.label if i == 0 else "", *_write_stage(i + 1, stage))
-        for i, stage in enumerate(list_stages(result))
+        (result.label if i == 0 else "", *_write_stage(i + 1, stage)) for i, stage in enumerate(list_stages(result))
     ]
 
 

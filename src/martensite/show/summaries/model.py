@@ -10,16 +10,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import DataError
-from martensite.base.summary import (
-    Block,
-    BulletList,
-    DataTable,
-    Heading,
-    Notice,
-    Picture,
-    Sentence,
-    Summary,
-)
+from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
 from martensite.identify.blocks.base import AbstractStatic
 from martensite.identify.chains.uncertainty import ChainUncertainty, measure_coverage
 from martensite.identify.chains.validation import Validation, compare_validations
@@ -55,9 +46,7 @@ def summarise_model(
     return Summary(title or f"Model {chain.name}", blocks, lead=lead)
 
 
-def _describe_model(
-    chain: Chain, validations: Sequence[Validation], found: ChainUncertainty | None
-) -> Iterator[Block]:
+def _describe_model(chain: Chain, validations: Sequence[Validation], found: ChainUncertainty | None) -> Iterator[Block]:
     yield Heading("Scores")
     yield Sentence("All figures are those of free runs: no measured output enters.")
     rows = [row for one in validations for row in _score_rows(one)]
@@ -80,9 +69,7 @@ def _describe_model(
 def _score_rows(one: Validation) -> Iterator[tuple[str, ...]]:
     for score in one.scores:
         unit = one.record.units.get(score.output, "")
-        sizes = (
-            f"{format_number(v, 3)} {unit}".strip() for v in (score.rms, score.maximum, score.bias)
-        )
+        sizes = (f"{format_number(v, 3)} {unit}".strip() for v in (score.rms, score.maximum, score.bias))
         yield score.record, score.output, score.part, f"{score.fit_percent:.2f}", *sizes
 
 
@@ -101,13 +88,9 @@ def _describe_record(k: int, one: Validation, found: ChainUncertainty | None) ->
         held = measure_coverage(band, one.record, one.skip)
         shares = ", ".join(f"{100.0 * share:.1f} %" for share in held)
         yield Sentence(f"The band of 95 % holds {shares} of the samples.")
-    yield Picture(
-        f"record{k}", lambda: plot_model(one, band), "Measured and computed, with the error."
-    )
+    yield Picture(f"record{k}", lambda: plot_model(one, band), "Measured and computed, with the error.")
     yield Picture(f"loop{k}", lambda: plot_model_loop(one), "Output over input.")
-    yield Picture(
-        f"tests{k}", lambda: plot_model_tests(one), "Residuals with themselves and the inputs."
-    )
+    yield Picture(f"tests{k}", lambda: plot_model_tests(one), "Residuals with themselves and the inputs.")
 
 
 def _describe_numbers(found: ChainUncertainty) -> Iterator[Block]:

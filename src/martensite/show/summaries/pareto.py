@@ -20,10 +20,7 @@ def summarise_front(store: Path, table: SweepTable, front: ParetoFront) -> Summa
     """Everything about a front."""
     columns, count = front.columns(table), len(front.runs)
     places = np.unique(np.round(np.linspace(0, count - 1, min(SHOWN, count))).astype(int))
-    rows = [
-        (str(run), *(c.words(float(c.values[run])) for c in columns.values()))
-        for run in front.runs[places]
-    ]
+    rows = [(str(run), *(c.words(float(c.values[run])) for c in columns.values())) for run in front.runs[places]]
     aims = zip(front.goals, front.most, strict=True)
     goals = ", ".join(f"{'most' if most else 'least'} {one.name}" for one, most in aims)
     blocks = [
@@ -61,7 +58,6 @@ def _collect_numbers(store: Path, table: SweepTable, front: ParetoFront) -> dict
         "missing": table.missing,
         "goals": {one.name: "most" if most else "least" for one, most in aims},
         "front": [
-            {"run": int(run), **{name: float(c.values[run]) for name, c in columns.items()}}
-            for run in front.runs
+            {"run": int(run), **{name: float(c.values[run]) for name, c in columns.items()}} for run in front.runs
         ],
     }

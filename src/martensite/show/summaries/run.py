@@ -29,10 +29,7 @@ COMPARED = ("computed - measured", "RMS", "largest", "at", "measured range")
 
 
 def summarise_run(
-    scenario: Scenario,
-    result: Result,
-    agreements: Sequence[Agreement] = (),
-    averaging: Averaging | None = None,
+    scenario: Scenario, result: Result, agreements: Sequence[Agreement] = (), averaging: Averaging | None = None
 ) -> Summary:
     """Everything about a run.
 
@@ -67,9 +64,7 @@ def tabulate_key_results(result: Result) -> DataTable:
     """The few numbers by which runs are compared: strokes, peaks, energies, time beyond limits."""
     beyond = sum(alarm.duration for alarm in result.alarms)
     rows = [*_list_strokes(result), *_list_peaks(result), *_list_energies(result)]
-    return DataTable(
-        ("result", "value"), [*rows, ("time beyond limits", f"{beyond:.4g} s")], right=(1,)
-    )
+    return DataTable(("result", "value"), [*rows, ("time beyond limits", f"{beyond:.4g} s")], right=(1,))
 
 
 def _list_strokes(result: Result) -> Iterator[tuple[str, str]]:
@@ -130,10 +125,7 @@ def _describe_averaging(found: Averaging | None) -> Iterator[Block]:
         return
     names = found.average.outputs
     rows = [
-        (
-            names[name].long_name,
-            *(write_difference(v, names[name].unit) for v in (d.rms, d.largest)),
-        )
+        (names[name].long_name, *(write_difference(v, names[name].unit) for v in (d.rms, d.largest)))
         for name, d in found.differences.items()
     ]
     yield DataTable(AVERAGED, rows, right=(1, 2))

@@ -17,9 +17,7 @@ HOW = {
 }
 
 
-def summarise_sensitivity(
-    store: Path, table: SweepTable, found: Sequence[SensitivityIndices]
-) -> Summary:
+def summarise_sensitivity(store: Path, table: SweepTable, found: Sequence[SensitivityIndices]) -> Summary:
     """Everything about what the measures of a sweep depend on."""
     data = {
         "store": str(store),

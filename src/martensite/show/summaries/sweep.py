@@ -34,10 +34,7 @@ def summarise_sweep(plan: SweepPlan, store: Store, progress: Progress) -> Summar
     warned = (*_tell_failures(plan, store), *progress.remarks)
     blocks = [
         DataTable(("measure", *SPREAD), rows, right=(1, 2, 3)),
-        Sentence(
-            f"{progress.done:,} of {plan.size:,} runs, {progress.made:,} of them now, "
-            f"{_tell_steps(plan, store)}"
-        ),
+        Sentence(f"{progress.done:,} of {plan.size:,} runs, {progress.made:,} of them now, {_tell_steps(plan, store)}"),
         *(Sentence(one) for one in _tell_effort(progress)),
         *(Sentence(f"Caution: {one}", "caution") for one in plan.cautions()),
         *(Sentence(f"Warning: {one}", "caution") for one in warned),
@@ -57,10 +54,7 @@ def _tell_steps(plan: SweepPlan, store: Store) -> str:
     if course.step is not None:
         return f"in steps of at most {course.step:.3g} s on `{course.runtime}`"
     worst = compute_spread(store, ACCURACY)[2]
-    return (
-        f"to a tolerance of {course.tolerance:.1e} on `{course.runtime}`; accuracy {worst:.1e} "
-        "of range, or better"
-    )
+    return f"to a tolerance of {course.tolerance:.1e} on `{course.runtime}`; accuracy {worst:.1e} of range, or better"
 
 
 def _tell_failures(plan: SweepPlan, store: Store) -> Iterator[str]:
@@ -92,10 +86,7 @@ def _collect_numbers(plan: SweepPlan, store: Store, progress: Progress) -> dict[
         "accuracy": None if course.step else compute_spread(store, ACCURACY)[2],
         "runtime": course.runtime,
         "status": {s.name.lower(): counts[s] for s in Status},
-        "measures": {
-            words: dict(zip(SPREAD, compute_spread(store, words), strict=True))
-            for words in plan.measures
-        },
+        "measures": {words: dict(zip(SPREAD, compute_spread(store, words), strict=True)) for words in plan.measures},
         "cautions": plan.cautions(),
         "remarks": progress.remarks,
     }

@@ -32,9 +32,7 @@ def summarise_tangents(found: TangentFit | TangentPoints) -> Summary:
     """Everything about one cycle, or about several together."""
     levels = found.levels if isinstance(found, TangentFit) else [found]
     title = f"Tangents of {len(levels)} isobaric cycle{'s' * (len(levels) > 1)}"
-    blocks: list[Block] = [
-        DataTable(POINTS, [_point_row(one) for one in levels], right=range(len(POINTS) - 1))
-    ]
+    blocks: list[Block] = [DataTable(POINTS, [_point_row(one) for one in levels], right=range(len(POINTS) - 1))]
     if isinstance(found, TangentFit):
         blocks.append(DataTable(FOUND, list(_estimate_rows(found)), right=(1, 2)))
         data = found.to_dict()
@@ -47,10 +45,7 @@ def summarise_tangents(found: TangentFit | TangentPoints) -> Summary:
 
 
 def _point_row(points: TangentPoints) -> tuple[str, ...]:
-    temperatures = (
-        f"{getattr(points, name) - ZERO:.2f}"
-        for name in ("A_s", "A_f", "A_half", "M_s", "M_f", "M_half")
-    )
+    temperatures = (f"{getattr(points, name) - ZERO:.2f}" for name in ("A_s", "A_f", "A_half", "M_s", "M_f", "M_half"))
     strains = (f"{100.0 * e:.3f}" for e in (points.H, points.residual_strain, points.stroke))
     return (f"{points.stress / 1e6:.4g}", *temperatures, *strains, points.name)
 
@@ -68,9 +63,7 @@ def _estimate_rows(fit: TangentFit) -> list[tuple[str, ...]]:
     ]
     for name, one in (("C_A", fit.reverse), ("C_M", fit.forward)):
         meaning = f"common slope of {one.names[0]} and {one.names[1]}"
-        rows.append(
-            _write_numbers(name, one.slope, one.slope_interval(), "MPa/K", 1e6, 0.0, meaning)
-        )
+        rows.append(_write_numbers(name, one.slope, one.slope_interval(), "MPa/K", 1e6, 0.0, meaning))
     rows.append(_write_estimate("eps_L", fit.eps_L, "%", 0.01, 0.0, "mean transformation strain"))
     form = fit.strain
     if form.H_k is not None:
@@ -86,13 +79,7 @@ def _estimate_rows(fit: TangentFit) -> list[tuple[str, ...]]:
 
 
 def _write_estimate(
-    name: str,
-    found: MeasuredValue,
-    unit: str,
-    factor: float,
-    zero: float,
-    meaning: str,
-    digits: str = ".4g",
+    name: str, found: MeasuredValue, unit: str, factor: float, zero: float, meaning: str, digits: str = ".4g"
 ) -> tuple[str, ...]:
     interval = found.interval()
     return _write_numbers(name, found.value, interval, unit, factor, zero, meaning, digits)

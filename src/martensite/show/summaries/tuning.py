@@ -76,10 +76,7 @@ def _describe_tests(found: TuningOutcome) -> Iterator[Block]:
     cycle = found.tests.cycle
     if cycle is not None:
         steady = "" if cycle.steady else ", not steady"
-        yield Sentence(
-            f"relay: K_u {cycle.gain:.4g}, P_u {cycle.period:.4g} s, off/on "
-            f"{cycle.asymmetry:.3g}{steady}"
-        )
+        yield Sentence(f"relay: K_u {cycle.gain:.4g}, P_u {cycle.period:.4g} s, off/on {cycle.asymmetry:.3g}{steady}")
 
 
 def _table_rows(found: TuningOutcome) -> list[tuple[str, str, str]]:

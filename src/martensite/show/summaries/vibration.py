@@ -42,9 +42,7 @@ class Oscillator:
         return {}
 
 
-def summarise_vibration(
-    peak: SpectralPeak, fit: LogDecrement, oscillator: Oscillator, title: str
-) -> Summary:
+def summarise_vibration(peak: SpectralPeak, fit: LogDecrement, oscillator: Oscillator, title: str) -> Summary:
     """Everything about a free vibration."""
     derived = oscillator.derive_numbers(fit)
     found = [

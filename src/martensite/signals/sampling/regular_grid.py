@@ -105,9 +105,7 @@ def pieces_of_record(
         raise DataError(f"Record `{record.name}` has no two rows with inputs within {longest:g} s.")
     step = interval
     if step is None:
-        step = min(
-            _find_grid(np.asarray(record.times)[p[0] : p[-1] + 1], None).interval for p in parts
-        )
+        step = min(_find_grid(np.asarray(record.times)[p[0] : p[-1] + 1], None).interval for p in parts)
     return tuple(
         from_record(_select_rows(record, part, k, len(parts)), inputs, outputs, step, units)
         for k, part in enumerate(parts, start=1)
@@ -214,9 +212,7 @@ def _round_interval(interval: float, rows: int) -> float:
     return interval
 
 
-def _on_grid(
-    times: Numbers, u: Numbers, y: Numbers, grid: _Grid
-) -> tuple[tuple[Numbers, Numbers], list[str]]:
+def _on_grid(times: Numbers, u: Numbers, y: Numbers, grid: _Grid) -> tuple[tuple[Numbers, Numbers], list[str]]:
     """Inputs and outputs on the grid, and what was done for it."""
     if grid.places is None:
         return _interpolate_record(times, u, y, grid.interval)
@@ -228,8 +224,7 @@ def _on_grid(
     before = np.searchsorted(grid.places, np.arange(count), side="right") - 1
     gaps = sum(int(b - a > 1) for a, b in pairwise(grid.places))
     remark = (
-        f"{count - len(times)} rows in {gaps} gaps are missing; inputs are held over them, "
-        "outputs are missing there."
+        f"{count - len(times)} rows in {gaps} gaps are missing; inputs are held over them, outputs are missing there."
     )
     return (u[before], outputs), [remark]
 

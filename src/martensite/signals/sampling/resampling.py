@@ -20,9 +20,7 @@ NEAR = 1e-9
 """Relative rounding that is forgiven where samples are counted."""
 
 
-def resample_record(
-    record: Sampled, interval: float | None = None, *, ratio: float | None = None
-) -> Sampled:
+def resample_record(record: Sampled, interval: float | None = None, *, ratio: float | None = None) -> Sampled:
     """The record at another sample time.
 
     Args:
@@ -82,9 +80,7 @@ def _refine_samples(record: Sampled, factor: float) -> tuple[Numbers, Numbers]:
     return record.inputs[left], np.where(exact, record.outputs[left], between)
 
 
-def split_record(
-    record: Sampled, *, share: float | None = None, time: float | None = None
-) -> tuple[Sampled, Sampled]:
+def split_record(record: Sampled, *, share: float | None = None, time: float | None = None) -> tuple[Sampled, Sampled]:
     """The record before and after a moment, as two records.
 
     Args:
@@ -123,13 +119,9 @@ def collect_experiments(*records: Sampled) -> tuple[Sampled, ...]:
     for record in records[1:]:
         fault = _describe_misfit(first, record)
         if fault:
-            raise DataError(
-                f"Records `{first.name}` and `{record.name}` cannot be fitted together: {fault}."
-            )
+            raise DataError(f"Records `{first.name}` and `{record.name}` cannot be fitted together: {fault}.")
     return tuple(
-        replace(r, name=f"{r.name} ({names[: k + 1].count(r.name)})")
-        if names.count(r.name) > 1
-        else r
+        replace(r, name=f"{r.name} ({names[: k + 1].count(r.name)})") if names.count(r.name) > 1 else r
         for k, r in enumerate(records)
     )
 
@@ -168,9 +160,7 @@ def select_signals(record: Sampled, inputs: Sequence[str], outputs: Sequence[str
     known |= dict(zip(record.input_names, record.inputs.T, strict=True))
     for name in (*inputs, *outputs):
         if name not in known:
-            raise DataError(
-                f"Record `{record.name}` has no signal `{name}`. {suggest_name(name, known)}"
-            )
+            raise DataError(f"Record `{record.name}` has no signal `{name}`. {suggest_name(name, known)}")
     remarks = list(record.remarks)
     columns = [_bridge_gaps(record.name, name, known[name], remarks) for name in inputs]
     return replace(

@@ -63,10 +63,7 @@ class Sampled:
                 f"sample {bad}; fill or cut them first."
             )
         if not self.interval > 0.0:
-            raise DataError(
-                f"The sample time of record `{self.name}` must be above 0 s, but is "
-                f"{self.interval} s."
-            )
+            raise DataError(f"The sample time of record `{self.name}` must be above 0 s, but is {self.interval} s.")
 
     def __len__(self) -> int:
         """Number of samples."""

@@ -77,9 +77,7 @@ def find_trend(record: Sampled, kind: str = "mean", rest: float | None = None) -
     return Trend(levels[:n], levels[n:], slopes[:n], slopes[n:])
 
 
-def remove_trend(
-    record: Sampled, kind: str = "mean", rest: float | None = None
-) -> tuple[Sampled, Trend]:
+def remove_trend(record: Sampled, kind: str = "mean", rest: float | None = None) -> tuple[Sampled, Trend]:
     """A record without its trend, and the trend, which puts it back."""
     found = find_trend(record, kind, rest)
     return found.remove_from(record), found

@@ -78,9 +78,7 @@ class AbstractMeasure(Parametrised):
         return self.unit(system.outputs()[self.columns(system)[0]].unit)
 
 
-MEASURES: Registry[AbstractMeasure] = Registry(
-    "measure", "martensite.simulate.measures", typical="max"
-)
+MEASURES: Registry[AbstractMeasure] = Registry("measure", "martensite.simulate.measures", typical="max")
 
 
 def parse_measure(words: str) -> AbstractMeasure:
@@ -92,8 +90,7 @@ def parse_measure(words: str) -> AbstractMeasure:
     found = _CALL.match(words)
     if found is None:
         raise ParameterError(
-            f"`{words}` is no measure; write a name, such as `stroke`, or a name and an output, "
-            "such as `max(stress)`."
+            f"`{words}` is no measure; write a name, such as `stroke`, or a name and an output, such as `max(stress)`."
         )
     return MEASURES[found[1]](**_parse_options(found[2] or ""))
 
@@ -114,9 +111,7 @@ def list_needed(measures: Iterable[AbstractMeasure], system: AbstractSystem) -> 
     return tuple(dict.fromkeys(n for one in measures for n in one.columns(system)))
 
 
-def judge_runs(
-    one: AbstractMeasure, system: AbstractSystem, times: Numbers, columns: Mapping[str, Numbers]
-) -> Numbers:
+def judge_runs(one: AbstractMeasure, system: AbstractSystem, times: Numbers, columns: Mapping[str, Numbers]) -> Numbers:
     """The number of every run, from columns (runs, samples) by name."""
     seen = np.stack([columns[name].T for name in one.columns(system)])
     return one.value(times, seen)

@@ -124,9 +124,7 @@ def _take_sample(samples: Numbers, place: Places) -> Numbers:
 
 def _add_sample(samples: Numbers, place: Places, more: Numbers) -> None:
     """Add to one sample of every column and run."""
-    np.put_along_axis(
-        samples, place[:, None], (_take_sample(samples, place) + more)[:, None], axis=1
-    )
+    np.put_along_axis(samples, place[:, None], (_take_sample(samples, place) + more)[:, None], axis=1)
 
 
 def _measure_lasting(begin: Crossing, end: Crossing) -> Numbers:

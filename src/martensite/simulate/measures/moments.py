@@ -36,8 +36,7 @@ class At(AbstractMeasure):
         when = min(self.time, float(times[-1])) if math.isinf(self.time) else self.time
         if when > times[-1] * (1.0 + 1e-12):
             raise ParameterError(
-                f"`{self.registered_name}` looks at {when:.6g} s, but the run ends at "
-                f"{times[-1]:.6g} s."
+                f"`{self.registered_name}` looks at {when:.6g} s, but the run ends at {times[-1]:.6g} s."
             )
         found = np.maximum(1.0 - np.abs(times - when) / _measure_gaps(times, when), 0.0)
         return np.broadcast_to(found[None, :, None], seen.shape)

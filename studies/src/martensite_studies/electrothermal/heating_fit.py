@@ -49,14 +49,10 @@ def build_experiment(offset: float) -> Experiment:
     seen = fit_shape("mixture", offset)
     values = {name: seen[name] for name in ("rho_A", "rho_M")}
     record = Record(
-        "run 5",
-        {"time": compared_column("time"), "current": compared_column("current")},
-        {"time": "s", "current": "A"},
+        "run 5", {"time": compared_column("time"), "current": compared_column("current")}, {"time": "s", "current": "A"}
     )
     volts = load_staircase().table["set_point"]
-    waveform = Staircase(
-        first=volts[0] - offset, increment=volts[1] - volts[0], hold=32.0, count=len(volts)
-    )
+    waveform = Staircase(first=volts[0] - offset, increment=volts[1] - volts[0], hold=32.0, count=len(volts))
     return Experiment(
         "run 5",
         base.with_parts(environment=environment).with_values(values),
@@ -82,9 +78,7 @@ def fit_heating(offset: float) -> Fit:
     points = [[*first.start[:2], first.free[2].share(h)] for h in films]
     costs = first.costs(points)
     best = films[min(range(_COUNT), key=lambda k: float(costs[k]))]
-    return solve_problem(
-        build_problem([one], ["rho_A", "rho_M", SearchRange("h", *_FILM, start=best)])
-    )
+    return solve_problem(build_problem([one], ["rho_A", "rho_M", SearchRange("h", *_FILM, start=best)]))
 
 
 @cache
@@ -97,14 +91,9 @@ def apparent_films(offset: float) -> list[float]:
     """h that closes the balance with the temperature of the camera, plateau by plateau."""
     element = model.get_wire()
     surface = math.pi * float(element.diameter) * float(element.length)
-    ambient, resistance = (
-        model.read_number("environment.temperature"),
-        load_staircase().resistances(offset),
-    )
+    ambient, resistance = (model.read_number("environment.temperature"), load_staircase().resistances(offset))
     table = load_staircase().table
     return [
-        table["current"][i] ** 2
-        * resistance[i]
-        / (surface * (table["apparent_temperature"][i] - ambient))
+        table["current"][i] ** 2 * resistance[i] / (surface * (table["apparent_temperature"][i] - ambient))
         for i in compared_places()
     ]

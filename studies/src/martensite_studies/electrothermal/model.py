@@ -36,8 +36,7 @@ ZERO = 273.15
 """0 °C [K]."""
 VARIANTS = {
     "maker": "resistivities of sheet F1140, free convection: nothing fitted",
-    "material": "resistivities of material `flexinol-90`, which were read off this record, "
-    "free convection",
+    "material": "resistivities of material `flexinol-90`, which were read off this record, free convection",
     "calibrated": "two resistivities and an apparent h from this record",
 }
 _TOLERANCE = 1e-3
@@ -85,9 +84,7 @@ def film_coefficient(cooling: AbstractCooling, temperature: float) -> float:
 def free_films() -> tuple[float, float]:
     """h of free convection half-way: a horizontal and a vertical wire [W/(m² K)]."""
     at = half_way_temperature()
-    return film_coefficient(
-        load_scenario().single_system.environment.cooling, at
-    ), film_coefficient(LeFevreEde(), at)
+    return film_coefficient(load_scenario().single_system.environment.cooling, at), film_coefficient(LeFevreEde(), at)
 
 
 def calibrate_model(staircase: RecordStaircase) -> RecordCalibration:
@@ -114,9 +111,7 @@ def build_system(key: str, stated: Printed, calibration: RecordCalibration | Non
 
 
 @cache
-def predict_plateaus(
-    key: str, stated: Printed, calibration: RecordCalibration | None = None
-) -> Record:
+def predict_plateaus(key: str, stated: Printed, calibration: RecordCalibration | None = None) -> Record:
     """Plateaus of a simulated staircase: drive [V], current, resistance, temperature, fraction."""
     run = simulate(
         build_system(key, stated, calibration),

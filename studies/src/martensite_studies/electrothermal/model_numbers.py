@@ -34,8 +34,7 @@ def compute_model(stated: Printed) -> dict[str, Any]:
         "film_horizontal": horizontal,
         "film_vertical": vertical,
         "differences": [
-            {"key": key, "meaning": meaning}
-            | ({"rms": compute_rms(key, stated)} if with_record else {})
+            {"key": key, "meaning": meaning} | ({"rms": compute_rms(key, stated)} if with_record else {})
             for key, meaning in model.VARIANTS.items()
         ],
     } | (compute_calibrated(stated) if with_record else {})
@@ -57,6 +56,4 @@ def compute_calibrated(stated: Printed) -> dict[str, float]:
 def compute_rms(key: str, stated: Printed) -> float:
     """Resistance of a variant less that of the record, root mean square [ohm]."""
     fitted = calibrate_numbers(stated) if key == "calibrated" else None
-    return model.resistance_rms(
-        model.predict_plateaus(key, stated, fitted), RecordStaircase(stated), *KEPT
-    )
+    return model.resistance_rms(model.predict_plateaus(key, stated, fitted), RecordStaircase(stated), *KEPT)

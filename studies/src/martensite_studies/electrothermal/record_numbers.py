@@ -49,8 +49,4 @@ def compute_run_5(stated: Printed) -> dict[str, float]:
 def compute_trained() -> dict[str, float]:
     """Offset and slopes of the trained wire."""
     mild, steep = record.trained_slopes(MILD, STEEP)
-    return {
-        "trained_offset": mild.offset,
-        "trained_slope_low": mild.resistance,
-        "trained_slope_high": steep.resistance,
-    }
+    return {"trained_offset": mild.offset, "trained_slope_low": mild.resistance, "trained_slope_high": steep.resistance}

@@ -87,26 +87,13 @@ def fit_curve(fit: Any) -> tuple[list[float], list[float]]:
 def over_offset(axes: Any, stated: Printed) -> None:
     """ρ_M - ρ_A over the offset of the supply, for every shape, with its best offset."""
     axes.axvspan(
-        fitting.LOWER,
-        fitting.UPPER,
-        color=SIMULATED,
-        alpha=0.14,
-        linewidth=0.0,
-        label="offsets of the record",
+        fitting.LOWER, fitting.UPPER, color=SIMULATED, alpha=0.14, linewidth=0.0, label="offsets of the record"
     )
     axes.axvline(stated.offset, color=QUIET, linewidth=0.8)
     for shape in LOOKS:
         _draw_difference(axes, shape)
     material = _SCALE * (stated.rho_M - stated.rho_A)
-    axes.plot(
-        [stated.offset],
-        [material],
-        "s",
-        color=HEATING,
-        markersize=5.0,
-        label="material `flexinol-90`",
-        zorder=5,
-    )
+    axes.plot([stated.offset], [material], "s", color=HEATING, markersize=5.0, label="material `flexinol-90`", zorder=5)
     label_axes(
         axes,
         "how much more martensite resists, over the offset",
@@ -121,9 +108,7 @@ def over_offset(axes: Any, stated: Printed) -> None:
 def _draw_difference(axes: Any, shape: str) -> None:
     """The line of one shape; the plain mixture and the last one have the band of their scatter."""
     label, colour, dashes = LOOKS[shape]
-    found = [
-        fitting.resistivity_difference(fitting.fit_shape(shape, offset)) for offset in _OFFSETS
-    ]
+    found = [fitting.resistivity_difference(fitting.fit_shape(shape, offset)) for offset in _OFFSETS]
     middle = [_SCALE * value for value, _ in found]
     axes.plot(_OFFSETS, middle, color=colour, linestyle=dashes, label=label, linewidth=1.5)
     if shape != "austenite":

@@ -52,11 +52,7 @@ T_RHO = 340.0
 """Where the resistivities hold [K]: at the drop, 67 °C."""
 NU = 0.33
 """Poisson's ratio of the maker's sheet; of effect where there is strain."""
-SHAPES = {
-    "mixture": (),
-    "austenite": ("a_rho_A",),
-    "both": ("a_rho_A", "a_rho_M"),
-}
+SHAPES = {"mixture": (), "austenite": ("a_rho_A",), "both": ("a_rho_A", "a_rho_M")}
 """Shape of R(ξ, T) -> temperature coefficients that are free; the first has none at all."""
 STRAINED = "strained"
 """The geometry of the strained wire beside the resistivities: ε_L free, ν given."""
@@ -103,14 +99,9 @@ def build_experiment(shape: str, offset: float, place: int = PLACE) -> Experimen
         place: of the plateaus that are kept back, in their groups.
     """
     resistance = [load_staircase().resistances(offset)[i] for i in compared_places()]
-    columns = {
-        "time": compared_column("time"),
-        "temperature": compared_column("apparent_temperature"),
-    }
+    columns = {"time": compared_column("time"), "temperature": compared_column("apparent_temperature")}
     record = Record(
-        "run 5",
-        columns | {"resistance": resistance},
-        {"time": "s", "temperature": "K", "resistance": "ohm"},
+        "run 5", columns | {"resistance": resistance}, {"time": "s", "temperature": "K", "resistance": "ohm"}
     )
     return Experiment(
         "run 5",
@@ -132,9 +123,7 @@ def _build_system(shape: str, offset: float) -> Any:
     resistivities = {"rho_A": stated.rho_A, "rho_M": stated.rho_M}
     resistance: Any = MixtureResistance(**resistivities)
     if shape != "mixture":
-        resistance = FurstSeeleckeResistance(
-            **resistivities, a_rho_A=0.0, a_rho_M=0.0, T_rho=T_RHO, nu=NU
-        )
+        resistance = FurstSeeleckeResistance(**resistivities, a_rho_A=0.0, a_rho_M=0.0, T_rho=T_RHO, nu=NU)
     values = {"eps_L": _UNSTRAINED}
     if shape == STRAINED:
         values = {name: fit_shape("mixture", offset)[name] for name in ("A_s", "A_f")}
@@ -156,9 +145,7 @@ def list_search_ranges(shape: str) -> list[SearchRange]:
 @cache
 def fit_shape(shape: str, offset: float, place: int = PLACE) -> Fit:
     """The fit of one shape of R with one offset of the supply."""
-    return solve_problem(
-        build_problem([build_experiment(shape, offset, place)], list_search_ranges(shape))
-    )
+    return solve_problem(build_problem([build_experiment(shape, offset, place)], list_search_ranges(shape)))
 
 
 def fitted_resistances(fit: Fit, temperatures: Sequence[float]) -> list[float]:

@@ -36,9 +36,7 @@ def compute_fits(stated: Printed) -> dict[str, float]:
     fit = fitting.fit_shape("mixture", stated.offset)
     offsets = {"": stated.offset, "_lower": fitting.LOWER, "_upper": fitting.UPPER}
     differences = {
-        f"fit_difference{shape_name}{name}": fitting.resistivity_difference(
-            fitting.fit_shape(shape, offset)
-        )[0]
+        f"fit_difference{shape_name}{name}": fitting.resistivity_difference(fitting.fit_shape(shape, offset))[0]
         for shape, shape_name in (("mixture", ""), ("both", "_slopes"))
         for name, offset in offsets.items()
     }
@@ -59,9 +57,7 @@ def compute_fits(stated: Printed) -> dict[str, float]:
 
 def compute_shapes(stated: Printed) -> dict[str, float]:
     """How much better a resistance that grows with temperature does."""
-    fits = {
-        name: fitting.fit_shape(name, stated.offset) for name in ("mixture", "austenite", "both")
-    }
+    fits = {name: fitting.fit_shape(name, stated.offset) for name in ("mixture", "austenite", "both")}
     plain = fitting.akaike_criterion(fits["mixture"])
     found = {f"left_out_{name}": fitting.predicted_rms(name, stated.offset) for name in fits}
     return found | {

@@ -75,12 +75,7 @@ def power_trapezoid(watts: float, printed: Printed) -> Table:
 
 @cache
 def run_bending(
-    watts: float,
-    offset: float,
-    printed: Printed,
-    arm: float | None = None,
-    law: Law = SINGLE,
-    step: float = STEP,
+    watts: float, offset: float, printed: Printed, arm: float | None = None, law: Law = SINGLE, step: float = STEP
 ) -> Result:
     """The trapezoid at a power [W], for a wire at r = `offset` and a spring at a = `arm` [m]."""
     places = {"mechanism.offset": offset} | ({} if arm is None else {"mechanism.arm": arm})
@@ -107,19 +102,12 @@ def rise_time(result: Result, share: float, printed: Printed) -> float:
     """Time after the power starts at which a share of the final angle is reached [s]."""
     level = share * math.radians(top_angle(result, printed))
     last = round(printed.fall / result.times[-1] * (len(result.times) - 1))
-    return (
-        passing_time(result.times[: last + 1], result.columns["angle"][: last + 1], level)
-        - printed.start
-    )
+    return passing_time(result.times[: last + 1], result.columns["angle"][: last + 1], level) - printed.start
 
 
 @cache
 def run_loop(
-    frequency: float,
-    arm: float | None,
-    printed: Printed,
-    values: tuple[tuple[str, float], ...] = (),
-    law: Law = SINGLE,
+    frequency: float, arm: float | None, printed: Printed, values: tuple[tuple[str, float], ...] = (), law: Law = SINGLE
 ) -> Result:
     """Two periods of a raised cosine from 0 to 2 W at r = 1.5 mm."""
     places = {"mechanism.offset": printed.offsets[0]} | dict(values)
@@ -128,9 +116,7 @@ def run_loop(
     wave = Sine(low=0.0, high=max(printed.powers), frequency=frequency)
     system = build_finger(law, tuple(places.items()))
     step = 0.05 * printed.frequency / frequency
-    return simulate(
-        system, wave, 2.0 / frequency, step=step, samples=2001, runtime=choose_runtime()
-    )
+    return simulate(system, wave, 2.0 / frequency, step=step, samples=2001, runtime=choose_runtime())
 
 
 def loop_width(result: Result) -> float:
@@ -148,9 +134,7 @@ def loop_width(result: Result) -> float:
 @cache
 def steady_temperature(watts: float, printed: Printed) -> float:
     """Temperature long after switching on a power [W], simulated [K]."""
-    run = simulate(
-        build_finger(), Constant(level=watts), 60.0, step=STEP, samples=61, runtime=choose_runtime()
-    )
+    run = simulate(build_finger(), Constant(level=watts), 60.0, step=STEP, samples=61, runtime=choose_runtime())
     return run["temperature"][-1]
 
 
@@ -160,9 +144,7 @@ def energy_imbalance(result: Result, values: Mapping[str, float]) -> float:
     In: electrical work. Out: heat lost, heat stored, latent heat, by trapezoids of the samples.
     """
     times = result.times
-    gain = [
-        p - q for p, q in zip(result.columns["power"], result.columns["heat_loss"], strict=True)
-    ]
+    gain = [p - q for p, q in zip(result.columns["power"], result.columns["heat_loss"], strict=True)]
     put = _integrate_power(times, result.columns["power"])
     mass, capacity, latent = (values[name] for name in ("mass", "heat_capacity", "latent_heat"))
     warmer = result["temperature"][-1] - result["temperature"][0]
@@ -182,9 +164,7 @@ def full_stroke(offset: float, arm: float, printed: Printed) -> float:
     ε_0 - 2 n ΔL/l = σ/E_A, with the stress of the spring at that angle.
     """
     system = build_finger(SINGLE, (("mechanism.offset", offset), ("mechanism.arm", arm)))
-    g, k, extension = (
-        system.value_of(f"mechanism.{name}") for name in ("bracket", "stiffness", "extension")
-    )
+    g, k, extension = (system.value_of(f"mechanism.{name}") for name in ("bracket", "stiffness", "extension"))
     section, E_A = get_wire().section(), system.value_of("E_A")
 
     def stress(angle: float) -> float:

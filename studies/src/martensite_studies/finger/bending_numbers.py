@@ -22,10 +22,7 @@ def compute_bending(printed: Printed) -> dict[str, Any]:
     """Trend and angles first, then thresholds, times, energy and what the numbers hang on."""
     arm = bench.build_finger().value_of("mechanism.arm")
     low, high = printed.powers
-    run, wire = (
-        bench.run_bending(max(printed.powers), printed.offsets[0], printed),
-        bench.get_wire(),
-    )
+    run, wire = (bench.run_bending(max(printed.powers), printed.offsets[0], printed), bench.get_wire())
     heats = {name: getattr(wire, name) for name in ("heat_capacity", "latent_heat")}
     return {
         "count": float(len(printed.powers)),
@@ -36,9 +33,7 @@ def compute_bending(printed: Printed) -> dict[str, Any]:
         "trend_safe": count_falls(printed, bench.SAFE_ARM),
         "trend_far": count_falls(printed, bench.FAR_ARM),
         "ends": [{"watts": w, "end": 1e3 * last_arm(w, printed)} for w in printed.powers],
-        "angles": [
-            _list_angle(watts, r, arm, printed) for r in printed.offsets for watts in printed.powers
-        ],
+        "angles": [_list_angle(watts, r, arm, printed) for r in printed.offsets for watts in printed.powers],
         "limited": [_list_limit(watts, printed) for watts in printed.powers],
         "low": low,
         "high": high,
@@ -52,9 +47,7 @@ def compute_bending(printed: Printed) -> dict[str, Any]:
 
 def top_angles(watts: float, printed: Printed, arm: float | None = None) -> list[float]:
     """Angles at the end of the full power, one for each r [°]."""
-    return [
-        bench.top_angle(bench.run_bending(watts, r, printed, arm), printed) for r in printed.offsets
-    ]
+    return [bench.top_angle(bench.run_bending(watts, r, printed, arm), printed) for r in printed.offsets]
 
 
 def angles_fall(watts: float, printed: Printed, arm: float | None = None) -> bool:
@@ -94,26 +87,15 @@ def _list_limit(watts: float, printed: Printed) -> dict[str, float]:
     """With the spring far out the wire stops at its threshold."""
     r = printed.offsets[-1]
     run = bench.run_bending(watts, r, printed, bench.FAR_ARM)
-    stress, kelvin = (
-        bench.column_at(run, name, printed.fall) for name in ("stress", "temperature")
-    )
+    stress, kelvin = (bench.column_at(run, name, printed.fall) for name in ("stress", "temperature"))
     threshold = wire_numbers.threshold_stress(kelvin) - bench.build_finger().value_of("Delta_sigma")
-    return {
-        "watts": watts,
-        "r": 1e3 * r,
-        "threshold": threshold / 1e6,
-        "stress": stress / 1e6,
-        "kelvin": kelvin,
-    }
+    return {"watts": watts, "r": 1e3 * r, "threshold": threshold / 1e6, "stress": stress / 1e6, "kelvin": kelvin}
 
 
 def _list_rise(r: float, printed: Printed) -> dict[str, float]:
     """Times of the rise at both powers and a distance r [m]."""
     slow, quick = (bench.run_bending(watts, r, printed) for watts in printed.powers)
-    spans = [
-        bench.rise_time(run, 0.9, printed) - bench.rise_time(run, 0.1, printed)
-        for run in (slow, quick)
-    ]
+    spans = [bench.rise_time(run, 0.9, printed) - bench.rise_time(run, 0.1, printed) for run in (slow, quick)]
     return {
         "r": 1e3 * r,
         "ratio": spans[0] / spans[1],

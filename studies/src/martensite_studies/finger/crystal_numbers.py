@@ -22,18 +22,14 @@ def compute_crystal(printed: Printed) -> dict[str, Any]:
     return {
         "middle_r": 1e3 * printed.offsets[1],
         "polycrystal": [_list_polycrystal(watts, printed) for watts in printed.powers],
-        "apart": [
-            _list_difference(printed, "crystals", None),
-            _list_difference(printed, "crystals-12mm", OUTER_ARM),
-        ],
+        "apart": [_list_difference(printed, "crystals", None), _list_difference(printed, "crystals-12mm", OUTER_ARM)],
     }
 
 
 def _list_polycrystal(watts: float, printed: Printed) -> dict[str, Any]:
     """Angles of a polycrystal at all r."""
     angles = [
-        bench.top_angle(bench.run_bending(watts, r, printed, None, bench.POLYCRYSTAL), printed)
-        for r in printed.offsets
+        bench.top_angle(bench.run_bending(watts, r, printed, None, bench.POLYCRYSTAL), printed) for r in printed.offsets
     ]
     listed = ", ".join(f"{angle:.1f}°" for angle in angles)
     return {"watts": watts, "angle": angles[1], "listed": listed}

@@ -12,13 +12,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from martensite.show.figures.labels import typeset_symbol
-from martensite.show.figures.style import (
-    HEATING,
-    INK,
-    MEASURED,
-    QUIET,
-    SIMULATED,
-)
+from martensite.show.figures.style import HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite_studies.figures import add_right_axis, draw_page, label_axes
 from martensite_studies.finger import bench, bending_numbers, crystal_numbers, loop_numbers
 from martensite_studies.tables import Printed
@@ -42,14 +36,7 @@ def draw_figure(printed: Printed) -> Figure:
         "quasi-static, power in the whole wire; place of spring and brackets are assumed",
     ) as figure:
         left, right = figure.add_gridspec(
-            1,
-            2,
-            left=0.055,
-            right=0.985,
-            top=0.9,
-            bottom=0.075,
-            width_ratios=(1.0, 1.15),
-            wspace=0.24,
+            1, 2, left=0.055, right=0.985, top=0.9, bottom=0.075, width_ratios=(1.0, 1.15), wspace=0.24
         )
         rows = left.subgridspec(3, 1, height_ratios=(1.0, 1.0, 0.55), hspace=0.28)
         first = figure.add_subplot(rows[0])
@@ -107,13 +94,7 @@ def _draw_loop(axes: Any, printed: Printed) -> None:
     frequency = printed.frequency
     looks = (
         (frequency, (), SIMULATED, "solid", f"{frequency:g} Hz"),
-        (
-            loop_numbers.SLOW * frequency,
-            (),
-            HEATING,
-            "solid",
-            f"{loop_numbers.SLOW * frequency:g} Hz",
-        ),
+        (loop_numbers.SLOW * frequency, (), HEATING, "solid", f"{loop_numbers.SLOW * frequency:g} Hz"),
         (frequency, bench.STATIC, INK, DASHED, "no stored heat"),
     )
     for f, values, colour, style, label in looks:
@@ -140,10 +121,7 @@ def _draw_crystals(axes: Any, printed: Printed) -> None:
     powers, r = crystal_numbers.MIDDLE, printed.offsets[1]
     here = bench.build_finger().value_of("mechanism.arm")
     for arm, style in ((None, "solid"), (crystal_numbers.OUTER_ARM, DASHED)):
-        for law, colour, name in (
-            (bench.SINGLE, SIMULATED, "single"),
-            (bench.POLYCRYSTAL, HEATING, "poly"),
-        ):
+        for law, colour, name in ((bench.SINGLE, SIMULATED, "single"), (bench.POLYCRYSTAL, HEATING, "poly")):
             runs = [bench.run_bending(watts, r, printed, arm, law) for watts in powers]
             axes.plot(
                 powers,
@@ -155,10 +133,7 @@ def _draw_crystals(axes: Any, printed: Printed) -> None:
                 label=f"{name}, a = {1e3 * (arm or here):.0f} mm",
             )
     label_axes(
-        axes,
-        "single and polycrystal, 13 s, r = 3.5 mm",
-        f"{typeset_symbol('P')} [W]",
-        f"{typeset_symbol('θ')} [°]",
+        axes, "single and polycrystal, 13 s, r = 3.5 mm", f"{typeset_symbol('P')} [W]", f"{typeset_symbol('θ')} [°]"
     )
     axes.set_ylim(-4.0, 82.0)
     axes.legend(loc="lower right", fontsize=7.0)

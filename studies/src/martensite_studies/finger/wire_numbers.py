@@ -83,12 +83,7 @@ def load_wire(temperature: float) -> PointResult:
     seconds = ALL_STRETCH / RATE
     legs = [PathLeg(strain=ALL_STRETCH, duration=seconds), PathLeg(strain=0.0, duration=seconds)]
     return material_point(
-        bench.get_wire().law,
-        legs,
-        start=(0.0, temperature),
-        steps=500,
-        tolerance=1e-3,
-        runtime=choose_runtime(),
+        bench.get_wire().law, legs, start=(0.0, temperature), steps=500, tolerance=1e-3, runtime=choose_runtime()
     )
 
 
@@ -105,13 +100,7 @@ def _list_plateau(kelvin: float) -> dict[str, float]:
     nominal = threshold_stress(kelvin)
     upper, lower = (stress / 1e6 for stress in plateau_stresses(load_wire(kelvin)))
     low = (nominal - _law_number("Delta_sigma")) / 1e6
-    return {
-        "kelvin": kelvin,
-        "upper": upper,
-        "lower": lower,
-        "nominal": nominal / 1e6,
-        "nominal_low": low,
-    }
+    return {"kelvin": kelvin, "upper": upper, "lower": lower, "nominal": nominal / 1e6, "nominal_low": low}
 
 
 def stretched_cold(temperature: float) -> PointResult:

@@ -63,9 +63,7 @@ def load_scenario() -> Scenario:
     return load(SCENARIO)
 
 
-def build_finger(
-    arm: float, offset: float, values: tuple[tuple[str, float], ...] = ()
-) -> AbstractSystem:
+def build_finger(arm: float, offset: float, values: tuple[tuple[str, float], ...] = ()) -> AbstractSystem:
     """The finger with Table 1, other numbers changed by name."""
     places = {"mechanism.arm": arm, "mechanism.offset": offset}
     return load_scenario().system.with_values(places | dict(values))
@@ -79,9 +77,7 @@ def draw_noise() -> Any:
 
 
 @cache
-def clean_angle(
-    arm: float, offset: float, printed: Printed, values: tuple[tuple[str, float], ...] = ()
-) -> Any:
+def clean_angle(arm: float, offset: float, printed: Printed, values: tuple[tuple[str, float], ...] = ()) -> Any:
     """(samples,): angle with Table 1, other numbers changed by name, without noise [rad]."""
     blank = np.linspace(0.0, 1.0, SAMPLES)
     experiment = _build_experiment("clean", build_finger(arm, offset, values), blank, printed)
@@ -119,9 +115,7 @@ def build_experiments(
     return tuple(found)
 
 
-def _build_experiment(
-    name: str, system: AbstractSystem, angles: Any, printed: Printed
-) -> Experiment:
+def _build_experiment(name: str, system: AbstractSystem, angles: Any, printed: Printed) -> Experiment:
     times = np.linspace(0.0, 1.0 / printed.frequency, SAMPLES)
     columns = {"time": times.tolist(), "angle": angles.tolist()}
     record = Record(name, columns, {"time": "s", "angle": "rad"})
@@ -129,13 +123,10 @@ def _build_experiment(
     return Experiment(name, system, wave, record, {"angle": "angle"}, step=STEP)
 
 
-def build_calibration(
-    records: Sequence[Experiment], printed: Printed, start: Sequence[float]
-) -> Problem:
+def build_calibration(records: Sequence[Experiment], printed: Printed, start: Sequence[float]) -> Problem:
     """The search of the paper: its five parameters within its ranges."""
     wishes = [
-        SearchRange(one.name, one.low, one.high, begin)
-        for one, begin in zip(printed.searched, start, strict=True)
+        SearchRange(one.name, one.low, one.high, begin) for one, begin in zip(printed.searched, start, strict=True)
     ]
     return build_problem(records, wishes, noise={"angle": NOISE})
 
@@ -143,9 +134,7 @@ def build_calibration(
 @cache
 def table_problem(data: Data, printed: Printed) -> Problem:
     """The search on a set of records, starting from Table 1."""
-    return build_calibration(
-        build_experiments(data, printed), printed, printed.searched.column("value")
-    )
+    return build_calibration(build_experiments(data, printed), printed, printed.searched.column("value"))
 
 
 @cache

@@ -15,13 +15,7 @@ import numpy as np
 
 from martensite.kernels.compiler import find_compiler
 from martensite.show.figures.labels import typeset_symbol
-from martensite.show.figures.style import (
-    HEATING,
-    INK,
-    MEASURED,
-    QUIET,
-    SIMULATED,
-)
+from martensite.show.figures.style import HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite_studies.figures import draw_page, label_axes
 from martensite_studies.finger_calibration import bench
 from martensite_studies.finger_calibration.bench import EVERY, FAR, NEAR, Data
@@ -65,14 +59,7 @@ def draw_figure(printed: Printed, *, full: bool = False) -> Figure:
             return figure
         prepare_searches(printed, full=full)
         left, right = figure.add_gridspec(
-            1,
-            2,
-            left=0.05,
-            right=0.985,
-            top=0.885,
-            bottom=0.075,
-            width_ratios=(2.1, 1.0),
-            wspace=0.2,
+            1, 2, left=0.05, right=0.985, top=0.885, bottom=0.075, width_ratios=(2.1, 1.0), wspace=0.2
         )
         cells = left.subgridspec(2, 2, hspace=0.33, wspace=0.22)
         last = right.subgridspec(2, 1, hspace=0.33)
@@ -86,13 +73,9 @@ def draw_figure(printed: Printed, *, full: bool = False) -> Figure:
         return figure
 
 
-def _draw_walks(
-    data: Data, printed: Printed, starts: tuple[int, ...]
-) -> list[tuple[CalibrationSearch, str, str]]:
+def _draw_walks(data: Data, printed: Printed, starts: tuple[int, ...]) -> list[tuple[CalibrationSearch, str, str]]:
     walked = [(run_search(data, k, COORDINATE, printed), WALK, "coordinate search") for k in starts]
-    solved = [
-        (run_search(data, k, SQUARES, printed), SOLVE, "least squares") for k in moving_starts()
-    ]
+    solved = [(run_search(data, k, SQUARES, printed), SOLVE, "least squares") for k in moving_starts()]
     return [*walked, *solved]
 
 
@@ -130,9 +113,7 @@ def _label_once(axes: Any, name: str) -> str | None:
 
 def _draw_ellipse(data: Data, printed: Printed) -> tuple[Any, Any]:
     """Δσ and dσ/dT [MPa, MPa/K] about Table 1."""
-    table = dict(
-        zip(printed.searched.column("name"), printed.searched.column("value"), strict=True)
-    )
+    table = dict(zip(printed.searched.column("name"), printed.searched.column("value"), strict=True))
     found, pair = parameter_errors(data, printed), ("Delta_sigma", "dsigma_dT")
     angle = np.linspace(0.0, 2.0 * math.pi, 200)
     both = found.correlation[pair]
@@ -187,10 +168,7 @@ def _draw_loops(axes: Any, printed: Printed) -> None:
 
 def _draw_intervals(axes: Any, name: str, printed: Printed) -> None:
     one: Printed = next(one for one in printed.searched if one.name == name)
-    unit, shown, symbol = {
-        "dsigma_dT": (1e6, "MPa/K", "dσ/dT"),
-        "E_M": (1e9, "GPa", "E_M"),
-    }[name]
+    unit, shown, symbol = {"dsigma_dT": (1e6, "MPa/K", "dσ/dT"), "E_M": (1e9, "GPa", "E_M")}[name]
     names = [data.name.removeprefix("a = ") for data in EVERY]
     for row, data in enumerate(EVERY):
         fit = best_fit(data, printed).fit

@@ -63,15 +63,10 @@ def compute_gauge(printed: Printed) -> dict[str, Any]:
 def free_problem(printed: Printed) -> Problem:
     """The calibration test with all free that takes part in a gauge or is unknown to the paper."""
     system = bench.build_finger(NEAR.arm, printed.offsets[0])
-    rest = [
-        *((one.name, one.value) for one in printed.fixed),
-        *((name, system.value_of(name)) for name in BEYOND),
-    ]
+    rest = [*((one.name, one.value) for one in printed.fixed), *((name, system.value_of(name)) for name in BEYOND)]
     wishes = [SearchRange(one.name, one.low, one.high, one.value) for one in printed.searched]
     wishes += [SearchRange(name, value / AROUND, value * AROUND, value) for name, value in rest]
-    return build_problem(
-        bench.build_experiments(NEAR, printed), wishes, noise={"angle": bench.NOISE}
-    )
+    return build_problem(bench.build_experiments(NEAR, printed), wishes, noise={"angle": bench.NOISE})
 
 
 @cache
@@ -117,14 +112,10 @@ def scale_thermal_gauge(factor: float, printed: Printed) -> dict[str, float]:
 
 
 @cache
-def refit_finger(
-    printed: Printed, arm: float, values: tuple[tuple[str, float], ...] = ()
-) -> CalibrationSearch:
+def refit_finger(printed: Printed, arm: float, values: tuple[tuple[str, float], ...] = ()) -> CalibrationSearch:
     """Least squares to the record without noise, by a finger that is another one."""
     records = bench.build_experiments(NEAR, printed, noisy=False, arm=arm, values=values)
-    return CalibrationSearch(
-        solve_problem(bench.build_calibration(records, printed, STARTS[1])), ()
-    )
+    return CalibrationSearch(solve_problem(bench.build_calibration(records, printed, STARTS[1])), ())
 
 
 def compute_wrong(printed: Printed) -> dict[str, Any]:
@@ -150,10 +141,7 @@ def single_effects(printed: Printed) -> dict[str, float]:
     """Rms change of the angle if a number alone changes by a tenth, to first order [°]."""
     table = angle_slopes(printed)
     found = {
-        free.name: angle_rms(float(np.mean(table[:, i] ** 2)))
-        * TENTH
-        * free.start
-        / free.slope(free.share(free.start))
+        free.name: angle_rms(float(np.mean(table[:, i] ** 2))) * TENTH * free.start / free.slope(free.share(free.start))
         for i, free in enumerate(free_problem(printed).free)
         if free.name not in BEYOND
     }

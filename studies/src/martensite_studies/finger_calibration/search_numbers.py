@@ -59,8 +59,7 @@ def _list_search(data: Data, printed: Printed, starts: tuple[int, ...]) -> dict[
 
 def _word_ends(walked: list[CalibrationSearch], starts: tuple[int, ...]) -> str:
     ends = [
-        f"{one.rms:.3f}° at {one.fit['dsigma_dT'] / 1e6:.2f} MPa/K (start {start + 1}, "
-        f"{one.runs} runs)"
+        f"{one.rms:.3f}° at {one.fit['dsigma_dT'] / 1e6:.2f} MPa/K (start {start + 1}, {one.runs} runs)"
         for one, start in zip(walked, starts, strict=True)
     ]
     return ", ".join(ends)

@@ -72,9 +72,7 @@ def angle_rms(cost: float) -> float:
 
 
 @cache_results
-def run_search(
-    data: Data, start: int, method: str, printed: Printed, spread: int = 0
-) -> CalibrationSearch:
+def run_search(data: Data, start: int, method: str, printed: Printed, spread: int = 0) -> CalibrationSearch:
     """A search from one of the starts, and from as many more as `spread` says."""
     records = bench.table_problem(data, printed).experiments
     problem = bench.build_calibration(records, printed, STARTS[start])

@@ -52,9 +52,7 @@ class ReferenceBench(Parametrised):
     latent_heat: float = param("J/kg", "latent heat of transformation", above=0.0, default=24.2e3)
     conductivity: float = param("W/(m K)", "thermal conductivity", low=0.0, default=18.0)
     load: float = param("kg", "weight that it lifts", low=0.5, high=2.05, default=1.0)
-    correlation: float = param(
-        "1", "correlation of the relays: shape of minor loops", low=0.0, high=0.99, default=0.85
-    )
+    correlation: float = param("1", "correlation of the relays: shape of minor loops", low=0.0, high=0.99, default=0.85)
     resistance: float = param("ohm/m", "resistance of martensite", above=0.0, default=4.3)
     resistance_drop: float = param("1", "share lost to austenite", low=0.0, high=0.9, default=0.12)
     ambient: float = param("K", "temperature of the surroundings", low=260.0, default=296.15)
@@ -69,8 +67,7 @@ class ReferenceBench(Parametrised):
         default=1.0,
     )
     driver: Any = part(
-        "what turns duty into current",
-        default=PwmVoltage(supply=19.2 * METRE, series_resistance=0.5 * METRE),
+        "what turns duty into current", default=PwmVoltage(supply=19.2 * METRE, series_resistance=0.5 * METRE)
     )
     thermometer: Any = part("what measures the temperature", default=InfraredSensor())
     encoder: Any = part("what measures the position", default=PositionSensor())
@@ -118,9 +115,7 @@ class RunningBench:
         self.bench = bench
         count = int(bench.cells)
         weights = everett_function(bench.share, bench.correlation)
-        self._wire = [
-            Cell(weights, bench.capacity, bench.latent, bench.ambient) for _ in range(count)
-        ]
+        self._wire = [Cell(weights, bench.capacity, bench.latent, bench.ambient) for _ in range(count)]
         sizes = [2.0**k for k in range(count)]
         self._shares = [size / sum(sizes) for size in sizes]
         self._lengths = [0.5 * bench.length * share for share in self._shares]

@@ -107,13 +107,8 @@ def derive_text() -> str:
         cycle = cut_cycle(read_table(f"data:flexinol-isobaric/isobaric_{stress}MPa.txt"))
         longest = max(*cycle.heating.strain, *cycle.cooling.strain)
         for leg in (cycle.heating, cycle.cooling):
-            columns.append(
-                _derive_branch(np.array(leg.temperature), np.array(leg.strain) / longest)[SHOWN]
-            )
-    rows = [
-        ",".join([f"{row[0]:.0f}", *(f"{z:.6f}" for z in row[1:])])
-        for row in np.array(columns).T.tolist()
-    ]
+            columns.append(_derive_branch(np.array(leg.temperature), np.array(leg.strain) / longest)[SHOWN])
+    rows = [",".join([f"{row[0]:.0f}", *(f"{z:.6f}" for z in row[1:])]) for row in np.array(columns).T.tolist()]
     return HEADER + "\n".join([",".join(COLUMNS), *rows, ""])
 
 

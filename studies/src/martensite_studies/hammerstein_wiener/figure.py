@@ -43,14 +43,7 @@ def draw_figure(printed: Printed) -> Figure:
         if not known:
             return figure
         left, middle, right = figure.add_gridspec(
-            1,
-            3,
-            left=0.05,
-            right=0.985,
-            top=0.875,
-            bottom=0.075,
-            width_ratios=(1.25, 1.0, 1.1),
-            wspace=0.24,
+            1, 3, left=0.05, right=0.985, top=0.875, bottom=0.075, width_ratios=(1.25, 1.0, 1.1), wspace=0.24
         )
         rows = left.subgridspec(3, 1, height_ratios=(0.5, 1.0, 1.2), hspace=0.16)
         _draw_record([figure.add_subplot(row) for row in rows])

@@ -40,11 +40,7 @@ def sine_reference() -> Numbers:
 
 
 def run_controlled(
-    gains: Gains,
-    reference: Numbers,
-    bench: ReferenceBench | None = None,
-    seed: int = 3,
-    law: PidLaw | None = None,
+    gains: Gains, reference: Numbers, bench: ReferenceBench | None = None, seed: int = 3, law: PidLaw | None = None
 ) -> Trajectory:
     """A run of the bench from rest; the position is the one measured [m].
 

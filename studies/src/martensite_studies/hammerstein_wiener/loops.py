@@ -89,9 +89,7 @@ def compare_steps(name: str) -> LoopPair:
     """Both on a staircase."""
     reference, found = loop.step_reference(), find_gains(name)
     return LoopPair(
-        found,
-        build_controlled(name).run(found.gains, reference),
-        loop.run_controlled(found.gains, reference),
+        found, build_controlled(name).run(found.gains, reference), loop.run_controlled(found.gains, reference)
     )
 
 
@@ -99,9 +97,7 @@ def compare_steps(name: str) -> LoopPair:
 def compare_sines(name: str) -> Sines:
     """Both on a sine."""
     reference, found = loop.sine_reference(), find_gains(name).gains
-    return Sines(
-        build_controlled(name).run(found, reference), loop.run_controlled(found, reference)
-    )
+    return Sines(build_controlled(name).run(found, reference), loop.run_controlled(found, reference))
 
 
 def travel_under(found: Gains) -> float:

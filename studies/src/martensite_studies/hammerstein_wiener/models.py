@@ -45,15 +45,9 @@ class Recipe:
 
 RECIPES = {
     "stage 1": Recipe(FIRST, Options(starts=12, anchor=ANCHOR, iterations=80), 20),
-    "stage 2": Recipe(
-        SECOND, Options(starts=2, refined=1, anchor=ANCHOR, ridge=1e-6, iterations=30), 3
-    ),
-    "stage 2, 12 wavelets": Recipe(
-        SMALL, Options(starts=4, refined=1, anchor=ANCHOR, ridge=1e-6, iterations=50), 6
-    ),
-    "stage 2, not anchored": Recipe(
-        SMALL, Options(starts=2, refined=1, iterations=50, start="estimate"), 0
-    ),
+    "stage 2": Recipe(SECOND, Options(starts=2, refined=1, anchor=ANCHOR, ridge=1e-6, iterations=30), 3),
+    "stage 2, 12 wavelets": Recipe(SMALL, Options(starts=4, refined=1, anchor=ANCHOR, ridge=1e-6, iterations=50), 6),
+    "stage 2, not anchored": Recipe(SMALL, Options(starts=2, refined=1, iterations=50, start="estimate"), 0),
     "stage 2, hysteresis": Recipe(
         HYSTERESIS, Options(starts=8, refined=3, anchor=ANCHOR, ridge=1e-7, iterations=80), 20
     ),
@@ -67,11 +61,7 @@ def read_record(name: str) -> Sampled:
     kind, _, seed = name.partition(" ")
     if kind == "sealed":
         return records.record_bench(records.sealed_duty(int(seed)))
-    makers = {
-        "estimation": records.estimation_duty,
-        "validation": records.validation_duty,
-        "slow": records.slow_duty,
-    }
+    makers = {"estimation": records.estimation_duty, "validation": records.validation_duty, "slow": records.slow_duty}
     return records.record_bench(makers[kind]())
 
 
@@ -88,12 +78,7 @@ def estimate_recipe(name: str) -> Chain:
     recipe, full = RECIPES[name], mapped_signals(name, read_record("estimation"))
     if name == RESTLESS:
         full = full.rows(round(AFTER / full.interval))
-    thin = replace(
-        full,
-        interval=THIN * full.interval,
-        inputs=full.inputs[::THIN],
-        outputs=full.outputs[::THIN],
-    )
+    thin = replace(full, interval=THIN * full.interval, inputs=full.inputs[::THIN], outputs=full.outputs[::THIN])
     found = replace(estimate_chain(recipe.text, thin, recipe.options).chain, interval=full.interval)
     if recipe.polish:
         polished = refine_chain(found, [full], replace(recipe.options, iterations=recipe.polish))

@@ -59,9 +59,7 @@ def everett_function(share: float, correlation: float) -> Numbers:
 class Cell:
     """A piece of wire at one temperature: temperature, fraction, and the turning points."""
 
-    def __init__(
-        self, weights: Numbers, capacity: float, latent: float, temperature: float
-    ) -> None:
+    def __init__(self, weights: Numbers, capacity: float, latent: float, temperature: float) -> None:
         """Start on the heating branch from far below.
 
         Args:

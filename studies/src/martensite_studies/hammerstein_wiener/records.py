@@ -40,15 +40,7 @@ PULSES = (
     (32, 5, 14),
 )
 """Of the estimation record: duty [%], time on [s], time off [s]."""
-OTHER_PULSES = (
-    (20, 8, 12),
-    (27, 6.5, 22),
-    (33, 5, 13),
-    (23, 7, 20),
-    (38, 4, 15),
-    (25, 7, 24),
-    (29, 6, 14),
-)
+OTHER_PULSES = ((20, 8, 12), (27, 6.5, 22), (33, 5, 13), (23, 7, 20), (38, 4, 15), (25, 7, 24), (29, 6, 14))
 """Of the validation record."""
 RAMPS = ((6, 20), (13, 60), (8, 50), (11, 30), (7, 40), (14, 50), (5, 60))
 """Of the slow record: the first is a hold; then the level that is reached [%], and time [s]."""
@@ -86,9 +78,7 @@ def parse_pulses(name: str, rows: tuple[tuple[float, float, float], ...], seed: 
     """Pulses as (duty [%], time on [s], time off [s])."""
     parts = [(level, time) for duty, on, off in rows for level, time in ((duty, on), (0.0, off))]
     counts = [round(time / INTERVAL) for _, time in parts]
-    return Excitation(
-        name, _add_lead(np.repeat([0.01 * level for level, _ in parts], counts)), seed
-    )
+    return Excitation(name, _add_lead(np.repeat([0.01 * level for level, _ in parts], counts)), seed)
 
 
 def parse_ramps(name: str, rows: tuple[tuple[float, float], ...], seed: int) -> Excitation:
@@ -96,9 +86,7 @@ def parse_ramps(name: str, rows: tuple[tuple[float, float], ...], seed: int) -> 
     times = np.cumsum([0.0, *(time for _, time in rows)])
     levels = [rows[0][0], *(level for level, _ in rows)]
     count = round(times[-1] / INTERVAL)
-    return Excitation(
-        name, _add_lead(0.01 * np.interp(INTERVAL * np.arange(count), times, levels)), seed
-    )
+    return Excitation(name, _add_lead(0.01 * np.interp(INTERVAL * np.arange(count), times, levels)), seed)
 
 
 def _add_lead(duty: Numbers) -> Numbers:
@@ -140,12 +128,7 @@ def sealed_duty(seed: int) -> Excitation:
         times = [abs(b - a) / rate for (a, b), rate in zip(pairwise(turns), rates, strict=True)]
         whole = HOLD + sum(times) + IDLE
         apart = rates.max() >= 3.0 * rates.min()
-        if (
-            way_turns(turns)
-            and count_minor_loops(turns) >= 2
-            and apart
-            and LENGTH[0] <= whole <= LENGTH[1]
-        ):
+        if way_turns(turns) and count_minor_loops(turns) >= 2 and apart and LENGTH[0] <= whole <= LENGTH[1]:
             rows = ((turns[0], HOLD), *zip(turns[1:], times, strict=True))
             made = parse_ramps(f"sealed {seed}", rows, seed)
             idle = np.zeros(round(IDLE / INTERVAL))
@@ -191,22 +174,10 @@ def split_stages(whole: Sampled) -> tuple[Sampled, Sampled]:
     units = dict(whole.units)
     return (
         Sampled(
-            f"{whole.name}, stage 1",
-            whole.interval,
-            whole.inputs,
-            temperature,
-            ("duty",),
-            ("temperature",),
-            units,
+            f"{whole.name}, stage 1", whole.interval, whole.inputs, temperature, ("duty",), ("temperature",), units
         ),
         Sampled(
-            f"{whole.name}, stage 2",
-            whole.interval,
-            temperature,
-            position,
-            ("temperature",),
-            ("position",),
-            units,
+            f"{whole.name}, stage 2", whole.interval, temperature, position, ("temperature",), ("position",), units
         ),
     )
 

@@ -114,20 +114,14 @@ def equivalent_resistance(voltage: float, printed: Printed) -> float:
 @cache
 def steady_temperature(cooling: AbstractCooling, power: float) -> float:
     """Temperature long after switching on a power [W], simulated [°C]."""
-    run = simulate(
-        run_heated(cooling), Constant(level=power), _SETTLING, tolerance=_TOLERANCE, samples=101
-    )
+    run = simulate(run_heated(cooling), Constant(level=power), _SETTLING, tolerance=_TOLERANCE, samples=101)
     return run["temperature"][-1] - ZERO
 
 
 @cache
 def sine_run(key: str, printed: Printed) -> Result:
     """Two periods of the sine with one of `VARIANTS`."""
-    sine, duration, samples = (
-        load_scenario().single_waveform,
-        load_scenario().duration,
-        load_scenario().samples,
-    )
+    sine, duration, samples = (load_scenario().single_waveform, load_scenario().duration, load_scenario().samples)
     times = [duration * i / (samples - 1) for i in range(samples)]
     volts = [sine.value(t) for t in times]
     powers = [v * v / equivalent_resistance(v, printed) for v in volts]
@@ -172,10 +166,7 @@ def read_response(key: str, printed: Printed) -> SineResponse:
 
 @cache
 def actuation_time(
-    printed: Printed,
-    ambient: float,
-    values: tuple[tuple[str, float], ...] = (),
-    duration: float = 3.0,
+    printed: Printed, ambient: float, values: tuple[tuple[str, float], ...] = (), duration: float = 3.0
 ) -> float:
     """Time from switching on the supply to 95 % of the stroke [s].
 

@@ -13,14 +13,7 @@ import numpy as np
 
 from martensite.show.figures.hysteresis import find_senses, find_strips, split_runs
 from martensite.show.figures.labels import typeset_symbol
-from martensite.show.figures.style import (
-    COOLING,
-    HEATING,
-    INK,
-    MEASURED,
-    QUIET,
-    SIMULATED,
-)
+from martensite.show.figures.style import COOLING, HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite_studies.figures import add_right_axis, draw_page, label_axes
 from martensite_studies.migaone import bench, film_numbers
 from martensite_studies.tables import Printed
@@ -44,8 +37,7 @@ def draw_figure(printed: Printed) -> Figure:
         11.5,
         6.6,
         "MigaOne-15 wire under 400 g: stroke at 0.005 Hz, and h(T)",
-        "Simulated for this project; points from the paper's Table 2. "
-        "Assumed: 0 to 2.5 V, 90 °C alloy.",
+        "Simulated for this project; points from the paper's Table 2. Assumed: 0 to 2.5 V, 90 °C alloy.",
     ) as figure:
         grid = figure.add_gridspec(
             2,
@@ -90,14 +82,7 @@ def _draw_stroke(axes: Any, printed: Printed) -> None:
         named.add(sense)
     for key, label, colour, dashes in OTHERS:
         times, columns = _second_period(key, printed)
-        axes.plot(
-            times,
-            1e3 * columns["position"],
-            color=colour,
-            linestyle=dashes,
-            linewidth=1.1,
-            label=label,
-        )
+        axes.plot(times, 1e3 * columns["position"], color=colour, linestyle=dashes, linewidth=1.1, label=label)
     axes.set_title("stroke in the second period; thick: printed h(T), 837 J/(kg K), latent heat")
     axes.set_ylabel("stroke [mm]")
     axes.set_ylim(-0.25, 8.6)
@@ -120,10 +105,7 @@ def _draw_heat(axes: Any, printed: Printed) -> None:
             va="center",
         )
     label_axes(
-        axes,
-        "wire temperature (solid), voltage (dashed), transformation at this stress",
-        "time [s]",
-        "$T$ [°C]",
+        axes, "wire temperature (solid), voltage (dashed), transformation at this stress", "time [s]", "$T$ [°C]"
     )
     axes.set_ylim(30.0, 90.0)
     start = bench.load_scenario().duration / 2.0
@@ -174,13 +156,7 @@ def _draw_film(axes: Any, printed: Printed) -> None:
         zorder=4,
         label="Table 2",
     )
-    label_axes(
-        axes,
-        "film coefficient against wire temperature",
-        "$T$ [°C]",
-        "$h$ [W/(m² K)]",
-        "upper left",
-    )
+    label_axes(axes, "film coefficient against wire temperature", "$T$ [°C]", "$h$ [W/(m² K)]", "upper left")
 
 
 def _draw_steady(axes: Any, printed: Printed) -> None:
@@ -208,10 +184,4 @@ def _draw_steady(axes: Any, printed: Printed) -> None:
     axes.set_xticks(volts)
     axes.set_ylim(-2.6, 9.4)
     axes.grid(False, axis="x")
-    label_axes(
-        axes,
-        "steady temperature, simulated less Table 2",
-        "voltage step [V]",
-        "difference [K]",
-        "upper left",
-    )
+    label_axes(axes, "steady temperature, simulated less Table 2", "voltage step [V]", "difference [K]", "upper left")

@@ -68,10 +68,7 @@ def printed_r_squared(printed: Printed) -> float:
 
 def films_at_ambient(ambient: float, printed: Printed) -> list[float]:
     """Table 2's film coefficients had the ambient temperature been another one [°C]."""
-    return [
-        step.film * (step.temperature - printed.ambient) / (step.temperature - ambient)
-        for step in printed.steps
-    ]
+    return [step.film * (step.temperature - printed.ambient) / (step.temperature - ambient) for step in printed.steps]
 
 
 def refit_film(printed: Printed) -> PolynomialCooling:
@@ -80,17 +77,12 @@ def refit_film(printed: Printed) -> PolynomialCooling:
     return PolynomialCooling(h0=h0, h1=h1, h2=h2)
 
 
-COOLINGS = {
-    "polynomial": bench.printed_film,
-    "refitted": refit_film,
-    "constant": bench.mean_constant,
-}
+COOLINGS = {"polynomial": bench.printed_film, "refitted": refit_film, "constant": bench.mean_constant}
 
 
 def steady_errors(cooling: str, printed: Printed) -> list[float]:
     """Simulated less printed steady temperatures with one of `COOLINGS` [K]."""
     model = COOLINGS[cooling](printed)
     return [
-        bench.steady_temperature(model, bench.heating_power(step, printed)) - step.temperature
-        for step in printed.steps
+        bench.steady_temperature(model, bench.heating_power(step, printed)) - step.temperature for step in printed.steps
     ]

@@ -28,8 +28,7 @@ def compute_wire(printed: Printed) -> dict[str, Any]:
         "first": first,
         "last": last,
         "heated": [
-            {"voltage": volts, "equivalent": bench.equivalent_resistance(volts, printed)}
-            for volts in (first, last)
+            {"voltage": volts, "equivalent": bench.equivalent_resistance(volts, printed)} for volts in (first, last)
         ],
         "resistance_series": series_resistance(last, printed),
         "series_first": series_resistance(first, printed),

@@ -80,9 +80,7 @@ VARIANTS = {
     "466 J/(kg K), 12.2 kJ/kg": replace(AS_PRINTED, capacity=466.0, latent=12.2e3),
     "6 mm mean coil diameter": replace(AS_PRINTED, coil=6e-3),
     "C of 1 GPa/K": replace(AS_PRINTED, slope=STEEP),
-    "C of 1 GPa/K, 320 J/(kg K), no latent heat": replace(
-        AS_PRINTED, slope=STEEP, capacity=320.0, latent=0.0
-    ),
+    "C of 1 GPa/K, 320 J/(kg K), no latent heat": replace(AS_PRINTED, slope=STEEP, capacity=320.0, latent=0.0),
 }
 """Readings of the paper's equations: what it does not print, or may have meant."""
 IN_SERIES = {
@@ -115,9 +113,7 @@ def build_spring(case: Case, printed: Printed) -> CoilSpring:
         }
     )
     length, section = shape.wire_length(), shape.section()
-    resistance = MixtureResistance(
-        rho_A=printed.R_A * section / length, rho_M=printed.R_M * section / length
-    )
+    resistance = MixtureResistance(rho_A=printed.R_A * section / length, rho_M=printed.R_M * section / length)
     heat = {"heat_capacity": case.capacity, "latent_heat": case.latent}
     numbers = (
         {name: value for name, value in heat.items() if value is not None}
@@ -162,30 +158,18 @@ def build_platform(printed: Printed) -> ParallelPlatform:
 
 
 def run_heated(
-    case: Case,
-    printed: Printed,
-    voltage: float,
-    duration: float,
-    step: float = FINE,
-    until: float = math.inf,
+    case: Case, printed: Printed, voltage: float, duration: float, step: float = FINE, until: float = math.inf
 ) -> Result:
     """A voltage on the hot spring from rest, until a time [s]; one sample in every step."""
     return _run_heated(case, without_results(printed), voltage, duration, step, until)
 
 
 @cache
-def _run_heated(
-    case: Case, printed: Printed, voltage: float, duration: float, step: float, until: float
-) -> Result:
+def _run_heated(case: Case, printed: Printed, voltage: float, duration: float, step: float, until: float) -> Result:
     drive = {HOT: Step(high=voltage, until=until)}
     samples = round(duration / step) + 1
     return simulate(
-        build_machine(case, printed, voltage),
-        drive,
-        duration,
-        step=step,
-        samples=samples,
-        runtime=choose_runtime(),
+        build_machine(case, printed, voltage), drive, duration, step=step, samples=samples, runtime=choose_runtime()
     )
 
 
@@ -233,7 +217,4 @@ def run_cooling(printed: Printed, case: Case) -> dict[str, float]:
     start = max(range(len(turned)), key=lambda k: -turned[k])
     times, falling = result.times[start:], turned[start:]
     levels = {"hold": 0.01, "10": 10.0, "20": 20.0}
-    return {
-        name: passing_time(times, falling, less - printed.angle) - begin
-        for name, less in levels.items()
-    }
+    return {name: passing_time(times, falling, less - printed.angle) - begin for name, less in levels.items()}

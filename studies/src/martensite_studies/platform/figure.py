@@ -15,15 +15,7 @@ import numpy as np
 from martensite.actuators.mechanics.platform_kinematics import compute_lengths
 from martensite.actuators.mechanics.platform_workspace import Workspace
 from martensite.kernels.arrays import ArrayNamespace
-from martensite.show.figures.style import (
-    COOLING,
-    FAINT,
-    HEATING,
-    INK,
-    MEASURED,
-    QUIET,
-    SIMULATED,
-)
+from martensite.show.figures.style import COOLING, FAINT, HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite.simulate.result import Result
 from martensite_studies.figures import draw_page
 from martensite_studies.platform import bench, geometry_numbers, loop
@@ -58,15 +50,7 @@ def draw_figure(printed: Printed) -> Figure:
         "A' and C were calibrated to them.",
     ) as figure:
         grid = figure.add_gridspec(
-            2,
-            3,
-            left=0.055,
-            right=0.985,
-            top=0.885,
-            bottom=0.075,
-            wspace=0.24,
-            hspace=0.34,
-            height_ratios=(1.15, 1.0),
+            2, 3, left=0.055, right=0.985, top=0.885, bottom=0.075, wspace=0.24, hspace=0.34, height_ratios=(1.15, 1.0)
         )
         _draw_responses(figure.add_subplot(grid[0, :2]), printed)
         _draw_reach(figure.add_subplot(grid[0, 2]), printed)
@@ -148,8 +132,7 @@ def _distance_grid(found: Workspace) -> tuple[Any, Any, Any]:
     Not a number away from the reachable set, where postures may be allowed but are cut off.
     """
     alphas, betas = (
-        np.linspace(grid[0], grid[-1], FINER * (len(grid) - 1) + 1)
-        for grid in (found.alphas, found.betas)
+        np.linspace(grid[0], grid[-1], FINER * (len(grid) - 1) + 1) for grid in (found.alphas, found.betas)
     )
     near = np.pad(np.asarray(found.reached), 1)
     near = near[:-2] | near[1:-1] | near[2:]
@@ -157,14 +140,8 @@ def _distance_grid(found: Workspace) -> tuple[Any, Any, Any]:
     rows, columns = (np.rint(np.arange(len(x)) / FINER).astype(int) for x in (alphas, betas))
     turned: Any = np.meshgrid(alphas, betas, indexing="ij")
     length = np.array(compute_lengths(ArrayNamespace(np), found.legs.plates, *turned))
-    room = np.minimum(
-        length.min(axis=0) - found.legs.shortest, found.legs.longest - length.max(axis=0)
-    )
-    return (
-        np.degrees(alphas),
-        np.degrees(betas),
-        np.where(near[np.ix_(rows, columns)], room, np.nan),
-    )
+    room = np.minimum(length.min(axis=0) - found.legs.shortest, found.legs.longest - length.max(axis=0))
+    return (np.degrees(alphas), np.degrees(betas), np.where(near[np.ix_(rows, columns)], room, np.nan))
 
 
 # ---------------------------------------------------------------- control
@@ -190,8 +167,7 @@ def _draw_overshoot(axes: Any, printed: Printed) -> None:
     for key, sampling in (("as-printed", QUICK), ("C", LAGGING), ("A", CYCLES)):
         delays = {"as-printed": DELAYS, "A": (0.0, DELAY)}.get(key, (0.0,))
         found = [
-            loop.angle_overshoot(loop.run_controlled(CASES[key], printed, sampling, delay), printed)
-            for delay in delays
+            loop.angle_overshoot(loop.run_controlled(CASES[key], printed, sampling, delay), printed) for delay in delays
         ]
         axes.plot(delays, found, "o-", color=COLOURS[key], markersize=4.0)
         axes.annotate(
@@ -211,11 +187,7 @@ def _draw_hysteresis(axes: Any, printed: Printed) -> None:
     axes.plot(*_hysteresis_path(whole), color=QUIET, linewidth=0.9, label="heated for 80 s, cooled")
     result = loop.run_controlled(CASES["A"], printed, CYCLES)
     temperature, fraction = _hysteresis_path(result)
-    edges = [
-        0,
-        *(round(t / CYCLES.period) for t in loop.switching_times(result)),
-        len(fraction) - 1,
-    ]
+    edges = [0, *(round(t / CYCLES.period) for t in loop.switching_times(result)), len(fraction) - 1]
     for k, (first, last) in enumerate(pairwise(edges)):
         on = k % 2 == 0
         axes.plot(

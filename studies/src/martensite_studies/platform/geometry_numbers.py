@@ -8,11 +8,7 @@ from functools import cache
 from typing import Any
 
 from martensite.actuators.mechanics.platform_inertia import thin_plate
-from martensite.actuators.mechanics.platform_kinematics import (
-    compute_length_slopes,
-    locate_corners,
-    platform_lengths,
-)
+from martensite.actuators.mechanics.platform_kinematics import compute_length_slopes, locate_corners, platform_lengths
 from martensite.actuators.mechanics.platform_workspace import Workspace, reachable_angles
 from martensite.kernels import floats
 from martensite_studies.platform import bench
@@ -68,13 +64,8 @@ def find_workspace(printed: Printed) -> Workspace:
 
 def natural_frequency(printed: Printed) -> float:
     """Of small vibrations about any axis, all springs cold [Hz]."""
-    plates, spring = (
-        bench.build_platform(printed).plates(),
-        bench.build_spring(bench.AS_PRINTED, printed),
-    )
-    rate = (
-        1.0 / spring.spring(floats, spring.initial_fractions(floats, 0.0), 298.15, 1.0).compliance
-    )
+    plates, spring = (bench.build_platform(printed).plates(), bench.build_spring(bench.AS_PRINTED, printed))
+    rate = 1.0 / spring.spring(floats, spring.initial_fractions(floats, 0.0), 298.15, 1.0).compliance
     _, levers, _ = compute_length_slopes(floats, plates, 0.0, 0.0)
     inertia = thin_plate(plates, printed.plate_mass).inertia
     return math.sqrt(rate * sum(lever**2 for lever in levers) / inertia) / (2.0 * math.pi)
@@ -84,10 +75,7 @@ def compute_stroke(printed: Printed) -> dict[str, float]:
     """Stroke, mass and rates of one spring."""
     contraction, angle = end_of_one_spring(printed)
     spring = bench.build_spring(bench.AS_PRINTED, printed)
-    hot, cold = (
-        g / (8.0 * spring.index() ** 3 * printed.turns) * printed.diameter
-        for g in (printed.G_A, printed.G_M)
-    )
+    hot, cold = (g / (8.0 * spring.index() ** 3 * printed.turns) * printed.diameter for g in (printed.G_A, printed.G_M))
     wide = (spring.mean_diameter() / printed.coil_diameter) ** 3
     return {
         "contraction": contraction,

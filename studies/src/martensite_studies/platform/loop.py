@@ -43,20 +43,14 @@ QUICK, CYCLES, LAGGING = Sampling(3.6, 0.005), Sampling(62.0, 0.02), Sampling(62
 """Of springs that heat within seconds; of slower ones, through two limit cycles; and of set C."""
 
 
-def run_controlled(
-    case: Case, printed: Printed, sampling: Sampling, delay: float = 0.0, motion: str = ""
-) -> Result:
+def run_controlled(case: Case, printed: Printed, sampling: Sampling, delay: float = 0.0, motion: str = "") -> Result:
     """ON/OFF control at the high voltage from rest to the target, sampled in every period."""
     return _run_controlled(case, bench.without_results(printed), sampling, delay, motion)
 
 
 @cache
-def _run_controlled(
-    case: Case, printed: Printed, sampling: Sampling, delay: float, motion: str
-) -> Result:
-    system = bench.build_machine(
-        case, printed, printed.high, **({"motion": motion} if motion else {})
-    )
+def _run_controlled(case: Case, printed: Printed, sampling: Sampling, delay: float, motion: str) -> Result:
+    system = bench.build_machine(case, printed, printed.high, **({"motion": motion} if motion else {}))
     controller = OnOff(
         measured="alpha",
         reference=Constant(level=math.radians(printed.target)),

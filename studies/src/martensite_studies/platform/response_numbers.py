@@ -53,9 +53,7 @@ def compute_response(printed: Printed) -> dict[str, Any]:
         **compute_times(printed),
         **compute_ratios(printed),
         "long": LONG,
-        "limited_angle": bench.angle_degrees(
-            bench.run_heated(LIMITED, printed, printed.high, LONG, 0.05)
-        )[-1],
+        "limited_angle": bench.angle_degrees(bench.run_heated(LIMITED, printed, printed.high, LONG, 0.05))[-1],
         "needed_current": needed_current(printed),
         "paths": _list_paths(printed),
         "set_a": _list_set("A", printed),
@@ -69,8 +67,7 @@ def free_times(case: Case, printed: Printed) -> tuple[float, float]:
     """Times [s] to the angle at the high and at the low voltage, without a current limit."""
     duration = FREE if case.series == 0.0 else SLOWED
     fast, slow = (
-        bench.arrival_time(case, printed, volts, printed.angle, duration)
-        for volts in (printed.high, printed.low)
+        bench.arrival_time(case, printed, volts, printed.angle, duration) for volts in (printed.high, printed.low)
     )
     return fast, slow
 
@@ -205,8 +202,6 @@ def compute_cooling(printed: Printed) -> dict[str, float]:
     """How long set A takes back, and the same way up."""
     result = bench.run_heated(CASES["A"], printed, printed.high, RISE, COARSE)
     turned = bench.angle_degrees(result)
-    begin, end = (
-        passing_time(result.times, turned, angle) for angle in (printed.angle - 20.0, printed.angle)
-    )
+    begin, end = (passing_time(result.times, turned, angle) for angle in (printed.angle - 20.0, printed.angle))
     back = bench.run_cooling(printed, CASES["A"])
     return {f"cooling_{name}": time for name, time in back.items()} | {"way_up": end - begin}

@@ -50,9 +50,5 @@ def recovered_strain(volts: float) -> float:
 
 def complete_from(printed: Printed) -> float:
     """The lowest of the voltages that transforms the whole wire [V]; NaN if none does."""
-    found = (
-        volts
-        for volts in printed.heating_voltages
-        if at_end(volts, "martensite_fraction") < COMPLETE
-    )
+    found = (volts for volts in printed.heating_voltages if at_end(volts, "martensite_fraction") < COMPLETE)
     return next(found, math.nan)

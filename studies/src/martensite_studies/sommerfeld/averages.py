@@ -83,9 +83,7 @@ def calibrate_beam(printed: Printed) -> RampCalibration:
     torque = 0.5 * moment * omega**2 * printed.amplitude
     left = printed.jump - printed.constant * omega
     return RampCalibration(
-        printed.stiffness / omega**2,
-        moment * omega / printed.amplitude,
-        printed.constant * left / torque,
+        printed.stiffness / omega**2, moment * omega / printed.amplitude, printed.constant * left / torque
     )
 
 

@@ -47,9 +47,6 @@ def compute_beam(printed: Printed) -> dict[str, Any]:
 def compute_frequencies(printed: Printed) -> dict[str, float]:
     """Stiffness [N/m] of the beam, and its natural frequencies [Hz] with both printed masses."""
     hertz = 1.0 / (2.0 * math.pi)
-    pairs = (
-        (printed.mass, printed.stiffness),
-        (printed.second_mass, printed.computed_stiffness),
-    )
+    pairs = ((printed.mass, printed.stiffness), (printed.second_mass, printed.computed_stiffness))
     found = {f"frequency_{m:.2f}kg": hertz * math.sqrt(k / m) for m, k in pairs}
     return {"stiffness": machines.build_beam(printed).stiffness, **found}

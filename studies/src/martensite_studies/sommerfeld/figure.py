@@ -29,9 +29,7 @@ def draw_figure(printed: Printed) -> Figure:
         "numbers that the thesis gives with it;",
         "alloy, length of the wire and rate of the ramp are assumed. Dotted lines: printed values.",
     ) as figure:
-        grid = figure.add_gridspec(
-            3, 4, left=0.038, right=0.962, top=0.885, bottom=0.055, wspace=0.34, hspace=0.38
-        )
+        grid = figure.add_gridspec(3, 4, left=0.038, right=0.962, top=0.885, bottom=0.055, wspace=0.34, hspace=0.38)
         beam_panels.draw_amplitude(figure.add_subplot(grid[0, 0]), printed)
         beam_panels.draw_speed(figure.add_subplot(grid[0, 1]), printed)
         beam_panels.draw_folds(figure.add_subplot(grid[0, 2]), printed)

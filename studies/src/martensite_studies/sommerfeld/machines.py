@@ -59,11 +59,7 @@ def natural_frequency(motor: BeamMotor) -> float:
 def build_beam(printed: Printed) -> CantileverBeam:
     """Table 4, with nothing at the tip."""
     return CantileverBeam(
-        E=printed.young,
-        density=printed.density,
-        width=printed.width,
-        height=printed.height,
-        length=printed.length,
+        E=printed.young, density=printed.density, width=printed.width, height=printed.height, length=printed.length
     )
 
 

@@ -47,11 +47,7 @@ def draw_displacement(axes: Any, printed: Printed) -> None:
     for volts in (printed.jump, printed.jump_with_wire):
         axes.axvline(volts, color=INK, linestyle=DOTTED, linewidth=0.9)
         axes.text(
-            volts + 0.05,
-            -57.0,
-            f"printed: {volts:g} V",
-            fontsize=8.0,
-            ha="left" if volts == printed.jump else "right",
+            volts + 0.05, -57.0, f"printed: {volts:g} V", fontsize=8.0, ha="left" if volts == printed.jump else "right"
         )
     axes.set_xlim(0.0, printed.last_voltage)
     axes.set_ylim(-62.0, 62.0)
@@ -68,18 +64,13 @@ def _window_extremes(run: Result) -> tuple[Any, Any, Any]:
     """Voltage, lowest and highest displacement [m] in each fifth of a second."""
     size = round(0.2 / (run.times[1] - run.times[0]))
     count = len(run.times) // size
-    volts, x = (
-        np.asarray(run[name][: count * size]).reshape(count, size)
-        for name in ("motor", "displacement")
-    )
+    volts, x = (np.asarray(run[name][: count * size]).reshape(count, size) for name in ("motor", "displacement"))
     return volts.mean(axis=1), x.min(axis=1), x.max(axis=1)
 
 
 def _over_voltage(axes: Any, printed: Printed, name: str, scale: float) -> None:
     for found, label, colour in list_pairs(printed):
-        axes.plot(
-            found.voltage, scale * getattr(found, name), color=colour, linewidth=1.8, label=label
-        )
+        axes.plot(found.voltage, scale * getattr(found, name), color=colour, linewidth=1.8, label=label)
     axes.set_xlabel("motor voltage [V]")
     axes.set_xlim(0.0, 10.0)
 
@@ -99,16 +90,8 @@ def draw_speed(axes: Any, printed: Printed) -> None:
 def draw_current(axes: Any, printed: Printed) -> None:
     """Current of the motor over the voltage."""
     _over_voltage(axes, printed, "current", 1.0)
-    drop = (
-        wire.run_without_wire(printed).most_current
-        - wire.run_controlled(printed).sweep.most_current
-    )
-    axes.text(
-        6.75,
-        0.62,
-        f"peak lower by {drop:.2f} A\n(printed: about {printed.current_drop:g} A)",
-        fontsize=8.0,
-    )
+    drop = wire.run_without_wire(printed).most_current - wire.run_controlled(printed).sweep.most_current
+    axes.text(6.75, 0.62, f"peak lower by {drop:.2f} A\n(printed: about {printed.current_drop:g} A)", fontsize=8.0)
     axes.set_title("current of the motor, mean over 0.25 s")
     axes.set_ylabel("$i$ [A]")
 
@@ -118,12 +101,7 @@ def draw_fit(axes: Any, printed: Printed) -> None:
     found = wire.run_trials(printed)
     slacks = [100.0 * one.slack for one in found]
     axes.plot(
-        slacks,
-        [one.jump for one in found],
-        marker="o",
-        markersize=4.0,
-        color=SIMULATED,
-        label="jump voltage (left)",
+        slacks, [one.jump for one in found], marker="o", markersize=4.0, color=SIMULATED, label="jump voltage (left)"
     )
     axes.axhline(printed.jump_with_wire, color=SIMULATED, linestyle=DOTTED, linewidth=1.0)
     axes.set_ylabel("jump [V]", color=SIMULATED)

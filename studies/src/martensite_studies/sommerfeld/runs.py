@@ -163,13 +163,7 @@ def run_downward(motor: BeamMotor, rate: float, volts: tuple[float, float]) -> W
     wave = Table(times=times, values=(free, free, high, high, low))
     found = split_windows(run_course(motor, wave, times[-1]), motor)
     late = slice(math.ceil(times[3] / WINDOW), None)
-    return Windows(
-        found.voltage[late],
-        found.amplitude[late],
-        found.speed[late],
-        found.current[late],
-        found.limit,
-    )
+    return Windows(found.voltage[late], found.amplitude[late], found.speed[late], found.current[late], found.limit)
 
 
 def dropped_below(found: Windows, speed: float) -> float:

@@ -21,11 +21,7 @@ from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
 from martensite_studies.readings import choose_runtime
 from martensite_studies.sommerfeld import runs
-from martensite_studies.sommerfeld.machines import (
-    STEP,
-    calibrated_motor,
-    load_scenario,
-)
+from martensite_studies.sommerfeld.machines import STEP, calibrated_motor, load_scenario
 from martensite_studies.sommerfeld.runs import Windows, split_windows
 from martensite_studies.tables import Printed
 
@@ -60,14 +56,7 @@ def run_ramp(slack: float, volts: float, drive: Step) -> Result:
     system = load_scenario().system.with_values({"slack": slack})
     duration = volts / RATE
     waves = {"motor": Ramp(high=volts, end=duration), "drive": drive}
-    return simulate(
-        system,
-        waves,
-        duration,
-        step=STEP,
-        samples=round(duration / PERIOD) + 1,
-        runtime=choose_runtime(),
-    )
+    return simulate(system, waves, duration, step=STEP, samples=round(duration / PERIOD) + 1, runtime=choose_runtime())
 
 
 def switching_times(printed: Printed, found: Result) -> list[float]:

@@ -27,8 +27,7 @@ def compute_wire(printed: Printed) -> dict[str, Any]:
             for one in wire.run_trials(printed)
             if one.slack != best.slack
         ],
-        "wire_current_drop": wire.run_without_wire(printed).most_current
-        - controlled.sweep.most_current,
+        "wire_current_drop": wire.run_without_wire(printed).most_current - controlled.sweep.most_current,
         "wire_initial_rise": wire.agreement_voltage(printed),
         "wire_on": wire.RATE * controlled.on,
         "wire_off": wire.RATE * controlled.off,

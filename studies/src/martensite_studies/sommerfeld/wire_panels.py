@@ -29,9 +29,7 @@ def draw_control(axes: Any, printed: Printed) -> None:
     axes.set_ylabel("$T$ [°C]", color=HEATING)
     axes.set_ylim(15.0, 115.0)
     other = add_right_axis(axes, "$I$ [A]", -0.05, 1.6, QUIET)
-    other.plot(
-        volts, found["current"], color=QUIET, linewidth=1.4, label="current of the wire (right)"
-    )
+    other.plot(volts, found["current"], color=QUIET, linewidth=1.4, label="current of the wire (right)")
     handles = [*axes.get_lines(), *other.get_lines()]
     axes.legend(handles=handles, loc="upper right")
     axes.set_title("wire: on at 3 Hz, off at 30 % of the peak")
@@ -46,13 +44,7 @@ def draw_loops(axes: Any, printed: Printed) -> None:
     part = slice(end - round(SHOWN / wire.PERIOD), end)
     x, force = (np.asarray(found.result[name])[part] for name in ("displacement", "force"))
     axes.plot(
-        1e3 * x,
-        force,
-        linestyle="none",
-        marker=".",
-        markersize=2.8,
-        color=SIMULATED,
-        label="tension of the hot wire",
+        1e3 * x, force, linestyle="none", marker=".", markersize=2.8, color=SIMULATED, label="tension of the hot wire"
     )
     ends = np.array([0.0, x.max()])
     axes.plot(
@@ -83,13 +75,7 @@ def draw_bench(axes: Any, printed: Printed, name: str) -> None:
         run = actuator.run_heated(volts)
         column = np.asarray(run[name])
         shown = 100.0 * (column[0] - column) if name == "strain" else column
-        axes.plot(
-            run.times,
-            shown,
-            color=colours(0.92 - 0.92 * k / (count - 1)),
-            linewidth=1.2,
-            label=f"{volts:.1f} V",
-        )
+        axes.plot(run.times, shown, color=colours(0.92 - 0.92 * k / (count - 1)), linewidth=1.2, label=f"{volts:.1f} V")
     words = "strain recovered" if name == "strain" else "current"
     label_axes(
         axes,

@@ -51,12 +51,7 @@ def printed_film(row: Printed, printed: Printed, ambient: float = AMBIENT) -> fl
     film_temperature = 0.5 * (row.temperature + ambient) + ZERO
     difference = row.temperature - ambient
     size = printed.length
-    rayleigh = (
-        COOLING.gravity
-        * difference
-        * size**3
-        / (film_temperature * row.diffusivity * row.viscosity)
-    )
+    rayleigh = COOLING.gravity * difference * size**3 / (film_temperature * row.diffusivity * row.viscosity)
     nusselt = COOLING.nusselt(floats, rayleigh, row.prandtl, _wire_shape(printed))
     return nusselt * row.conductivity / size
 

@@ -58,8 +58,7 @@ def closure_a(printed: Printed) -> Closure:
     def errors(values: tuple[float, ...]) -> list[float]:
         ohms, ambient = values
         return [
-            bench.steady_temperature(row.voltage**2 / ohms, ambient, printed) - row.temperature
-            for row in printed.rows
+            bench.steady_temperature(row.voltage**2 / ohms, ambient, printed) - row.temperature for row in printed.rows
         ]
 
     found = fit_residuals(errors, (4.0, bench.AMBIENT))
@@ -76,9 +75,7 @@ def printed_resistance(voltage: float, printed: Printed) -> float:
 
 def read_per_metre(printed: Printed) -> list[float]:
     """Resistances of the rows, the printed ones read as ohms per metre [ohm]."""
-    return [
-        PER_METRE * printed_resistance(volts, printed) for volts in printed.rows.column("voltage")
-    ]
+    return [PER_METRE * printed_resistance(volts, printed) for volts in printed.rows.column("voltage")]
 
 
 def measured_resistance(printed: Printed) -> float:
@@ -120,9 +117,7 @@ def _fit_line(printed: Printed, resistances: Sequence[float], single: float | No
     rises = _list_rises(printed, resistances)
     line = fit_powers(rises, printed.rows.column("temperature"), (0, 1))
     ambient, slope = line.values
-    errors = tuple(
-        line.value(x) - at for x, at in zip(rises, printed.rows.column("temperature"), strict=True)
-    )
+    errors = tuple(line.value(x) - at for x, at in zip(rises, printed.rows.column("temperature"), strict=True))
     return Closure(single, 1.0 / slope, ambient, errors)
 
 

@@ -20,10 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLOURS = {"a": SIMULATED, "b": HEATING}
-NAMES = {
-    "a": "closure A: h of (3.2), {ohms:.2f} Ω",
-    "b": "closure B: 1.3 and 1.5 Ω, {h:.0f} W/(m² K)",
-}
+NAMES = {"a": "closure A: h of (3.2), {ohms:.2f} Ω", "b": "closure B: 1.3 and 1.5 Ω, {h:.0f} W/(m² K)"}
 
 
 def draw_figure(printed: Printed) -> Figure:
@@ -36,15 +33,7 @@ def draw_figure(printed: Printed) -> Figure:
         f"ambient of {bench.AMBIENT:g} °C, and which alloy it is.",
     ) as figure:
         grid = figure.add_gridspec(
-            2,
-            2,
-            left=0.06,
-            right=0.98,
-            top=0.85,
-            bottom=0.09,
-            width_ratios=(1.25, 1.0),
-            wspace=0.17,
-            hspace=0.42,
+            2, 2, left=0.06, right=0.98, top=0.85, bottom=0.09, width_ratios=(1.25, 1.0), wspace=0.17, hspace=0.42
         )
         _draw_steady(figure.add_subplot(grid[:, 0]), printed)
         _draw_film(figure.add_subplot(grid[0, 1]), printed)
@@ -61,12 +50,7 @@ def legend_labels(printed: Printed) -> dict[str, str]:
 def _draw_steady(axes: Any, printed: Printed) -> None:
     volts, at = printed.rows.column("voltage"), np.asarray(printed.rows.column("temperature"))
     readings = (
-        (
-            "13 and 15 Ω as printed",
-            [closures.printed_resistance(v, printed) for v in volts],
-            MEASURED[0],
-            "v",
-        ),
+        ("13 and 15 Ω as printed", [closures.printed_resistance(v, printed) for v in volts], MEASURED[0], "v"),
         ("read as 1.3 and 1.5 Ω", closures.read_per_metre(printed), MEASURED[1], "^"),
     )
     for label, ohms, colour, marker in readings:
@@ -120,17 +104,8 @@ def _draw_film(axes: Any, printed: Printed) -> None:
 def _draw_course(axes: Any) -> None:
     for key, colour in COLOURS.items():
         run = bench.heating_run(key)
-        axes.plot(
-            run.times,
-            np.asarray(run["temperature"]) - bench.ZERO,
-            color=colour,
-            label=f"closure {key.upper()}",
-        )
+        axes.plot(run.times, np.asarray(run["temperature"]) - bench.ZERO, color=colour, label=f"closure {key.upper()}")
     axes.set_xlim(0.0, run.times[-1])
     label_axes(
-        axes,
-        "1.2 V on for 60 s, simulated; no measured course is printed",
-        "time [s]",
-        "$T$ [°C]",
-        "upper right",
+        axes, "1.2 V on for 60 s, simulated; no measured course is printed", "time [s]", "$T$ [°C]", "upper right"
     )

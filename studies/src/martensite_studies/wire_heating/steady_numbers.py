@@ -33,11 +33,7 @@ def compute_steady(printed: Printed) -> dict[str, Any]:
         "free": closures.closure_b_free(printed),
         "single": closures.closure_b_single(printed),
         "simulated": [
-            {
-                "key": key,
-                "name": key.upper(),
-                "rms": root_mean_square(simulated_errors(key, printed)),
-            }
+            {"key": key, "name": key.upper(), "rms": root_mean_square(simulated_errors(key, printed))}
             for key in bench.CLOSURES
         ],
         "time_a": time_a,
@@ -72,6 +68,4 @@ def predict_steady(printed: Printed) -> list[dict[str, Any]]:
 
 def simulated_errors(closure: str, printed: Printed) -> list[float]:
     """Simulated less printed steady temperatures of a closure's scenario [K]."""
-    return [
-        bench.simulated_temperature(closure, row.voltage) - row.temperature for row in printed.rows
-    ]
+    return [bench.simulated_temperature(closure, row.voltage) - row.temperature for row in printed.rows]
