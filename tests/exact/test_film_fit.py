@@ -15,13 +15,18 @@ from scipy import optimize, stats
 
 from martensite.base.confidence import student_quantile, two_sided_probability
 from martensite.base.errors import DataError, ParameterError, SolveError
-from martensite.characterise import film_sensitivity
+from martensite.characterise import film_ambient
 from martensite.characterise.film_ambient import fit_free_ambient
-from martensite.characterise.film_coefficient import FORMS, fit_film
-from martensite.characterise.film_points import ABSOLUTE_ZERO, FilmPoints, points_from_power, powers_from_voltage
+from martensite.characterise.film_coefficient import (
+    ABSOLUTE_ZERO,
+    FORMS,
+    FilmPoints,
+    fit_film,
+    points_from_power,
+    powers_from_voltage,
+)
 from martensite.characterise.film_report import judge_film
-from martensite.characterise.nonlinear_regression import fit_residuals
-from martensite.characterise.polynomial_regression import LinearFit, fit_powers
+from martensite.characterise.regression import LinearFit, fit_powers, fit_residuals
 
 MIGAONE = FilmPoints((47.65, 57.5, 72.0, 87.0), (47.83, 53.07, 57.28, 64.55), 38.5)
 VOLTS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3)
@@ -181,11 +186,11 @@ def test_sensitivity_to_the_ambient_against_differences() -> None:
         ambient, step = points.ambient, 1e-4
         above, below = points.at_ambient(ambient + step), points.at_ambient(ambient - step)
         expected = [(a - b) / (2 * step) for a, b in zip(above.h, below.h, strict=True)]
-        assert film_sensitivity.film_per_kelvin(points) == pytest.approx(expected, rel=1e-6)
+        assert film_ambient.film_per_kelvin(points) == pytest.approx(expected, rel=1e-6)
         slopes = [fit_film(*points_of(p), (0, 1)).coefficients[1] for p in (above, below)]
-        found = film_sensitivity.slope_per_kelvin(points)
+        found = film_ambient.slope_per_kelvin(points)
         assert found == pytest.approx((slopes[0] - slopes[1]) / (2 * step), rel=1e-6)
-        level = points.at_ambient(film_sensitivity.find_level_ambient(points))
+        level = points.at_ambient(film_ambient.find_level_ambient(points))
         assert fit_film(*points_of(level), (0, 1)).coefficients[1] == pytest.approx(0.0, abs=1e-8)
         assert level.at_ambient(ambient).h == pytest.approx(points.h)
 
@@ -262,7 +267,7 @@ def test_correlation_and_condition_by_finite_differences() -> None:
     jacobian = np.stack(columns, axis=1)
     covariance = np.linalg.inv(jacobian.T @ jacobian)
     expected = covariance[1, 2] / np.sqrt(covariance[1, 1] * covariance[2, 2])
-    found = film_sensitivity.find_confounding(MIGAONE)
+    found = film_ambient.find_confounding(MIGAONE)
     assert found.correlation == pytest.approx(expected, rel=1e-5)
     scaled = jacobian / np.linalg.norm(jacobian, axis=0)
     assert found.condition == pytest.approx(np.linalg.cond(scaled), rel=1e-5)

@@ -12,7 +12,7 @@ from scipy import stats
 
 from martensite.base.confidence import EVERYTHING
 from martensite.base.errors import DataError, ParameterError, UnknownNameError
-from martensite.characterise.polynomial_regression import fit_powers
+from martensite.characterise.regression import fit_powers
 from martensite.search.autocorrelation import compute_autocorrelation, count_effective_samples
 from martensite.search.uncertainty import estimate_uncertainty
 from martensite.search.whiteness import assess_whiteness

@@ -16,10 +16,9 @@ from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.best_linear import best_linear, linear_start
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import ChainEngine
-from martensite.identify.chains.impulse_response import impulse_response
-from martensite.identify.chains.linear_parts import build_state_space, find_poles, find_zeros
-from martensite.identify.chains.noise_model import noise_model
-from martensite.identify.chains.realisation import match_poles, realise_responses
+from martensite.identify.chains.goals import noise_model
+from martensite.identify.chains.impulse_response import impulse_response, match_poles, realise_responses
+from martensite.identify.chains.linear_system import build_state_space, find_poles, find_zeros
 from martensite.identify.chains.scores import fit_percent
 from martensite.identify.operators import sections
 from martensite.kernels import floats

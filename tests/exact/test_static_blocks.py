@@ -13,18 +13,14 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
 from martensite.base.errors import InputError, ParameterError
-from martensite.identify.blocks.dead_zone import DeadZone
-from martensite.identify.blocks.gain import Gain
+from martensite.identify.blocks.gain import Gain, UnitGain
+from martensite.identify.blocks.networks import SigmoidNetwork, TanhNetwork, WaveletNetwork
 from martensite.identify.blocks.piecewise_linear import PiecewiseLinear
 from martensite.identify.blocks.polynomial import Polynomial
-from martensite.identify.blocks.saturation import Saturation
+from martensite.identify.blocks.saturation import DeadZone, Saturation
 from martensite.identify.blocks.side_by_side import SideBySide
-from martensite.identify.blocks.sigmoid_network import SigmoidNetwork
 from martensite.identify.blocks.spline import Spline
-from martensite.identify.blocks.tanh_network import TanhNetwork
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.blocks.unit_gain import UnitGain
-from martensite.identify.blocks.wavelet_network import WaveletNetwork
 from martensite.identify.chains.chain_text import parse_block, parse_chain
 from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.estimate import Options, estimate_chain

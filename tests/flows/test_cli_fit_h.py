@@ -14,8 +14,7 @@ import pytest
 from command import Command
 
 from martensite.actuators.assembly import System
-from martensite.characterise.film_coefficient import FORMS
-from martensite.characterise.film_points import FilmPoints
+from martensite.characterise.film_coefficient import FORMS, FilmPoints
 from martensite.characterise.film_report import judge_film
 from martensite.scenario.scenario import read_scenario
 from martensite.show.figures.film_fit import plot_film

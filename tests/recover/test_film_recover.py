@@ -15,8 +15,7 @@ from scipy import stats
 
 from martensite.base.confidence import Interval, interval_contains
 from martensite.characterise.film_ambient import fit_free_ambient
-from martensite.characterise.film_coefficient import FORMS, fit_film
-from martensite.characterise.film_points import FilmPoints
+from martensite.characterise.film_coefficient import FORMS, FilmPoints, fit_film
 from martensite.characterise.film_report import judge_film
 
 REPETITIONS = 200

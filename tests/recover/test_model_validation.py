@@ -8,11 +8,10 @@ from martensite.base.errors import DataError, ParameterError
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.correlations import correlate_residuals
-from martensite.identify.chains.covariance_sums import sum_blocks
-from martensite.identify.chains.directions import find_rising, split_by_direction
+from martensite.identify.chains.information_matrix import invert_normal, sum_blocks
+from martensite.identify.chains.record_parts import find_rising, split_by_direction
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.identify.chains.uncertainty import estimate_chain_uncertainty, measure_coverage
-from martensite.identify.chains.unidentifiable_directions import invert_normal
 from martensite.identify.chains.validation import compare_validations, validate_chain
 from martensite.search.levenberg_marquardt import minimise_cost
 from martensite.show.figures.model import plot_model, plot_model_loop

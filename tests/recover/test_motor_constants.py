@@ -19,8 +19,16 @@ from scipy import stats
 from martensite.base.confidence import Interval, interval_contains
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import MeasuredValue
-from martensite.characterise.motor_constants import LONG, UNITS, MotorConstants, estimate_motor_constants
-from martensite.characterise.motor_tests import SteadyRunning, Winding, steady_running, winding_resistance
+from martensite.characterise.motor_constants import (
+    LONG,
+    UNITS,
+    MotorConstants,
+    SteadyRunning,
+    Winding,
+    estimate_motor_constants,
+    steady_running,
+    winding_resistance,
+)
 from martensite.characterise.time_constant import Rise, fit_rise
 
 R, L, K, B, F_C, J = 6.22, 3.1e-3, 0.0211, 2e-6, 4e-4, 8.68e-5

@@ -14,6 +14,7 @@ import pytest
 from first_order import AMBIENT, LINE, STRUCTURE, TAU, log, pulses, ramps
 
 from martensite.base.errors import DataError, InputError, SolveError
+from martensite.identify.chains.chain_text import MOST, expand_pattern
 from martensite.identify.chains.decimation import coarsen_records
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.goals import at_rest
@@ -21,7 +22,6 @@ from martensite.identify.chains.scores import free_run, mean_fit, score_chain
 from martensite.identify.chains.search import Searched, StructureCandidate, search_structures
 from martensite.identify.chains.search import _decide_next as decided
 from martensite.identify.chains.stages import Identified, ModelStage, identify_stages
-from martensite.identify.chains.structure_patterns import MOST, expand_pattern
 from martensite.signals.sampling.resampling import resample_record, select_signals
 from martensite.signals.sampling.sampled import Sampled
 

@@ -1,4 +1,6 @@
-"""A number with its standard error, and numbers computed from such numbers.
+"""Checks that all tests share: columns of equal length, enough rows, finite numbers.
+
+A number with its standard error, and numbers computed from such numbers.
 
 An estimate from few points has a standard error that is itself uncertain: its interval is
 value ± t(level, ν) error with ν degrees of freedom, the points to spare. For y = f(x₁, x₂, …)
@@ -12,11 +14,32 @@ to first order, with the degrees of freedom of the scarcest of them: on the safe
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from martensite.base.confidence import EVERYTHING, LEVEL, Interval, student_quantile
+from martensite.base.errors import DataError
+
+
+def check_columns(test: str, rows: str, fewest: int, **columns: Sequence[float]) -> None:
+    """Raise `DataError` unless columns are equally long, long enough and finite.
+
+    Args:
+        test: what is computed from them, as "a time constant".
+        rows: what a row is called, in the plural.
+        fewest: least number of rows.
+        columns: the columns by their names.
+    """
+    lengths = [len(numbers) for numbers in columns.values()]
+    names = " and ".join(columns).replace("_", " ")
+    if len(set(lengths)) > 1:
+        listed = " and ".join(map(str, lengths))
+        raise DataError(f"The {names} of {test} must be equally many, but are {listed}.")
+    if lengths[0] < fewest:
+        raise DataError(f"A fit of {test} needs at least {fewest} {rows}, but has {lengths[0]}.")
+    if not all(math.isfinite(number) for column in columns.values() for number in column):
+        raise DataError(f"The {names} of {test} must be finite, but are not all.")
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,6 @@
-"""What steady states say about a film coefficient, and what they leave open, in words.
+"""Verdicts on a film coefficient: each a yes or no with the numbers that it rests on.
+
+What steady states say about a film coefficient, and what they leave open, in words.
 
 Three questions are put to the points, each with an interval of the level asked for:
 
@@ -13,23 +15,166 @@ of `martensite.characterise.film_coefficient` and `martensite.characterise.film_
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
-from martensite.base.confidence import LEVEL
-from martensite.characterise.film_ambient import FreeAmbient, fit_free_ambient
-from martensite.characterise.film_coefficient import FORMS, FilmFit, fit_film
-from martensite.characterise.film_points import FilmPoints
-from martensite.characterise.film_sensitivity import (
+from martensite.base.confidence import LEVEL, Interval, interval_contains
+from martensite.characterise.film_ambient import (
     AtAmbient,
     Confounding,
+    FreeAmbient,
     film_per_kelvin,
     find_confounding,
     find_level_ambient,
+    fit_free_ambient,
     shift_ambients,
     slope_per_kelvin,
 )
-from martensite.characterise.film_verdicts import FilmVerdict, judge_ambient, judge_curvature, judge_slope
+from martensite.characterise.film_coefficient import ABSOLUTE_ZERO, FORMS, FilmFit, FilmPoints, fit_film
+
+UNITS = ("W/m²/K", "W/m²/K²", "W/m²/K³")
+"""Units of h₀, h₁, h₂."""
+NOT_GIVEN = "if the ambient temperature behind h, which is not given, is right"
+_DIGITS = "₀₁₂"
+
+
+@dataclass(frozen=True)
+class FilmVerdict:
+    """The answer to one question that is put to the points."""
+
+    about: str
+    """`curvature`, `slope` or `ambient`."""
+    supported: bool
+    """Whether the points alone bear it."""
+    sentence: str
+    """The answer with its numbers."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """All fields by name, for JSON."""
+        return asdict(self)
+
+
+def judge_curvature(
+    points: FilmPoints, fits: Mapping[str, FilmFit], free: Mapping[str, FreeAmbient], level: float
+) -> FilmVerdict:
+    """Whether the points bear a square beside a linear term."""
+    verdict = partial(FilmVerdict, "curvature")
+    fit = fits.get("quadratic")
+    if fit is None or not fit.linear.freedom:
+        return verdict(False, "Curvature is not tested: that takes at least four points at three temperatures.")
+    given, line = fit.interval(2, level), fits["linear"]
+    number = f"beside a linear term {_word_coefficient(2, fit.coefficients[2], given, level)}"
+    change = "falls" if fit.adjusted < line.adjusted else "rises"
+    compared = f"adjusted R² {change} from {line.adjusted:.3f} to {fit.adjusted:.3f}"
+    if interval_contains(given):
+        return verdict(False, f"Curvature is not supported: {number}, includes 0; {compared}.")
+    beside = free.get("quadratic")
+    at = _word_ambient(points)
+    if points.ambient_degC is None:
+        return verdict(False, f"Curvature is supported only {NOT_GIVEN}: {number}; {compared}.")
+    if beside is not None and interval_contains(interval := beside.leading_interval(level)):
+        return verdict(
+            False,
+            f"Curvature rests on the ambient temperature: {at}{number}, {compared}, but with the "
+            f"ambient free it is {_word_coefficient(2, beside.leading, interval, level)}, and "
+            "includes 0.",
+        )
+    return verdict(True, f"Curvature is supported: {at}{number}; {compared}.")
+
+
+def judge_slope(
+    points: FilmPoints,
+    fits: Mapping[str, FilmFit],
+    free: Mapping[str, FreeAmbient],
+    without: float,
+    bent: bool,
+    level: float,
+) -> FilmVerdict:
+    """Whether the points bear a film coefficient that rises or falls with temperature."""
+    verdict = partial(FilmVerdict, "slope")
+    line = fits["linear"]
+    given, at = line.interval(1, level), _word_ambient(points)
+    number = _word_coefficient(1, line.coefficients[1], given, level)
+    if bent:
+        return verdict(True, f"h depends on temperature, since it bends: {at}mean {number}.")
+    if not line.linear.freedom:
+        return verdict(False, "A slope of h is not tested: that takes three points.")
+    if interval_contains(given):
+        return verdict(False, f"A slope of h is not supported: {at}{number}, includes 0.")
+    if points.ambient_degC is None:
+        return verdict(False, f"A slope of h is supported only {NOT_GIVEN}: {number}.")
+    beside = free.get("linear")
+    against = "" if beside is None else _contradict_slope(beside, line.coefficients[1], level)
+    if against:
+        return verdict(
+            False,
+            f"The slope of h rests on the ambient temperature: {at}{number}"
+            f"{_word_level(points, without)}; with the ambient free it is {against}.",
+        )
+    return verdict(True, f"A slope of h is supported: {at}{number}.")
+
+
+def judge_ambient(free: Mapping[str, FreeAmbient], form: str, confounding: Confounding, level: float) -> FilmVerdict:
+    """Whether the points hold the ambient temperature, were it not known."""
+    verdict = partial(FilmVerdict, "ambient")
+    fit, beside = free.get(form), "a slope" if form == "linear" else "a bend"
+    if fit is None or not fit.flux.freedom:
+        return verdict(False, "The ambient temperature is not tested: that takes at least four points.")
+    span = _word_span(fit.ambient_interval(level), fit.coldest)
+    share = f"{100.0 * level:g} %"
+    if fit.bounded(level):
+        return verdict(
+            True,
+            f"The points determine the ambient temperature beside {beside} of h: "
+            f"{fit.ambient:.1f} degC, {share} interval {span}.",
+        )
+    best = f"best {fit.ambient:.1f} degC, " if math.isfinite(fit.ambient) else "none fits best, "
+    constant = free["constant"]
+    return verdict(
+        False,
+        f"The points do not determine the ambient temperature beside {beside} of h: {best}{share} "
+        f"interval {span} (correlation {confounding.correlation:.3f}, condition number "
+        f"{confounding.condition:.0f}). With a constant h it would be {constant.ambient:.1f} degC, "
+        f"{_word_span(constant.ambient_interval(level), constant.coldest)}.",
+    )
+
+
+def _contradict_slope(free: FreeAmbient, given: float, level: float) -> str:
+    """What a fit with the ambient free has against a slope; empty if nothing."""
+    interval = free.leading_interval(level)
+    number = _word_coefficient(1, free.leading, interval, level)
+    if interval_contains(interval):
+        return f"{number}, and includes 0"
+    if free.leading * given < 0.0:
+        return f"{number}, of the other sign"
+    return "" if math.isfinite(free.ambient) else f"{number}, but for no ambient below the points"
+
+
+def _word_coefficient(term: int, value: float, interval: Interval, level: float = LEVEL) -> str:
+    low, high = interval
+    share = f"{100.0 * level:g} %"
+    between = f"{share} interval unbounded" if not math.isfinite(low) else f"{share} interval {low:.3g} to {high:.3g}"
+    return f"h{_DIGITS[term]} = {value:.3g} {UNITS[term]}, {between}"
+
+
+def _word_ambient(points: FilmPoints) -> str:
+    return "" if points.ambient_degC is None else f"at {points.ambient:g} degC "
+
+
+def _word_level(points: FilmPoints, without: float) -> str:
+    if not math.isfinite(without):
+        return ""
+    return f", but zero for an ambient of {without:.1f} degC ({without - points.ambient:+.1f} K)"
+
+
+def _word_span(interval: Interval, coldest: float) -> str:
+    low, high = interval
+    if low <= ABSOLUTE_ZERO:
+        return "without bounds" if high >= coldest else f"anything below {high:.1f} degC"
+    return f"{low:.1f} to {high:.1f} degC"
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from martensite.base.confidence import LEVEL
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import MeasuredValue, propagate_errors
 from martensite.characterise.extremes import Extremes, find_extremes
-from martensite.characterise.nonlinear_regression import fit_residuals
+from martensite.characterise.regression import fit_residuals
 
 LEAST_SHARE = 0.05
 """Extremes smaller than this share of the first are left out."""

@@ -19,7 +19,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.characterise.columns import check_columns
+from martensite.characterise.estimate import check_columns
 
 FEWEST = 16
 """Rows below which there is no spectrum worth the name."""

@@ -19,9 +19,8 @@ from typing import Any
 
 from martensite.base.confidence import LEVEL
 from martensite.base.errors import DataError, SolveError
-from martensite.characterise.columns import check_columns
-from martensite.characterise.estimate import MeasuredValue
-from martensite.characterise.nonlinear_regression import fit_residuals
+from martensite.characterise.estimate import MeasuredValue, check_columns
+from martensite.characterise.regression import fit_residuals
 
 FEWEST = 6
 """Rows below which three numbers are not fitted."""

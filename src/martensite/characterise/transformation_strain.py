@@ -25,7 +25,7 @@ from typing import Any
 from martensite.base.confidence import LEVEL, two_sided_probability
 from martensite.base.errors import DataError, SolveError
 from martensite.characterise.estimate import MeasuredValue
-from martensite.characterise.nonlinear_regression import fit_residuals, root_mean_square
+from martensite.characterise.regression import fit_residuals, root_mean_square
 
 FEWEST = 4
 """Different stresses from which on the saturating form is tried."""

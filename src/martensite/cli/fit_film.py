@@ -16,8 +16,7 @@ from martensite.cli.options import Text, read_quantity, spread_options
 from martensite.cli.outputs import AnswerOptions
 
 if TYPE_CHECKING:
-    from martensite.characterise.film_coefficient import FilmFit
-    from martensite.characterise.film_points import FilmPoints
+    from martensite.characterise.film_coefficient import FilmFit, FilmPoints
     from martensite.characterise.film_report import FilmReport
     from martensite.physics.thermal.base import AbstractCooling
     from martensite.signals.records import Record
@@ -117,7 +116,7 @@ def read_points(table: Path, wire: HeatedWire) -> tuple[FilmPoints, str]:
         DataError: the table has no temperatures, or nothing that h follows from.
         InputError: an option is missing, or has no effect.
     """
-    from martensite.characterise.film_points import FilmPoints, points_from_power
+    from martensite.characterise.film_coefficient import FilmPoints, points_from_power
     from martensite.scenario.tables import read_table
 
     record = read_table(table, interval=1.0)
@@ -144,7 +143,7 @@ def _to_celsius(kelvin: float) -> float:
 
 def _read_powers(record: Record, wire: HeatedWire) -> tuple[list[float], str]:
     """Heating powers [W], and what they were computed from."""
-    from martensite.characterise.film_points import powers_from_voltage
+    from martensite.characterise.film_coefficient import powers_from_voltage
 
     has = record.columns
     if "power" in has:

@@ -13,7 +13,7 @@ from martensite.cli.options import Json, Text, read_positive
 from martensite.cli.outputs import Outputs
 
 if TYPE_CHECKING:
-    from martensite.characterise.motor_tests import SteadyRunning, Winding
+    from martensite.characterise.motor_constants import SteadyRunning, Winding
     from martensite.characterise.time_constant import Rise
     from martensite.signals.records import Record
 
@@ -61,7 +61,7 @@ def read_winding(locked: Path | None, resistance: str | None) -> Winding:
         DataError: the table does not hold what is needed.
     """
     from martensite.characterise.estimate import MeasuredValue
-    from martensite.characterise.motor_tests import Winding, winding_resistance
+    from martensite.characterise.motor_constants import Winding, winding_resistance
     from martensite.scenario.tables import read_table
 
     if (locked is None) == (resistance is None):
@@ -78,7 +78,7 @@ def read_steady(path: Path) -> SteadyRunning:
     Raises:
         DataError: the table does not hold what is needed.
     """
-    from martensite.characterise.motor_tests import steady_running
+    from martensite.characterise.motor_constants import steady_running
     from martensite.scenario.tables import read_table
 
     record = read_table(path, interval=1.0)

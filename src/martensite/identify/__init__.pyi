@@ -11,9 +11,9 @@ from martensite.identify.chains.chain import Chain as _BlockChain
 from martensite.identify.chains.chain_text import parse_chain as parse_chain
 from martensite.identify.chains.engine import ChainEngine as ChainEngine
 from martensite.identify.chains.estimate import estimate_chain as _estimate_model
+from martensite.identify.chains.goals import Options as _EstimateOptions
 from martensite.identify.chains.linearise import linearise_chain as linearise_chain
 from martensite.identify.chains.linearise import static_curve as static_curve
-from martensite.identify.chains.options import Options as _EstimateOptions
 from martensite.identify.chains.plant import build_plant as build_plant
 from martensite.identify.chains.scores import compute_rms as compute_rms
 from martensite.identify.chains.search import search_structures as search_structures

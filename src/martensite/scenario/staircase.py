@@ -21,7 +21,7 @@ from itertools import groupby
 from statistics import fmean, stdev
 
 from martensite.base.errors import DataError, ParameterError
-from martensite.characterise.polynomial_regression import fit_powers
+from martensite.characterise.regression import fit_powers
 from martensite.signals.records import Record
 
 COUNT = "count"

@@ -18,6 +18,7 @@ from typing import Any, ClassVar, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, option, param
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
@@ -41,6 +42,15 @@ class AbstractBlock(Parametrised):
     """True if it is a linear dynamic system."""
     bounded: ClassVar[bool] = True
     """False if some free numbers make it grow without bound."""
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless the numbers in the text of the block are whole."""
+        for name in self.shape:
+            value = getattr(self, name)
+            if isinstance(value, float) and value != int(value):
+                raise ParameterError(
+                    f"Parameter `{name}` of `{self.registered_name}` must be a whole number, but is {value:g}."
+                )
 
     @property
     def inputs(self) -> int:
@@ -153,6 +163,16 @@ class AbstractRanged(AbstractBlock):
         low, high = float(np.min(x)), float(np.max(x))
         spread = high - low if high > low else max(abs(high), 1.0)
         return self.with_parts(low=low, high=low + spread)
+
+    @property
+    def half(self) -> float:
+        """Half the range of the input: what 1 on its scale is."""
+        return 0.5 * (self.high - self.low)
+
+    @property
+    def middle(self) -> float:
+        """The middle of the range."""
+        return 0.5 * (self.high + self.low)
 
     def unit(self, x: Scalar) -> Scalar:
         """The input on a scale where its range is -1 to 1."""

@@ -43,7 +43,7 @@ class BoucWen(AbstractRanged):
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """Along two exponentials."""
         before, w = state
-        half = 0.5 * (self.high - self.low)
+        half = self.half
         line = compute_logistic(xp, theta[0])
         stiffness = xp.exp(xp.clip(theta[1], -STRONGEST, STRONGEST))
         recovery = xp.exp(xp.clip(theta[2], -STRONGEST, STRONGEST))
@@ -64,7 +64,7 @@ class BoucWen(AbstractRanged):
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """α, 1/ϱ in units of the input, σ."""
-        half = 0.5 * (self.high - self.low)
+        half = self.half
         return [
             ("line", float(1.0 / (1.0 + np.exp(-theta[0]))), "1"),
             ("yield", half * float(np.exp(-theta[1])), "1"),

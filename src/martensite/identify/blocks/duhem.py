@@ -3,7 +3,7 @@
     (1 - z)/(1 - z₀) = (1 - F_r(x))/(1 - F_r(x₀)) for rising x,    z/z₀ = F_f(x)/F_f(x₀) for falling
 
 F_r and F_f are sums of one or two logistic functions of the input on the scale of its range
-(`shared.branches`; Ivshin and Pence 1994). Rate independent; inner loops are scaled copies of the
+(`operators.branches`; Ivshin and Pence 1994). Rate independent; inner loops are scaled copies of the
 branches. Unlike plays it saturates by itself, and rising and falling branches have shapes of
 their own: the transformation of a shape-memory alloy over temperature, a relay with soft edges.
 The output is the bare fraction, so that a gain or a static block belongs after it.
@@ -16,7 +16,6 @@ import numpy as np
 from martensite.base.parameters import option, param
 from martensite.identify.blocks.base import BLOCKS, AbstractRanged, Column, Numbers
 from martensite.identify.operators import branches
-from martensite.identify.operators.counts import check_whole
 from martensite.kernels.namespace import Namespace, Scalar
 
 
@@ -33,10 +32,6 @@ class Duhem(AbstractRanged):
 
     logistics: float = param("1", "logistic functions per branch", low=1.0, high=2.0, default=2.0)
     history: str = option("where the input came from before the first sample", "below", "above", default="below")
-
-    def check(self) -> None:
-        """Raise `ParameterError` unless the number of logistic functions is whole."""
-        check_whole(self)
 
     def numbers(self) -> tuple[str, ...]:
         """Centres, widths and share of the rising branch, then of the falling one."""
@@ -86,7 +81,7 @@ class Duhem(AbstractRanged):
 
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Centres and widths in units of the input, shares of the first logistic functions."""
-        half = 0.5 * (self.high - self.low)
+        half = self.half
         rows: list[tuple[str, float, str]] = []
         for name, value in zip(self.numbers(), map(float, theta), strict=True):
             if name.startswith("log_"):

@@ -2,7 +2,7 @@
 
     z = B(q) u - h φ(r, δ),   y = G(q) z,   r = (y₋ - c)/h,   δ = (y₋ - y₋₋)/(h s)
 
-G is a cascade of sections with unit gain (`shared.sections`), φ a polynomial in the output one
+G is a cascade of sections with unit gain (`operators.sections`), φ a polynomial in the output one
 sample back and, with `past = 2`, in its last change: r alone is a stiffness, terms with δ are a
 damping or a capacity that changes. Terms of degree 0 and 1 are left out, since G has them. No
 blocks in series give what this gives: a resonance that moves with the amplitude, or latent heat.
@@ -26,7 +26,6 @@ from martensite.base.parameters import option, param
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractRanged, Column, Numbers
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.operators import sections
-from martensite.identify.operators.counts import check_whole
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -49,10 +48,6 @@ class Feedback(AbstractRanged):
     degree: float = param("1", "highest degree of what is fed back", low=2.0, high=9.0, default=3.0)
     past: float = param("1", "outputs fed back: 1, or 2 samples back", low=1.0, high=2.0, default=2.0)
     feedthrough: str = option("whether the input acts within the sample", "yes", "no", default="yes")
-
-    def check(self) -> None:
-        """Raise `ParameterError` unless orders are whole."""
-        check_whole(self)
 
     def powers(self) -> list[tuple[int, int]]:
         """Powers (of r, of δ) of the terms of φ."""
@@ -80,8 +75,8 @@ class Feedback(AbstractRanged):
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
         """The output y with y + h φ(r, 0) = u."""
-        order, half = int(self.order), 0.5 * (self.high - self.low)
-        u, middle = x[0], 0.5 * (self.high + self.low)
+        order, half = int(self.order), self.half
+        u, middle = x[0], self.middle
         own = theta[order + self._zeros :]
         fed = [(i, c) for (i, j), c in zip(self.powers(), own, strict=True) if j == 0]
         root = xp.detach(u)
@@ -93,13 +88,13 @@ class Feedback(AbstractRanged):
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """What is fed back comes from the samples before: nothing is to be solved."""
-        order, half = int(self.order), 0.5 * (self.high - self.low)
+        order, half = int(self.order), self.half
         poles, zeros = list(theta[:order]), theta[order : order + self._zeros]
         past, held = list(state[:order]), list(state[order : 2 * order])
         size = self._size(xp, poles, dt)
         before = held[0] if order == 1 else held[-2]
         change = held[0] - state[-1] if order == 1 else held[-1]
-        r, d = (before - 0.5 * (self.high + self.low)) / half, change / (half * size)
+        r, d = (before - self.middle) / half, change / (half * size)
         z = _shape_inputs([x[0], *past] if self.feedthrough == "yes" else past, zeros, size)
         for (i, j), c in zip(self.powers(), theta[order + self._zeros :], strict=True):
             z = z - half * c * _raise_power(r, i) * _raise_power(d, j)

@@ -22,7 +22,6 @@ import numpy as np
 
 from martensite.base.parameters import param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
-from martensite.identify.operators.counts import check_whole
 from martensite.identify.operators.play import FARTHEST, compute_logistic, compute_sizes, evaluate_hinges, keep_between
 from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels.namespace import Namespace, Scalar
@@ -45,10 +44,6 @@ class GeneralisedPrandtlIshlinskii(AbstractCurve):
     reach: float = param(
         "1", "what thresholds end below, over the rise of the curves", above=0.0, high=1.0, default=0.25
     )
-
-    def check(self) -> None:
-        """Plays and knots are whole."""
-        check_whole(self)
 
     def heights(self) -> tuple[str, ...]:
         """The rise over half the range."""

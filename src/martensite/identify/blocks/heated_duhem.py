@@ -1,7 +1,7 @@
 """A heated shape-memory actuator in few numbers: heat balance, latent heat, hysteresis, lags.
 
     τ (1 + Λ dz/dθ) dθ/dt = K u exp(ρ z) - θ (1 - r + r |θ|/θ_m)
-    z along the branches of `shared.branches`, rising where the right side is above 0
+    z along the branches of `operators.branches`, rising where the right side is above 0
     temperature = T_a + κ (θ through a lag τ_s),    position = S (z through a lag τ_p)
 
 θ is the rise of temperature over the surroundings, u the input (power, or duty), z the fraction

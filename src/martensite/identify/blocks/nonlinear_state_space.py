@@ -1,4 +1,6 @@
-"""Polynomial nonlinear state space: a stable linear system with nonlinear terms in every state.
+"""Where a map comes to rest: Newton's method in a loop, with the derivatives of the root.
+
+Polynomial nonlinear state space: a stable linear system with nonlinear terms in every state.
 
     s⁺ = A s + B (u + h E φ),   y = y₀ + C s + h F φ,   φ = monomials of degree 2 … d
 
@@ -15,17 +17,53 @@ Source: Paduart et al. 2010.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import combinations_with_replacement
 
 import numpy as np
 
+from martensite.actuators.mechanics.elimination import solve_linear
 from martensite.base.parameters import option, param
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractRanged, Column, Numbers
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.operators import sections
-from martensite.identify.operators.fixed_point import fixed_point
 from martensite.kernels import floats
+from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
+
+TURNS = 30
+"""Steps of Newton's method."""
+Map = Callable[[Namespace, Column, Column], Column]
+"""The next state, from the state and what the map depends on besides."""
+
+
+def fixed_point(xp: Namespace, held: Map, start: Column, given: Column) -> list[Scalar]:
+    """The state s = held(xp, s, given) that is reached from a start.
+
+    Derivatives are those of the root with respect to what is given, not of the iteration.
+    """
+    fixed = [xp.detach(value) for value in given]
+
+    def turn(*state: Scalar) -> Column:
+        step = _compute_newton_step(xp, held, state, fixed, fixed)
+        return [s - d for s, d in zip(state, step, strict=True)]
+
+    root = xp.repeat(TURNS, turn, *(xp.detach(s) for s in start))
+    root = [xp.detach(s) for s in root]
+    newton = _compute_newton_step(xp, held, root, fixed, given)
+    return [xp.implicit_root(s, s - d) for s, d in zip(root, newton, strict=True)]
+
+
+def _compute_newton_step(xp: Namespace, held: Map, state: Column, fixed: Column, given: Column) -> list[Scalar]:
+    """Newton's step: the matrix at what is fixed, the residual at what is given."""
+
+    def away(xp: Namespace, s: Column) -> Column:
+        return [a - b for a, b in zip(s, held(xp, s, fixed), strict=True)]
+
+    _, matrix = compute_jacobian(xp, away, list(state))
+    residual = [a - b for a, b in zip(state, held(xp, state, given), strict=True)]
+    return solve_linear(matrix, [residual])[0]
+
 
 FARTHEST = 1.5
 """Limit of what enters a monomial, in half widths of the range."""
@@ -72,7 +110,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
 
     def _products(self, xp: Namespace, poles: Column, held: Column, u: Scalar, dt: Scalar) -> list[Scalar]:
         """h φ."""
-        half, middle = 0.5 * (self.high - self.low), 0.5 * (self.high + self.low)
+        half, middle = self.half, self.middle
         wide = half * self.reach
         scaled: list[Scalar] = []
         for k, value in enumerate(held):
@@ -140,7 +178,7 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
         """Greatest departure of a state from the middle of the input, in half widths of that."""
         n = int(self.order)
         poles, state = [float(p) for p in theta[:n]], sections.rest_cascade(n, float(x[0]))
-        half, middle = 0.5 * (self.high - self.low), 0.5 * (self.high + self.low)
+        half, middle = self.half, self.middle
         most = 0.0
         for u in map(float, x):
             made = sections.step_cascade(floats, n, poles, state, u, dt)

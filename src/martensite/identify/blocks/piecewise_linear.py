@@ -14,7 +14,6 @@ import numpy as np
 
 from martensite.base.parameters import option, param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
-from martensite.identify.operators.counts import check_whole
 from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
@@ -34,10 +33,6 @@ class PiecewiseLinear(AbstractCurve):
 
     knots: float = param("1", "number of knots", low=2.0, high=200.0, default=10.0, typical=4.0)
     inner: str = option("whether the knots between the ends move", "free", "fixed", default="free")
-
-    def check(self) -> None:
-        """Knots are whole."""
-        check_whole(self)
 
     def heights(self) -> tuple[str, ...]:
         """Values at the knots but the first, relative to it."""

@@ -6,13 +6,10 @@ A sum of many is `prandtl_ishlinskii`. Source: Krasnosel'skii and Pokrovskii 198
 
 from __future__ import annotations
 
-from typing import Self
-
 import numpy as np
 
-from martensite.base.parameters import param
-from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
-from martensite.identify.operators.play import find_range, move_play
+from martensite.identify.blocks.base import BLOCKS, AbstractRanged, Column, Numbers
+from martensite.identify.operators.play import move_play
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -23,15 +20,11 @@ BEGUN = (0.02, 0.5)
 
 
 @BLOCKS.register("play")
-class Play(AbstractBlock):
+class Play(AbstractRanged):
     """Backlash of a free width; rate independent."""
 
     short = "play"
-    fixed = ("low", "high")
     cites = ("krasnoselskii1989",)
-
-    low: float = param("1", "lower end of the range of the input", default=-1.0)
-    high: float = param("1", "upper end of the range of the input", default=1.0)
 
     def numbers(self) -> tuple[str, ...]:
         """The radius."""
@@ -52,12 +45,7 @@ class Play(AbstractBlock):
 
     def radius(self, xp: Namespace, theta: Column) -> Scalar:
         """Half the backlash, in the unit of the input."""
-        return 0.5 * (self.high - self.low) * xp.exp(xp.clip(theta[0], -STRONGEST, STRONGEST))
-
-    def adapt_to(self, x: Numbers, dt: float) -> Self:
-        """Takes the range of the input."""
-        low, high = find_range(x)
-        return self.with_parts(low=low, high=high)
+        return self.half * xp.exp(xp.clip(theta[0], -STRONGEST, STRONGEST))
 
     def start(self) -> Numbers:
         """A tenth of half the range."""

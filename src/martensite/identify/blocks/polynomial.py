@@ -42,7 +42,7 @@ class Polynomial(AbstractStatic):
         made = np.zeros(len(self.numbers()))
         free = int(self.offset == "yes")
         made[:free] = offset
-        made[free] = slope * 0.5 * (self.high - self.low)
+        made[free] = slope * self.half
         return made
 
     def sample_parameters(self, rng: np.random.Generator, duration: float, dt: float) -> Numbers:

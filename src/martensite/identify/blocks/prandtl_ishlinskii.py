@@ -15,9 +15,8 @@ from __future__ import annotations
 import numpy as np
 
 from martensite.base.parameters import option, param
-from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
-from martensite.identify.operators.counts import check_whole
-from martensite.identify.operators.play import FARTHEST, PlaySum, compute_logits, compute_sizes, find_range, move_play
+from martensite.identify.blocks.base import BLOCKS, AbstractRanged, Column, Numbers
+from martensite.identify.operators.play import FARTHEST, PlaySum, compute_logits, compute_sizes, move_play
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -28,7 +27,7 @@ PLAYING = 0.5
 
 
 @BLOCKS.register("prandtl-ishlinskii")
-class PrandtlIshlinskii(AbstractBlock):
+class PrandtlIshlinskii(AbstractRanged):
     """A weighted sum of plays. With positive weights it is monotone and has an exact inverse."""
 
     short = "pi"
@@ -38,18 +37,12 @@ class PrandtlIshlinskii(AbstractBlock):
 
     plays: float = param("1", "number K of plays", low=1.0, default=12.0, typical=4.0)
     reach: float = param("1", "highest threshold over the range of the input", above=0.0, high=1.0, default=0.25)
-    low: float = param("1", "lower end of the range of the input", default=-1.0)
-    high: float = param("1", "upper end of the range of the input", default=1.0)
     weights: str = option(
         "whether the weights of input and plays are all positive", "positive", "free", default="positive"
     )
     thresholds: str = option(
         "even with a free reach, even up to the given reach, or all free", "scaled", "even", "free", default="scaled"
     )
-
-    def check(self) -> None:
-        """Plays are whole."""
-        check_whole(self)
 
     def numbers(self) -> tuple[str, ...]:
         """Weights or their logits, then logarithms of the reach or of steps of thresholds."""
@@ -103,11 +96,6 @@ class PrandtlIshlinskii(AbstractBlock):
         if self.thresholds == "scaled":
             step = step * xp.exp(xp.clip(own[0], -9.0, 9.0))
         return [(i + 1.0) * step for i in range(count)]
-
-    def adapt_to(self, x: Numbers, dt: float) -> PrandtlIshlinskii:
-        """Takes the range of the input."""
-        low, high = find_range(x)
-        return self.with_parts(low=low, high=high)
 
     def priors(self) -> tuple[Numbers, Numbers]:
         """Logits within some tens: a play that is not needed would send its own to infinity."""

@@ -20,7 +20,6 @@ import numpy as np
 
 from martensite.base.parameters import option, param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
-from martensite.identify.operators.counts import check_whole
 from martensite.identify.operators.play import FARTHEST, compute_sizes, evaluate_hinges, move_play
 from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels.namespace import Namespace, Scalar
@@ -41,10 +40,6 @@ class Preisach(AbstractCurve):
     slopes: str = option(
         "whether all curves rise, or fall, together, or each as it likes", "alike", "free", default="alike"
     )
-
-    def check(self) -> None:
-        """Levels and knots are whole."""
-        check_whole(self)
 
     def heights(self) -> tuple[str, ...]:
         """The rise of all curves over half the range, or the rise of each segment."""
@@ -72,7 +67,7 @@ class Preisach(AbstractCurve):
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """Plays, and the sum of their curves."""
-        half = 0.5 * (self.high - self.low)
+        half = self.half
         after = [move_play(xp, x[0], half * self._radius(i + 1), p) for i, p in enumerate(state)]
         heights, places = self._split_parameters(theta)
         made = self._sum(xp, heights, places, [self.unit(p) for p in (x[0], *after)])

@@ -14,7 +14,7 @@ import numpy as np
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import part
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, Column, Numbers
-from martensite.identify.blocks.unit_gain import UnitGain
+from martensite.identify.blocks.gain import UnitGain
 from martensite.kernels.namespace import Namespace, Scalar
 
 

@@ -15,7 +15,6 @@ import numpy as np
 
 from martensite.base.parameters import param
 from martensite.identify.blocks.base import BLOCKS, Column, Numbers
-from martensite.identify.operators.counts import check_whole
 from martensite.identify.operators.static_curves import AbstractCurve
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
@@ -37,10 +36,6 @@ class Spline(AbstractCurve):
     cites = ("deboor1978",)
 
     knots: float = param("1", "number of knots", low=2.0, high=200.0, default=10.0, typical=4.0)
-
-    def check(self) -> None:
-        """Knots are whole."""
-        check_whole(self)
 
     def heights(self) -> tuple[str, ...]:
         """Coefficients but the first, relative to it."""

@@ -2,7 +2,7 @@
 
     s⁺ = A s + B u(t - nk),   y = y₀ + C s (+ D u if nk = 0)
 
-A is a series of sections (`shared.sections`), each fed by the one before it; B feeds every state
+A is a series of sections (`operators.sections`), each fed by the one before it; B feeds every state
 of them, and C sums the signals of all. The sum Σ r_i b_i of the columns of B, with fixed weights
 r_i = 1/i, enters the first section alone: that removes the freedom to transform the state, and
 for one input leaves B without free numbers. As the sections answer within the sample, C s with

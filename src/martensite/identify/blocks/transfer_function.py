@@ -2,7 +2,7 @@
 
     y = B(q)/F(q) w,   B = b_1 q^-nk + … + b_nb q^-(nk+nb-1),   F = 1 + f_1 q^-1 + … + f_nf q^-nf
 
-The poles are sections in series (`shared.sections`), the numerator is a weighted sum of their
+The poles are sections in series (`operators.sections`), the numerator is a weighted sum of their
 signals: the first nb of them, from the last section back, span exactly the numerators of nb
 coefficients; beyond nf, samples of the input itself follow. The delay of nk samples comes first.
 The gain at rest is 1, because the static blocks around it have gains of their own.

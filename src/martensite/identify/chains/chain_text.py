@@ -7,17 +7,22 @@
 A block is its short name with its structure: numbers, then choices such as `pwl(10,fixed)`, in
 brackets or, if it is one number, behind the name. Blocks between `&` in square brackets stand
 side by side, each on signals of its own: `[poly2 & unit]`. Capitals and blanks do not matter.
+
+Patterns of structures: `poly{1..3} | oe({2..3},3,1) | {pwl,sigmoid}{5,10}`.
+
+Braces hold alternatives, separated by commas; `a..b` stands for the whole numbers from a to b.
+Every choice is combined with every other, in the order in which they are written.
 """
 
 from __future__ import annotations
 
 import re
+from itertools import product
 
 from martensite.base.errors import InputError, MartensiteError, suggest_name
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractStatic
+from martensite.identify.blocks.saturation import AbstractInterval
 from martensite.identify.blocks.side_by_side import SideBySide
-from martensite.identify.operators.counts import check_whole
-from martensite.identify.operators.limits import AbstractInterval
 
 _BLOCK = re.compile(r"([a-z][a-z_-]*)\s*(?:\(([^()]*)\)|(\d+))?")
 _BAR = re.compile(r"\|(?![^\[]*\])")
@@ -71,7 +76,6 @@ def _build_block(block: type[AbstractBlock], text: str, words: list[str]) -> Abs
     try:
         pairs = zip(block.shape, words, strict=False)
         made = block(**{name: _parse_value(block, name, word) for name, word in pairs})
-        check_whole(made)
     except ValueError:
         raise InputError(f"The numbers of block `{text}` must be plain numbers.") from None
     except MartensiteError as error:
@@ -135,3 +139,43 @@ def _drop_offset(block: AbstractBlock, after: list[bool]) -> tuple[AbstractBlock
         gain = {"gain": "one"} if isinstance(block, AbstractInterval) else {}
         return (block.with_parts(offset="no", **gain) if follows else block), [True]
     return block, [follows] * block.inputs
+
+
+MOST = 500
+"""Structures of one pattern."""
+_BRACES = re.compile(r"\{([^{}]*)\}")
+_RANGE = re.compile(r"\s*(\d+)\s*\.\.\s*(\d+)\s*")
+
+
+def expand_pattern(pattern: str) -> list[str]:
+    """All structures of a pattern, each once.
+
+    Raises:
+        InputError: braces are not closed or empty, a range is empty, or there are too many.
+    """
+    words = _BRACES.split(pattern)
+    if any(sign in word for word in words for sign in "{}"):
+        raise InputError(f"The braces of `{pattern}` are nested or not closed.")
+    choices = [_list_choices(word, pattern) if k % 2 else [word] for k, word in enumerate(words)]
+    count = 1
+    for choice in choices:
+        count *= len(choice)
+    if count > MOST:
+        raise InputError(f"`{pattern}` stands for {count} structures; at most {MOST} are searched.")
+    return list(dict.fromkeys("".join(words).strip() for words in product(*choices)))
+
+
+def _list_choices(inner: str, pattern: str) -> list[str]:
+    found: list[str] = []
+    for word in inner.split(","):
+        ends = _RANGE.fullmatch(word)
+        if ends is None:
+            found.append(word.strip())
+            continue
+        low, high = int(ends[1]), int(ends[2])
+        if low > high:
+            raise InputError(f"The range `{word.strip()}` of `{pattern}` is empty.")
+        found += [str(number) for number in range(low, high + 1)]
+    if not all(found):
+        raise InputError(f"Braces of `{pattern}` hold an empty choice.")
+    return found

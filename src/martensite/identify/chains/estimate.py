@@ -17,15 +17,19 @@ from martensite.base.errors import InputError, SolveError
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.chain_text import parse_chain
-from martensite.identify.chains.checks import check_enough, check_informative, check_records
 from martensite.identify.chains.decimation import MIDDLE, coarsen_records
-from martensite.identify.chains.goals import build_aims, squares_of
-from martensite.identify.chains.linear_start import list_informed_starts
-from martensite.identify.chains.nested_start import begin_from_chain
-from martensite.identify.chains.noise_model import whiten_chain
-from martensite.identify.chains.options import Options as Options
+from martensite.identify.chains.goals import Options as Options
+from martensite.identify.chains.goals import (
+    build_aims,
+    check_enough,
+    check_informative,
+    check_records,
+    squares_of,
+    whiten_chain,
+)
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares, settle_states
 from martensite.identify.chains.scores import fit_percent, free_run
+from martensite.identify.chains.starts import begin_from_chain, list_informed_starts
 from martensite.search.levenberg_marquardt import Found, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 

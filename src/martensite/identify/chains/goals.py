@@ -1,17 +1,107 @@
-"""What an estimation aims at: outputs of records on one scale, rest, and what blocks expect."""
+"""How a chain is estimated: what is searched, what counts, and for how long.
+
+What records must hold before a chain is estimated from them; one clear sentence if not.
+
+What an estimation aims at: outputs of records on one scale, rest, and what blocks expect.
+
+Noise models: the whitening filter of coloured residuals, for the prediction-error focus.
+
+    L(q) v_t = e_t,   L = 1 + l_1 q^-1 + … + l_n q^-n
+
+is autoregressive least squares over samples whose n predecessors are known. With L in the sum of
+squares the model is the one of least prediction error; the residuals of that give another L, and
+so on in turns.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from martensite.base.errors import InputError
+from martensite.base.errors import DataError, InputError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.options import Options
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
+from martensite.search.levenberg_marquardt import Found, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a chain is estimated."""
+
+    starts: int = 12
+    """Searches from different starts; 1 takes the plainest start only."""
+    refined: int = 3
+    """How many of the best go on with more samples."""
+    iterations: int = 100
+    """Most steps of these; first searches take half, the last at the full rate a quarter."""
+    seed: int = 0
+    skip: int = 0
+    """Samples at the start of every record that do not count."""
+    start: str = "rest"
+    """State at the first sample: rest, zero, estimate."""
+    anchor: float = 0.0
+    """Weight of the first known outputs as those at rest, in shares of all samples."""
+    ridge: float = 0.0
+    """Pull towards the start of the last search, per sample."""
+    sigma: tuple[float, ...] = ()
+    """Size of a usual residual of every output, such as 1 K and 0.1 mm; by default its spread."""
+    priors: bool = True
+    """Whether what blocks expect of their free numbers counts; see `AbstractBlock.priors`."""
+    noise: int = 0
+    """Order of the noise model; 0 minimises the simulation error, else the prediction error."""
+    threads: int = 2
+    begin: tuple[Chain, ...] = ()
+    """Chains to start from besides, such as an earlier estimate; simpler blocks are taken over."""
+
+
+def check_records(records: Sequence[Sampled]) -> None:
+    """Raise `InputError` unless the records can be fitted together."""
+    if not records:
+        raise InputError("An estimation needs at least one record.")
+    first = records[0]
+    for record in records[1:]:
+        if abs(record.interval / first.interval - 1.0) > 1e-6:
+            raise InputError(
+                f"Records fitted together need one sample time, but `{first.name}` has "
+                f"{first.interval:.6g} s and `{record.name}` {record.interval:.6g} s."
+            )
+        if (record.input_names, record.output_names) != (first.input_names, first.output_names):
+            raise InputError(f"Records `{first.name}` and `{record.name}` have different inputs or outputs.")
+
+
+def check_informative(records: Sequence[Sampled], skip: int, start: str) -> None:
+    """Raise `InputError` if a signal says nothing: an input that never moves, an empty output.
+
+    Inputs may be constant where initial states are estimated: a free motion says something.
+    """
+    first = records[0]
+    u = np.concatenate([record.inputs for record in records])
+    y = np.concatenate([record.outputs[skip:] for record in records])
+    for name, column in zip(first.input_names, u.T, strict=True):
+        if start != "estimate" and np.ptp(column) == 0.0:
+            raise InputError(
+                f"Input `{name}` is {column[0]:g} throughout; nothing can be found from an input that never changes."
+            )
+    for name, column in zip(first.output_names, y.T, strict=True):
+        known = column[np.isfinite(column)]
+        if not len(known):
+            raise InputError(f"Output `{name}` has no known samples that count.")
+        if np.ptp(known) == 0.0:
+            raise InputError(f"Output `{name}` is {known[0]:g} throughout; there is nothing to fit.")
+
+
+def check_enough(chain: Chain, records: Sequence[Sampled], skip: int) -> None:
+    """Raise `InputError` if there are fewer known outputs than free numbers."""
+    known = sum(int(np.isfinite(r.outputs[skip:]).sum()) for r in records)
+    if known < len(chain.theta):
+        raise InputError(
+            f"`{chain.text()}` has {len(chain.theta)} free numbers, but the records hold {known} "
+            "known outputs that count; take longer records or a smaller structure."
+        )
 
 
 def build_aims(records: Sequence[Sampled], options: Options) -> list[RecordResidual]:
@@ -60,3 +150,57 @@ def find_expected(chain: Chain, options: Options) -> tuple[Numbers, Numbers]:
 def squares_of(chain: Chain, records: Sequence[Sampled], options: Options) -> ResidualSquares:
     """The sum of squares that a search from the numbers of a chain minimises."""
     return ResidualSquares(chain.engine, build_aims(records, options), options.ridge, *find_expected(chain, options))
+
+
+TURNS = 3
+"""How often noise model and chain follow each other."""
+
+
+def noise_model(residuals: Sequence[Numbers], order: int) -> Numbers:
+    """Coefficients 1, l_1 … l_n of L(q).
+
+    Args:
+        residuals: of records, shape (samples, outputs), NaN where unknown; outputs count alike.
+        order: n.
+
+    Raises:
+        DataError: too few samples in a row are known.
+    """
+    square, cross, count = np.zeros((order, order)), np.zeros(order), 0
+    for record in residuals:
+        for v in record.T:
+            if len(v) <= order:
+                continue
+            rows = np.lib.stride_tricks.sliding_window_view(v, order + 1)[:, ::-1]
+            rows = rows[np.all(np.isfinite(rows), axis=1)]
+            square += rows[:, 1:].T @ rows[:, 1:]
+            cross += rows[:, 1:].T @ rows[:, 0]
+            count += len(rows)
+    if count <= 2 * order:
+        raise DataError(
+            f"A noise model of order {order} needs more than {2 * order} samples with as many "
+            f"known before them, not {count}."
+        )
+    least = 1e-12 * max(float(np.trace(square)), 1e-300) * np.eye(order)
+    return np.concatenate([np.ones(1), -np.linalg.solve(square + least, cross)])
+
+
+def whiten_chain(
+    chain: Chain, found: Found, wanted: Sequence[RecordResidual], options: Options
+) -> tuple[Found, tuple[RecordResidual, ...]]:
+    """The minimum of the prediction error: noise model and chain in turns, from a minimum."""
+    aims_ = tuple(wanted)
+    prior = find_expected(chain, options)
+    for _ in range(TURNS):
+        squares = ResidualSquares(chain.engine, aims_, options.ridge, *prior)
+        left: list[Numbers] = []
+        theta = found.theta[: len(chain.theta)]
+        for aim, state in zip(aims_, squares.initial(found.theta), strict=True):
+            computed = chain.with_theta(theta).simulate(aim.record, state)
+            left.append(((aim.record.outputs - computed) * aim.scale())[aim.skip :])
+        filter_ = noise_model(left, options.noise)
+        # a record of one sample, such as that of rest, has no noise to be whitened
+        aims_ = tuple(replace(a, whitening=filter_) if len(a.record) > 1 else a for a in aims_)
+        squares = ResidualSquares(chain.engine, aims_, options.ridge, *prior)
+        found = minimise_cost(squares, found.theta, options.iterations)
+    return found, aims_

@@ -18,11 +18,10 @@ import numpy as np
 
 from martensite.base.errors import InputError, SolveError
 from martensite.identify.chains.chain import build_untrained
-from martensite.identify.chains.chain_text import parse_chain
-from martensite.identify.chains.checks import check_informative, check_records
+from martensite.identify.chains.chain_text import expand_pattern, parse_chain
 from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
+from martensite.identify.chains.goals import check_informative, check_records
 from martensite.identify.chains.scores import fit_percent, free_run, mean_fit, score_chain
-from martensite.identify.chains.structure_patterns import expand_pattern
 from martensite.signals.sampling.sampled import Sampled
 
 MARGIN = 0.5

@@ -25,11 +25,18 @@ import numpy as np
 from martensite.base.errors import DataError, ParameterError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.covariance_sums import Sums, block_lengths, sum_blocks
 from martensite.identify.chains.engine import ChainStart
-from martensite.identify.chains.number_errors import PrintedNumber, list_rows, slopes_of_shown
+from martensite.identify.chains.information_matrix import (
+    Flat,
+    PrintedNumber,
+    Sums,
+    block_lengths,
+    invert_normal,
+    list_rows,
+    slopes_of_shown,
+    sum_blocks,
+)
 from martensite.identify.chains.residuals import ResidualSquares
-from martensite.identify.chains.unidentifiable_directions import Flat, invert_normal
 from martensite.search.quantity_text import format_number
 from martensite.signals.sampling.sampled import Sampled
 

@@ -17,8 +17,14 @@ from martensite.base.errors import DataError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.correlations import LEVEL, Crossed, correlate_residuals
-from martensite.identify.chains.directions import REVERSAL, Masks, split_by_direction
-from martensite.identify.chains.residual_segments import ErrorStretch, known_stretch, summarise_segments
+from martensite.identify.chains.record_parts import (
+    REVERSAL,
+    ErrorStretch,
+    Masks,
+    known_stretch,
+    split_by_direction,
+    summarise_segments,
+)
 from martensite.search.model_score import Score, score_model
 from martensite.search.quantity_text import format_number, join_phrases
 from martensite.search.whiteness import FEWEST, Whiteness, assess_whiteness

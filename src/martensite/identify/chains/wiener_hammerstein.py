@@ -21,12 +21,11 @@ from martensite.identify.blocks.base import AbstractBlock, AbstractStatic, Numbe
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.state_space import StateSpace
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.chains.best_linear import linear_start
+from martensite.identify.chains.best_linear import fit_weights, linear_start
 from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.engine import ChainEngine
-from martensite.identify.chains.linear_parts import Orders, find_orders, find_poles, find_zeros
-from martensite.identify.chains.linear_weights import fit_weights
-from martensite.identify.chains.realisation import match_poles
+from martensite.identify.chains.impulse_response import match_poles
+from martensite.identify.chains.linear_system import Orders, find_orders, find_poles, find_zeros
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.search.levenberg_marquardt import minimise_cost
 from martensite.signals.sampling.sampled import Sampled

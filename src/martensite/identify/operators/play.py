@@ -28,12 +28,6 @@ A share that is not needed would else send its logit away, step by step, and the
 """
 
 
-def find_range(x: Numbers) -> tuple[float, float]:
-    """Ends of the range of an input; of a constant one, some range from it."""
-    low, high = float(np.min(x)), float(np.max(x))
-    return low, high if high > low else low + max(abs(low), 1.0)
-
-
 def move_play(xp: Namespace, x: Scalar, r: Scalar, p: Scalar) -> Scalar:
     """The next value of a play of threshold r ≥ 0 that was at p."""
     return keep_between(xp, x - r, x + r, p)

@@ -61,13 +61,3 @@ class AbstractCurve(AbstractStatic):
         """A row with the output at zero input."""
         zero = self.value(floats, [float(v) for v in theta], 0.0)
         return [("output at zero", float(zero), "1")]
-
-    @property
-    def half(self) -> float:
-        """Half the range of the input: what 1 on its scale is."""
-        return 0.5 * (self.high - self.low)
-
-    @property
-    def middle(self) -> float:
-        """The middle of the range."""
-        return 0.5 * (self.high + self.low)

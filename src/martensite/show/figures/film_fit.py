@@ -17,8 +17,8 @@ from martensite.show.figures.style import COOLING, HEATING, INK, MEASURED, QUIET
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from martensite.characterise.film_ambient import AtAmbient
     from martensite.characterise.film_report import FilmReport
-    from martensite.characterise.film_sensitivity import AtAmbient
 
 LOOKS: dict[str, tuple[str, Any]] = {
     "constant": (MEASURED[0], (0, (1, 1.3))),

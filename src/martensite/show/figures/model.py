@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.identify.chains.directions import find_rising
+from martensite.identify.chains.record_parts import find_rising
 from martensite.identify.chains.validation import Validation
 from martensite.show.figures.fit import SEEN
 from martensite.show.figures.labels import enclose_values

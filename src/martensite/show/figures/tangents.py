@@ -18,9 +18,8 @@ from martensite.show.figures.style import COOLING, HEATING, INK, QUIET, SIMULATE
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from martensite.characterise.clausius_clapeyron import Direction
     from martensite.characterise.isobaric_cycles import CycleBranch
-    from martensite.characterise.tangent_fit import TangentFit
+    from martensite.characterise.tangent_fit import Direction, TangentFit
     from martensite.characterise.tangent_lines import BranchTangents
     from martensite.characterise.tangent_points import TangentPoints
 

@@ -19,7 +19,7 @@ from typing import cast
 
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.wire import Wire
-from martensite.characterise.nonlinear_regression import root_mean_square
+from martensite.characterise.regression import root_mean_square
 from martensite.kernels import floats
 from martensite.physics.thermal.base import AbstractCooling, Cylinder
 from martensite.physics.thermal.constant import ConstantCooling

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 from statistics import fmean
 
-from martensite.characterise.polynomial_regression import fit_powers
+from martensite.characterise.regression import fit_powers
 from martensite.design.sizing.cycle import find_crossing
 from martensite.scenario import datasets
 from martensite.scenario.staircase import SupplyOffset, reduce_to_plateaus, supply_offset, unwrap_counter

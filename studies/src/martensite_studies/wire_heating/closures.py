@@ -17,8 +17,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
-from martensite.characterise.nonlinear_regression import fit_residuals, root_mean_square
-from martensite.characterise.polynomial_regression import fit_powers
+from martensite.characterise.regression import fit_powers, fit_residuals, root_mean_square
 from martensite_studies.tables import Printed
 from martensite_studies.wire_heating import bench
 

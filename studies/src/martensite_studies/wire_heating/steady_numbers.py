@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from martensite.characterise.film_coefficient import fit_film
-from martensite.characterise.nonlinear_regression import root_mean_square
+from martensite.characterise.regression import root_mean_square
 from martensite_studies.tables import Printed
 from martensite_studies.wire_heating import bench, closures
 
