@@ -18,17 +18,9 @@ from scipy import stats
 from martensite.base.confidence import Interval, interval_contains
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import MeasuredValue, propagate_errors
-from martensite.characterise.free_vibration import (
-    LogDecrement,
-    critical_damping,
-    damping_ratio,
-    frequency_of,
-    log_decrement,
-    moving_mass,
-)
+from martensite.characterise.free_vibration import LogDecrement, damping_ratio, frequency_of, log_decrement, moving_mass
 from martensite.characterise.moving_average import average_moving, moving_average_gain
 from martensite.characterise.spectrum import natural_frequency
-from martensite.characterise.strain_gauge import bending_strain, half_bridge, ina129_gain
 
 Rows = tuple[list[float], list[float]]
 F, ZETA, OFFSET = 8.42, 0.02, 0.3
@@ -233,8 +225,6 @@ def test_published_frequency_belongs_to_neither_published_mass() -> None:
 
 
 def test_damping() -> None:
-    critical = critical_damping(541.0, 0.25)
-    assert critical == pytest.approx(2.0 * 0.25 * math.sqrt(541.0 / 0.25))
     assert damping_ratio(2.0 * math.pi * 0.3 / math.sqrt(1.0 - 0.09)) == pytest.approx(0.3)
 
 
@@ -271,20 +261,7 @@ def test_gain_turns_some_vibrations_round() -> None:
         moving_average_gain(1.0, 9, 0.0)
 
 
-# ---------------------------------------------------------------- strain gauge, estimates
-
-
-def test_strain_gauge() -> None:
-    """4.9 N at 0.3 m from the gauges: the moment over the section modulus, by hand."""
-    strain = bending_strain(4.9, 0.3, 69e9, 0.038, 0.003)
-    assert strain == pytest.approx(4.9 * 0.3 * 0.0015 / (69e9 * 0.038 * 0.003**3 / 12.0))
-    assert half_bridge(strain, 2.0) == strain
-    assert ina129_gain(49.4e3) == 2.0
-    assert ina129_gain(100.0) == pytest.approx(495.0)
-    with pytest.raises(ParameterError, match="`resistance`"):
-        ina129_gain(0.0)
-    with pytest.raises(ParameterError, match="above 0"):
-        bending_strain(1.0, 0.3, 69e9, 0.038, 0.0)
+# ---------------------------------------------------------------- estimates
 
 
 def test_propagation() -> None:

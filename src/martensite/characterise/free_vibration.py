@@ -13,8 +13,8 @@ fitted to the extremes together: an offset of the sensor is no matter, and extre
 weigh no more than they know. Standard errors are from the scatter about that curve, and about the
 line of t_k weighted by amplitude.
 
-In use: k = F/x or 3 E I/l³; M = k/ω_n²; c_c = 2 √(k M); c = ζ c_c.
-Source: Kossoski (2018), Appendix A, with c_c corrected and f_d told from f_n.
+In use: k = F/x or 3 E I/l³; M = k/ω_n²; c = 2 ζ √(k M).
+Source: Kossoski (2018), Appendix A, with f_d told from f_n.
 """
 
 from __future__ import annotations
@@ -188,8 +188,3 @@ def frequency_of(stiffness: float, mass: float) -> float:
 def moving_mass(stiffness: float, frequency: float) -> float:
     """M = k/(2 π f_n)² [kg] from stiffness [N/m] and natural frequency [Hz]."""
     return stiffness / (2.0 * math.pi * frequency) ** 2
-
-
-def critical_damping(stiffness: float, mass: float) -> float:
-    """c_c = 2 √(k M) [N s/m] from stiffness [N/m] and moving mass [kg]."""
-    return 2.0 * math.sqrt(stiffness * mass)
