@@ -15,7 +15,7 @@ import numpy as np
 
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.residuals import ResidualSquares
-from martensite.search.autocorrelation import count_effective_samples
+from martensite.search.whiteness import count_effective_samples
 
 TIMES = 3.0
 """Length of a block over the time that the residuals remember, τ of `count_effective_samples`."""

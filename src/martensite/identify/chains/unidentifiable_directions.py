@@ -17,7 +17,7 @@ from scipy.linalg import qr
 
 from martensite.identify.blocks.base import Numbers
 from martensite.search.quantity_text import list_names
-from martensite.search.weak_direction_sets import find_weak_directions
+from martensite.search.weak_direction import find_weak_directions
 
 CUT = 1e-9
 """Eigenvalue of the scaled JᵀJ, over the largest, below which a direction is not determined."""
