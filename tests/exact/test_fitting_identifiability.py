@@ -13,7 +13,7 @@ import pytest
 
 from martensite.base.errors import DataError, ParameterError
 from martensite.search.identifiability import assess_identifiability
-from martensite.search.weak_direction_sets import find_weak_directions
+from martensite.search.weak_direction import find_weak_directions
 
 AT = np.linspace(280.0, 400.0, 150)
 NAMES = ["k_s", "s", "Delta_sigma", "sigma_L", "E", "V", "T_L"]
@@ -238,7 +238,7 @@ def test_singular_values_and_the_number_of_weak_directions(count: int):
 @pytest.mark.parametrize("seed", range(6))
 def test_many_parameters_are_covered_by_leaving_columns_out(seed: int, monkeypatch):
     """Directions found one by one span the same space as the singular vectors."""
-    monkeypatch.setattr("martensite.search.weak_direction_sets.MANY_SETS", 0)
+    monkeypatch.setattr("martensite.search.weak_direction.MANY_SETS", 0)
     random = np.random.default_rng(seed)
     columns = random.normal(size=(40, 9))
     columns[:, [1, 4, 7]] = columns[:, [0, 2, 3]] @ random.normal(size=(3, 3))

@@ -13,9 +13,8 @@ from scipy import stats
 from martensite.base.confidence import EVERYTHING
 from martensite.base.errors import DataError, ParameterError, UnknownNameError
 from martensite.characterise.regression import fit_powers
-from martensite.search.autocorrelation import compute_autocorrelation, count_effective_samples
 from martensite.search.uncertainty import estimate_uncertainty
-from martensite.search.whiteness import assess_whiteness
+from martensite.search.whiteness import assess_whiteness, compute_autocorrelation, count_effective_samples
 
 X = np.linspace(0.0, 3.0, 25)
 SCALES = [4.0, -2.0, 0.5]

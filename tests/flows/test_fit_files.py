@@ -20,7 +20,7 @@ from martensite.fit.api import fit_logs, read_problem
 from martensite.fit.column_matching import ComparedColumn, list_echoes, match_columns, read_columns, read_noise
 from martensite.fit.fit_file import read_fit_file
 from martensite.fit.free_parameters import read_ranges
-from martensite.fit.hold_out import ALL, choose_held_out
+from martensite.fit.logs import ALL, choose_held_out
 from martensite.fit.step_choice import choose_step, halve_step
 from martensite.scenario.compare import compare_with_record
 from martensite.scenario.scenario import Scenario, load, read_scenario

@@ -23,8 +23,7 @@ from finished_fits import FREE, Sample, poor_sample, sample
 from matplotlib.figure import Figure
 
 from martensite.base.errors import InputError
-from martensite.fit.compared_outputs import HELD_OUT, TRAINING, compute_rms, find_covered_range, list_compared
-from martensite.fit.fit import Fit
+from martensite.fit.fit import HELD_OUT, TRAINING, Fit, compute_rms, find_covered_range, list_compared
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
 from martensite.search.profile import Profile, ProfileEnd, ProfilePoint
 from martensite.show.figures.fit import HELD, SEEN, plot_fit, plot_fit_loops

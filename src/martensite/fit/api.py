@@ -128,7 +128,6 @@ def build_task(scenario: Model | Sequence[Model], logs: Source | Sequence[Source
 
 
 def _list_ranges(given: Ranges) -> list[str | SearchRange]:
-    """Free parameters; a text may list several with commas."""
     if isinstance(given, str):
         return list(split_list(given))
     return [one for x in given for one in (split_list(x) if isinstance(x, str) else [x])]

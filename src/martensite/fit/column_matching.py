@@ -3,20 +3,48 @@
 Without a word every column is compared that is an output of the system, but for those that say
 what drives it, and those that never change. Otherwise they are named: `position=laser*0.5` says
 that the output `position` is half the column `laser`.
+
+Columns whose headings were swapped: what a fit finds with two of them exchanged.
+
+Only where a fit follows what is compared worse than a constant would. Then the numbers of every
+pair of a column that drives and one that is compared are exchanged, as they probably stand in the
+file, and the record is fitted once more by itself.
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import DataError, InputError, ParameterError, UnitError, require_known, suggest_name
+from martensite.base import units
+from martensite.base.errors import (
+    DataError,
+    InputError,
+    MartensiteError,
+    ParameterError,
+    UnitError,
+    require_known,
+    suggest_name,
+)
+from martensite.fit.experiment import Experiment
+from martensite.fit.fit import Fit
 from martensite.fit.free_parameters import read_difference, split_list
+from martensite.fit.problem import Problem
+from martensite.fit.solve import solve_problem
+from martensite.scenario.scenario import Scenario
 from martensite.signals.records import Record
 
+CONVINCING_FIT = 50.0
+"""Fit [%] with exchanged columns from which on they look swapped."""
+MOST_EVALUATIONS = 30
+"""Evaluations of such a fit."""
+SPELLINGS = {"1": ("1", "%"), "m": ("mm", "m"), "Pa": ("MPa", "Pa"), "K": ("degC", "K")}
+"""SI unit -> units in which such a column is usually written; others as they are."""
+
+Model = Callable[[Record], Scenario]
 _COLUMN = re.compile(r"^\s*([^=*]+?)\s*(?:=\s*([^*]+?)\s*(?:\*\s*(.+?)\s*)?)?$")
 ECHOES = {"K": ("temperature", "hottest"), "V": ("voltage",), "A": ("current",), "W": ("power",)}
 """Unit of a drive -> outputs that only say what drives."""
@@ -85,7 +113,6 @@ def _match_asked(
 
 
 def _find_column(record: Record, name: str) -> str:
-    """A column by its name in the file, or as the reader spells that."""
     spelt = re.sub(r"[\s-]+", "_", name.strip().lower())
     if name not in record.columns and spelt not in record.columns:
         known = [column for column in record.columns if column != "time"]
@@ -94,7 +121,6 @@ def _find_column(record: Record, name: str) -> str:
 
 
 def _scale_column(record: Record, column: str, one: ComparedColumn, unit: str) -> Record:
-    """The record with a column for an output, in its unit."""
     numbers = [one.factor * number for number in record[column]]
     return replace(record, columns=record.columns | {one.output: numbers}, units=record.units | {one.output: unit})
 
@@ -171,3 +197,61 @@ def _read_column(text: str) -> ComparedColumn:
     raise ParameterError(
         f"`{text}` is not a column to compare; write `OUTPUT`, `OUTPUT=COLUMN`, or `OUTPUT=COLUMN*FACTOR`."
     )
+
+
+def refuse_swapped(fit: Fit, models: dict[str, tuple[Scenario, Model]]) -> None:
+    """Raise `DataError` if a record makes far more sense with two columns exchanged.
+
+    Args:
+        fit: to the records as given.
+        models: record -> its scenario, and what makes it with another record.
+    """
+    useless = {(s.record, s.output): s for s in fit.scores if s.part == "training"}
+    for one in fit.problem.experiments:
+        scenario, model = models[one.name]
+        for output, column in one.columns.items():
+            if not useless[one.name, output].fit_percent < 0.0:
+                continue
+            for drive in dict.fromkeys(scenario.follows.values()):
+                for record in _exchange_columns(one.record, drive, column):
+                    found = _fit_exchanged(fit.problem, one, record, model, output)
+                    if found > CONVINCING_FIT:
+                        raise DataError(_describe_swap(one, output, drive, column, found))
+
+
+def _describe_swap(one: Experiment, output: str, drive: str, column: str, found: float) -> str:
+    return (
+        f"Record `{one.record.name}` makes far more sense with its columns `{drive}` and "
+        f"`{column}` exchanged: as they are, the best fit follows `{output}` worse than a constant "
+        f"would; exchanged, to {found:.0f} %. Their headings seem to be swapped."
+    )
+
+
+def _fit_exchanged(problem: Problem, one: Experiment, record: Record, model: Model, output: str) -> float:
+    """How well an output is met with another record; -inf where that cannot be fitted."""
+    try:
+        scenario = model(record)
+        twin = replace(one, system=scenario.system, waveform=scenario.waveform, record=record)
+        free = tuple(free for free in problem.free if free.record in (None, one.name))
+        alone = replace(problem, experiments=(twin,), free=free, later=())
+        scores = solve_problem(alone, most=MOST_EVALUATIONS).scores
+    except MartensiteError:
+        return float("-inf")
+    return min(s.fit_percent for s in scores if s.output == output and s.part == "training")
+
+
+def _exchange_columns(record: Record, one: str, other: str) -> Iterator[Record]:
+    for first in SPELLINGS.get(record.units[one], (record.units[one],)):
+        for second in SPELLINGS.get(record.units[other], (record.units[other],)):
+            columns = record.columns | {
+                one: _convert_column(record, other, second, one, first),
+                other: _convert_column(record, one, first, other, second),
+            }
+            yield replace(record, columns=columns)
+
+
+def _convert_column(record: Record, column: str, spelling: str, to: str, new: str) -> list[float]:
+    """The numbers of a column in one unit, read as those of another column in another unit."""
+    factor, offset = units.find_conversion(spelling, record.units[column])
+    new_factor, new_offset = units.find_conversion(new, record.units[to])
+    return [(x - offset) / factor * new_factor + new_offset for x in record[column]]

@@ -25,8 +25,7 @@ from martensite.base import units
 from martensite.base.errors import DataError, ParameterError, UnitError
 from martensite.base.files import read_text_file, toml_document
 from martensite.fit.fit_task import FitSearch, FitTask
-from martensite.fit.hold_out import AUTO
-from martensite.fit.logs import Log
+from martensite.fit.logs import AUTO, Log
 from martensite.scenario.build import as_table, refuse_unknown
 from martensite.scenario.tables import PREFIX
 

@@ -12,8 +12,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from martensite.base.confidence import EVERYTHING, Interval
-from martensite.fit.compared_outputs import HELD_OUT, TRAINING, ComparedOutput, list_compared
-from martensite.fit.fit import Fit
+from martensite.fit.fit import HELD_OUT, TRAINING, ComparedOutput, Fit, list_compared
 from martensite.fit.fit_verdicts import format_error
 from martensite.scenario.datasets import dataset_names, describe_dataset
 from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
@@ -91,7 +90,6 @@ def _describe_free(fit: Fit, free: FreeNumber) -> dict[str, Any]:
 
 
 def _describe_records(fit: Fit) -> Iterator[dict[str, Any]]:
-    """One table per record, those kept back last."""
     rows = list_compared(fit)
     own = {kept.experiment.name: kept for kept in fit.kept}
     for name in dict.fromkeys(one.record for one in rows):
@@ -107,7 +105,6 @@ def _describe_records(fit: Fit) -> Iterator[dict[str, Any]]:
 
 
 def _describe_output(one: ComparedOutput) -> dict[str, Any]:
-    """What was compared in one output, and how well it is met."""
     found: dict[str, Any] = {"column": one.column}
     for part, rows in ((TRAINING, one.used), (HELD_OUT, one.held)):
         if rows.any():

@@ -13,18 +13,26 @@ from pathlib import Path
 from typing import Any
 
 from martensite.base.errors import InputError
-from martensite.fit.column_matching import ComparedColumn, match_columns, read_columns, read_noise
+from martensite.fit.column_matching import ComparedColumn, match_columns, read_columns, read_noise, refuse_swapped
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.free_parameters import is_nuisance, read_ranges
-from martensite.fit.hold_out import ALL, AUTO, NONE, choose_held_out
-from martensite.fit.logs import LoadedLog, Log, describe_gaps, describe_untimed, read_logs
+from martensite.fit.logs import (
+    ALL,
+    AUTO,
+    NONE,
+    LoadedLog,
+    Log,
+    choose_held_out,
+    describe_gaps,
+    describe_untimed,
+    read_logs,
+)
 from martensite.fit.problem import Problem, build_problem
 from martensite.fit.search_monitor import Tell
 from martensite.fit.solve import MOST_EVALUATIONS, solve_problem
 from martensite.fit.start_checks import check_start, find_silent_outputs
 from martensite.fit.step_choice import choose_step, describe_step_error
-from martensite.fit.swapped_columns import refuse_swapped
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
@@ -137,7 +145,6 @@ class ArrangedFit:
 def _choose_steps(
     made: Sequence[Experiment], found: Sequence[LoadedLog], step: float | None
 ) -> tuple[list[Experiment], list[str]]:
-    """Experiments with their steps: as asked for, of the scenario, or to its tolerance."""
     stepped: list[Experiment] = []
     notes: list[str] = []
     for one, source in zip(made, found, strict=True):

@@ -11,8 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from martensite.base import units
-from martensite.fit.compared_outputs import HELD_OUT, TRAINING, ComparedOutput, compute_rms, list_compared
-from martensite.fit.fit import Fit
+from martensite.fit.fit import HELD_OUT, TRAINING, ComparedOutput, Fit, compute_rms, list_compared
 from martensite.search.quantity_text import format_change, format_number, format_quantity, join_phrases, list_names
 
 WORSE = 1.5
@@ -59,7 +58,6 @@ def _describe_prediction(rows: list[ComparedOutput]) -> str:
 
 
 def _describe_own_numbers(fit: Fit) -> Iterator[str]:
-    """What is not predicted in a record that was kept back."""
     own = dict.fromkeys(name.partition("@")[0] for kept in fit.kept for name in kept.numbers)
     if own:
         yield (
@@ -69,7 +67,6 @@ def _describe_own_numbers(fit: Fit) -> Iterator[str]:
 
 
 def _warn_of_search(fit: Fit) -> Iterator[str]:
-    """How the search ended, and where."""
     if fit.reason != "converged":
         yield (f"The search did not converge: {fit.reason}. The numbers are the best it came across.")
     for free, u in zip(fit.problem.free, fit.values, strict=True):
@@ -82,7 +79,6 @@ def _warn_of_search(fit: Fit) -> Iterator[str]:
 
 
 def _warn_of_predictions(fit: Fit) -> Iterator[str]:
-    """What was kept back, and how much worse it is met."""
     rows = list_compared(fit)
     if not any(one.held.any() for one in rows):
         yield ("Nothing was kept back: how well the model predicts what it was not fitted to is not known.")
@@ -107,14 +103,12 @@ def _warn_of_predictions(fit: Fit) -> Iterator[str]:
 
 
 def _measure_range(rows: list[ComparedOutput], output: str) -> float:
-    """Range over which an output was measured in all records."""
     values = [one.measured for one in rows if one.output == output]
     ends = [(float(np.nanmin(column)), float(np.nanmax(column))) for column in values]
     return max(high for _, high in ends) - min(low for low, _ in ends)
 
 
 def _warn_of_directions(fit: Fit) -> Iterator[str]:
-    """Parameters that the data do not hold, or not apart."""
     yield from (one.sentence for one in fit.identifiability.weak)
     pairs = fit.uncertainty.confounded()
     for group in _group_pairs([{one, other} for one, other, _ in pairs]):
@@ -138,7 +132,6 @@ def _group_pairs(pairs: Sequence[set[str]]) -> list[set[str]]:
 
 
 def _warn_of_residuals(fit: Fit) -> Iterator[str]:
-    """Whether something is left to explain."""
     rows = {f"{one.record}, {one.output}": one for one in list_compared(fit)}
     found = [rows[one.record] for one in fit.whiteness if not one.white]
     names = [f"`{one.output}` of {one.record}" for one in found]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import DataError
 from martensite.base.files import replace_file
-from martensite.fit.compared_outputs import find_covered_range, list_compared
+from martensite.fit.fit import find_covered_range, list_compared
 from martensite.fit.fit_provenance import PACKAGE, build_provenance, describe_program, list_published
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
 from martensite.fit.material_numbers import FIT, MaterialNumbers
@@ -111,7 +111,6 @@ def _format_outputs(fit: Fit) -> str:
 
 
 def _summarise_fit(numbers: MaterialNumbers, values: dict[str, MaterialNumber]) -> str:
-    """What is fitted, and where the rest comes from."""
     fit, law = numbers.fit, numbers.law_table()
     fitted = [name for name, number in values.items() if number.kind == "fitted" and number.source == FIT]
     options = join_phrases([f"{name} {word}" for name, word in law.items() if name != "kind"])
@@ -129,7 +128,6 @@ def _summarise_fit(numbers: MaterialNumbers, values: dict[str, MaterialNumber]) 
 
 
 def _describe_limits(numbers: MaterialNumbers) -> str:
-    """Where the numbers were fitted, how well, and what speaks against them."""
     fit = numbers.fit
     units = {"temperature": "K", "stress": "Pa"}
     ranges = [f"{name} {shown_range(r, units[name])}" for name, r in find_covered_range(fit).items()]

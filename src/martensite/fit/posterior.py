@@ -148,12 +148,10 @@ def _build_potential(jax: Any, fit: Fit, weight: float) -> Callable[[Any], Any]:
 
 
 def _compute_shares(logits: Any) -> Any:
-    """u = 1/(1 + exp(-z)), of any z."""
     return np.exp(-np.logaddexp(0.0, -logits))
 
 
 def _draw_starts(fit: Fit, chains: int, seed: int) -> Any:
-    """Logits to start from, (chains, free), or (free,) for one chain."""
     u = np.clip(np.array(fit.values), 0.01, 0.99)
     z = np.log(u / (1.0 - u))
     if chains == 1:

@@ -21,8 +21,14 @@ import numpy as np
 
 from martensite.base.errors import InputError, ParameterError
 from martensite.fit.experiment import Experiment
-from martensite.fit.free_parameters import DELAY, OFFSET, build_free_numbers, is_nuisance
-from martensite.fit.nuisance_parameters import build_own_parameters, delay_model
+from martensite.fit.free_parameters import (
+    DELAY,
+    OFFSET,
+    build_free_numbers,
+    build_own_parameters,
+    delay_model,
+    is_nuisance,
+)
 from martensite.search.batch_runner import BatchRunner
 from martensite.search.free_numbers import FreeNumber, SearchRange
 
@@ -172,7 +178,6 @@ class Problem:
         return total if math.isfinite(total) else math.inf
 
     def _find_moved_rows(self, k: int) -> list[tuple[int, list[int]]]:
-        """Which free parameters change which parameters of an experiment."""
         name, paths = self.experiments[k].name, self.runners[k].paths
         return [
             (i, [j for j, path in enumerate(paths) if free.moves(path)])
@@ -244,7 +249,6 @@ class Problem:
 
 
 def _refuse_double(one: Experiment, free: Sequence[FreeNumber]) -> None:
-    """Refuse two free parameters that move the same number of an experiment."""
     own = [x for x in free if x.record in (None, one.name) and not is_nuisance(x.path)]
     for leaf in one.system.leaves():
         movers = [x.name for x in own if x.moves(leaf.path)]

@@ -107,7 +107,6 @@ def solve_problem(
 
 
 def _predict_held_out(problem: Problem, one: Experiment, end: Any) -> HeldOutRecord:
-    """What is predicted for a record that the search did not see."""
     free = tuple(f for f in problem.free if f.record is None)
     whole = replace(problem, experiments=(replace(one, held=()),), free=free, later=())
     at = [u for f, u in zip(problem.free, end, strict=True) if f.record is None]

@@ -111,7 +111,6 @@ def _refuse_idle(
 
 
 def _suggest_remedy(problem: Problem, dead: Sequence[int], follows: Sequence[str]) -> str:
-    """What a parameter without effect would need."""
     acted = _find_moved_outputs(problem, problem.free[dead[0]])
     if acted:
         it = "it moves" if len(dead) == 1 else f"`{problem.names[dead[0]]}` moves"
@@ -144,7 +143,6 @@ def _find_moved_outputs(problem: Problem, free: FreeNumber) -> list[str]:
 
 
 def _describe_ranges(problem: Problem, follows: Sequence[str]) -> str:
-    """From where to where the columns that drive go."""
     record = problem.experiments[0].record
     phrases: list[str] = []
     for name in follows:
@@ -165,7 +163,6 @@ def _find_doubtful(problem: Problem, found: Evaluation) -> list[tuple[int, int]]
 
 
 def _compare_ranges(problem: Problem, found: Evaluation, e: int, k: int) -> float:
-    """Measured over modelled range of an output of an experiment."""
     used = problem.used[e][:, k]
     measured = np.ptp(problem.experiments[e].measured[used, k])
     modelled = np.ptp(found.fitted[e].model[used, k])

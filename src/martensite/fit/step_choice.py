@@ -66,7 +66,6 @@ def _run_experiment(experiment: Experiment) -> Any:
 
 
 def _compare_runs(coarse: Any, fine: Any) -> Any:
-    """Largest change of each output as a share of its range."""
     reach = np.ptp(fine, axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
         share = np.max(np.abs(fine - coarse), axis=0) / reach

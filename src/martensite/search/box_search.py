@@ -244,7 +244,6 @@ class BoxSearch:
         return place.minimise(lambda one: (one.goal, one.goal_slope), given)
 
     def _reduce_violation(self, begin: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
-        """From a point downhill to where constraints are missed least."""
 
         def missed(one: PointSlopes) -> tuple[float, Numbers]:
             lost = np.maximum(-one.slack, 0.0)
@@ -267,7 +266,6 @@ class BoxSearch:
         return z
 
     def _follow_values(self, begin: Numbers, fixed: NDArray[np.bool_]) -> Numbers:
-        """Where the method of Nelder and Mead ends."""
         place = _MovingPart(begin, fixed, self)
         found = import_module("scipy.optimize").minimize(
             lambda u: self.judge(place.whole(u)[None])[0].goal,

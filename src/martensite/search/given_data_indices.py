@@ -138,7 +138,6 @@ def estimate_delta(x: Numbers, y: Numbers) -> float:
 
 
 def _estimate_density(y: Numbers, seen: Numbers) -> Numbers:
-    """Density by Gaussian kernels, (GRID,)."""
     wide = float(np.std(y, ddof=1)) * (0.75 * len(y)) ** -0.2
     kernels = np.exp(-0.5 * ((seen - y[:, None]) / wide) ** 2)
     return np.mean(kernels, axis=0) / (wide * math.sqrt(2.0 * math.pi))

@@ -27,8 +27,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.formats import choose_difference_unit
 from martensite.search.quantity_text import format_number, list_names, round_below
 from martensite.search.scaled_jacobian import ScaledParameters, balance_columns, is_gauge, scale_parameters
-from martensite.search.weak_direction import WeakDirection
-from martensite.search.weak_direction_sets import find_weak_directions
+from martensite.search.weak_direction import WeakDirection, find_weak_directions
 
 Matrix: TypeAlias = NDArray[np.float64]
 Vector: TypeAlias = NDArray[np.float64]
@@ -152,7 +151,6 @@ def _find_directions(
 
 
 def _drop_negligible(matrix: Matrix, direction: Vector, limit: float) -> Vector:
-    """The direction less its negligible components, unless it needs them."""
     large = np.abs(direction) >= NEGLIGIBLE * np.max(np.abs(direction))
     short = np.where(large, direction, 0.0)
     return short if np.linalg.norm(matrix @ short) <= 2.0 * limit else direction

@@ -174,7 +174,6 @@ def walk_profile(
 
 
 def _compute_limit(cost: float, freedom: int | None, noise: float | None, level: float) -> float:
-    """How much larger C may be."""
     if (freedom is None) == (noise is None):
         raise ParameterError("A profile takes either `freedom` or `noise`, not both or neither.")
     if freedom is not None:
@@ -222,7 +221,6 @@ class _Walk:
         return min(max(_PART / gained, 0.5), 2.0) if gained > 0.0 else 2.0
 
     def _crossing(self, inner: ProfilePoint, outer: ProfilePoint) -> ProfileEnd:
-        """Where the limit is crossed, between a point below it and one above (Illinois)."""
         below, above = self._root(inner) - 1.0, self._root(outer) - 1.0
         at, side = outer.at, 0
         for _ in range(_CROSSING):

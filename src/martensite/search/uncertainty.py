@@ -26,10 +26,10 @@ from numpy.typing import NDArray
 
 from martensite.base.confidence import EVERYTHING, LEVEL, Interval, student_quantile
 from martensite.base.errors import DataError, require_known
-from martensite.search.autocorrelation import count_effective_samples
 from martensite.search.identifiability import PRECISION
 from martensite.search.quantity_text import format_number, list_names
 from martensite.search.scaled_jacobian import balance_columns, reduce_rows, scale_parameters
+from martensite.search.whiteness import count_effective_samples
 
 Matrix: TypeAlias = NDArray[np.float64]
 CONFOUNDED = 0.95

@@ -10,8 +10,7 @@ from martensite.app.identify.followed_columns import embed_log
 from martensite.app.identify.thinning import MOST_CORNERS as FEW
 from martensite.app.messages import JsonTable
 from martensite.app.views.columns import choose_rows, describe_difference, describe_display, round_digits
-from martensite.fit.compared_outputs import ComparedOutput, list_compared
-from martensite.fit.fit import Fit
+from martensite.fit.fit import ComparedOutput, Fit, list_compared
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
 from martensite.fit.free_parameters import is_nuisance
 from martensite.scenario.exact_text import exact_text

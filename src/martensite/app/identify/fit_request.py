@@ -18,8 +18,7 @@ from martensite.app.packaged_scenarios import build_packaged
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError, ParameterError
 from martensite.fit.fit_task import FitSearch, FitTask
-from martensite.fit.hold_out import AUTO
-from martensite.fit.logs import Log
+from martensite.fit.logs import AUTO, Log
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record

@@ -26,8 +26,8 @@ import numpy as np
 
 from martensite.base.errors import DataError
 from martensite.identify.blocks.base import Numbers
-from martensite.search.autocorrelation import compute_autocorrelation
 from martensite.search.quantity_text import format_number
+from martensite.search.whiteness import compute_autocorrelation
 
 LAGS = 25
 """Lags tested on either side."""

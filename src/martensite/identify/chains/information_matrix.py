@@ -26,9 +26,9 @@ from scipy.linalg import qr
 
 from martensite.identify.blocks.base import AbstractBlock, Numbers
 from martensite.identify.chains.residuals import ResidualSquares
-from martensite.search.autocorrelation import count_effective_samples
 from martensite.search.quantity_text import list_names
-from martensite.search.weak_direction_sets import find_weak_directions
+from martensite.search.weak_direction import find_weak_directions
+from martensite.search.whiteness import count_effective_samples
 
 TIMES = 3.0
 """Length of a block over the time that the residuals remember, τ of `count_effective_samples`."""

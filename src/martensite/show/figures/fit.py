@@ -13,7 +13,7 @@ import numpy as np
 from martensite.actuators.mechanisms.base import Output
 from martensite.base import units
 from martensite.base.errors import InputError
-from martensite.fit.compared_outputs import HELD_OUT, TRAINING, ComparedOutput, list_compared
+from martensite.fit.fit import HELD_OUT, TRAINING, ComparedOutput, list_compared
 from martensite.fit.fit_verdicts import format_error
 from martensite.show.figures.labels import QuantityAxis, enclose_values
 from martensite.show.figures.panels import add_colour_key, make_grid, pick_evenly, shorten_name

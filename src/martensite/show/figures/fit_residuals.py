@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.base.formats import choose_difference_unit
-from martensite.fit.compared_outputs import ComparedOutput, list_compared
+from martensite.fit.fit import ComparedOutput, list_compared
 from martensite.show.figures.fit import HELD, TIME, TINT, make_output_axis
 from martensite.show.figures.labels import QuantityAxis
 from martensite.show.figures.panels import (

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 from martensite.base import units
 from martensite.base.formats import typeset_unit
 from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
-from martensite.fit.compared_outputs import list_compared
-from martensite.fit.fit import Fit
+from martensite.fit.fit import Fit, list_compared
 from martensite.fit.fit_verdicts import describe_predictions, format_error, list_fit_warnings
 from martensite.fit.posterior import Posterior
 from martensite.scenario.law_cautions import KIND, law_words

@@ -8,8 +8,7 @@ from martensite.base import units
 from martensite.base.confidence import Interval
 from martensite.base.formats import choose_difference_unit, typeset_unit
 from martensite.base.summary import DataTable
-from martensite.fit.compared_outputs import HELD_OUT, ComparedOutput, list_compared
-from martensite.fit.fit import Fit
+from martensite.fit.fit import HELD_OUT, ComparedOutput, Fit, list_compared
 from martensite.fit.fit_provenance import compute_digest
 from martensite.fit.fit_verdicts import format_error
 from martensite.fit.free_parameters import is_nuisance
