@@ -19,7 +19,7 @@ import pytest
 from martensite.kernels import floats
 from martensite.kernels.arrays import ArrayNamespace
 from martensite.kernels.bracketed_newton import solve_bracketed
-from martensite.kernels.c99_slopes import slopes_source
+from martensite.kernels.c99 import slopes_source
 from martensite.kernels.compiler import call_compiled, load_library
 from martensite.kernels.dual import DualNamespace, value_and_slope, values_and_slopes
 from martensite.kernels.jax_setup import jax_namespace, make_storing_namespace

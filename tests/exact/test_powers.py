@@ -13,9 +13,9 @@ from martensite.export.c_kernels import precision_of
 from martensite.export.c_operations import count_operations
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian, value_and_slope
+from martensite.kernels.floats import expand_power, find_whole_exponent
 from martensite.kernels.graph import VARYING
 from martensite.kernels.jax_setup import jax_namespace
-from martensite.kernels.powers import expand_power, find_whole_exponent
 from martensite.kernels.printer import Printer
 from martensite.kernels.program import Program
 from martensite.kernels.slopes import compute_gradient, compute_partials, differentiate_program

@@ -8,24 +8,8 @@ import re
 from martensite.base import units
 
 _TYPESET = (("degC", "°C"), ("ohm", "Ω"), ("um", "µm"), ("^2", "²"), ("^3", "³"), ("*", " "))
-
-
-GREEK = {
-    "alpha": "α",
-    "beta": "β",
-    "gamma": "γ",
-    "delta": "δ",
-    "eps": "ε",
-    "nu": "ν",
-    "rho": "ρ",
-    "sigma": "σ",
-    "tau": "τ",
-    "phi": "φ",
-    "xi": "ξ",
-    "Theta": "Θ",
-    "Delta": "Δ",
-    "lambda": "λ",
-}
+_NAMES = "alpha beta gamma delta eps nu rho sigma tau phi xi Theta Delta lambda"
+GREEK = dict(zip(_NAMES.split(), "αβγδενρστφξΘΔλ", strict=True))
 _LETTER = re.compile(r"^([A-Za-z])(\d*|[a-z])$")
 _SLOPE = re.compile(r"^d([a-z]+)_d([A-Z])$")
 

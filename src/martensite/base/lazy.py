@@ -2,21 +2,26 @@
 
 A package says in its stub, `__init__.pyi`, which names it offers and where they are defined;
 people, type checkers and this module read these lines. Importing such a package imports nothing
-else.
+else. What a function of it answers to an object of the wrong kind is a sentence: the check is made when
+a call has failed already, so that it costs nothing and refuses nothing that would have worked.
 """
 
 from __future__ import annotations
 
 import ast
+import inspect
 import sys
 from collections.abc import Callable
+from functools import wraps
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
-from types import FunctionType
-from typing import Any
+from types import FunctionType, UnionType
+from typing import Any, TypeVar, Union, get_args, get_origin
 
-from martensite.base.argument_types import guard_arguments
+from martensite.base.errors import InputError
+
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def list_public_names(package: str) -> dict[str, tuple[str, str]]:
@@ -39,8 +44,7 @@ def list_public_names(package: str) -> dict[str, tuple[str, str]]:
 def attach_names(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """Make `__getattr__` and `__dir__` of a package, from its stub.
 
-    A name that is a module is the module; a function answers objects of the wrong kind in a
-    sentence (`base.argument_types`).
+    A name that is a module is the module; a function is guarded (`guard_arguments`).
     """
     names = list_public_names(package)
 
@@ -57,3 +61,60 @@ def attach_names(package: str) -> tuple[Callable[[str], Any], Callable[[], list[
         return found
 
     return import_name, lambda: sorted(names)
+
+
+def guard_arguments(function: Function) -> Function:
+    """The same function, which says which argument is of the wrong kind where that made it fail."""
+
+    @wraps(function)
+    def guarded(*values: Any, **named: Any) -> Any:
+        try:
+            return function(*values, **named)
+        except (AttributeError, TypeError) as error:
+            words = describe_mismatch(function, values, named)
+            if words is None:
+                raise
+            raise InputError(words) from error
+
+    return guarded  # type: ignore[return-value]
+
+
+def describe_mismatch(function: Callable[..., Any], values: tuple[Any, ...], named: dict[str, Any]) -> str | None:
+    """Which argument does not fit its annotation, in a sentence; None if all do."""
+    name = getattr(function, "__name__", "it")
+    signature = inspect.signature(function)
+    try:
+        bound = signature.bind(*values, **named)
+    except TypeError as error:
+        return f"`{name}` cannot be called so: {error}; its arguments are `{signature}`."
+    for argument, value in bound.arguments.items():
+        parameter = signature.parameters[argument]
+        if parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD):
+            continue
+        classes = _resolve_classes(parameter.annotation, function)
+        if classes and not isinstance(value, classes):
+            wanted = " or ".join(f"`{one.__name__.removeprefix('Abstract')}`" for one in classes)
+            inner = getattr(value, "system", None)
+            hint = "; give its `.system`" if isinstance(inner, classes) else ""
+            given = type(value).__name__
+            return f"Argument `{argument}` of `{name}` must be {wanted}, but is `{given}`{hint}."
+    return None
+
+
+def _resolve_classes(annotation: Any, function: Callable[..., Any]) -> tuple[type, ...]:
+    """Classes that an annotation allows; none if it allows what cannot be told here."""
+    if isinstance(annotation, str):
+        scope = dict(vars(sys.modules[function.__module__]))
+        try:
+            annotation = eval(annotation, scope)
+        except (NameError, TypeError, AttributeError):  # known to type checkers only
+            return ()
+    if get_origin(annotation) in (Union, UnionType):
+        inner = [_resolve_classes(one, function) for one in get_args(annotation)]
+        return tuple(cls for one in inner for cls in one) if all(inner) else ()
+    annotation = get_origin(annotation) or annotation
+    if annotation is None:
+        return (type(None),)
+    if annotation is float:
+        return (float, int)
+    return (annotation,) if isinstance(annotation, type) else ()

@@ -14,71 +14,38 @@ from typing import Any
 
 from martensite.base.errors import UnitError
 
-# spelling -> (declared SI unit, factor, offset): value_SI = value * factor + offset
-EVERYDAY: dict[str, tuple[str, float, float]] = {
-    "1": ("1", 1.0, 0.0),
+_DECLARED = (
+    "1 K m m^3 s Hz kg N N/m Pa Pa/K V A W ohm ohm/m ohm*m kg/m^3 J/kg J/kg/K W/m/K W/m^2/K W/m^2/K^2 "
+    "W/m^2/K^3 1/K 1/Pa m/s^2 m/s rad rad/s N*m N*m/rad N*m*s/rad N*s/m kg*m^2 N*m/A V*s/rad H"
+)
+"""Units that parameters are declared in."""
+EVERYDAY: dict[str, tuple[str, float, float]] = {unit: (unit, 1.0, 0.0) for unit in _DECLARED.split()} | {
     "%": ("1", 0.01, 0.0),
-    "K": ("K", 1.0, 0.0),
     "degC": ("K", 1.0, 273.15),
-    "m": ("m", 1.0, 0.0),
     "mm": ("m", 1e-3, 0.0),
     "cm": ("m", 1e-2, 0.0),
     "um": ("m", 1e-6, 0.0),
-    "m^3": ("m^3", 1.0, 0.0),
-    "s": ("s", 1.0, 0.0),
     "ms": ("s", 1e-3, 0.0),
     "us": ("s", 1e-6, 0.0),
     "min": ("s", 60.0, 0.0),
-    "Hz": ("Hz", 1.0, 0.0),
     "kHz": ("Hz", 1e3, 0.0),
-    "kg": ("kg", 1.0, 0.0),
     "g": ("kg", 1e-3, 0.0),
-    "N": ("N", 1.0, 0.0),
-    "N/m": ("N/m", 1.0, 0.0),
     "N/mm": ("N/m", 1e3, 0.0),
-    "Pa": ("Pa", 1.0, 0.0),
     "kPa": ("Pa", 1e3, 0.0),
     "MPa": ("Pa", 1e6, 0.0),
     "GPa": ("Pa", 1e9, 0.0),
-    "Pa/K": ("Pa/K", 1.0, 0.0),
     "MPa/K": ("Pa/K", 1e6, 0.0),
-    "V": ("V", 1.0, 0.0),
     "mV": ("V", 1e-3, 0.0),
-    "A": ("A", 1.0, 0.0),
     "mA": ("A", 1e-3, 0.0),
-    "W": ("W", 1.0, 0.0),
     "mW": ("W", 1e-3, 0.0),
-    "ohm": ("ohm", 1.0, 0.0),
-    "ohm/m": ("ohm/m", 1.0, 0.0),
-    "ohm*m": ("ohm*m", 1.0, 0.0),
     "ohm m": ("ohm*m", 1.0, 0.0),
-    "kg/m^3": ("kg/m^3", 1.0, 0.0),
-    "J/kg": ("J/kg", 1.0, 0.0),
     "kJ/kg": ("J/kg", 1e3, 0.0),
-    "J/kg/K": ("J/kg/K", 1.0, 0.0),
-    "W/m/K": ("W/m/K", 1.0, 0.0),
-    "W/m^2/K": ("W/m^2/K", 1.0, 0.0),
-    "W/m^2/K^2": ("W/m^2/K^2", 1.0, 0.0),
-    "W/m^2/K^3": ("W/m^2/K^3", 1.0, 0.0),
-    "1/K": ("1/K", 1.0, 0.0),
-    "1/Pa": ("1/Pa", 1.0, 0.0),
-    "m/s^2": ("m/s^2", 1.0, 0.0),
-    "m/s": ("m/s", 1.0, 0.0),
-    "rad": ("rad", 1.0, 0.0),
     "deg": ("rad", 0.017453292519943295, 0.0),
-    "rad/s": ("rad/s", 1.0, 0.0),
     "deg/s": ("rad/s", 0.017453292519943295, 0.0),
-    "N*m": ("N*m", 1.0, 0.0),
     "mN*m": ("N*m", 1e-3, 0.0),
-    "N*m/rad": ("N*m/rad", 1.0, 0.0),
-    "N*m*s/rad": ("N*m*s/rad", 1.0, 0.0),
-    "N*s/m": ("N*s/m", 1.0, 0.0),
-    "kg*m^2": ("kg*m^2", 1.0, 0.0),
-    "N*m/A": ("N*m/A", 1.0, 0.0),
-    "V*s/rad": ("V*s/rad", 1.0, 0.0),
-    "H": ("H", 1.0, 0.0),
     "mH": ("H", 1e-3, 0.0),
 }
+"""Spelling -> (declared SI unit, factor, offset): value_SI = value * factor + offset."""
 
 DEGREES = "delta_degC"
 """Unit of a difference of two temperatures [K], which has no zero to be shifted."""

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from martensite.kernels import floats
+from martensite.kernels.floats import expand_power
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE
-from martensite.kernels.powers import expand_power
 
 
 def _return_same(x: Any) -> Any:

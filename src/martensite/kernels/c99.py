@@ -3,6 +3,10 @@
 No allocation, no library beyond libm, no second physics: the source is printed from the same
 graph as the Python. Arrays of a batch are laid out [variable][lane], so that the compiler can
 turn the loop over lanes into SIMD instructions.
+
+With their derivatives, functions have values that are numbers and slopes that are short vectors: a
+compiler keeps a vector of derivatives in one or a few registers, so that all directions are computed
+beside a single evaluation of the values. That needs the vector types of gcc or clang.
 """
 
 from __future__ import annotations
@@ -17,6 +21,7 @@ from martensite.kernels.kernel_printer import KernelPrinter, Statements
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, evaluate_estrin
 from martensite.kernels.printer import FLAG, NUMBER, PYTHON_OPERATORS, SLOPES, Dialect, LoopText, RepeatText
 from martensite.kernels.program import Function, Program
+from martensite.kernels.slopes import ZERO
 
 
 def _print_constant(value: float | bool) -> str:
@@ -127,10 +132,6 @@ C_DIALECT = Dialect(
         "nearest": "rint({})",
         "quarter_sine": "quarter_sine({})",
         "erfcx": "erfcx({})",
-        "detach": "{}",
-        "implicit_root": "{}",
-        "store": "{}",
-        "eps": "2.220446049250313e-16",
     },
     wants_names=frozenset({"where", "minimum", "maximum", "sqrt", "exp", "log", "power"}),
     assign=_print_assignment,
@@ -231,3 +232,43 @@ def _print_polynomial(coefficients: list[float]) -> str:
     """A polynomial in z, with the powers that it needs."""
     powers, text = evaluate_estrin(coefficients)
     return "".join(f", {name} = {power}" for name, power in powers) + f";\n    return {text}"
+
+
+# ---------------------------------------------------------------- values and slopes
+
+WIDTHS = (4, 8, 16)
+"""Directions that are computed together."""
+
+
+def slopes_source(program: Program, functions: Sequence[Function], wrt: Sequence[int], width: int) -> str:
+    """C of `prepare` and of differentiated functions, in `width` directions.
+
+    Every function takes constants and inputs, each followed by its slopes:
+    `k_step(c, dc, x, dx, y, dy)`; `k_prepare(p, dp, c, dc)`.
+    """
+    kernels = KernelPrinter(program, C_DIALECT, moving=wrt)
+    places = kernels.list_places("c", program.hoisted_nodes)
+    parts = [
+        f"{write_prelude()}"
+        f"typedef double slopes __attribute__((vector_size({8 * width}), aligned(8)));\n"
+        f"static const slopes {ZERO};\n",
+        _print_slopes("prepare", ("p", "dp"), ("c", "dc"), kernels.prepare, places),
+    ]
+    taken = ("c", "dc", "x", "dx")
+    for one in functions:
+        places = [(array, k) for array in ("y", "dy") for k in range(len(one.outputs) // 2)]
+        made = kernels.print_function(one)
+        parts.append(_print_slopes(one.name, taken, ("y", "dy"), made, places))
+    return "\n".join(parts)
+
+
+def _print_slopes(
+    name: str, taken: Sequence[str], given: tuple[str, str], made: Statements, places: Sequence[tuple[str, int]]
+) -> str:
+    rows = zip(places, made.results, strict=True)
+    lines = [*made.lines, *(f"{array}[{k}] = {text};" for (array, k), text in rows)]
+    kinds = ("double", "slopes")
+    arguments = [f"const {kinds[i % 2]} *restrict {a}" for i, a in enumerate(taken)]
+    arguments += [f"{kind} *restrict {a}" for kind, a in zip(kinds, given, strict=True)]
+    body = "".join(f"    {line}\n" for line in lines)
+    return f"static void k_{name}({', '.join(arguments)}) {{\n{body}}}\n"

@@ -27,45 +27,21 @@ from martensite.kernels.program import Function, Program
 BLOCK = 16
 """Lanes must be a multiple of this: a pair of the widest vectors, or several of others."""
 
+_BINARY = (
+    ("add sub mul div lt le gt ge", "plus minus times over below at_most above at_least"),
+    ("both either minimum maximum power", "both either least most power_of"),
+)
+_UNARY = (
+    ("neg negate abs sqrt exp log", "minus_of not_of size_of root_of exp_of log_of"),
+    ("sin cos tanh nearest quarter_sine erfcx", "sin_of cos_of tanh_of rint_of quarter_sine_of erfcx_of"),
+)
 _TEMPLATES = {
-    **{
-        operation: f"{name}({{}}, {{}})"
-        for operation, name in {
-            "add": "plus",
-            "sub": "minus",
-            "mul": "times",
-            "div": "over",
-            "lt": "below",
-            "le": "at_most",
-            "gt": "above",
-            "ge": "at_least",
-            "both": "both",
-            "either": "either",
-            "minimum": "least",
-            "maximum": "most",
-            "power": "power_of",
-        }.items()
-    },
-    **{
-        operation: f"{name}({{}})"
-        for operation, name in {
-            "neg": "minus_of",
-            "negate": "not_of",
-            "abs": "size_of",
-            "sqrt": "root_of",
-            "exp": "exp_of",
-            "log": "log_of",
-            "sin": "sin_of",
-            "cos": "cos_of",
-            "tanh": "tanh_of",
-            "nearest": "rint_of",
-            "quarter_sine": "quarter_sine_of",
-            "erfcx": "erfcx_of",
-        }.items()
-    },
-    "where": "pick({}, {}, {})",
-    "eps": "all(2.220446049250313e-16)",
-}
+    operation: f"{name}{arguments}"
+    for arguments, table in (("({}, {})", _BINARY), ("({})", _UNARY))
+    for operations, names in table
+    for operation, name in zip(operations.split(), names.split(), strict=True)
+} | {"where": "pick({}, {}, {})", "eps": "all(2.220446049250313e-16)"}
+"""Operations as functions of pairs of vectors."""
 
 _PRELUDE = """
     #if defined(__AVX512F__)

@@ -7,18 +7,27 @@ so constants stay constants.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Sequence
 from typing import Any
 
 from martensite.kernels import floats
-from martensite.kernels.floats import HALF_PI, ROOT_PI
-from martensite.kernels.kernel_errors import make_operation_error
+from martensite.kernels.floats import HALF_PI, ROOT_PI, expand_power
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.kernels.powers import expand_power
-from martensite.kernels.traced_numbers import TracedNumber
+from martensite.kernels.traced_numbers import TracedNumber, make_operation_error
 
 Tangent = Any
 Pair = tuple[Any, Tangent]
+
+
+def compare_values(comparison: Callable[[Any, Any], Any]) -> Callable[..., Any]:
+    """A comparison of dual numbers, which is one of their values."""
+
+    def compare(a: Dual, b: Any) -> Any:
+        _, (v, _), (w, _) = raise_levels(a, b)
+        return comparison(v, w)
+
+    return compare
 
 
 class Dual(TracedNumber):
@@ -66,21 +75,7 @@ class Dual(TracedNumber):
         level, bottom, top = raise_levels(self, other)
         return divide_duals(top, bottom, level)
 
-    def __lt__(self, other: Any) -> Any:
-        _, (v, _), (w, _) = raise_levels(self, other)
-        return v < w
-
-    def __le__(self, other: Any) -> Any:
-        _, (v, _), (w, _) = raise_levels(self, other)
-        return v <= w
-
-    def __gt__(self, other: Any) -> Any:
-        _, (v, _), (w, _) = raise_levels(self, other)
-        return v > w
-
-    def __ge__(self, other: Any) -> Any:
-        _, (v, _), (w, _) = raise_levels(self, other)
-        return v >= w
+    __lt__, __le__, __gt__, __ge__ = map(compare_values, (operator.lt, operator.le, operator.gt, operator.ge))
 
 
 def split_dual(x: Any, level: int) -> Pair:
@@ -122,6 +117,17 @@ def divide_duals(top: Pair, bottom: Pair, level: int) -> Dual:
     return Dual(ratio, None if change is None else change / bottom[0], level)
 
 
+def chain_rule(operation: str, slope: Callable[[Any, Any, Any], Any]) -> Callable[..., Any]:
+    """A function of one number, from its slope: of the base, the argument and the value of the function."""
+
+    def apply(xp: DualNamespace, x: Any) -> Any:
+        v, t = xp.parts(x)
+        value = getattr(xp.base, operation)(v)
+        return xp.pair(value, None if t is None else t * slope(xp.base, v, value))
+
+    return apply
+
+
 class DualNamespace:
     """The kernel operations on dual numbers, built on any other namespace."""
 
@@ -131,6 +137,7 @@ class DualNamespace:
     def __init__(self, base: Namespace) -> None:
         self.base: Any = base
         self.level: int = getattr(base, "level", 0) + 1
+        self.both, self.either, self.negate, self.eps = base.both, base.either, base.negate, base.eps
 
     def __getattr__(self, operation: str) -> Any:
         raise make_operation_error(operation)
@@ -151,18 +158,6 @@ class DualNamespace:
             return value
         yt, nt = self.zero if yt is None else yt, self.zero if nt is None else nt
         return self.pair(value, self.base.where(flag, yt, nt))
-
-    def both(self, a: Any, b: Any) -> Any:
-        """Logical and."""
-        return self.base.both(a, b)
-
-    def either(self, a: Any, b: Any) -> Any:
-        """Logical or."""
-        return self.base.either(a, b)
-
-    def negate(self, a: Any) -> Any:
-        """Logical not."""
-        return self.base.negate(a)
 
     def minimum(self, a: Any, b: Any) -> Any:
         """The smaller of two."""
@@ -190,17 +185,12 @@ class DualNamespace:
         safe = self.base.where(v > 0.0, root, 1.0)
         return self.pair(root, self.base.where(v > 0.0, t * (0.5 / safe), self.zero))
 
-    def exp(self, x: Any) -> Any:
-        """Exponential."""
-        v, t = self.parts(x)
-        value = self.base.exp(v)
-        return self.pair(value, None if t is None else t * value)
-
-    def log(self, x: Any) -> Any:
-        """Natural logarithm."""
-        v, t = self.parts(x)
-        value = self.base.log(v)
-        return self.pair(value, None if t is None else t * (1.0 / self.base.maximum(v, 1e-300)))
+    exp = chain_rule("exp", lambda base, v, value: value)
+    log = chain_rule("log", lambda base, v, value: 1.0 / base.maximum(v, 1e-300))
+    sin = chain_rule("sin", lambda base, v, value: base.cos(v))
+    tanh = chain_rule("tanh", lambda base, v, value: 1.0 - value * value)
+    quarter_sine = chain_rule("quarter_sine", lambda base, v, value: HALF_PI * base.quarter_sine(1.0 - v))
+    erfcx = chain_rule("erfcx", lambda base, v, value: 2.0 * v * value - 2.0 / ROOT_PI)
 
     def power(self, base: Any, exponent: Any) -> Any:
         """`base` to the `exponent`; slopes 0 where the base is not positive."""
@@ -213,42 +203,16 @@ class DualNamespace:
         by_exponent = None if s is None else s * (value * self.base.log(safe))
         return self.pair(value, add_tangents(by_base, by_exponent))
 
-    def sin(self, x: Any) -> Any:
-        """Sine."""
-        v, t = self.parts(x)
-        value = self.base.sin(v)
-        return self.pair(value, None if t is None else t * self.base.cos(v))
-
     def cos(self, x: Any) -> Any:
         """Cosine."""
         v, t = self.parts(x)
         value = self.base.cos(v)
         return self.pair(value, None if t is None else -(t * self.base.sin(v)))
 
-    def tanh(self, x: Any) -> Any:
-        """Hyperbolic tangent."""
-        v, t = self.parts(x)
-        value = self.base.tanh(v)
-        return self.pair(value, None if t is None else t * (1.0 - value * value))
-
     def nearest(self, x: Any) -> Any:
         """The nearest whole number, with the tangent of `x`."""
         v, t = self.parts(x)
         return self.pair(self.base.nearest(v), t)
-
-    def quarter_sine(self, x: Any) -> Any:
-        """sin(πx/2); its slope is another quarter sine."""
-        v, t = self.parts(x)
-        value = self.base.quarter_sine(v)
-        if t is None:
-            return value
-        return self.pair(value, t * (HALF_PI * self.base.quarter_sine(1.0 - v)))
-
-    def erfcx(self, x: Any) -> Any:
-        """exp(x²) erfc(x)."""
-        v, t = self.parts(x)
-        value = self.base.erfcx(v)
-        return self.pair(value, None if t is None else t * (2.0 * v * value - 2.0 / ROOT_PI))
 
     def each(self, body: Callable[..., Sequence[Any]], *columns: Sequence[Any]) -> tuple[Sequence[Any], ...]:
         """Columns of values and tangents through the base's loop."""
@@ -297,10 +261,6 @@ class DualNamespace:
         """`x` itself."""
         v, t = self.parts(x)
         return self.pair(self.base.store(v), None if t is None else self.base.store(t))
-
-    def eps(self) -> Any:
-        """Distance from 1 to the next number."""
-        return self.base.eps()
 
     def implicit_root(self, root: Any, newton: Any) -> Any:
         """The value of a root with the tangent of a Newton step from it."""

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-
-from martensite.kernels.powers import expand_power
+from typing import Any
 
 HALF_PI = math.pi / 2
 ROOT_PI = math.sqrt(math.pi)
@@ -71,6 +70,30 @@ def exp(x: float) -> float:
 def log(x: float) -> float:
     """Natural logarithm; the argument is at least 1e-300."""
     return math.log(x if x > 1e-300 else 1e-300)
+
+
+def expand_power(x: Any, exponent: int) -> Any:
+    """`x` to a whole exponent by repeated squaring; 1 for 0, the inverse for one below 0.
+
+    A power as products is the same to the last bit wherever it is computed.
+    """
+    if exponent < 0:
+        return 1.0 / expand_power(x, -exponent)
+    result: Any = None
+    while exponent:
+        if exponent & 1:
+            result = x if result is None else result * x
+        exponent >>= 1
+        if exponent:
+            x = x * x
+    return 1.0 if result is None else result
+
+
+def find_whole_exponent(exponent: Any) -> int | None:
+    """The whole number that an exponent is, if it is one: `2` and `2.0` are."""
+    if isinstance(exponent, float):
+        return int(exponent) if exponent.is_integer() else None
+    return exponent.__index__() if hasattr(exponent, "__index__") else None
 
 
 def power(base: float, exponent: float) -> float:

@@ -13,10 +13,9 @@ from typing import Any, NamedTuple
 
 from martensite.base.errors import KernelError
 from martensite.kernels import floats
-from martensite.kernels.kernel_errors import make_kernel_error, make_operation_error
+from martensite.kernels.floats import expand_power
 from martensite.kernels.namespace import OPERATIONS
-from martensite.kernels.powers import expand_power
-from martensite.kernels.traced_numbers import TracedNumber
+from martensite.kernels.traced_numbers import TracedNumber, make_kernel_error, make_operation_error
 
 PARAMETER, VARYING, LOOP = 1, 2, 4
 """What a node may depend on. The nodes inside the body of a loop have its bit: LOOP, or
@@ -40,7 +39,7 @@ def _divide_numbers(a: float, b: float) -> float:
     return a / b
 
 
-_FOLD: dict[str, Any] = {
+OPERATORS: dict[str, Callable[..., Any]] = {
     "add": operator.add,
     "sub": operator.sub,
     "mul": operator.mul,
@@ -269,7 +268,7 @@ class Graph:
         if operation == "where":
             return self._simplify_where(nodes, known)
         if known and None not in known:
-            fold = _FOLD.get(operation) or getattr(floats, operation)
+            fold = OPERATORS.get(operation) or getattr(floats, operation)
             return self.constant(fold(*known))
         if operation in ("add", "sub", "mul", "div"):
             simple = _apply_identities(operation, nodes, known)
@@ -322,6 +321,27 @@ def _apply_identities(operation: str, nodes: list[Expr], known: list[Any]) -> Ex
     return a if known[1] == 1.0 else None
 
 
+def _write_operator(operation: str, reflected: str) -> Callable[..., Any]:
+    """A method of nodes, unless the other side is richer (a dual number, an array): then let it answer."""
+
+    def apply(a: Expr, b: Any) -> Any:
+        if isinstance(b, Expr | float | int):
+            return a.graph.apply(operation, a, b)
+        if getattr(b, "shape", None) == ():  # a number of NumPy
+            return a.graph.apply(operation, a, b.item())
+        answer = getattr(b, reflected, None)
+        return a.graph.apply(operation, a, b) if answer is None else answer(a)
+
+    return apply
+
+
+def _write_reflected(operation: str) -> Callable[..., Any]:
+    def apply(b: Expr, a: Any) -> Expr:
+        return b.graph.apply(operation, a, b)
+
+    return apply
+
+
 class Expr(TracedNumber):
     """A node of a graph; operators build further nodes."""
 
@@ -331,54 +351,15 @@ class Expr(TracedNumber):
         self.graph = graph
         self.index = index
 
-    def __add__(self, other: Any) -> Any:
-        return _apply_operation("add", self, other, "__radd__")
-
-    def __radd__(self, other: Any) -> Expr:
-        return self.graph.apply("add", other, self)
-
-    def __sub__(self, other: Any) -> Any:
-        return _apply_operation("sub", self, other, "__rsub__")
-
-    def __rsub__(self, other: Any) -> Expr:
-        return self.graph.apply("sub", other, self)
-
-    def __mul__(self, other: Any) -> Any:
-        return _apply_operation("mul", self, other, "__rmul__")
-
-    def __rmul__(self, other: Any) -> Expr:
-        return self.graph.apply("mul", other, self)
-
-    def __truediv__(self, other: Any) -> Any:
-        return _apply_operation("div", self, other, "__rtruediv__")
-
-    def __rtruediv__(self, other: Any) -> Expr:
-        return self.graph.apply("div", other, self)
+    __add__, __radd__ = _write_operator("add", "__radd__"), _write_reflected("add")
+    __sub__, __rsub__ = _write_operator("sub", "__rsub__"), _write_reflected("sub")
+    __mul__, __rmul__ = _write_operator("mul", "__rmul__"), _write_reflected("mul")
+    __truediv__, __rtruediv__ = _write_operator("div", "__rtruediv__"), _write_reflected("div")
+    __lt__, __le__ = _write_operator("lt", "__gt__"), _write_operator("le", "__ge__")
+    __gt__, __ge__ = _write_operator("gt", "__lt__"), _write_operator("ge", "__le__")
 
     def __neg__(self) -> Expr:
         return self.graph.apply("neg", self)
-
-    def __lt__(self, other: Any) -> Any:
-        return _apply_operation("lt", self, other, "__gt__")
-
-    def __le__(self, other: Any) -> Any:
-        return _apply_operation("le", self, other, "__ge__")
-
-    def __gt__(self, other: Any) -> Any:
-        return _apply_operation("gt", self, other, "__lt__")
-
-    def __ge__(self, other: Any) -> Any:
-        return _apply_operation("ge", self, other, "__le__")
-
-
-def _apply_operation(operation: str, a: Expr, b: Any, reflected: str) -> Any:
-    """Apply, unless the other side is richer (a dual number, an array): then let it answer."""
-    if isinstance(b, Expr | float | int):
-        return a.graph.apply(operation, a, b)
-    if getattr(b, "shape", None) == ():  # a number of NumPy
-        return a.graph.apply(operation, a, b.item())
-    answer = getattr(b, reflected, None)
-    return a.graph.apply(operation, a, b) if answer is None else answer(a)
 
 
 class GraphNamespace:

@@ -15,52 +15,42 @@ Scalar: TypeAlias = float
 Flag: TypeAlias = bool
 
 
+# pyright: reportReturnType=false
 class Namespace(Protocol):
     """What a runtime must offer; arithmetic and comparisons are operators."""
 
     def where(self, flag: Flag, yes: Scalar, no: Scalar, /) -> Scalar:
         """`yes` where the flag holds, else `no`; both are evaluated."""
-        ...
 
     def both(self, a: Flag, b: Flag, /) -> Flag:
         """Logical and."""
-        ...
 
     def either(self, a: Flag, b: Flag, /) -> Flag:
         """Logical or."""
-        ...
 
     def negate(self, a: Flag, /) -> Flag:
         """Logical not."""
-        ...
 
     def minimum(self, a: Scalar, b: Scalar, /) -> Scalar:
         """The smaller of two."""
-        ...
 
     def maximum(self, a: Scalar, b: Scalar, /) -> Scalar:
         """The larger of two."""
-        ...
 
     def clip(self, x: Scalar, low: Scalar, high: Scalar, /) -> Scalar:
         """`x` limited to [low, high]."""
-        ...
 
     def abs(self, x: Scalar, /) -> Scalar:
         """Absolute value."""
-        ...
 
     def sqrt(self, x: Scalar, /) -> Scalar:
         """Square root; 0 for negative arguments."""
-        ...
 
     def exp(self, x: Scalar, /) -> Scalar:
         """Exponential; the argument is limited to 700."""
-        ...
 
     def log(self, x: Scalar, /) -> Scalar:
         """Natural logarithm; the argument is at least 1e-300."""
-        ...
 
     def power(self, base: Scalar, exponent: Scalar, /) -> Scalar:
         """`base` to the `exponent`, for a base above 0; at most 1e304.
@@ -69,45 +59,36 @@ class Namespace(Protocol):
         0 the slope of a power below 1 has no limit. A whole exponent that is written as such (`3`,
         not `3.0`) is multiplied out, as in `base ** 3`, for a base of any sign.
         """
-        ...
 
     def sin(self, x: Scalar, /) -> Scalar:
         """Sine."""
-        ...
 
     def cos(self, x: Scalar, /) -> Scalar:
         """Cosine."""
-        ...
 
     def tanh(self, x: Scalar, /) -> Scalar:
         """Hyperbolic tangent."""
-        ...
 
     def nearest(self, x: Scalar, /) -> Scalar:
         """The nearest whole number, the even one of two.
 
         To differentiation it is `x` itself: a staircase has no derivative that is of use.
         """
-        ...
 
     def quarter_sine(self, x: Scalar, /) -> Scalar:
         """sin(πx/2) for 0 ≤ x ≤ 1 only, accurate to the last digits near 0."""
-        ...
 
     def erfcx(self, x: Scalar, /) -> Scalar:
         """exp(x²) erfc(x) for x ≥ 0 only: the scaled complementary error function."""
-        ...
 
     def each(self, body: Callable[..., Sequence[Scalar]], *columns: Sequence[Scalar]) -> tuple[Sequence[Scalar], ...]:
         """Columns of results of `body` over the rows of equally long columns.
 
         Traced, the body is one loop instead of as many copies as there are rows.
         """
-        ...
 
     def repeat(self, count: int, body: Callable[..., Sequence[Scalar]], *state: Scalar) -> Sequence[Scalar]:
         """The state after `count` turns of `body`, as one loop."""
-        ...
 
     def iterate(self, most: int, body: Callable[..., Sequence[Scalar]], *state: Scalar) -> Sequence[Scalar]:
         """The state after turns of `body` for as long as its first number is above 0.
@@ -115,11 +96,9 @@ class Namespace(Protocol):
         At most `most` turns, none if that number is 0 from the beginning. Every lane of a batch
         stops by itself.
         """
-        ...
 
     def detach(self, x: Scalar, /) -> Scalar:
         """`x` itself, but a constant to differentiation."""
-        ...
 
     def implicit_root(self, root: Scalar, newton: Scalar, /) -> Scalar:
         """`root`, with the derivatives of `newton`: a step of Newton's method from that root.
@@ -128,15 +107,12 @@ class Namespace(Protocol):
         follow the iterations that led to the root. First derivatives are those of the root;
         further ones are those of the step.
         """
-        ...
 
     def store(self, x: Scalar, /) -> Scalar:
         """`x` itself; a hint that it is used often and worth computing once."""
-        ...
 
     def eps(self) -> Scalar:
         """Distance from 1 to the next number of the working precision."""
-        ...
 
 
 OPERATIONS = frozenset(name for name in vars(Namespace) if not name.startswith("_"))

@@ -264,7 +264,12 @@ PYTHON_OPERATORS = {
     "le": "({} <= {})",
     "gt": "({} > {})",
     "ge": "({} >= {})",
+    "detach": "{}",
+    "implicit_root": "{}",
+    "store": "{}",
+    "eps": "2.220446049250313e-16",
 }
+"""Operations that look alike in Python and in C."""
 
 
 def _float_loop(loop: LoopText) -> list[str]:
@@ -334,10 +339,6 @@ FLOAT_DIALECT = Dialect(
         "nearest": "_nearest({})",
         "quarter_sine": "_sin(1.5707963267948966 * {})",
         "erfcx": "_erfcx({})",
-        "detach": "{}",
-        "implicit_root": "{}",
-        "store": "{}",
-        "eps": "2.220446049250313e-16",
     },
     wants_names=frozenset({"minimum", "maximum", "abs", "sqrt", "exp", "log"}),
     assign=lambda name, expression, kind: f"{name} = {expression}",
@@ -351,29 +352,13 @@ ARRAY_DIALECT = Dialect(
         **PYTHON_OPERATORS,
         **{
             name: f"xp.{name}({', '.join(['{}'] * arity)})"
-            for name, arity in {
-                "where": 3,
-                "both": 2,
-                "either": 2,
-                "negate": 1,
-                "minimum": 2,
-                "maximum": 2,
-                "abs": 1,
-                "sqrt": 1,
-                "exp": 1,
-                "log": 1,
-                "power": 2,
-                "sin": 1,
-                "cos": 1,
-                "tanh": 1,
-                "nearest": 1,
-                "quarter_sine": 1,
-                "erfcx": 1,
-                "detach": 1,
-                "store": 1,
-                "eps": 0,
-                "implicit_root": 2,
-            }.items()
+            for arity, names in (
+                (0, "eps"),
+                (1, "negate abs sqrt exp log sin cos tanh nearest quarter_sine erfcx detach store"),
+                (2, "both either minimum maximum power implicit_root"),
+                (3, "where"),
+            )
+            for name in names.split()
         },
     },
     wants_names=frozenset(),

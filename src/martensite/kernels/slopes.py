@@ -14,12 +14,11 @@ has no derivative costs nothing, and what is detached ends a chain.
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from martensite.kernels.dual import Dual, DualNamespace
-from martensite.kernels.graph import FLAGS, PARAMETER, SLOPE, VARYING, Expr, Graph, GraphNamespace
+from martensite.kernels.graph import FLAGS, OPERATORS, PARAMETER, SLOPE, VARYING, Expr, Graph, GraphNamespace
 from martensite.kernels.program import Function, Program
 
 ZERO = "ZERO"
@@ -28,16 +27,6 @@ LOOPS = frozenset({"each", "item", "repeat", "result"})
 TINY = 1e-300
 """Added to a divisor before its reciprocal, which changes none above 1e-284: smaller ones, such
 as rates that underflow, would have an infinite one."""
-_OPERATORS: dict[str, Callable[..., Any]] = {
-    "add": operator.add,
-    "sub": operator.sub,
-    "mul": operator.mul,
-    "neg": operator.neg,
-    "lt": operator.lt,
-    "le": operator.le,
-    "gt": operator.gt,
-    "ge": operator.ge,
-}
 
 
 def slope_input(name: str) -> str:
@@ -94,7 +83,7 @@ class _Slopes(DualNamespace):
         """The result of an operation of the graph, with its tangent if an argument has one."""
         if operation == "div":
             return self._divide_once(*arguments)
-        rule = _OPERATORS.get(operation)
+        rule = OPERATORS.get(operation)
         return rule(*arguments) if rule else getattr(self, operation)(*arguments)
 
     def _divide_once(self, top: Any, bottom: Any) -> Any:

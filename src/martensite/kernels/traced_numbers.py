@@ -2,16 +2,24 @@
 
 Nodes of a graph and dual numbers stand for numbers that come later. Python and NumPy would ask them
 for a value, take them for true, or compare them as objects; each such question is answered by a
-sentence that says what to write instead. Plain floats answer Python's way: a kernel that is called
-with floats by hand is not looked at.
+sentence that says where the kernel stands, why that cannot be and what to write instead. Plain floats
+answer Python's way: a kernel that is called with floats by hand is not looked at.
 """
 
 from __future__ import annotations
 
+import linecache
+import re
+import sys
+from collections.abc import Callable
+from itertools import islice
+from pathlib import Path
+from types import FrameType
 from typing import Any, ClassVar, NoReturn
 
-from martensite.kernels.kernel_errors import make_kernel_error
-from martensite.kernels.powers import expand_power, find_whole_exponent
+from martensite.base.errors import KernelError, UnknownOperationError, suggest_name
+from martensite.kernels.floats import expand_power, find_whole_exponent
+from martensite.kernels.namespace import OPERATIONS
 
 BRANCH = "a kernel must not branch on a value, as `if`, `while`, `and`, `or`, `not`, `a < b < c`, `min` and `max` do"
 CHOICES = "`xp.where(condition, a, b)`, `xp.both`, `xp.either`, `xp.negate`, `xp.minimum` or `xp.maximum`"
@@ -21,6 +29,7 @@ ROUND = "a kernel does not round in Python's way"
 ITEMS = "a number of a kernel is one number and has no items"
 EQUAL = "numbers of a kernel are not compared by `==` and `!=`, which rounding would decide"
 WHOLE = "only whole numbers that are written down, as in `x ** 3`, are exponents behind `**`"
+POWER = "`xp.power(x, y)`, for x above 0"
 BITS = "`&`, `|`, `^` and `~` are not for the conditions of a kernel"
 ARRAYS = "functions and arrays of NumPy are not for numbers of a kernel"
 LOOPS = "a loop over a tuple of numbers, with operations such as `xp.sin`"
@@ -35,6 +44,90 @@ _REFLECTED = {
     "greater_equal": "__le__",
 }
 """Operators of NumPy with one of its numbers on their left -> what answers on the right."""
+_FUNCTIONS = ("abs", "cos", "exp", "log", "maximum", "minimum", "nearest", "power", "sin", "sqrt")
+"""The operations that are functions of numbers, the usual ones."""
+_SAME = {
+    "max": "maximum",
+    "min": "minimum",
+    "fmax": "maximum",
+    "fmin": "minimum",
+    "fabs": "abs",
+    "absolute": "abs",
+    "round": "nearest",
+    "rint": "nearest",
+    "pow": "power",
+    "logical_and": "both",
+    "logical_or": "either",
+    "logical_not": "negate",
+}
+"""Functions of Python, `math` and NumPy -> what kernels call them."""
+_CALL = re.compile(r"(?!xp\.)(?:\w+\.)*(\w+)\(")
+_STANDARD = str(Path(linecache.__file__).parent)
+
+
+def make_kernel_error(reason: str, instead: str = "", called: str = "") -> KernelError:
+    """An error about what the kernel that is running just did.
+
+    Args:
+        reason: why that cannot be.
+        instead: what to write, unless a function is called that kernels have too.
+        called: name of that function, if it is not to be read from the source.
+    """
+    place, text = _find_place()
+    call = _CALL.match(text)
+    called = called or (call[1] if call else "")
+    name = _SAME.get(called, called)
+    if name in OPERATIONS:
+        instead = f"`xp.{name}`"
+    elif not instead:
+        instead = f"one of {', '.join(f'`xp.{one}`' for one in _FUNCTIONS)}"
+    shown = f"`{text}` in {place}" if text else f"In {place}"
+    return KernelError(f"{shown}: {reason}; write {instead}.")
+
+
+def make_operation_error(name: str) -> UnknownOperationError:
+    """An error about an operation that kernels have not."""
+    place, _ = _find_place()
+    valid = suggest_name(name, [_SAME[name]] if name in _SAME else OPERATIONS)
+    return UnknownOperationError(f"Kernels have no operation `{name}`, used in {place}. {valid}")
+
+
+def _find_place() -> tuple[str, str]:
+    """Where the kernel is that runs, and what is written there."""
+    frame: FrameType = sys._getframe(2)  # pyright: ignore[reportPrivateUsage]
+    while frame.f_back and not _is_kernel(frame):
+        frame = frame.f_back
+    code = frame.f_code
+    name = code.co_qualname.replace(".<locals>", "")
+    place = f"`{name}` ({Path(code.co_filename).name}, line {frame.f_lineno})"
+    return place, _read_expression(frame)
+
+
+def _is_kernel(frame: FrameType) -> bool:
+    """Whether what runs is neither a runtime nor a library that the kernel calls."""
+    file = frame.f_code.co_filename
+    is_library = file.startswith(_STANDARD) and "site-packages" not in file
+    module = str(frame.f_globals.get("__name__"))
+    return not (is_library or module.startswith(("martensite.kernels", "numpy")))
+
+
+def _read_expression(frame: FrameType) -> str:
+    """The expression that a frame is in, as it is written; empty if that is not known."""
+    places = islice(frame.f_code.co_positions(), frame.f_lasti // 2, None)
+    line, last, start, end = next(places, (None,) * 4)
+    if line is None or line != last:
+        return ""
+    text = linecache.getline(frame.f_code.co_filename, line)
+    return text.encode()[start:end].decode().strip()
+
+
+def refuse(reason: str, instead: str = "") -> Callable[..., Any]:
+    """A method of what Python asks of numbers, that raises the error for it."""
+
+    def refused(*_: Any, **__: Any) -> NoReturn:
+        raise make_kernel_error(reason, instead)
+
+    return refused
 
 
 class TracedNumber:
@@ -44,90 +137,36 @@ class TracedNumber:
     takes_arrays: ClassVar[bool] = False
     """Whether arrays may be numbers beside it."""
 
-    def __bool__(self) -> bool:
-        raise make_kernel_error(BRANCH, CHOICES)
-
-    # ---------------------------------------------------------------- powers
+    __bool__ = refuse(BRANCH, CHOICES)
+    __float__ = __complex__ = refuse(VALUE)
+    __int__ = refuse(VALUE, "`xp.nearest(x)`")
+    __index__ = refuse(COUNT, "`for i in range(8)` with a count of your own, and `xp.where(condition, a, b)`")
+    __round__ = __trunc__ = refuse(ROUND, "`xp.nearest(x)`")
+    __floor__ = refuse(ROUND, "`xp.nearest(x - 0.5)`")
+    __ceil__ = refuse(ROUND, "`xp.nearest(x + 0.5)`")
+    __floordiv__ = __rfloordiv__ = refuse("kernels have no `//` and no `%`", "`xp.nearest(x / y)`")
+    __mod__ = __rmod__ = __divmod__ = __rdivmod__ = __floordiv__
+    __abs__ = refuse("kernels take sizes by an operation of their own", "`xp.abs(x)`")
+    __rpow__ = refuse(WHOLE, POWER)
+    __eq__ = refuse(EQUAL, "`xp.abs(a - b) <= limit`")
+    __ne__ = refuse(EQUAL, "`xp.abs(a - b) > limit`")
+    __hash__ = object.__hash__
+    __and__ = refuse(BITS, "`xp.both(a, b)`, `xp.either(a, b)` or `xp.negate(a)`")
+    __rand__ = __or__ = __ror__ = __xor__ = __rxor__ = __and__
+    __invert__ = refuse(BITS, "`xp.negate(a)`")
+    __iter__ = __len__ = __getitem__ = refuse(ITEMS, "a tuple of numbers")
+    __array__ = refuse(ARRAYS, LOOPS)
 
     def __pow__(self, exponent: Any) -> Any:
         whole = None if isinstance(exponent, TracedNumber) else find_whole_exponent(exponent)
         if whole is None:
-            raise make_kernel_error(WHOLE, "`xp.power(x, y)`, for x above 0")
+            raise make_kernel_error(WHOLE, POWER)
         return expand_power(self, whole)
-
-    def __rpow__(self, base: Any) -> NoReturn:
-        raise make_kernel_error(WHOLE, "`xp.power(x, y)`, for x above 0")
-
-    # ---------------------------------------------------------------- values
-
-    def __float__(self) -> float:
-        raise make_kernel_error(VALUE)
-
-    def __int__(self) -> int:
-        raise make_kernel_error(VALUE, "`xp.nearest(x)`")
-
-    def __complex__(self) -> complex:
-        raise make_kernel_error(VALUE)
-
-    def __index__(self) -> int:
-        raise make_kernel_error(COUNT, "`for i in range(8)` with a count of your own, and `xp.where(condition, a, b)`")
-
-    def __round__(self, digits: Any = None) -> NoReturn:
-        raise make_kernel_error(ROUND, "`xp.nearest(x)`")
-
-    def __floor__(self) -> NoReturn:
-        raise make_kernel_error(ROUND, "`xp.nearest(x - 0.5)`")
-
-    def __ceil__(self) -> NoReturn:
-        raise make_kernel_error(ROUND, "`xp.nearest(x + 0.5)`")
-
-    def __trunc__(self) -> NoReturn:
-        raise make_kernel_error(ROUND, "`xp.nearest(x)`")
-
-    def __floordiv__(self, other: Any) -> NoReturn:
-        raise make_kernel_error("kernels have no `//` and no `%`", "`xp.nearest(x / y)`")
-
-    __rfloordiv__ = __mod__ = __rmod__ = __divmod__ = __rdivmod__ = __floordiv__
-
-    def __abs__(self) -> NoReturn:
-        raise make_kernel_error("kernels take sizes by an operation of their own", "`xp.abs(x)`")
 
     def __format__(self, form: str) -> str:
         if not form:
             return repr(self)
         raise make_kernel_error(VALUE, "`{x}` without a format")
-
-    # ---------------------------------------------------------------- comparisons and conditions
-
-    def __eq__(self, other: object) -> bool:
-        raise make_kernel_error(EQUAL, "`xp.abs(a - b) <= limit`")
-
-    def __ne__(self, other: object) -> bool:
-        raise make_kernel_error(EQUAL, "`xp.abs(a - b) > limit`")
-
-    __hash__ = object.__hash__
-
-    def __and__(self, other: Any) -> NoReturn:
-        raise make_kernel_error(BITS, "`xp.both(a, b)`, `xp.either(a, b)` or `xp.negate(a)`")
-
-    __rand__ = __or__ = __ror__ = __xor__ = __rxor__ = __and__
-
-    def __invert__(self) -> NoReturn:
-        raise make_kernel_error(BITS, "`xp.negate(a)`")
-
-    # ---------------------------------------------------------------- items and arrays
-
-    def __iter__(self) -> NoReturn:
-        raise make_kernel_error(ITEMS, "a tuple of numbers")
-
-    def __len__(self) -> int:
-        raise make_kernel_error(ITEMS, "a tuple of numbers")
-
-    def __getitem__(self, place: Any) -> NoReturn:
-        raise make_kernel_error(ITEMS, "a tuple of numbers")
-
-    def __array__(self, *_: Any, **__: Any) -> NoReturn:
-        raise make_kernel_error(ARRAYS, LOOPS)
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **options: Any) -> Any:
         """What NumPy's numbers, on the left of an operator, or its functions make of it."""

@@ -104,13 +104,6 @@ class SignalShape(NamedTuple):
         at = max(0, bisect_right(self.segments, time, key=_get_start) - 1)
         return self.segments[at].value(time) + math.fsum(tone.value(time) for tone in self.tones)
 
-    def before(self, time: float) -> float:
-        """The signal just before `time` [s]."""
-        at = max(0, bisect_right(self.segments, time, key=_get_start) - 1)
-        if at > 0 and not self.segments[at].start < time:
-            at -= 1
-        return self.segments[at].value(time) + math.fsum(tone.value(time) for tone in self.tones)
-
     def moments(self, begin: float, end: float) -> Moments:
         """Moments over [begin, end] [s]."""
         at = max(0, bisect_right(self.segments, begin, key=_get_start) - 1)

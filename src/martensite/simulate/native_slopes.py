@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from martensite.kernels.c99_slopes import WIDTHS, slopes_source
+from martensite.kernels.c99 import WIDTHS, slopes_source
 from martensite.kernels.compiler import call_compiled, load_library
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.slopes import differentiate_program
