@@ -1,7 +1,6 @@
 """Examples of any part, made of the typical values that its declarations carry.
 
-What a part declares is enough to build one: a typical value, else the default. Nothing is known of
-a part by its name.
+What a part declares is enough to build one: a typical value, else the default. Nothing is known of a part by its name.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """What a resistance model and a source answer.
 
-A source turns the drive signal u (volt, ampere, watt, kelvin, or a share of the time that a
-switch is closed) and the resistance of the element into a current. Only I²R of the element
-heats it; leads and series resistance do not.
+A source turns the drive signal u (volt, ampere, watt, kelvin, or a share of the time that a switch is closed) and the
+resistance of the element into a current. Only I²R of the element heats it; leads and series resistance do not.
 """
 
 from __future__ import annotations

@@ -2,10 +2,9 @@
 
     D = P_demand/P_max,   0 ≤ D ≤ 1,      P = D I_on² R,   I_on = U/(R + R_s)
 
-P_max is measured as voltage times current of the element while the switch is closed. Measured
-in every period it is I_on² R, and the element gets what is demanded. Measured once, at a
-resistance R₀, the power is wrong by the factor P_max(R)/P_max(R₀): R₀/R without series
-resistance, R/R₀ where the current limit acts.
+P_max is measured as voltage times current of the element while the switch is closed. Measured in every period it is
+I_on² R, and the element gets what is demanded. Measured once, at a resistance R₀, the power is wrong by the factor
+P_max(R)/P_max(R₀): R₀/R without series resistance, R/R₀ where the current limit acts.
 
 Averaged over the periods, which are taken to be short. The loop itself, with its sampling and
 its pulses, is `martensite.control.controllers.constant_power`. Source: the power control of the

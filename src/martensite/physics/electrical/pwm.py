@@ -5,9 +5,8 @@ the power I_on² R, so the mean over a period is
 
     P = D I_on² R,    I_on = U/(R + R_s),
 
-and the current that heats as much is I_on √D. A voltage D U would heat with D² instead: at a
-duty of 0.3 less than a third of the power is left. Current, voltage and power of a run are
-therefore rms current, rms voltage and mean power.
+and the current that heats as much is I_on √D. A voltage D U would heat with D² instead: at a duty of 0.3 less than a
+third of the power is left. Current, voltage and power of a run are therefore rms current, rms voltage and mean power.
 
 At a duty of 0 or 1 this is the switch itself: the waveform `carrier` drives it pulse by pulse.
 """

@@ -7,8 +7,7 @@
   fits the rows best and which it does not state. The Prandtl number of the last row (0.7100) is
   a misprint for about 0.7195 that changes h by less than 0.1 %. For comparison with the thesis.
 
-The expansion is that of an ideal gas, β = 1/T. Where a table prints the diffusivity as well, it
-is not used: α = ν/Pr.
+The expansion is that of an ideal gas, β = 1/T. Where a table prints the diffusivity as well, it is not used: α = ν/Pr.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """What every fluid answers: its properties at the film temperature.
 
-The film temperature is the mean of the surface's and the ambient temperature. Properties are
-known over the span of the fluid; beyond it they are held at the nearer end, so that a solver may
-try any temperature.
+The film temperature is the mean of the surface's and the ambient temperature. Properties are known over the span of the
+fluid; beyond it they are held at the nearer end, so that a solver may try any temperature.
 """
 
 from __future__ import annotations

@@ -2,10 +2,9 @@
 
     h = Nu k/s          Ra = g β |T - T_a| s³/(ν α)
 
-with all properties at the film temperature (T + T_a)/2 and s the size on which the correlation
-is built (diameter or length). A cylinder colder than the fluid counts by |T - T_a|. Powers of Ra
-below one have an infinite slope at T = T_a, so |T - T_a| is never taken smaller than 0.01 K.
-Nothing is registered here.
+with all properties at the film temperature (T + T_a)/2 and s the size on which the correlation is built (diameter or
+length). A cylinder colder than the fluid counts by |T - T_a|. Powers of Ra below one have an infinite slope at T = T_a,
+so |T - T_a| is never taken smaller than 0.01 K. Nothing is registered here.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """Two heat losses at once: h = h₁ + h₂, both to the same ambient temperature.
 
-Meant for convection and radiation, but any two models may stand here, another `combined` among
-them.
+Meant for convection and radiation, but any two models may stand here, another `combined` among them.
 """
 
 from __future__ import annotations

@@ -8,10 +8,9 @@
 | 1e4 to 1e7 | 0.480 Ra^0.250 |
 | 1e7 to 1e12 | 0.125 Ra^0.333 |
 
-on the diameter. The exponents rise from row to row, so each law is the largest one in its own
-range, and Nu here is the largest of the five: the table without its jumps. At the printed limits
-two neighbours differ by 0.2 %, 0.2 %, less than 0.1 % and 0.8 %; they meet at Ra = 1.02e-2, 95,
-1.01e4 and 1.10e7 instead.
+on the diameter. The exponents rise from row to row, so each law is the largest one in its own range, and Nu here is the
+largest of the five: the table without its jumps. At the printed limits two neighbours differ by 0.2 %, 0.2 %, less than
+0.1 % and 0.8 %; they meet at Ra = 1.02e-2, 95, 1.01e4 and 1.10e7 instead.
 
 Source: Morgan (1975); the table is that of textbooks, recalled.
 """

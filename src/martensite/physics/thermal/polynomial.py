@@ -1,8 +1,7 @@
 """Film coefficient as a parabola of temperature: h = h₀ + h₁ θ + h₂ θ².
 
-θ = T - `reference`; the default reference of 0 °C makes θ the temperature in degrees
-Celsius, the form fitted to step responses in the MigaOne paper. A reference at the ambient
-temperature makes θ the overtemperature.
+θ = T - `reference`; the default reference of 0 °C makes θ the temperature in degrees Celsius, the form fitted to step
+responses in the MigaOne paper. A reference at the ambient temperature makes θ the overtemperature.
 """
 
 from __future__ import annotations

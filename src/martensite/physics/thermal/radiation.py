@@ -2,9 +2,8 @@
 
     h = ε σ_SB (T² + T_a²)(T + T_a)          so that   h (T - T_a) = ε σ_SB (T⁴ - T_a⁴)
 
-for a grey surface that is small beside what it sees. h → 4 ε σ_SB T³ as T_a → T. It is about
-6 W/(m² K) for a black wire at room temperature: little beside the convection from a thin wire.
-Combine it with that by `combined`.
+for a grey surface that is small beside what it sees. h → 4 ε σ_SB T³ as T_a → T. It is about 6 W/(m² K) for a black
+wire at room temperature: little beside the convection from a thin wire. Combine it with that by `combined`.
 """
 
 from __future__ import annotations
