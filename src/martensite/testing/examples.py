@@ -15,7 +15,7 @@ from martensite.base import units
 from martensite.base.errors import ParameterError, UnitError
 from martensite.base.parameters import REQUIRED, Declared, Parametrised
 from martensite.base.registry import Registry
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.sources import VoltageSource
 from martensite.scenario.components import component_class, find_annotated, is_members
 from martensite.signals.base import DRIVE
 from martensite.signals.levels import HIGH
