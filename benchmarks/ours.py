@@ -19,11 +19,11 @@ from martensite.actuators.elements.wire import Wire as Element
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.base.parameters import part
 from martensite.kernels.c99_lanes import BLOCK
-from martensite.physics.electrical.per_length import PerLengthResistance
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.resistances import PerLengthResistance
+from martensite.physics.electrical.sources import VoltageSource
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.polynomial import PolynomialCooling
+from martensite.physics.thermal.films import PolynomialCooling
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Moments, Segment, Tone
 from martensite.simulate.compiled import CompiledMarch, compile_march, feed_step

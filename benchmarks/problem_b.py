@@ -97,11 +97,11 @@ def system(p: Wire, law: str = "mas", **options: Any) -> Any:
     from martensite.actuators.assembly import System
     from martensite.actuators.elements.wire import Wire as Element
     from martensite.actuators.mechanisms.bias_spring import BiasSpring
-    from martensite.physics.electrical.per_length import PerLengthResistance
-    from martensite.physics.electrical.power import PowerSource
+    from martensite.physics.electrical.resistances import PerLengthResistance
+    from martensite.physics.electrical.sources import PowerSource
     from martensite.physics.laws.base import LAWS
     from martensite.physics.thermal.base import Environment
-    from martensite.physics.thermal.constant import ConstantCooling
+    from martensite.physics.thermal.films import ConstantCooling
 
     if law == "mas":
         options = {"rates": "edge"} | options

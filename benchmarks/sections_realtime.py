@@ -29,7 +29,7 @@ from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor
 from martensite.kernels.compiler import find_compiler
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.scenario.scenario import load
 from martensite.signals.sine import Sine
 from martensite.simulate.lanes import Lanes

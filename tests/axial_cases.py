@@ -14,10 +14,10 @@ from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.dead_weight import DeadWeight
-from martensite.physics.electrical.per_length import PerLengthResistance
-from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.resistances import PerLengthResistance
+from martensite.physics.electrical.sources import PowerSource
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 
 D, L, K, H, AMBIENT = 0.1e-3, 20e-3, 18.0, 200.0, 295.0
 SECTION = 0.25 * math.pi * D * D

@@ -25,19 +25,16 @@ from martensite.control.loop.supervisor import SUPERVISORS
 from martensite.control.observers.base import OBSERVERS
 from martensite.control.sensors.base import SENSORS
 from martensite.physics.electrical.base import RESISTANCES, SOURCES, AbstractSource
-from martensite.physics.electrical.per_length import PerLengthResistance
-from martensite.physics.electrical.power import PowerSource
-from martensite.physics.electrical.temperature import PrescribedTemperature
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.resistances import PerLengthResistance
+from martensite.physics.electrical.sources import PowerSource, PrescribedTemperature, VoltageSource
 from martensite.physics.fluids.base import FLUIDS
 from martensite.physics.laws.base import LAWS, AbstractLaw
 from martensite.physics.laws.brinson import Brinson
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.materials.base import load_material
 from martensite.physics.thermal.base import COOLING, AbstractCooling, Environment
-from martensite.physics.thermal.constant import ConstantCooling
 from martensite.physics.thermal.ends import ENDS
-from martensite.physics.thermal.polynomial import PolynomialCooling
+from martensite.physics.thermal.films import ConstantCooling, PolynomialCooling
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.signals.moments import Segment, Tone
 from martensite.testing.examples import build_example, label_part, list_variants

@@ -8,7 +8,7 @@ from typing import Any
 from martensite.actuators.elements.base import Spring
 from martensite.actuators.elements.coil_spring import CoilSpring
 from martensite.kernels import floats
-from martensite.physics.electrical.mixture import MixtureResistance
+from martensite.physics.electrical.resistances import MixtureResistance
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.materials.base import load_material

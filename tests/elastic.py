@@ -14,10 +14,10 @@ from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.physics.laws.coupling import StepReport
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.table import Table
 
 REST = 300.0

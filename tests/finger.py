@@ -11,12 +11,12 @@ from typing import Any
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.finger import Finger
-from martensite.physics.electrical.furst_seelecke import FurstSeeleckeResistance
-from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.resistances import FurstSeeleckeResistance
+from martensite.physics.electrical.sources import PowerSource
 from martensite.physics.laws.base import LAWS
 from martensite.physics.materials.base import load_material
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.table import Table
 
 NUMBERS = {name: number.value for name, number in load_material("finger-mas").values.items()}

@@ -33,9 +33,8 @@ from martensite.kernels.jax_setup import jax_namespace
 from martensite.kernels.nested import flatten_numbers
 from martensite.kernels.program import Program
 from martensite.physics.electrical.base import AbstractSwitch, Conductor
-from martensite.physics.electrical.current import CurrentSource
-from martensite.physics.electrical.pwm import PwmVoltage
-from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.sources import CurrentSource, PrescribedTemperature
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.physics.kinetics.exchange import AbstractExchange
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.mas import MullerAchenbachSeelecke

@@ -12,7 +12,7 @@ from martensite.actuators.elements.wire import Wire
 from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
 from martensite.export.strand import ForceWeights
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.base import AbstractWaveform
 
 GRAVITY = 9.81

@@ -21,8 +21,8 @@ from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.base import AbstractObserver
 from martensite.control.observers.process_noise_plant import ProcessNoisePlant
 from martensite.control.sensors.resistance import ResistanceSensor
-from martensite.physics.electrical.furst_seelecke import FurstSeeleckeResistance
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.resistances import FurstSeeleckeResistance
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.table import Table
 
 PERIOD = 0.02

@@ -17,7 +17,7 @@ from builders import chamber, example_system, examples, hanging_wire, label
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.actuators.mechanisms.testing_machine import TensileTestingMachine
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.sources import VoltageSource
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.step import Step
 from martensite.signals.triangle import Triangle

@@ -17,7 +17,7 @@ from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.plant import build_plant
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.constant import Constant
 from martensite.signals.staircase import Staircase
 

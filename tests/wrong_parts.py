@@ -31,14 +31,14 @@ from martensite.identify.blocks.gain import Gain
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.transfer_function import TransferFunction
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.electrical.current import CurrentSource
-from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.electrical.resistances import PerLengthResistance
+from martensite.physics.electrical.sources import CurrentSource
 from martensite.physics.fluids.base import AbstractFluid, FluidProperties
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.materials.base import Material, Source, load_material
-from martensite.physics.thermal.constant import ConstantCooling
 from martensite.physics.thermal.ends import AbstractEnds
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.simulate.measures.extremes import Largest
 from martensite.testing import build_example

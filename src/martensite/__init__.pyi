@@ -25,8 +25,8 @@ from martensite.base.errors import SolveError as SolveError
 from martensite.physics import electrical as electrical
 from martensite.physics import laws as laws
 from martensite.physics import thermal as thermal
-from martensite.physics.electrical.current import CurrentSource as CurrentSource
-from martensite.physics.electrical.voltage import VoltageSource as VoltageSource
+from martensite.physics.electrical.sources import CurrentSource as CurrentSource
+from martensite.physics.electrical.sources import VoltageSource as VoltageSource
 from martensite.physics.laws.brinson import Brinson as Brinson
 from martensite.physics.laws.liang_rogers import LiangRogers as LiangRogers
 from martensite.physics.materials.base import Material as Material

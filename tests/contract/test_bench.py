@@ -23,7 +23,7 @@ from martensite.control.loop.run import open_loop, simulate_bench
 from martensite.control.observers.inverse import InverseModel
 from martensite.control.sensors.position import PositionSensor
 from martensite.control.sensors.resistance import ResistanceSensor
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.base import AbstractDrive
 from martensite.signals.constant import Constant
 from martensite.signals.sine import Sine

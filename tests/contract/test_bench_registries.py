@@ -35,7 +35,7 @@ from martensite.control.sensors.resistance import ResistanceSensor
 from martensite.control.supervisors.from_plant import guard_for
 from martensite.control.supervisors.guard import Guard
 from martensite.kernels import floats
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.sine import Sine
 
 PLANT = problem_a(source=PwmVoltage(supply=6.0))

@@ -24,7 +24,7 @@ from martensite.identify.blocks.side_by_side import SideBySide
 from martensite.kernels.namespace import Scalar
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.materials.base import Material, material_names
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.scenario.catalogue import list_registries
 from martensite.testing import check_conformance, check_material, observers
 from martensite.testing.conformance import SUITES, check_part, find_checks

@@ -36,7 +36,7 @@ from martensite.control.controllers.two_level import TwoLevel
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
 from martensite.control.loop.run import open_loop, simulate_bench
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.scenario.citations import read_bibliography
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant

@@ -31,7 +31,7 @@ from martensite.actuators.mechanisms.drawing import (
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.app.views.scene import draw_row, measure_lengths
-from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.simulate.api import simulate
 
 NATURAL = 0.25

@@ -15,7 +15,7 @@ from builders import problem_a
 from martensite.base.errors import InputError
 from martensite.base.status import Status
 from martensite.kernels.compiler import find_compiler
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.held import Held
 from martensite.simulate.api import simulate
 from martensite.simulate.lanes import Lanes

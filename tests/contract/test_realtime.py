@@ -26,7 +26,7 @@ from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor
 from martensite.kernels.compiler import find_compiler
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.sine import Sine
 from martensite.simulate.result import Result
 

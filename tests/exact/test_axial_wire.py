@@ -23,7 +23,7 @@ from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.actuators.mechanisms.dead_weight import DeadWeight
 from martensite.base.errors import ParameterError
-from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.thermal.ends import ClampedEnds
 from martensite.signals.constant import Constant
 from martensite.signals.step import Step

@@ -25,12 +25,11 @@ from martensite.actuators.mechanisms.beam_motor import BeamMotor, modal_numbers
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
 from martensite.kernels.program import Program
-from martensite.physics.electrical.current import CurrentSource
-from martensite.physics.electrical.per_length import PerLengthResistance
-from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.resistances import PerLengthResistance
+from martensite.physics.electrical.sources import CurrentSource, PrescribedTemperature
 from martensite.physics.laws.elahinia import Elahinia
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step

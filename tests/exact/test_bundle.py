@@ -27,11 +27,10 @@ from martensite.base.errors import InputError, ParameterError
 from martensite.cli import app
 from martensite.kernels import floats
 from martensite.physics.electrical.base import AbstractSource
-from martensite.physics.electrical.power import PowerSource
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.sources import PowerSource, VoltageSource
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
 from martensite.physics.thermal.ends import ClampedEnds
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.scenario.scenario import read_scenario
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate

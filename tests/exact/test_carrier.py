@@ -12,8 +12,8 @@ from typer.testing import CliRunner
 
 from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.cli import app
-from martensite.physics.electrical.pwm import PwmVoltage
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.sources import VoltageSource
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.scenario.scenario import read_scenario
 from martensite.signals.carrier import Carrier, limit_duty
 from martensite.signals.constant import Constant

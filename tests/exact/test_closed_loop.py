@@ -12,8 +12,8 @@ from builders import ZERO, chamber, hanging_wire, law_a
 from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.base.parameters import param, part
 from martensite.base.status import Status
-from martensite.physics.electrical.power import PowerSource
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.sources import PowerSource
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.base import AbstractDrive
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held

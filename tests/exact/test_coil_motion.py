@@ -32,9 +32,9 @@ from martensite.actuators.assembly import System
 from martensite.actuators.elements.coil_spring import CoilSpring
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.actuators.mechanisms.dead_weight import DeadWeight
-from martensite.physics.electrical.current import CurrentSource
+from martensite.physics.electrical.sources import CurrentSource
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.constant import Constant
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate

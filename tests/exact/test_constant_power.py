@@ -17,8 +17,7 @@ from martensite.control.loop.parts import Controllers
 from martensite.control.loop.run import simulate_bench
 from martensite.design.tuning.averaging import compare_averaging
 from martensite.kernels import floats
-from martensite.physics.electrical.power_pwm import PowerPwm
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PowerPwm, PwmVoltage
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp

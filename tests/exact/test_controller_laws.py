@@ -22,7 +22,7 @@ from martensite.control.controllers.scheduled_pid import GainsAt, GainSchedule, 
 from martensite.control.controllers.sliding_mode import SlidingMode
 from martensite.control.controllers.two_level import TwoLevel
 from martensite.kernels import floats
-from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.sources import PowerSource
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held

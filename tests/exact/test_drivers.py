@@ -13,9 +13,8 @@ from martensite.base.errors import ParameterError
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.run import simulate_bench
 from martensite.kernels import floats
-from martensite.physics.electrical.h_bridge import HBridge
-from martensite.physics.electrical.linear_amplifier import LinearAmplifier
-from martensite.physics.electrical.mosfet import Mosfet
+from martensite.physics.electrical.sources import LinearAmplifier
+from martensite.physics.electrical.switches import HBridge, Mosfet
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.simulate.api import simulate

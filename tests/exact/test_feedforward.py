@@ -32,7 +32,7 @@ from martensite.identify.chains.plant import build_plant as plant_of
 from martensite.identify.operators.play import PlaySum
 from martensite.kernels import floats
 from martensite.kernels.dual import value_and_slope
-from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.sources import PowerSource
 from martensite.signals.constant import Constant
 from martensite.signals.sampling.sampled import Sampled
 from martensite.signals.sine import Sine

@@ -16,7 +16,7 @@ import pytest
 import martensite as ms
 from martensite.kernels import floats
 from martensite.physics.thermal.base import Cylinder
-from martensite.physics.thermal.morgan import LAWS
+from martensite.physics.thermal.convection import LAWS
 from martensite_studies.tables import printed_numbers
 
 ZERO = 273.15

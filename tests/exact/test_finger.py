@@ -25,10 +25,10 @@ from martensite.actuators.mechanisms.joints import bowstring_arm
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
 from martensite.kernels.nested import flatten_numbers
-from martensite.physics.electrical.per_length import PerLengthResistance
-from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.resistances import PerLengthResistance
+from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_system

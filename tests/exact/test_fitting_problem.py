@@ -21,7 +21,7 @@ from martensite.base.errors import ParameterError, SolveError
 from martensite.fit.experiment import Experiment
 from martensite.fit.problem import Problem, build_problem
 from martensite.fit.solve import solve_problem
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.sources import VoltageSource
 from martensite.scenario.scenario import load
 from martensite.search import batch_runner
 from martensite.search.free_numbers import SearchRange

@@ -10,9 +10,8 @@ import pytest
 
 import martensite as ms
 from martensite.kernels import floats
-from martensite.physics.fluids import air_table, oil
-from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties
-from martensite.physics.fluids.rows import interpolate_rows
+from martensite.physics.fluids import air, oil
+from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties, interpolate_rows
 
 # T, μ [1e-6 Pa s], k, c_p [kJ/(kg K)], ρ, dv/dT [1e-7 m³/(kg K)]
 RELEASE = (
@@ -35,7 +34,7 @@ def test_water_is_the_release(row):
 
 def deviations(rows="textbook"):
     """`air` against each row of `air-table`: k, ν, Pr, as shares."""
-    table = air_table.ROWS[rows]
+    table = air.ROWS[rows]
     found = [ms.thermal.Air().properties(floats, c + 273.15)[:3] for c, *_ in table]
     return np.array(found) / [(k, 1e-5 * nu, pr) for _, k, nu, pr in table] - 1.0
 
@@ -49,14 +48,14 @@ def test_air_deviates_from_the_table_as_it_says():
 
 
 def test_the_printed_rows_agree_with_the_textbook_where_they_were_copied():
-    textbook = {round(k, 5): (nu, pr) for _, k, nu, pr in air_table.ROWS["textbook"]}
-    for _, k, nu, pr in air_table.ROWS["kossoski"][:4]:
+    textbook = {round(k, 5): (nu, pr) for _, k, nu, pr in air.ROWS["textbook"]}
+    for _, k, nu, pr in air.ROWS["kossoski"][:4]:
         assert textbook[k] == pytest.approx((nu, pr), rel=3.1e-3)
 
 
-@pytest.mark.parametrize("name", air_table.ROWS)
+@pytest.mark.parametrize("name", air.ROWS)
 def test_the_table_of_air_is_linear_between_its_rows(name):
-    rows = np.array(air_table.ROWS[name])
+    rows = np.array(air.ROWS[name])
     celsius = np.linspace(rows[0, 0], rows[-1, 0], 83)
     found = np.array([ms.thermal.AirTable(rows=name).properties(floats, c + 273.15) for c in celsius.tolist()])
     for column, unit in ((1, 1.0), (2, 1e-5), (3, 1.0)):

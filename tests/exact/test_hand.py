@@ -28,10 +28,10 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.sources import PowerSource
 from martensite.physics.laws.brinson import Brinson
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.constant import Constant
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate

@@ -10,8 +10,7 @@ import pytest
 from builders import SINE_A, ZERO, FunctionWaveform, hanging_wire, law_a, problem_a, through, wire_a
 from scipy.integrate import romb
 
-from martensite.physics.electrical.current import CurrentSource
-from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.sources import CurrentSource, PowerSource
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
 

@@ -19,8 +19,7 @@ from martensite.actuators.assembly import System
 from martensite.actuators.mechanisms.lever import Lever
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
-from martensite.physics.electrical.power import PowerSource
-from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.sources import PowerSource, PrescribedTemperature
 from martensite.signals.step import Step
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate

@@ -7,7 +7,7 @@ from closed_forms import A_F, A_S, BOTH_RULES, C_A, C_M, M_F, M_S, exact, forwar
 from grids import over
 
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
-from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.simulate.api import simulate
 
 # ---------------------------------------------------------------- curves

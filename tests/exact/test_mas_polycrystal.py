@@ -16,7 +16,7 @@ from martensite.actuators.assembly import System
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.physics.laws.mas_polycrystal import MullerAchenbachSeeleckePolycrystal
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.simulate.api import simulate
 
 COLUMNS = ("temperature", "martensite_fraction", "oriented_fraction", "stress", "position")

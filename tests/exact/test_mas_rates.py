@@ -18,7 +18,7 @@ from martensite.kernels.arrays import ArrayNamespace
 from martensite.physics.kinetics.barriers import BOLTZMANN
 from martensite.physics.kinetics.exchange import Flows, exchange_fractions
 from martensite.physics.kinetics.layers import VariantFractions
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 
 ARRAYS = ArrayNamespace(np)
 FORMS = ("barrier", "well", "edge")

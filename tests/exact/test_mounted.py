@@ -32,7 +32,7 @@ from martensite.control.sensors.infrared import InfraredSensor
 from martensite.control.sensors.position import PositionSensor
 from martensite.control.sensors.resistance import ResistanceSensor
 from martensite.kernels import floats
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.constant import Constant
 from martensite.simulate.result import Result
 

@@ -28,7 +28,7 @@ from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.hidden_states import list_names
 from martensite.control.sensors.position import PositionSensor
 from martensite.kernels.compiler import find_compiler
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.constant import Constant
 from martensite.signals.table import Table
 from martensite.simulate.lanes import Lanes

@@ -34,9 +34,9 @@ from martensite.export.mujoco_result import MujocoResult
 from martensite.kernels import floats
 from martensite.kernels.compiler import find_compiler
 from martensite.kernels.dual import compute_jacobian
-from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.sources import PowerSource
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.step import Step
 from martensite.signals.table import Table
 from martensite.simulate.api import simulate

@@ -26,7 +26,7 @@ from martensite.control.observers.model_period import ObserverPeriod
 from martensite.control.observers.unscented import UnscentedKalman
 from martensite.kernels import floats
 from martensite.kernels.nested import flatten_numbers
-from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.signals.sine import Sine

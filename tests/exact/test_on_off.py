@@ -19,7 +19,7 @@ from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.parts import Controllers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.ideal import IdealSensor
-from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.sources import PowerSource
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.simulate.controlled_run import simulate_controlled

@@ -18,7 +18,7 @@ from martensite.base.errors import InputError, ParameterError
 from martensite.control.controllers.pid import Gains, Pid, PidLaw, PidMemory, per_sample
 from martensite.design.tuning.response import build_steps, measure_steps
 from martensite.kernels import floats
-from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.sources import PowerSource
 from martensite.signals.constant import Constant
 from martensite.signals.step import Step
 from martensite.simulate.controlled_run import simulate_controlled

@@ -26,10 +26,10 @@ from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
 from martensite.base.errors import ParameterError, SolveError
 from martensite.base.parameters import param
 from martensite.kernels import floats
-from martensite.physics.electrical.mixture import MixtureResistance
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.resistances import MixtureResistance
+from martensite.physics.electrical.sources import VoltageSource
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result

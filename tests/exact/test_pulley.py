@@ -21,11 +21,10 @@ from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.base import Column
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.kernels.namespace import Namespace
-from martensite.physics.electrical.power import PowerSource
-from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.sources import PowerSource, PrescribedTemperature
 from martensite.physics.laws.brinson import Brinson
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.signals.step import Step

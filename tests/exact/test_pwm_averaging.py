@@ -13,8 +13,8 @@ from builders import ZERO, hanging_wire
 from martensite.base.errors import InputError
 from martensite.design.tuning.averaging import compare_averaging, measure_ripples
 from martensite.kernels import floats
-from martensite.physics.electrical.pwm import PwmVoltage
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.sources import VoltageSource
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.carrier import Carrier
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp

@@ -12,7 +12,7 @@ from strip_cases import CASES, EVERY, KINETICS, NUMBERS, exponential
 
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.base.errors import ParameterError
-from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.physics.laws.elahinia import Elahinia
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.laws.tanaka import Tanaka

@@ -22,11 +22,10 @@ from martensite.actuators.assembly import AbstractSystem, System
 from martensite.actuators.mechanisms.testing_machine import TensileTestingMachine
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
-from martensite.physics.electrical.power import PowerSource
-from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.sources import PowerSource, PrescribedTemperature
 from martensite.physics.laws.base import LAWS, AbstractLaw, Fractions
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.scenario.scenario import read_scenario
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant

@@ -19,10 +19,8 @@ from martensite.control.loop.parts import FaultTable, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.ideal import IdealSensor
 from martensite.kernels import floats
-from martensite.physics.electrical.current import CurrentSource
-from martensite.physics.electrical.pwm import PwmVoltage
-from martensite.physics.electrical.temperature import PrescribedTemperature
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.sources import CurrentSource, PrescribedTemperature, VoltageSource
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.constant import Constant
 
 PLANT = problem_a(source=PwmVoltage(supply=6.0))

@@ -15,11 +15,8 @@ from builders import ZERO, chamber, hanging_wire, law_a, plain_law, problem_a, t
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.physics.electrical.base import AbstractSource
-from martensite.physics.electrical.current import CurrentSource
-from martensite.physics.electrical.power import PowerSource
-from martensite.physics.electrical.pwm import PwmVoltage
-from martensite.physics.electrical.temperature import PrescribedTemperature
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.sources import CurrentSource, PowerSource, PrescribedTemperature, VoltageSource
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.scenario.netcdf import to_dataset
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp

@@ -34,8 +34,8 @@ from martensite.control.sensors.base import AbstractSensor
 from martensite.control.supervisors.from_plant import guard_for, least_conductance, worst_power
 from martensite.control.supervisors.guard import Guard
 from martensite.kernels import floats
-from martensite.physics.electrical.mosfet import Mosfet
-from martensite.physics.electrical.power import PowerSource
+from martensite.physics.electrical.sources import PowerSource
+from martensite.physics.electrical.switches import Mosfet
 from martensite.physics.thermal.ends import ClampedEnds
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp

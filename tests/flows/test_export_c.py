@@ -40,7 +40,7 @@ from martensite.export.c_loop import build_c_loop
 from martensite.export.c_names import make_identifier
 from martensite.export.c_operations import count_operations
 from martensite.kernels.program import Program
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.sine import Sine
 from martensite.simulate.compiled import bind_system
 

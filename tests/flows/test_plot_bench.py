@@ -29,7 +29,7 @@ from martensite.control.observers.inverse import InverseModel
 from martensite.control.sensors.ideal import IdealSensor
 from martensite.control.sensors.position import PositionSensor
 from martensite.control.supervisors.guard import Guard
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.show.figures.bench import plot_bench
 from martensite.show.figures.overview import plot_result
 from martensite.signals.constant import Constant

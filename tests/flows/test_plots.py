@@ -28,7 +28,7 @@ from martensite.base.errors import DataError
 from martensite.base.parameters import param
 from martensite.base.status import Status
 from martensite.physics.electrical.base import AbstractSource
-from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.physics.laws.base import AbstractLaw
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.laws.mas import MullerAchenbachSeelecke

@@ -25,10 +25,10 @@ from martensite.actuators.assembly import System
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.actuators.mechanisms.dead_weight import DeadWeight
-from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.laws.mas import MullerAchenbachSeelecke
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 
 BOLTZMANN = 1.380649e-23
 RTOL, ATOL = 1e-9, (1e-11, 1e-11, 1e-8)

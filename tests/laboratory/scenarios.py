@@ -14,14 +14,12 @@ from martensite.actuators.assembly import System
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.actuators.mechanisms.dead_weight import DeadWeight
-from martensite.physics.electrical.current import CurrentSource
-from martensite.physics.electrical.per_length import PerLengthResistance
-from martensite.physics.electrical.power import PowerSource
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.resistances import PerLengthResistance
+from martensite.physics.electrical.sources import CurrentSource, PowerSource, VoltageSource
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.laws.tanaka import Tanaka
 from martensite.physics.thermal.base import Environment
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.pwm import PulseWidthModulation
 from martensite.signals.sine import Sine

@@ -7,7 +7,7 @@ from kernels import KERNELS, traced, xp_methods
 
 from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.physics.laws.liang_rogers import LiangRogers
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_march
 

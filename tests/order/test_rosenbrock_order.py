@@ -12,7 +12,7 @@ import pytest
 from benchmarks.problem_b import Wire, system
 
 from martensite.actuators.assembly import System
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.sources import VoltageSource
 from martensite.signals.moments import Moments
 from martensite.simulate.compiled import bind_march, feed_step
 

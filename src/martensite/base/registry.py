@@ -13,7 +13,6 @@ import traceback
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from importlib.metadata import entry_points
-from importlib.util import find_spec
 from pathlib import Path
 from pkgutil import iter_modules
 from typing import Any, Generic, TypeVar, cast
@@ -93,11 +92,13 @@ class Registry(Generic[T]):
         return self._entries.get(name)
 
     def _find(self, name: str) -> None:
-        """Import the file that is called like an entry, if there is one: others may be heavy."""
-        module = name.replace("-", "_")
-        own = f"{self.package}.{module}"
-        if name not in self._entries and module.isidentifier() and find_spec(own):
-            import_module(own)
+        """Import the file of this package that files an entry, if there is one: others may be heavy."""
+        if name in self._entries or self._scanned:
+            return
+        words = f'.register("{name}")'
+        for path in sorted(Path(import_module(self.package).__path__[0]).glob("*.py")):
+            if words in path.read_text("utf-8"):
+                import_module(f"{self.package}.{path.stem}")
 
     def _scan(self) -> None:
         if not self._scanned:

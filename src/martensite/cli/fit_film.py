@@ -195,8 +195,7 @@ def write_cooling(report: FilmReport, form: str, table: str) -> str:
 
 def _make_cooling(fit: FilmFit) -> AbstractCooling:
     """The heat-loss model with the fitted numbers; refuses what it does not allow."""
-    from martensite.physics.thermal.constant import ConstantCooling
-    from martensite.physics.thermal.polynomial import PolynomialCooling
+    from martensite.physics.thermal.films import ConstantCooling, PolynomialCooling
 
     if fit.terms == (0,):
         return ConstantCooling(h=fit.coefficients[0])

@@ -125,6 +125,12 @@ def summarise_class(cls: type[Any]) -> str:
     return (inspect.getdoc(cls) or "").partition("\n")[0]
 
 
+def describe_words(cls: type[Any]) -> str:
+    """What the module of a class says, then what the class itself adds to its summary."""
+    own = (inspect.getdoc(cls) or "").partition("\n\n")[2]
+    return "\n\n".join(filter(None, (inspect.getdoc(sys.modules[cls.__module__]), own)))
+
+
 def list_named(registry: Registry[Any]) -> list[NamedPart]:
     """Names and summaries of the parts of a registry."""
     return [{"name": name, "summary": summarise_class(registry[name])} for name in registry.names()]
@@ -157,7 +163,7 @@ def describe_class(kind: str, cls: type[Parametrised]) -> PartDescription:
         "name": cls.registered_name,
         "kind": kind,
         "summary": summarise_class(cls),
-        "description": inspect.getdoc(sys.modules[cls.__module__]) or "",
+        "description": describe_words(cls),
         "cites": list(cls.cites),
         "parameters": [describe_entry(name, d) for name, d in cls.declarations.items()],
     }

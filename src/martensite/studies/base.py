@@ -7,10 +7,9 @@ A claim sets a published number beside a computed one. Its verdict follows from
 
     |computed - published| ≤ tolerance    reproduced, otherwise not reproduced
 
-and from nothing else: a claim whose verdict contradicts its numbers cannot be made. Two more
-verdicts stand outside that rule. `calibrated` marks a number that was itself chosen to meet
-the published one, so that agreement says nothing; `not checkable` one for which the source
-prints no number.
+and from nothing else: a claim whose verdict contradicts its numbers cannot be made. Two more verdicts stand outside
+that rule. `calibrated` marks a number that was itself chosen to meet the published one, so that agreement says nothing;
+`not checkable` one for which the source prints no number.
 """
 
 from __future__ import annotations
@@ -114,8 +113,7 @@ class AbstractStudy:
     cites: ClassVar[tuple[str, ...]] = ()
     """Bibliography keys of the paper and of everything that the rebuild rests on."""
     guide: ClassVar[str] = ""
-    """What the paper did, what is rebuilt, what to look at: paragraphs with a blank line between
-    them."""
+    """What the paper did, what is rebuilt, what to look at: paragraphs with a blank line between them."""
     caption: ClassVar[str] = ""
     """What its figure shows, in a sentence."""
     scenario_files: ClassVar[tuple[str, ...]] = ()

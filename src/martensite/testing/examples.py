@@ -1,7 +1,6 @@
 """Examples of any part, made of the typical values that its declarations carry.
 
-What a part declares is enough to build one: a typical value, else the default. Nothing is known of
-a part by its name.
+What a part declares is enough to build one: a typical value, else the default. Nothing is known of a part by its name.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from martensite.base import units
 from martensite.base.errors import ParameterError, UnitError
 from martensite.base.parameters import REQUIRED, Declared, Parametrised
 from martensite.base.registry import Registry
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.sources import VoltageSource
 from martensite.scenario.components import component_class, find_annotated, is_members
 from martensite.signals.base import DRIVE
 from martensite.signals.levels import HIGH

@@ -10,7 +10,7 @@ from martensite.actuators.assembly import System
 from martensite.control.faults.base import AbstractFault
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite.testing.conformance import require_condition
 from martensite.testing.examples import build_example, build_plant
 from martensite.testing.readings import require_same_traced

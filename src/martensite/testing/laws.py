@@ -178,9 +178,8 @@ def check_cuts(law: AbstractLaw) -> None:
             apart = max(abs(whole.martensite - cut.martensite), abs(whole.oriented - cut.oriented))
             require_condition(
                 apart < 1e-11,
-                f"The path {_describe_path(points)} in {substeps} steps a leg ends {apart:.1e} "
-                "away from "
-                "where it ends in one.",
+                f"The path {_describe_path(points)} in {substeps} steps a leg ends {apart:.1e} away from where it "
+                "ends in one.",
             )
 
 
@@ -219,8 +218,7 @@ def check_stiffness(law: AbstractLaw) -> None:
             falls = np.diff(law.strain(xp, ends, stresses, kelvin)) < -1e-14
             require_condition(
                 not falls.any(),
-                f"After {_describe_path(points)}, at {kelvin - CELSIUS:.1f} °C, the strain "
-                "falls near "
+                f"After {_describe_path(points)}, at {kelvin - CELSIUS:.1f} °C, the strain falls near "
                 f"{stresses[int(np.argmax(falls))] / 1e6:.0f} MPa as the stress grows.",
             )
 

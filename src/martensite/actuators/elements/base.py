@@ -1,8 +1,7 @@
 """What every element answers to the system that couples it.
 
-An element advances through a step on its own, given what heats it and the force that the
-mechanism puts on a spring of its kind: at frozen phase fractions and temperature an element is
-a spring, and its tangent
+An element advances through a step on its own, given what heats it and the force that the mechanism puts on a spring of
+its kind: at frozen phase fractions and temperature an element is a spring, and its tangent
 
     elongation = free + compliance · force
 

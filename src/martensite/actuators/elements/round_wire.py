@@ -1,8 +1,7 @@
 """What all elements made of one round wire have in common, whatever the wire is shaped into.
 
-Mass, heat capacity, latent heat, resistance and heat loss are those of the wire, of diameter d
-and length l, at its nominal size. The lateral surface π d l loses heat, and so do the ends if
-they are clamped.
+Mass, heat capacity, latent heat, resistance and heat loss are those of the wire, of diameter d and length l, at its
+nominal size. The lateral surface π d l loses heat, and so do the ends if they are clamped.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """Equal elements in a row: `count` of them, side by side or end to end.
 
-All are alike and heated alike, so one phase state and one temperature stand for all. With n
-side by side each carries the n-th part of the force; with n end to end each gives the n-th
-part of the elongation. How they are wired is another matter: a wire led there and back pulls
-twice and is electrically one.
+All are alike and heated alike, so one phase state and one temperature stand for all. With n side by side each carries
+the n-th part of the force; with n end to end each gives the n-th part of the elongation. How they are wired is another
+matter: a wire led there and back pulls twice and is electrically one.
 """
 
 from __future__ import annotations

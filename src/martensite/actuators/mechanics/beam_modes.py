@@ -5,11 +5,10 @@ length ρ A and a point mass m at x = l,
 
     E I w'''' + ρ A ẅ = 0,    w = w' = 0 at 0,    w'' = 0 and E I w''' = m ẅ at l,
 
-is cut into elements with cubic (Hermite) deflection and consistent mass. With M = L Lᵀ
-(Cholesky) the problem K φ = ω² M φ becomes the symmetric one of Lᵀ K⁻¹ L with eigenvalues
-1/ω²; K⁻¹ is written down, not computed, since elements with cubic deflection are exact at their
-nodes, and the low modes then do not lose digits to many elements. Every mode is scaled to unit
-deflection at the tip, so that the tip is at x_tip = Σ q_k and
+is cut into elements with cubic (Hermite) deflection and consistent mass. With M = L Lᵀ (Cholesky) the problem K φ = ω²
+M φ becomes the symmetric one of Lᵀ K⁻¹ L with eigenvalues 1/ω²; K⁻¹ is written down, not computed, since elements with
+cubic deflection are exact at their nodes, and the low modes then do not lose digits to many elements. Every mode is
+scaled to unit deflection at the tip, so that the tip is at x_tip = Σ q_k and
 
     m_k q̈_k + k_k q_k = F_tip,    k_k = ω_k² m_k.
 

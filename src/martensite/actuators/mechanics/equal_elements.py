@@ -1,8 +1,7 @@
 """Elements that are alike answer in one loop: traced once, however many there are.
 
-Alike are elements of one structure (class, law, options) in surroundings and with sources of
-one structure; their numbers may differ. A hand of twelve wires is then hardly a larger program than
-a finger of one.
+Alike are elements of one structure (class, law, options) in surroundings and with sources of one structure; their
+numbers may differ. A hand of twelve wires is then hardly a larger program than a finger of one.
 """
 
 from __future__ import annotations

@@ -135,8 +135,7 @@ def correct_angles(
 ) -> tuple[Scalar, Scalar]:
     """One Gauss–Newton step of both angles [rad] towards three lengths [m].
 
-    Steps of fixed count make an observer of the posture; near a posture of the lengths each one
-    squares the error.
+    Steps of fixed count make an observer of the posture; near a posture of the lengths each one squares the error.
     """
     found, a, b = compute_length_slopes(xp, plates, alpha, beta)
     off = [w - f for w, f in zip(wanted, found, strict=True)]
@@ -222,10 +221,8 @@ def _settle_angles(plates: Plates, wanted: Sequence[float]) -> tuple[float, floa
         if max(abs(more_alpha), abs(more_beta)) <= SETTLED:
             return alpha, beta
     raise SolveError(
-        f"No posture was found for the lengths {format_millimetres(wanted)}: {CORRECTIONS} "
-        "corrections "
-        "did not settle. Check that the legs can be so long at once: `platform_lengths` tells "
-        "their lengths at any angles."
+        f"No posture was found for the lengths {format_millimetres(wanted)}: {CORRECTIONS} corrections did not settle. "
+        "Check that the legs can be so long at once: `platform_lengths` tells their lengths at any angles."
     )
 
 

@@ -101,9 +101,8 @@ def reachable_angles(plates: Plates, shortest: float, longest: float, step: floa
         raise ParameterError(f"The `step` must be 0.05 to 5 degrees, but is {step:g} rad.")
     if not shortest <= plates.height <= longest:
         raise ParameterError(
-            f"At home the legs are as long as the plates' distance, "
-            f"{format_millimetres([plates.height])}"
-            f", which is not within {format_millimetres([shortest, longest])}. Widen the limits."
+            f"At home the legs are as long as the plates' distance, {format_millimetres([plates.height])}, which is "
+            f"not within {format_millimetres([shortest, longest])}. Widen the limits."
         )
     return _explore_grid(Legs(plates, shortest, longest), step)
 

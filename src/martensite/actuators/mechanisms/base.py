@@ -1,9 +1,8 @@
 """What every mechanism answers: it takes its elements through a step together with itself.
 
-A mechanism pulls on one or several elements, each at a port of its own, and may have signals
-of its own, such as the voltage of a motor. To it an element is a `Load`: something that
-advances when it is told which force a spring of its kind meets
-(`martensite.actuators.elements.base`).
+A mechanism pulls on one or several elements, each at a port of its own, and may have signals of its own, such as the
+voltage of a motor. To it an element is a `Load`: something that advances when it is told which force a spring of its
+kind meets (`martensite.actuators.elements.base`).
 
 Two families: a load line (`load_line`) answers in closed form for one element; a multibody
 mechanism (`multibody`) has coordinates, any number of elements, and inertia if it is wanted.

@@ -1,9 +1,8 @@
 """Load lines: mechanisms of one element and one coordinate that answer in closed form.
 
-An element at frozen fractions and temperature has elongation = free + compliance · force.
-The mechanism closes the loop: it returns the force at which both fit. It is assembled with
-the element in its initial state, which defines position zero. Position grows as the element
-shortens. Inertia is left out.
+An element at frozen fractions and temperature has elongation = free + compliance · force. The mechanism closes the
+loop: it returns the force at which both fit. It is assembled with the element in its initial state, which defines
+position zero. Position grows as the element shortens. Inertia is left out.
 """
 
 from __future__ import annotations

@@ -84,9 +84,8 @@ class ParallelPlatform(AbstractMultibody):
         """Raise `ParameterError` if the joint would be below the base."""
         if self.eccentricity > self.height:
             raise ParameterError(
-                f"Parameter `eccentricity` of `parallel-platform` must be at most `height`, "
-                f"{1e3 * self.height:.6g} mm, but is {1e3 * self.eccentricity:.6g} mm: the joint "
-                "would be below the base."
+                f"Parameter `eccentricity` of `parallel-platform` must be at most `height`, {1e3 * self.height:.6g} "
+                f"mm, but is {1e3 * self.eccentricity:.6g} mm: the joint would be below the base."
             )
 
     def ports(self) -> tuple[str, ...]:

@@ -6,19 +6,17 @@ the crosshead, or a strain ε_c. At the end of every step
     force, stress         F = F_c  or  σ_c A
     elongation, strain    e - e₀ + (F - F₀)/k = u_c  or  ε_c l     while taut, else F = 0
 
-with the elongation e of the element, e₀ as it is mounted under the force F₀ (the preload, or the
-first command where that is a force or a stress), the stiffness k of frame and grips in series,
-and the section A and gauge length l by which the test report divides. Those two belong to the
-report, not to the element: without them a machine knows forces and travels only. Nothing is
-approximated: the element meets a given force, or a straight load line, vertical where frame and
-grips are rigid. No element can be pushed.
+with the elongation e of the element, e₀ as it is mounted under the force F₀ (the preload, or the first command where
+that is a force or a stress), the stiffness k of frame and grips in series, and the section A and gauge length l by
+which the test report divides. Those two belong to the report, not to the element: without them a machine knows forces
+and travels only. Nothing is approximated: the element meets a given force, or a straight load line, vertical where
+frame and grips are rigid. No element can be pushed.
 
 While taut the crosshead travels by e - e₀ + (F - F₀)/k, whatever is prescribed. Without an
 extensometer this is what a test reports as elongation, and why its moduli come out too low.
 
-Source: equilibrium of springs in series. Sign convention: command and travel are positive in
-tension and zero as mounted; position is that of the grip, at which the element ends while taut,
-and grows as the element shortens.
+Source: equilibrium of springs in series. Sign convention: command and travel are positive in tension and zero as
+mounted; position is that of the grip, at which the element ends while taut, and grows as the element shortens.
 """
 
 from __future__ import annotations

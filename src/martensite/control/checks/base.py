@@ -14,8 +14,7 @@ Every check has the number of its alarm. When several have cut, the lowest numbe
 | 7 | `mismatch` | two readings of the same thing differ |
 | 8 | `thermal-bound` | by its own bound the element may be too hot |
 
-Damage that is seen comes first, then what is known of sensors and wires, last what is only
-possible.
+Damage that is seen comes first, then what is known of sensors and wires, last what is only possible.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """An open circuit: a signal is on, but no current flows.
 
-The current is measured under the signal of the period before, and late by the delay of its
-sensor, which the time until the alarm must exceed. Under no signal nothing can be known: a guard
-that resumes tries again, after its `hold`.
+The current is measured under the signal of the period before, and late by the delay of its sensor, which the time until
+the alarm must exceed. Under no signal nothing can be known: a guard that resumes tries again, after its `hold`.
 """
 
 from __future__ import annotations

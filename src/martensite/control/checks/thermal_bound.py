@@ -2,15 +2,13 @@
 
     C dT̂/dt = P̂(u) - G (T̂ - T̂_a),      T̂ = T̂_a at rest
 
-driven by the signal u that the guard lets pass, with the largest power P̂(u) that the signal can
-bring, the heat capacity C without latent heat, a conductance G below that of the element at any
-temperature up to the limit, and the hottest surroundings T̂_a. Every period is solved exactly.
-A signal under which T̂ would pass its limit within the next period is not let through: T̂ never
-passes the limit, whatever any sensor says.
+driven by the signal u that the guard lets pass, with the largest power P̂(u) that the signal can bring, the heat
+capacity C without latent heat, a conductance G below that of the element at any temperature up to the limit, and the
+hottest surroundings T̂_a. Every period is solved exactly. A signal under which T̂ would pass its limit within the next
+period is not let through: T̂ never passes the limit, whatever any sensor says.
 
-Nor does the element, if it is equally hot everywhere. With S, the heat that it stores beyond C
-times its rise - that of a larger heat capacity, and latent heat, S = Δh (1 - ξ) - its difference
-to the bound obeys
+Nor does the element, if it is equally hot everywhere. With S, the heat that it stores beyond C times its rise - that of
+a larger heat capacity, and latent heat, S = Δh (1 - ξ) - its difference to the bound obeys
 
     C d(T - T̂)/dt ≤ -G (T - T̂) - dS/dt,   so   T - T̂ ≤ [mean of S over the past - S(t)]/C
 

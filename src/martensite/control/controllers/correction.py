@@ -2,9 +2,8 @@
 
     u = u_f + v,    low - u_f ≤ v ≤ high - u_f
 
-where u_f is what the feed-forward says and v the answer of a PID law to what is still measured as
-an error. The integral stops where the sum is at a limit. All gains are 0 to begin with: feed-
-forward alone.
+where u_f is what the feed-forward says and v the answer of a PID law to what is still measured as an error. The
+integral stops where the sum is at a limit. All gains are 0 to begin with: feed-forward alone.
 """
 
 from __future__ import annotations

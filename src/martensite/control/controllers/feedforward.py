@@ -6,17 +6,15 @@ output of the model will have got to where the reference will be:
 
     y(t + L; x(t), u_f) = r(t) + c ṙ(t) L,      low ≤ u_f ≤ high
 
-by bracketed Newton iterations of fixed count with exact slopes. Out of reach, it is the limit that
-comes nearest: also where the output does not answer in that time at all, as on the way from one
-branch of a hysteresis to the other; at the reference, it is then the idle signal. Hysteresis,
-latent heat and the slow cooling are inverted with everything else the model knows, for it is the
-model itself that is solved; the error of the model is left to the feedback. A reference that the
-model can never reach gets the limit for ever: that is for a supervisor.
+by bracketed Newton iterations of fixed count with exact slopes. Out of reach, it is the limit that comes nearest: also
+where the output does not answer in that time at all, as on the way from one branch of a hysteresis to the other; at the
+reference, it is then the idle signal. Hysteresis, latent heat and the slow cooling are inverted with everything else
+the model knows, for it is the model itself that is solved; the error of the model is left to the feedback. A reference
+that the model can never reach gets the limit for ever: that is for a supervisor.
 
-The error of the output goes like exp(-t/L): a short L follows closely and moves the signal much,
-and with inertia it must be no shorter than the plant takes to answer. Of the reference only the
-present value is known: its rate ṙ is its change per sample through a first-order filter. A
-reference that jumps has none: take c = 0 for it.
+The error of the output goes like exp(-t/L): a short L follows closely and moves the signal much, and with inertia it
+must be no shorter than the plant takes to answer. Of the reference only the present value is known: its rate ṙ is its
+change per sample through a first-order filter. A reference that jumps has none: take c = 0 for it.
 
 The model goes along under u_f alone, so that feedback corrects what the model does not know
 without being taken back by it.

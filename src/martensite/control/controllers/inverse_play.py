@@ -67,9 +67,8 @@ class InversePlay(AbstractController):
         rising = all(after > before for before, after in pairwise(r))
         if len(a) != len(r) or not rising or min(slopes) <= 0.0:
             raise ParameterError(
-                "The plays of controller `inverse-play` need rising `thresholds` above 0 and one "
-                f"of the `weights` more, with sums a_0 + … + a_i above 0, but have thresholds "
-                f"{r[1:]} and weights {a}."
+                "The plays of controller `inverse-play` need rising `thresholds` above 0 and one of the `weights` "
+                f"more, with sums a_0 + … + a_i above 0, but have thresholds {r[1:]} and weights {a}."
             )
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:

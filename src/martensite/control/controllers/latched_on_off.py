@@ -3,10 +3,9 @@
     on   once y > r
     off  once on, and A < share · largest A since then; it stays off
 
-with the threshold r, the reference. y and the oscillation are readings by name, such as
-`rotor_speed` and `displacement` of a motor on a beam. A is half the distance of the extremes in a
-window, taken anew in one window after the other; windows must be longer than a period of the
-oscillation.
+with the threshold r, the reference. y and the oscillation are readings by name, such as `rotor_speed` and
+`displacement` of a motor on a beam. A is half the distance of the extremes in a window, taken anew in one window after
+the other; windows must be longer than a period of the oscillation.
 
 `replayed` says what a controller would have done along a record. Up to its first switching a run
 does not depend on the answer, so a run under it is right up to the second one, and so on: with

@@ -10,11 +10,10 @@ In every period:
     3. the first signal of the best plan is applied until the next period, when all starts again
        from this plan, moved on (receding horizon).
 
-The horizon decides whether anything moves: a cold wire must be heated through its dead band, and
-cooled through that of the way back, before its stroke changes. A horizon that ends before
-sees that heating costs and gains nothing, and the best plan is none. `Mpc.for_system` measures on
-the model how long full signal and none need, and takes the sum; `cautions` says when a given
-horizon is too short.
+The horizon decides whether anything moves: a cold wire must be heated through its dead band, and cooled through that of
+the way back, before its stroke changes. A horizon that ends before sees that heating costs and gains nothing, and the
+best plan is none. `Mpc.for_system` measures on the model how long full signal and none need, and takes the sum;
+`cautions` says when a given horizon is too short.
 
 It is no kernel: it runs outside of a bench (`simulate_bench(bench, T, outside=...)`), in
 `simulate_controlled`, or in a loop of one's own. All that it remembers is passed in and out.
@@ -163,9 +162,8 @@ class Mpc(AbstractController):
         if self.horizon >= start:
             return []
         return [
-            f"The horizon of {self.horizon:.3g} s ends before full signal moves "
-            f"`{self.followed_output}`, after {start:.3g} s: plans see what heating costs and "
-            f"hardly what it gains."
+            f"The horizon of {self.horizon:.3g} s ends before full signal moves `{self.followed_output}`, after "
+            f"{start:.3g} s: plans see what heating costs and hardly what it gains."
         ]
 
     @property

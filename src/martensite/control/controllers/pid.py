@@ -10,10 +10,9 @@ With set-point weights b = c = 1 and no filter, N = 0, this is C(z). All gains a
 in that equation: K_i = K_i' T_s and K_d = K_d'/T_s of gains in seconds, which `per_sample`
 converts. The derivative begins with the second sample, so switching on gives no kick.
 
-Anti-windup is conditional integration: I stays as it is where the output is beyond a limit and
-the error drives it further. The sign of an error counts with that of K_i, so that negative gains
-control what falls when the signal rises. The choice `back-calculation` takes from I, in every
-sample, a share 1/N_t of what is beyond the limits instead:
+Anti-windup is conditional integration: I stays as it is where the output is beyond a limit and the error drives it
+further. The sign of an error counts with that of K_i, so that negative gains control what falls when the signal rises.
+The choice `back-calculation` takes from I, in every sample, a share 1/N_t of what is beyond the limits instead:
 
     I_k = I_k-1 + K_i e_k + (u_k - v_k)/N_t,      v the signal before it is limited
 

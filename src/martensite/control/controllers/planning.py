@@ -6,15 +6,13 @@ mean over the horizon H,
     J = 1/H ∫ ((r - y)/e)² + p P + w ((T - T_max)₊/1 K)² + w ((σ - σ_max)₊/1 MPa)² dt
         + c/N Σ ((u_j - u_j-1)/(u_high - u_low))²
 
-with the reference r, known beforehand, what the model says of it y, the error e that costs 1, the
-power P and its price p, the price w of an excess, and the price c of changes between the N blocks;
-u_0 is the signal now.
+with the reference r, known beforehand, what the model says of it y, the error e that costs 1, the power P and its price
+p, the price w of an excess, and the price c of changes between the N blocks; u_0 is the signal now.
 
-Search: many plans are simulated side by side, in rounds. First come plans that reach far, which is
-what a dead band needs (all signals that stay, all that are full or none for a while and then as
-planned before), and plans drawn around the one before; then the best eighth of all decides around
-what, and how far around it, the next ones are drawn: the cross-entropy method, whose numbers
-are drawn with a correlation from block to block.
+Search: many plans are simulated side by side, in rounds. First come plans that reach far, which is what a dead band
+needs (all signals that stay, all that are full or none for a while and then as planned before), and plans drawn around
+the one before; then the best eighth of all decides around what, and how far around it, the next ones are drawn: the
+cross-entropy method, whose numbers are drawn with a correlation from block to block.
 
 Source of the method: de Boer, Kroese, Mannor and Rubinstein (2005).
 """

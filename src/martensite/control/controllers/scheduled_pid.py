@@ -2,12 +2,11 @@
 
     K(σ) = K_j + (K_j+1 - K_j) (σ - σ_j)/(σ_j+1 - σ_j)       between two points of a table,
 
-and the nearest point beyond them, for K_p, K_i and K_d alike, where σ is the reference or any
-reading: a plant whose gain changes over its stroke gets a loop that does not. With two tables,
-`rising` counts from where the reference last rose and `falling` from where it last fell; before
-it has ever moved, the sign of the first error decides. It is the reference that decides and not
-the error, whose sign changes with every noise about the target. If the signal raises what is
-measured, rising is heating and falling is cooling, whose rate no signal can help.
+and the nearest point beyond them, for K_p, K_i and K_d alike, where σ is the reference or any reading: a plant whose
+gain changes over its stroke gets a loop that does not. With two tables, `rising` counts from where the reference last
+rose and `falling` from where it last fell; before it has ever moved, the sign of the first error decides. It is the
+reference that decides and not the error, whose sign changes with every noise about the target. If the signal raises
+what is measured, rising is heating and falling is cooling, whose rate no signal can help.
 
 The integral is a signal, not a sum of errors, so that nothing jumps with K_i. Equation, limits
 and anti-windup are those of `martensite.control.controllers.pid`.

@@ -7,12 +7,11 @@
 the control is linear, without chattering; the error that is left there is at most about Φ/λ
 without the integral. On the surface the error decays with the time constant 1/λ.
 
-ė is the difference over the last sample behind a lag with the time constant τ of `filter`. The
-equivalent signal u_eq, which would hold the plant on the surface, is either a straight line of
-the reference, u_0 + k r, to be read off a staircase of the plant, or (`filtered`) what the signal
-has been on the mean: u itself behind a lag of its own, in the sense of Utkin's equivalent
-control. It then takes over what an integral would do, and cannot wind up, since u is limited.
-∫e stays as it is where the signal is limited and the error drives it further.
+ė is the difference over the last sample behind a lag with the time constant τ of `filter`. The equivalent signal u_eq,
+which would hold the plant on the surface, is either a straight line of the reference, u_0 + k r, to be read off a
+staircase of the plant, or (`filtered`) what the signal has been on the mean: u itself behind a lag of its own, in the
+sense of Utkin's equivalent control. It then takes over what an integral would do, and cannot wind up, since u is
+limited. ∫e stays as it is where the signal is limited and the error drives it further.
 
 Gain K is in signal, λ in 1/s, Φ in units of s: those of the reading per second. A negative K
 controls what falls when the signal rises.

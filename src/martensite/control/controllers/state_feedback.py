@@ -43,9 +43,8 @@ class StateFeedback(AbstractController):
             row = self.__dict__[name] = as_row(title, name, self.__dict__[name])
             if len(row.numbers) != len(self.named):
                 raise ParameterError(
-                    f"`{name}` of `{title}` must have a number for each of the "
-                    f"{len(self.named)} states ({', '.join(self.named)}), but has "
-                    f"{len(row.numbers)}."
+                    f"`{name}` of `{title}` must have a number for each of the {len(self.named)} states "
+                    f"({', '.join(self.named)}), but has {len(row.numbers)}."
                 )
         if not self.low < self.high:
             raise ParameterError(

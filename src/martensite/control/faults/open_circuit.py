@@ -1,8 +1,7 @@
 """An open circuit: the wire or its crimp is broken, and no current flows.
 
-What the source does is as before; the element gets nothing of it and cools. Its force and length
-are left as they are: it is the electrical circuit that is open, as at a crimp or a plug. A fault
-that ends is a loose contact.
+What the source does is as before; the element gets nothing of it and cools. Its force and length are left as they are:
+it is the electrical circuit that is open, as at a crimp or a plug. A fault that ends is a loose contact.
 """
 
 from __future__ import annotations

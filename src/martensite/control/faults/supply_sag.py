@@ -1,9 +1,8 @@
 """A sag of the supply: its voltage falls to a share of what it should be.
 
-The parameters of a source that are the voltage of its supply (`supplied_by`) are multiplied: the
-`supply` of a switch, the `voltage_limit` of the other sources. A switch delivers less at once, by
-the square of the share. A source with a limit feels the sag only as far as it needs the voltage,
-and not at all if no limit was given. A chamber has no supply.
+The parameters of a source that are the voltage of its supply (`supplied_by`) are multiplied: the `supply` of a switch,
+the `voltage_limit` of the other sources. A switch delivers less at once, by the square of the share. A source with a
+limit feels the sag only as far as it needs the voltage, and not at all if no limit was given. A chamber has no supply.
 """
 
 from __future__ import annotations

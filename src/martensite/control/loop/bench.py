@@ -4,10 +4,9 @@ In every period, from t_k to t_k+1 = t_k + T:
 
     signals wanted at t_k → supervisor → plant goes on to t_k+1 → sensors → observers → controllers
 
-so that what a run shows at t_k belongs together: state, readings made then, the signals they led
-to. Controllers sample once per period; the plant goes in `substeps` steps meanwhile. The whole
-is one kernel: a bench is a system, and runs wherever a system runs, on floats, in C, in batches
-and with derivatives.
+so that what a run shows at t_k belongs together: state, readings made then, the signals they led to. Controllers sample
+once per period; the plant goes in `substeps` steps meanwhile. The whole is one kernel: a bench is a system, and runs
+wherever a system runs, on floats, in C, in batches and with derivatives.
 
 What drives a bench, by name: `reference` of its controller (`reference.DRIVE` of several), the
 drives of the plant that no controller has, and for every sensor `noise.NAME` and `jitter.NAME`,

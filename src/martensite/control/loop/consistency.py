@@ -2,10 +2,9 @@
 
     e = x - x̂,    NEES = eᵀ P⁻¹ e,    x = (T, ξ) of every port
 
-Of a consistent filter the mean over N runs, times N, is chi-square distributed with N n degrees
-of freedom. So is that of the NIS, with as many per run as there are readings. The noise must be
-the one that the filter reckons with: a plant that does the same random walk is a
-`ProcessNoisePlant`.
+Of a consistent filter the mean over N runs, times N, is chi-square distributed with N n degrees of freedom. So is that
+of the NIS, with as many per run as there are readings. The noise must be the one that the filter reckons with: a plant
+that does the same random walk is a `ProcessNoisePlant`.
 
 Source: Bar-Shalom, Li and Kirubarajan (2001), section 5.4.
 """

@@ -2,12 +2,11 @@
 
     truth → lag and noise → rounding → held until the next sample → late by delay + jitter n
 
-Lag, noise and rounding are those of the sensor itself. `sample_time` is the time between its
-readings, a whole number of periods of the bench in the end: one is made in the first period in
-which so much time has gone by. Where there is nothing to measure none is made, and the last one
-counts on. Readings travel, each for `delay` + `jitter` n, with a standard normal number n of its
-own that is limited to ±4; less than 0 is 0. In every period the newest one counts that has
-arrived: one that is overtaken on its way is lost, and what arrives never goes back in time.
+Lag, noise and rounding are those of the sensor itself. `sample_time` is the time between its readings, a whole number
+of periods of the bench in the end: one is made in the first period in which so much time has gone by. Where there is
+nothing to measure none is made, and the last one counts on. Readings travel, each for `delay` + `jitter` n, with a
+standard normal number n of its own that is limited to ±4; less than 0 is 0. In every period the newest one counts that
+has arrived: one that is overtaken on its way is lost, and what arrives never goes back in time.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """`RealtimeStep`: the controllers, observers and supervisor of a bench without its plant.
 
-What was tuned on the bench goes to the laboratory: readings of real sensors in, signals of real
-sources out, once per period, by the same kernels, traced into one function and compiled. In every
-sample, as on the bench:
+What was tuned on the bench goes to the laboratory: readings of real sensors in, signals of real sources out, once per
+period, by the same kernels, traced into one function and compiled. In every sample, as on the bench:
 
     readings → observers, with the signals since the last sample → controllers → supervisor
 
@@ -62,8 +61,7 @@ class RealtimeStep:
         """The signals of the period that begins, in the order of `drives`.
 
         Args:
-            readings: by name, with `NAME.age` [s] if they are late, or as an array in the order
-                of `readings`; in SI.
+            readings: by name, with `NAME.age` [s] if they are late, or as an array in the order of `readings`; in SI.
             references: what the controllers shall follow now, in their order; by default what
                 their waveforms say, with the first sample at 0 s.
             free: signals that no controller has, by the name of the drive; else 0.

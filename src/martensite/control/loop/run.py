@@ -1,9 +1,8 @@
 """`simulate_bench`: one run of a bench, with its noise drawn and its references played.
 
-References come from the controllers themselves, noise from a seed. A controller that is no
-kernel, such as a predictive one, runs outside: the bench is opened at its drive, and it is
-called once per period with what the bench measures. The result has the columns `reference` and
-`wanted` of either.
+References come from the controllers themselves, noise from a seed. A controller that is no kernel, such as a predictive
+one, runs outside: the bench is opened at its drive, and it is called once per period with what the bench measures. The
+result has the columns `reference` and `wanted` of either.
 """
 
 from __future__ import annotations
@@ -62,8 +61,7 @@ def simulate_bench(
         waveforms: those of drives of the plant that nobody has; what is not named gets 0.
         seed: of noise and jitter; None for a run without.
         runtime: floats, c or jax; by default c if there is a compiler.
-        watch: called after every period with the share of the run that is done, if something
-            runs outside.
+        watch: called after every period with the share of the run that is done, if something runs outside.
 
     Raises:
         InputError: a name or a unit does not fit.

@@ -1,7 +1,6 @@
 """Small covariance matrices, written out: packed, factored, and conditioned on readings.
 
-Unknowns v with covariance C are jointly normal. A reading z = v_i + n of one of them, with a
-noise of variance r, makes
+Unknowns v with covariance C are jointly normal. A reading z = v_i + n of one of them, with a noise of variance r, makes
 
     S = C_ii + r,   g = C e_i/S,   v + g (z - v_i),   C - S g gᵀ,
 

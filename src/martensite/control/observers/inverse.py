@@ -2,11 +2,10 @@
 
     T from the heat balance of the model,     R(ξ, ε(ξ, T), T) = reading  →  ξ,     y = y(ξ, T)
 
-Strain and force follow ξ as they do in equilibrium with the mechanism. The root is bracketed
-between austenite and martensite; a reading beyond the resistances of both gives the nearer one,
-and an old reading (age above 0) gives what the model says. With a time constant τ above 0 the
-fraction goes from what the model says towards the root by dt/(τ + dt): noise of readings passes
-less, errors of the model more.
+Strain and force follow ξ as they do in equilibrium with the mechanism. The root is bracketed between austenite and
+martensite; a reading beyond the resistances of both gives the nearer one, and an old reading (age above 0) gives what
+the model says. With a time constant τ above 0 the fraction goes from what the model says towards the root by dt/(τ +
+dt): noise of readings passes less, errors of the model more.
 
 Where R is nearly flat in ξ the problem is ill-posed: noise of a share ρ of the resistance makes
 an error of ρ/|s| in ξ, with the `sensitivity` s = d ln R/dξ, which is among the estimates. Where R

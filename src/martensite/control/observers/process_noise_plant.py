@@ -2,11 +2,10 @@
 
     T ← T + q_T n₁ √T_n dt/T_n,     ξ ← ξ + q_ξ n₂ √T_n dt/T_n        after every step of dt
 
-with standard normal numbers n from outside, drawn anew after every T_n: over that time both take
-a step of a random walk with the densities q. Their drives are called `noise.temperature` and
-`noise.martensite_fraction`, with the port in between on a machine, and `simulate_bench` draws
-them like those of sensors. Fractions stay within [0, 1], so that beside the transformation the
-noise is less than what a filter assumes.
+with standard normal numbers n from outside, drawn anew after every T_n: over that time both take a step of a random
+walk with the densities q. Their drives are called `noise.temperature` and `noise.martensite_fraction`, with the port in
+between on a machine, and `simulate_bench` draws them like those of sensors. Fractions stay within [0, 1], so that
+beside the transformation the noise is less than what a filter assumes.
 """
 
 from __future__ import annotations

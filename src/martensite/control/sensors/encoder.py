@@ -2,11 +2,10 @@
 
     q = s/(4 N),    reading = round((y - y_0)/q) q
 
-N lines over the span s give 4 N counts, because every line has an edge up and one down on each of
-the two tracks. A rotary one has N lines per turn, s = 2π, and reads an angle; a linear one has
-one line per pitch, N = 1 and s the pitch, and reads a length. It knows no absolute place: either
-it was taken to a reference mark, y_0 = 0, or it counts from where it was switched on. It has no
-noise, and no count is lost however fast it moves.
+N lines over the span s give 4 N counts, because every line has an edge up and one down on each of the two tracks. A
+rotary one has N lines per turn, s = 2π, and reads an angle; a linear one has one line per pitch, N = 1 and s the pitch,
+and reads a length. It knows no absolute place: either it was taken to a reference mark, y_0 = 0, or it counts from
+where it was switched on. It has no noise, and no count is lost however fast it moves.
 
 Unrolled angles are counted on beyond a turn. The defaults are assumed.
 """

@@ -2,9 +2,8 @@
 
     y = (φ - φ⁻)/Δt,    τ dω/dt = y - ω,    reading = round((ω + b + σ n)/q) q,  within ±range
 
-y is the mean rate since the reading before, from the angles then and now, so that its integral is
-the way gone. Its bandwidth 1/(2π τ) is that of a lag. b is the bias, a constant: integrated, it
-makes an angle that runs away.
+y is the mean rate since the reading before, from the angles then and now, so that its integral is the way gone. Its
+bandwidth 1/(2π τ) is that of a lag. b is the bias, a constant: integrated, it makes an angle that runs away.
 
 The defaults are assumed: a range of ±2000 deg/s in 16 bits, 40 Hz, and noise of 0.1 deg/s.
 """

@@ -4,12 +4,11 @@
     T_f⁴ = T_a⁴ + κ (T⁴ - T_a⁴)                mixed as radiation
     τ dT_s/dt = T_f - T_s,    reading = round((T_s + σ n)/q) q,  within its range
 
-What it sees is a mixture of the wire, at T, and of what is behind it, at T_a. κ = (f + f' t) ε/ε_s
-is what counts of the wire: f is its share of the field of view, which may drift with time, as it
-does when a wire moves in it; ε is the emissivity of the wire, a grey body that reflects the rest
-from surroundings at T_a; ε_s is the emissivity that the thermometer is set to. It follows with
-the lag τ. Radiation is total radiation of a grey body: that a thermometer sees a band of
-wavelengths only is left out, and so are its own temperature and the window.
+What it sees is a mixture of the wire, at T, and of what is behind it, at T_a. κ = (f + f' t) ε/ε_s is what counts of
+the wire: f is its share of the field of view, which may drift with time, as it does when a wire moves in it; ε is the
+emissivity of the wire, a grey body that reflects the rest from surroundings at T_a; ε_s is the emissivity that the
+thermometer is set to. It follows with the lag τ. Radiation is total radiation of a grey body: that a thermometer sees a
+band of wavelengths only is left out, and so are its own temperature and the window.
 
 The paper says of its thermometer that its reading "is an average between SMA wire temperature and
 the temperature of the ambient around the SMA wire", without the share; f, τ and the noise are

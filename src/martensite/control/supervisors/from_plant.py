@@ -45,10 +45,8 @@ def guard_for(
         system: the plant; its elements have one temperature, such as `wire` or a bundle of them.
         temperature_limit: highest temperature [K]; by default that of the limits of each element.
         hottest: hottest surroundings [K]; by default the ambient temperature of each.
-        least_cooling: least film coefficient over that of the environment, such as 0.5 for air
-            that may be shut in.
-        full: largest signal, in the unit of the sources; by default 1, for sources that take a
-            duty.
+        least_cooling: least film coefficient over that of the environment, such as 0.5 for air that may be shut in.
+        full: largest signal, in the unit of the sources; by default 1, for sources that take a duty.
         band: how far below the limit signals come back [K], where the answer is `resume`.
         answer: `latch` or `resume`.
         hold: shortest time of a cut [s].

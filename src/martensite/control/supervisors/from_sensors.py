@@ -10,11 +10,10 @@ included; the bound without a sensor (`martensite.control.supervisors.from_plant
 
 it is lost when `MISSED` readings in a row did not come.
 
-`stuck_NAME`, for sensors with noise: with noise σ and steps q, a reading is the same as another one
-of the same truth with the probability p = erf(q/(√8 σ)) at most (the truth in the middle of a
-step; Gaussian noise). It is stuck after n readings that are all the same, p^n < `CHANCE`. There
-is no such check where n would be above `LONGEST`, without noise, or for a sensor that stops at the
-end of its range and there says the same rightly.
+`stuck_NAME`, for sensors with noise: with noise σ and steps q, a reading is the same as another one of the same truth
+with the probability p = erf(q/(√8 σ)) at most (the truth in the middle of a step; Gaussian noise). It is stuck after n
+readings that are all the same, p^n < `CHANCE`. There is no such check where n would be above `LONGEST`, without noise,
+or for a sensor that stops at the end of its range and there says the same rightly.
 
 Sensors that now and then have nothing to measure, such as the resistance without a current, are
 rightly silent: there is neither check for them.

@@ -6,9 +6,8 @@ which trips speaks for are replaced by the safe one, in the same period. They co
     never (`latch`):    not before the guard is put to rest again, as at the start of a run;
     later (`resume`):   when the check says that all is well, at the earliest after `hold`.
 
-How far apart tripping and being well are is the `band` of a check. Of all checks that have cut,
-the one with the lowest alarm is shown; the table of alarms is that of
-`martensite.control.checks.base`.
+How far apart tripping and being well are is the `band` of a check. Of all checks that have cut, the one with the lowest
+alarm is shown; the table of alarms is that of `martensite.control.checks.base`.
 """
 
 from __future__ import annotations

@@ -17,13 +17,13 @@ from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.kernels import floats
-from martensite.physics.electrical.current import CurrentSource
-from martensite.physics.electrical.per_length import PerLengthResistance
+from martensite.physics.electrical.resistances import PerLengthResistance
+from martensite.physics.electrical.sources import CurrentSource
 from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.materials.base import Material, load_material
 from martensite.physics.materials.wires import WireSize
 from martensite.physics.thermal.base import Cylinder, Environment
-from martensite.physics.thermal.lefevre_ede import LeFevreEde
+from martensite.physics.thermal.convection import LeFevreEde
 
 
 @cache

@@ -20,8 +20,7 @@ from dataclasses import dataclass
 from martensite.actuators.assembly import System
 from martensite.base.errors import InputError
 from martensite.control.controllers.constant_power import ConstantPower
-from martensite.physics.electrical.power_pwm import PowerPwm
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PowerPwm, PwmVoltage
 from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.simulate.api import first_step, simulate
 from martensite.simulate.closed_loop import LoopResult, simulate_loop

@@ -1,8 +1,7 @@
 """What a resistance model and a source answer.
 
-A source turns the drive signal u (volt, ampere, watt, kelvin, or a share of the time that a
-switch is closed) and the resistance of the element into a current. Only I²R of the element
-heats it; leads and series resistance do not.
+A source turns the drive signal u (volt, ampere, watt, kelvin, or a share of the time that a switch is closed) and the
+resistance of the element into a current. Only I²R of the element heats it; leads and series resistance do not.
 """
 
 from __future__ import annotations
@@ -125,12 +124,7 @@ class AbstractSupply(AbstractSource):
     supplied_by: ClassVar[tuple[str, ...]] = ("voltage_limit",)
 
     series_resistance: Scalar = param(
-        "ohm",
-        "resistance outside the element: leads, contacts, driver",
-        low=0.0,
-        high=1e6,
-        default=0.0,
-        typical="0.5 ohm",
+        "ohm", "resistance outside: leads, contacts, driver", low=0.0, high=1e6, default=0.0, typical="0.5 ohm"
     )
     current_limit: Scalar = param("A", "current limit", above=0.0, high=1e6, default=1e6, typical="0.6 A")
     voltage_limit: Scalar = param("V", "supply voltage", above=0.0, high=1e9, default=1e9, typical="6 V")
@@ -170,6 +164,10 @@ class AbstractSwitch(AbstractSource):
             frequency: of the pulses [Hz], for what is lost in each of them.
         """
         return xp.clip(drive, 0.0, 1.0)
+
+    def reach(self, resistance: float) -> SignalRange:
+        """A switch is closed all the time at most."""
+        return SignalRange(0.0, 1.0)
 
     def largest_power(self, resistance: float) -> float:
         """Power [W] in an element of `resistance` [ohm] while the switch is closed."""

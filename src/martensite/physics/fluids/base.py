@@ -1,13 +1,14 @@
 """What every fluid answers: its properties at the film temperature.
 
-The film temperature is the mean of the surface's and the ambient temperature. Properties are
-known over the span of the fluid; beyond it they are held at the nearer end, so that a solver may
-try any temperature.
+The film temperature is the mean of the surface's and the ambient temperature. Properties are known over the span of the
+fluid; beyond it they are held at the nearer end, so that a solver may try any temperature.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 from martensite.base.parameters import Parametrised
@@ -49,3 +50,20 @@ class AbstractFluid(Parametrised):
     @abstractmethod
     def film_properties(self, xp: Namespace, temperature: Scalar) -> FluidProperties:
         """Properties at a temperature [K] within the span."""
+
+
+Row = tuple[float, ...]
+
+
+def interpolate_rows(xp: Namespace, x: Scalar, rows: Sequence[Row]) -> list[Scalar]:
+    """All columns of a table at `x`; the first entry of a row is its x, ascending.
+
+    y(x) = y₀ + Σ (yₖ₊₁ - yₖ)/(xₖ₊₁ - xₖ) · clip(x - xₖ, 0, xₖ₊₁ - xₖ) is the broken line through the rows without a
+    choice between them, held beyond the first and the last.
+    """
+    found: list[Scalar] = list(rows[0][1:])
+    for (left, *before), (right, *after) in pairwise(rows):
+        share = xp.clip(x - left, 0.0, right - left) * (1.0 / (right - left))
+        columns = zip(found, before, after, strict=True)
+        found = [value + (b - a) * share for value, a, b in columns]
+    return found

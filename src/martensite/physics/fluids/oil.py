@@ -14,8 +14,7 @@ from __future__ import annotations
 import math
 
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties
-from martensite.physics.fluids.rows import Row, interpolate_rows
+from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties, Row, interpolate_rows
 
 ROWS: tuple[Row, ...] = (
     (273.0, 0.147, 4280.0, 47000.0),

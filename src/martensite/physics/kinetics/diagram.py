@@ -4,8 +4,7 @@ The constitutive equation is integrated, so that elastic loops close:
 
     ε = [σ - Θ (T - T_ref)]/E + ε_L ξ_S
 
-with ξ_S the oriented fraction. Tension and elongation are positive; Θ > 0 means that a free bar
-shrinks on heating.
+with ξ_S the oriented fraction. Tension and elongation are positive; Θ > 0 means that a free bar shrinks on heating.
 """
 
 from __future__ import annotations
@@ -27,9 +26,8 @@ def require_order(law: Parametrised, *pairs: tuple[str, str]) -> None:
     for low, high in pairs:
         if not getattr(law, low) < getattr(law, high):
             raise ParameterError(
-                f"Parameter `{low}` of `{owner}` must be below `{high}`, but is "
-                f"{getattr(law, low) - 273.15:.4g} degC against "
-                f"{getattr(law, high) - 273.15:.4g} degC."
+                f"Parameter `{low}` of `{owner}` must be below `{high}`, but is {getattr(law, low) - 273.15:.4g} degC "
+                f"against {getattr(law, high) - 273.15:.4g} degC."
             )
 
 

@@ -1,9 +1,8 @@
 """History of transformations with two strips: who acts, from where, and what is remembered.
 
-A process multiplies what is left to transform by left(v₁)/left(v₀), where v is the
-distance to its finish line as a share of the strip (1 at the start line, 0 at the finish
-line) of the coordinate T - σ/C. Forward (austenite → martensite) works on y = 1 - ξ, reverse
-on y = ξ. Two rules say what v₀ is:
+A process multiplies what is left to transform by left(v₁)/left(v₀), where v is the distance to its finish line as a
+share of the strip (1 at the start line, 0 at the finish line) of the coordinate T - σ/C. Forward (austenite →
+martensite) works on y = 1 - ξ, reverse on y = ξ. Two rules say what v₀ is:
 
 - resume: the v at which the branch was opened, and y never grows on it; an interrupted
   transformation waits until the path passes the point where it stopped. Opening the opposite
@@ -12,9 +11,8 @@ on y = ξ. Two rules say what v₀ is:
 - restart: v at the start of every increment, the literal reading of the papers; small cycles
   inside one strip ratchet.
 
-Where both processes could act (strips overlap when C_A and C_M differ) the branch in
-progress goes on, else the one met first, else reverse. The result does not depend on how a
-straight leg is cut into increments.
+Where both processes could act (strips overlap when C_A and C_M differ) the branch in progress goes on, else the one met
+first, else reverse. The result does not depend on how a straight leg is cut into increments.
 
 A strip may be endless: its process goes on beyond the finish line, where v < 0, and forgets
 where it began, left(a)/left(b) = left(1 - (b - a)). The memory then holds the lowest v reached

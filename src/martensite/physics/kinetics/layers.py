@@ -92,9 +92,8 @@ class AbstractLayers(AbstractLaw):
         """Raise `ParameterError` if the wells of the two phases would touch."""
         if self.Delta_sigma >= 0.5 * self.E_M * self.eps_T:
             raise ParameterError(
-                f"Parameter `Delta_sigma` of `{self.registered_name}` must be below half of "
-                f"E_M eps_T = {self.E_M * self.eps_T / 1e6:.4g} MPa, but is "
-                f"{self.Delta_sigma / 1e6:.4g} MPa."
+                f"Parameter `Delta_sigma` of `{self.registered_name}` must be below half of E_M eps_T = "
+                f"{self.E_M * self.eps_T / 1e6:.4g} MPa, but is {self.Delta_sigma / 1e6:.4g} MPa."
             )
 
     @property

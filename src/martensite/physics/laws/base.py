@@ -5,8 +5,7 @@ A law remembers (`memory`), decides which process a move of stress and temperatu
 `kinetics` is the three in a row. Strain follows in closed form, affine in stress at frozen
 fractions. The split lets a solver ask `follow` many times at the price of one `select`.
 
-Sign convention: tension and elongation positive; strain counted from unloaded austenite at
-the reference temperature.
+Sign convention: tension and elongation positive; strain counted from unloaded austenite at the reference temperature.
 """
 
 from __future__ import annotations
@@ -41,8 +40,7 @@ class Doubt(NamedTuple):
 class AbstractLaw(Parametrised):
     """Interface of a law. Memory and move are NamedTuples of scalars of the law's own.
 
-    Every memory holds at least `stress` [Pa] and `temperature` [K] of the last accepted
-    point.
+    Every memory holds at least `stress` [Pa] and `temperature` [K] of the last accepted point.
     """
 
     twins: ClassVar[bool] = False
@@ -83,9 +81,8 @@ class AbstractLaw(Parametrised):
     def relocate(self, xp: Namespace, memory: Any, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
         """A memory put elsewhere, as an observer corrects it; the same point changes nothing.
 
-        What it remembers of its history goes along: a transformation that was going on goes on
-        from there, for belief is corrected and nothing happens to the wire. By default there is
-        no history.
+        What it remembers of its history goes along: a transformation that was going on goes on from there, for belief
+        is corrected and nothing happens to the wire. By default there is no history.
         """
         return self.init(xp, fractions, stress, temperature)
 
@@ -152,8 +149,7 @@ class AbstractLaw(Parametrised):
     def kinks(self, xp: Namespace, memory: Any) -> list[Scalar]:
         """Numbers that fall through 0 where a transformation starts or ends on the way on [-].
 
-        Smooth on both sides, for a march that ends a step there. None where that is not known,
-        or where nothing bends.
+        Smooth on both sides, for a march that ends a step there. None where that is not known, or where nothing bends.
         """
         return []
 

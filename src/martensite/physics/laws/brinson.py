@@ -66,9 +66,8 @@ class Brinson(AbstractPhaseDiagram):
             return None
         return Doubt(
             self.overlap(),
-            f"C_A > C_M: the strips overlap above {self.overlap() / 1e6:.4g} MPa, and a loop at "
-            f"constant temperature creates work above {self.workless() - 273.15:.4g} degC; "
-            "prefer equal slopes there.",
+            f"C_A > C_M: the strips overlap above {self.overlap() / 1e6:.4g} MPa, and a loop at constant temperature "
+            f"creates work above {self.workless() - 273.15:.4g} degC; prefer equal slopes there.",
         )
 
     def overlap(self) -> Scalar:

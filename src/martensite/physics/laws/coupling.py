@@ -1,10 +1,9 @@
 """One move of a law whose end feeds back on the stress and temperature that drive it.
 
-Let z be the phase fractions at the end of a step. Load line and heat balance give stress and
-temperature as functions of z, the law gives fractions f(σ, T): the step is the fixed point
-z = f(σ(z), T(z)). With frozen fractions the move ends at the elastic trial, where the law
-overshoots to f₀, for feedback restrains every transformation: more martensite means a hotter
-and less stressed wire. On the chord from the present fractions z₀ to f₀,
+Let z be the phase fractions at the end of a step. Load line and heat balance give stress and temperature as functions
+of z, the law gives fractions f(σ, T): the step is the fixed point z = f(σ(z), T(z)). With frozen fractions the move
+ends at the elastic trial, where the law overshoots to f₀, for feedback restrains every transformation: more martensite
+means a hotter and less stressed wire. On the chord from the present fractions z₀ to f₀,
 
     z(q) = (1 - q) z₀ + q f₀,        g(q) = q - n·[f(σ(z(q)), T(z(q))) - z₀],   n·(f₀ - z₀) = 1,
 
@@ -56,8 +55,7 @@ def advance_memory(
 ) -> tuple[Any, StepReport]:
     """The memory after a step of dt [s], and how well the step was solved.
 
-    About this `change` of the martensite fraction the solve begins to look; it changes nothing
-    in what is found.
+    About this `change` of the martensite fraction the solve begins to look; it changes nothing in what is found.
     """
     start = law.fractions(memory)
     trial = settle(xp, start)

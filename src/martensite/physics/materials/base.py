@@ -9,9 +9,8 @@ kind that says how far to trust it:
     assumed     chosen, for a stated reason
     recalled    carried around in the literature; the original was not seen
 
-A fitted set of numbers holds for the law it was fitted with. [law] names that law with its
-options, and a scenario that leaves the law out takes this one; [fit] says what was fitted to
-which records.
+A fitted set of numbers holds for the law it was fitted with. [law] names that law with its options, and a scenario that
+leaves the law out takes this one; [fit] says what was fitted to which records.
 """
 
 from __future__ import annotations
@@ -74,8 +73,7 @@ class Material:
     """The law that the numbers hold for, as a scenario would write it: `kind` and options; None
     if they belong to no law in particular."""
     fit: dict[str, Any] | None = None
-    """What the fitted numbers rest on: records with their hashes, bounds, errors; None if
-    nothing was fitted here."""
+    """What the fitted numbers rest on: records with their hashes, bounds, errors; None if nothing was fitted here."""
 
     def cites(self) -> list[str]:
         """Bibliography keys of all sources that stand behind a number, in file order."""

@@ -41,8 +41,7 @@ class Environment(Parametrised):
         fluids = [item for item in self.cooling.tree() if isinstance(item, AbstractFluid)]
         outside = [f for f in fluids if not f.span()[0] <= self.temperature <= f.span()[1]]
         return [
-            f"Ambient temperature {self.temperature:.2f} K lies outside the {f.span()[0]:.2f} K to "
-            f"{f.span()[1]:.2f} K over which `{f.registered_name}` is known; its properties are "
-            "held at the nearer end."
+            f"Ambient temperature {self.temperature:.2f} K lies outside the {f.span()[0]:.2f} K to {f.span()[1]:.2f} K "
+            f"over which `{f.registered_name}` is known; its properties are held at the nearer end."
             for f in outside
         ]

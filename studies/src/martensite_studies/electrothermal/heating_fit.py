@@ -19,7 +19,7 @@ from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.problem import build_problem
 from martensite.fit.solve import solve_problem
-from martensite.physics.thermal.constant import ConstantCooling
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.search.free_numbers import SearchRange
 from martensite.search.profile import Profile
 from martensite.signals.records import Record

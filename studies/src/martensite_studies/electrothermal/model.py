@@ -22,8 +22,8 @@ from martensite.actuators.elements.wire import Wire
 from martensite.characterise.regression import root_mean_square
 from martensite.kernels import floats
 from martensite.physics.thermal.base import AbstractCooling, Cylinder
-from martensite.physics.thermal.constant import ConstantCooling
-from martensite.physics.thermal.lefevre_ede import LeFevreEde
+from martensite.physics.thermal.convection import LeFevreEde
+from martensite.physics.thermal.films import ConstantCooling
 from martensite.scenario.scenario import Scenario, load
 from martensite.scenario.staircase import reduce_to_plateaus
 from martensite.signals.records import Record

@@ -26,9 +26,8 @@ from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.problem import build_problem
 from martensite.fit.solve import solve_problem
-from martensite.physics.electrical.furst_seelecke import FurstSeeleckeResistance
-from martensite.physics.electrical.mixture import MixtureResistance
-from martensite.physics.electrical.temperature import PrescribedTemperature
+from martensite.physics.electrical.resistances import FurstSeeleckeResistance, MixtureResistance
+from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.search.free_numbers import SearchRange
 from martensite.search.profile import Profile, walk_profile
 from martensite.signals.records import Record, table_waveform

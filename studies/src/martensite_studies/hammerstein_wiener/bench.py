@@ -27,7 +27,7 @@ from martensite.control.sensors.base import Probe
 from martensite.control.sensors.infrared import InfraredSensor
 from martensite.control.sensors.position import PositionSensor
 from martensite.kernels import floats
-from martensite.physics.electrical.pwm import PwmVoltage
+from martensite.physics.electrical.switches import PwmVoltage
 from martensite_studies.hammerstein_wiener import branches
 from martensite_studies.hammerstein_wiener.preisach import Cell, everett_function
 

@@ -20,11 +20,9 @@ from typing import cast
 
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.wire import Wire
-from martensite.physics.electrical.power import PowerSource
-from martensite.physics.electrical.voltage import VoltageSource
+from martensite.physics.electrical.sources import PowerSource, VoltageSource
 from martensite.physics.thermal.base import AbstractCooling, Environment
-from martensite.physics.thermal.constant import ConstantCooling
-from martensite.physics.thermal.polynomial import PolynomialCooling
+from martensite.physics.thermal.films import ConstantCooling, PolynomialCooling
 from martensite.scenario.examples import EXAMPLES
 from martensite.scenario.scenario import Scenario, load
 from martensite.signals.constant import Constant

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from martensite.characterise.film_coefficient import FilmFit, film_r_squared, fit_film
-from martensite.physics.thermal.polynomial import PolynomialCooling
+from martensite.physics.thermal.films import PolynomialCooling
 from martensite_studies.migaone import bench
 from martensite_studies.tables import Printed
 

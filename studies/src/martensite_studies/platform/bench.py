@@ -16,7 +16,7 @@ from typing import cast
 from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.actuators.elements.coil_spring import CoilSpring
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
-from martensite.physics.electrical.mixture import MixtureResistance
+from martensite.physics.electrical.resistances import MixtureResistance
 from martensite.scenario.scenario import Scenario, load
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate

@@ -15,9 +15,9 @@ from itertools import pairwise
 from pathlib import Path
 
 from martensite.kernels import floats
-from martensite.physics.fluids.air_table import ROWS, AirTable
+from martensite.physics.fluids.air import ROWS, AirTable
 from martensite.physics.thermal.base import Cylinder
-from martensite.physics.thermal.lefevre_ede import LeFevreEde
+from martensite.physics.thermal.convection import LeFevreEde
 from martensite.scenario.scenario import Scenario, load
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate

@@ -1,0 +1,82 @@
+"""Resistance of a phase mixture.
+
+Resistivities of both phases are parameters: published tables and measurements disagree on the sign of their difference,
+so none is assumed.
+"""
+
+from __future__ import annotations
+
+from martensite.base.parameters import param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor
+
+
+@RESISTANCES.register("per-length")
+class PerLengthResistance(AbstractResistance):
+    """Linear mixture of two resistances per metre, as wire tables give them; independent of the diameter."""
+
+    r_A: Scalar = param("ohm/m", "resistance per metre of austenite", above=0.0, high=1e6, typical="20 ohm/m")
+    r_M: Scalar = param("ohm/m", "resistance per metre of martensite", above=0.0, high=1e6, typical="23 ohm/m")
+
+    def resistance(
+        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
+    ) -> Scalar:
+        """R [ohm]."""
+        return (self.r_A + fraction * (self.r_M - self.r_A)) * shape.length
+
+
+@RESISTANCES.register("mixture")
+class MixtureResistance(AbstractResistance):
+    """Linear mixture of two resistivities, R = [ρ_A + ξ (ρ_M - ρ_A)] l/A; geometry at its nominal size."""
+
+    rho_A: Scalar = param("ohm*m", "resistivity of austenite", above=0.0, high=1e-4, typical="8e-7 ohm m")
+    rho_M: Scalar = param("ohm*m", "resistivity of martensite", above=0.0, high=1e-4, typical="9e-7 ohm m")
+
+    def resistance(
+        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
+    ) -> Scalar:
+        """R [ohm]."""
+        return (self.rho_A + fraction * (self.rho_M - self.rho_A)) * (shape.length / shape.area)
+
+
+@RESISTANCES.register("furst-seelecke")
+class FurstSeeleckeResistance(MixtureResistance):
+    """Mixture of two resistivities that grow with temperature, in the strained geometry.
+
+        ρ = ξ ρ_M [1 + a_M (T - T_ρ)] + (1 - ξ) ρ_A [1 + a_A (T - T_ρ)]
+        R = ρ l (1 + ε)/[A (1 - ν ε)²]
+
+    A stretched wire is longer by 1 + ε and thinner by 1 - ν ε in both directions across; l and A are those at zero
+    strain, tension is positive.
+
+    Source: Furst and Seelecke (2012), J. Intell. Mater. Syst. Struct. 23, in the form of a publicly posted wire model
+    (Ullrich, 2014); the original was not seen.
+    """
+
+    cites = ("furst2012", "ullrich2014")
+
+    a_rho_A: Scalar = param(
+        "1/K", "temperature coefficient of the resistivity of austenite", low=-1e-3, high=5e-3, typical="5e-4 1/K"
+    )
+    a_rho_M: Scalar = param(
+        "1/K", "temperature coefficient of the resistivity of martensite", low=-1e-3, high=5e-3, typical="1e-3 1/K"
+    )
+    T_rho: Scalar = param(
+        "K", "temperature at which both resistivities hold", low=100.0, high=1000.0, typical="20 degC"
+    )
+    nu: Scalar = param("1", "Poisson's ratio", low=0.0, high=0.5, typical=0.33)
+
+    def resistivity(self, xp: Namespace, fraction: Scalar, temperature: Scalar) -> Scalar:
+        """Resistivity [ohm m] at martensite `fraction` and `temperature` [K]."""
+        rise = temperature - self.T_rho
+        austenite = self.rho_A * (1.0 + self.a_rho_A * rise)
+        martensite = self.rho_M * (1.0 + self.a_rho_M * rise)
+        return austenite + fraction * (martensite - austenite)
+
+    def resistance(
+        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
+    ) -> Scalar:
+        """R [ohm]."""
+        width = 1.0 - self.nu * strain
+        stretched = shape.length * (1.0 + strain) / (shape.area * width * width)
+        return self.resistivity(xp, fraction, temperature) * stretched

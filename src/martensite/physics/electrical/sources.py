@@ -1,0 +1,129 @@
+"""Sources that follow their signal within what the supply allows: current, voltage, power, amplifier; a bath."""
+
+from __future__ import annotations
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.electrical.base import SOURCES, AbstractSource, AbstractSupply, SignalRange
+
+
+@SOURCES.register("current")
+class CurrentSource(AbstractSupply):
+    """An imposed current: I = u, within the current and the voltage of the supply."""
+
+    unit = "A"
+
+    def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """I [A] for a drive in ampere."""
+        most = self.most(xp, resistance)
+        return xp.clip(drive, -most, most)
+
+    def reach(self, resistance: float) -> SignalRange:
+        """Currents [A] that the limits of the supply allow."""
+        most = self.most(floats, resistance)
+        return SignalRange(-most, most)
+
+
+@SOURCES.register("voltage")
+class VoltageSource(AbstractSupply):
+    """A voltage: I = u/(R + R_s) with leads, driver and supply resistance R_s, within the limits of the supply."""
+
+    unit = "V"
+
+    def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """I [A] for a drive in volt."""
+        most = self.most(xp, resistance)
+        return xp.clip(drive / (resistance + self.series_resistance), -most, most)
+
+    def reach(self, resistance: float) -> SignalRange:
+        """Voltages [V] over element and series resistance that limits of the supply allow."""
+        most = self.most(floats, resistance) * (resistance + self.series_resistance)
+        return SignalRange(-most, most)
+
+
+@SOURCES.register("power")
+class PowerSource(AbstractSupply):
+    """An imposed power in the element: P = u within the limits of the supply; negative demands give none."""
+
+    unit = "W"
+    linear = "power"
+
+    def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """I [A] for a drive in watt."""
+        wanted = xp.sqrt(xp.maximum(drive, 0.0) / resistance)
+        return xp.minimum(wanted, self.most(xp, resistance))
+
+    def reach(self, resistance: float) -> SignalRange:
+        """Powers [W] that the limits of the supply allow; none is taken out of the element."""
+        most = self.most(floats, resistance)
+        return SignalRange(0.0, most * most * resistance)
+
+
+@SOURCES.register("temperature")
+class PrescribedTemperature(AbstractSource):
+    """The drive signal is the temperature of the element [K], as a chamber or bath imposes it.
+
+    For isobaric and isothermal tests. No current flows; the heat balance is not solved.
+    """
+
+    unit = "K"
+    sets_temperature = True
+
+    def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """No current."""
+        return 0.0 * resistance
+
+
+@SOURCES.register("linear-amplifier")
+class LinearAmplifier(AbstractSupply):
+    """A power transistor that follows a signal voltage; `voltage_limit` is the voltage of its supply.
+
+        U = k u + U_0,   U_low ≤ U ≤ U_supply - U_h,   I = U/(R + R_o + R_s),   |I| ≤ I_lim
+
+    with gain k, offset U_0, output resistance R_o, and the headroom U_h that stays across the transistor at most
+    output. On a single supply the output does not fall below U_low = 0; one on two supplies has U_low below zero. The
+    rest of the power of the supply heats the transistor.
+
+    The MigaOne paper drives its wire so: gain 1, a supply of 5 V, up to 3 A, a follower of TIP power transistors. It
+    gives neither offset nor headroom nor output resistance; a follower usually loses one or two base-emitter voltages
+    of headroom. All three default to 0 here.
+    """
+
+    cites = ("migaone-paper",)
+    unit = "V"
+
+    gain: Scalar = param("1", "gain k", above=0.0, high=1e4, default=1.0)
+    offset: Scalar = param("V", "output at no signal", low=-1e3, high=1e3, default=0.0)
+    lowest: Scalar = param(
+        "V", "lowest output; below 0 with a second supply, as strong as the first", low=-1e4, high=0.0, default=0.0
+    )
+    headroom: Scalar = param(
+        "V", "voltage across the transistor that is needed at most output", low=0.0, high=1e3, default=0.0
+    )
+    output_resistance: Scalar = param("ohm", "output resistance of the amplifier", low=0.0, high=1e6, default=0.0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the supply leaves no room for an output."""
+        if not self.headroom < self.voltage_limit:
+            raise ParameterError(
+                f"`headroom` of `linear-amplifier` must be below its `voltage_limit` of "
+                f"{self.voltage_limit:g} V, but is {self.headroom:g} V."
+            )
+
+    def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """I [A] for a signal in volt."""
+        highest = xp.maximum(self.voltage_limit - self.headroom, 0.0)
+        volts = xp.clip(self.gain * drive + self.offset, self.lowest, highest)
+        behind = resistance + self.output_resistance
+        most = self.most(xp, behind)
+        return xp.clip(volts / (behind + self.series_resistance), -most, most)
+
+    def reach(self, resistance: float) -> SignalRange:
+        """Signals [V] whose output and current are delivered."""
+        behind = resistance + self.output_resistance
+        most = self.most(floats, behind) * (behind + self.series_resistance)
+        high = floats.minimum(self.voltage_limit - self.headroom, most)
+        low = floats.maximum(self.lowest, -most)
+        return SignalRange((low - self.offset) / self.gain, (high - self.offset) / self.gain)

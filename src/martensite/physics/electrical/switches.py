@@ -1,0 +1,192 @@
+"""A constant supply behind switches that are closed for a share of the time, averaged over the periods of the carrier.
+
+While the switch is closed the element takes the power I_on² R, so that for a duty D the mean over a period, and the
+current that heats as much, are
+
+    P = D I_on² R,    I = √D I_on,    I_on = U/(R + R_s).
+
+A voltage D U would heat with D² instead: at a duty of 0.3 less than a third of the power is left. Current, voltage and
+power of a run are therefore rms current, rms voltage and mean power.
+"""
+
+from __future__ import annotations
+
+import math
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.electrical.base import SOURCES, AbstractSwitch, SignalRange
+
+
+@SOURCES.register("pwm-voltage")
+class PwmVoltage(AbstractSwitch):
+    """A constant voltage behind a switch; the drive is the share of the time that is on, limited to [0, 1].
+
+    At a duty of 0 or 1 this is the switch itself: the waveform `carrier` drives it pulse by pulse.
+    """
+
+    def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """Rms current [A] for a duty."""
+        return xp.sqrt(xp.clip(drive, 0.0, 1.0)) * self.closed_current(xp, resistance)
+
+
+@SOURCES.register("mosfet")
+class Mosfet(AbstractSwitch):
+    """A supply, an element and a transistor to ground in a row, driven by pulses; the drive is a duty.
+
+        I_on = U/(R + R_s + R_i + R_on),   I = √D_e I_on,   P = D_e I_on² R
+
+    with the supply U behind its internal resistance R_i, and the on-resistance R_on of the transistor at any
+    temperature of it. Of every pulse of a carrier of frequency f the time t_d is lost before the transistor conducts,
+    and what is then shorter than the smallest pulse t_p does not come:
+
+        D_e = D - t_d f,   0 if D_e < t_p f,   1 at a duty of 1, for nothing is switched any more
+
+    Edges are steep: what is lost in the transistor itself, R_on I² and at every edge, heats the transistor and not the
+    element.
+    """
+
+    supply_resistance: Scalar = param("ohm", "internal resistance of the supply", low=0.0, high=1e6, default=0.0)
+    on_resistance: Scalar = param(
+        "ohm", "resistance of the transistor while it conducts", low=0.0, high=1e6, default=0.0
+    )
+    frequency: Scalar = param("Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz")
+    dead_time: Scalar = param(
+        "s", "time of every pulse that is lost before the transistor conducts", low=0.0, high=1.0, default=0.0
+    )
+    smallest_pulse: Scalar = param(
+        "s", "shortest time for which the transistor conducts", low=0.0, high=1.0, default=0.0
+    )
+
+    def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
+        """Current [A] through an element of `resistance` [ohm] while the transistor conducts."""
+        around = self.series_resistance + self.supply_resistance + self.on_resistance
+        return xp.minimum(self.supply / (resistance + around), self.current_limit)
+
+    def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
+        """Share of the time for which the transistor conducts, for a duty."""
+        left = drive - self.dead_time * frequency
+        made = xp.where(left < self.smallest_pulse * frequency, 0.0, xp.maximum(left, 0.0))
+        return xp.where(drive < 1.0, made, 1.0)
+
+    def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """Rms current [A] for a duty."""
+        share = self.share(xp, drive, self.frequency)
+        return xp.sqrt(share) * self.closed_current(xp, resistance)
+
+
+@SOURCES.register("h-bridge")
+class HBridge(AbstractSwitch):
+    """A supply behind four switches; the drive is a duty with a sign.
+
+        I_on = (U - U_d)/(R + R_s + R_1 + R_2),   I = sign(D) √D_e I_on,   D_e = |D| - 2 t_d f
+
+    The duty D has a sign, -1 to 1. Two switches conduct at a time, one at either side of the element, with the
+    on-resistances R_1 and R_2. At each of the two edges of a pulse the time t_d is lost in which no switch conducts; at
+    |D| = 1 nothing is switched any more and D_e = 1. Between pulses no current flows, for a shape-memory element has
+    next to no inductance that would drive it on.
+
+    With a diode in its row an element takes one direction only (`conducts`), and loses the forward voltage U_d of the
+    diode. So one bridge serves an antagonistic pair: both get the same signal, one with `conducts` = `positive`, the
+    other with `negative`.
+    """
+
+    high_resistance: Scalar = param("ohm", "on-resistance of the switch to the supply", low=0.0, high=1e6, default=0.0)
+    low_resistance: Scalar = param("ohm", "on-resistance of the switch to ground", low=0.0, high=1e6, default=0.0)
+    frequency: Scalar = param("Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz")
+    dead_time: Scalar = param(
+        "s", "time that is lost at each of the two edges of a pulse", low=0.0, high=1.0, default=0.0
+    )
+    conducts: str = option(
+        "directions that reach the element: both, or one through a diode",
+        "both",
+        "positive",
+        "negative",
+        default="both",
+    )
+    diode_voltage: Scalar = param("V", "forward voltage of the diode, if there is one", low=0.0, high=1e3, default=0.0)
+
+    def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
+        """Size [A] of the current through `resistance` [ohm] while the switches conduct."""
+        diode = 0.0 if self.conducts == "both" else self.diode_voltage
+        around = self.series_resistance + self.high_resistance + self.low_resistance
+        volts = xp.maximum(self.supply - diode, 0.0)
+        return xp.minimum(volts / (resistance + around), self.current_limit)
+
+    def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
+        """Share of the time for which the element is connected, for a duty of either sign."""
+        wanted = self._let_through(xp, drive)
+        made = xp.maximum(wanted - 2.0 * self.dead_time * frequency, 0.0)
+        return xp.where(wanted < 1.0, made, 1.0)
+
+    def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """Rms current [A] with the sign of the duty."""
+        size = xp.sqrt(self.share(xp, drive, self.frequency)) * self.closed_current(xp, resistance)
+        return xp.where(drive < 0.0, -size, size)
+
+    def reach(self, resistance: float) -> SignalRange:
+        """Duties that are delivered: of either sign, or of the one that the diode lets through."""
+        least = 0.0 if self.conducts == "positive" else -1.0
+        return SignalRange(least, 0.0 if self.conducts == "negative" else 1.0)
+
+    def _let_through(self, xp: Namespace, drive: Scalar) -> Scalar:
+        """Size of a duty, as far as the diode lets it through."""
+        if self.conducts == "positive":
+            return xp.maximum(drive, 0.0)
+        if self.conducts == "negative":
+            return xp.maximum(-drive, 0.0)
+        return xp.abs(drive)
+
+
+@SOURCES.register("power-pwm")
+class PowerPwm(AbstractSwitch):
+    """A demanded power, delivered by a switched constant voltage whose duty is computed.
+
+        D = P_demand/P_max,   0 ≤ D ≤ 1
+
+    P_max is measured as voltage times current of the element while the switch is closed. Measured in every period it is
+    I_on² R, and the element gets what is demanded. Measured once, at a resistance R₀, the power is wrong by the factor
+    P_max(R)/P_max(R₀): R₀/R without series resistance, R/R₀ where the current limit acts.
+
+    Averaged over the periods, which are taken to be short. The loop itself, with its sampling and its pulses, is
+    `martensite.control.controllers.constant_power`. Source: the power control of the paper on a finger prototype
+    (section 5.1), which measures once, "prior to the experimental campaign". It speaks of the difference of desired and
+    maximum power; a duty is their ratio.
+    """
+
+    cites = ("finger-paper",)
+    unit = "W"
+
+    measured: str = option(
+        "when the largest power is measured: in `every-period`, or `once` before the run",
+        "every-period",
+        "once",
+        default="every-period",
+    )
+    reference_resistance: Scalar = param(
+        "ohm", "resistance of the element when measured once", above=0.0, default=math.inf, typical="4 ohm"
+    )
+
+    def check(self) -> None:
+        """Raise `ParameterError` if what was measured once is not given."""
+        if self.measured == "once" and not math.isfinite(self.reference_resistance):
+            raise ParameterError(
+                "`power-pwm` with `measured` = `once` needs `reference_resistance` [ohm] "
+                "(resistance of the element when measured once); none given."
+            )
+
+    def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """Rms current [A] for a drive in watt."""
+        known = self._known(resistance)
+        most = self.closed_current(xp, known)
+        duty = xp.clip(drive / (most * most * known), 0.0, 1.0)
+        return xp.sqrt(duty) * self.closed_current(xp, resistance)
+
+    def reach(self, resistance: float) -> SignalRange:
+        """Demands [W] that lead to a duty of at most 1."""
+        return SignalRange(0.0, self.largest_power(self._known(resistance)))
+
+    def _known(self, resistance: Scalar) -> Scalar:
+        """The resistance at which the largest power is measured."""
+        return self.reference_resistance if self.measured == "once" else resistance

@@ -1,0 +1,79 @@
+"""Film coefficients that depend on temperatures alone: given numbers, radiation, and the sum of two models."""
+
+from __future__ import annotations
+
+from martensite.base.parameters import param, part
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.thermal.base import COOLING, AbstractCooling, Cylinder
+
+
+@COOLING.register("constant")
+class ConstantCooling(AbstractCooling):
+    """A film coefficient that depends on nothing: Q = h S (T - T_a)."""
+
+    h: Scalar = param("W/m^2/K", "film coefficient", low=0.0, high=1e5, typical="100 W/m^2/K")
+
+    def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
+        """The constant h [W/(m² K)]."""
+        return self.h
+
+
+@COOLING.register("polynomial")
+class PolynomialCooling(AbstractCooling):
+    """A film coefficient of second degree in temperature, h = h₀ + h₁ θ + h₂ θ².
+
+    θ = T - `reference`; the default reference of 0 °C makes θ the temperature in degrees Celsius, the form fitted to
+    step responses in the MigaOne paper. A reference at the ambient temperature makes θ the overtemperature.
+    """
+
+    cites = ("migaone-paper",)
+
+    h0: Scalar = param("W/m^2/K", "film coefficient at the reference", low=0.0, high=1e5, typical="60 W/m^2/K")
+    h1: Scalar = param("W/m^2/K^2", "linear coefficient", low=-1e3, high=1e3, default=0.0, typical="0.1 W/m^2/K^2")
+    h2: Scalar = param(
+        "W/m^2/K^3", "quadratic coefficient", low=-10.0, high=10.0, default=0.0, typical="1e-4 W/m^2/K^3"
+    )
+    reference: Scalar = param("K", "temperature at which θ is zero", low=0.0, high=1000.0, default=273.15)
+
+    def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
+        """h(T) [W/(m² K)], never below zero."""
+        theta = temperature - self.reference
+        return xp.maximum(self.h0 + theta * (self.h1 + theta * self.h2), 0.0)
+
+
+STEFAN_BOLTZMANN = 5.670374419e-8
+"""σ_SB [W/(m² K⁴)]"""
+
+
+@COOLING.register("radiation")
+class Radiation(AbstractCooling):
+    """Radiation of a grey wire to its surroundings.
+
+        h = ε σ_SB (T² + T_a²)(T + T_a)          so that   h (T - T_a) = ε σ_SB (T⁴ - T_a⁴)
+
+    for a grey surface that is small beside what it sees. h → 4 ε σ_SB T³ as T_a → T. It is about 6 W/(m² K) for a black
+    wire at room temperature: little beside the convection from a thin wire. Combine it with that by `combined`.
+    """
+
+    emissivity: Scalar = param("1", "emissivity of the surface", low=0.0, high=1.0, typical=0.6)
+
+    def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
+        """h [W/(m² K)]; the shape does not matter."""
+        squares = temperature * temperature + ambient * ambient
+        return self.emissivity * STEFAN_BOLTZMANN * squares * (temperature + ambient)
+
+
+@COOLING.register("combined")
+class CombinedCooling(AbstractCooling):
+    """The sum of two heat-loss models, h = h₁ + h₂, both to the same ambient temperature.
+
+    Meant for convection and radiation, but any two models may stand here, another `combined` among them.
+    """
+
+    convection: AbstractCooling = part("one heat-loss model", COOLING, typical="churchill-chu")
+    radiation: AbstractCooling = part("the other heat-loss model", COOLING, typical="radiation")
+
+    def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
+        """h [W/(m² K)], the sum of both."""
+        given = temperature, ambient, shape
+        return self.convection.film(xp, *given) + self.radiation.film(xp, *given)
