@@ -176,7 +176,6 @@ def _walk_numbers(name: str, nested: Any) -> Iterator[str]:
 
 
 def _choose_names(wanted: Sequence[str] | None, known: Sequence[str]) -> list[str]:
-    """Names that were asked for, or all."""
     for name in wanted or ():
         if name not in known:
             raise InputError(f"There is no output `{name}`. {suggest_name(name, known)}")

@@ -79,7 +79,6 @@ def _check_finger(finger: Finger) -> None:
 
 
 def _describe_joint(finger: Finger, timestep: float) -> dict[str, Value]:
-    """Attributes of the hinge."""
     found: dict[str, Value] = {"name": "angle", "axis": "0 1 0", "damping": finger.damping}
     if finger.spring == "follower":
         found["stiffness"] = finger.stiffness * finger.arm**2
@@ -121,7 +120,6 @@ def _fixed_spring(model: Model, body: Element, finger: Finger) -> None:
 
 
 def _add_phalanx(parent: Element, finger: Finger, side: float, colour: str) -> None:
-    """What is seen of a phalanx: a bar of four bracket distances, and its bracket."""
     r, g = finger.offset, finger.bracket
     append_element(
         parent, "geom", type="box", size=(1.9 * g, 0.6 * r, 0.3 * r), pos=(2.1 * side * g, 0, 0), rgba=colour

@@ -49,13 +49,11 @@ def write_platform(model: Model, platform: ParallelPlatform, timestep: float) ->
 
 
 def _add_vertices(parent: Element, name: str, side: float, height: float) -> None:
-    """Sites at the vertices of a plate."""
     for i, (x, y) in enumerate(locate_corners(side)):
         append_element(parent, "site", name=f"{name}{i}", pos=(x, -y, height), size=0.012 * side)
 
 
 def _add_mesh(model: Model, side: float) -> None:
-    """A thin triangle."""
     half = 0.008 * side
     points = [v for z in (-half, half) for x, y in locate_corners(side) for v in (x, -y, z)]
     append_element(model.asset, "mesh", name="plate", vertex=points)

@@ -73,7 +73,6 @@ def to_mjcf_snippet(system: AbstractSystem) -> str:
 
 
 def _list_sites_and_paths(system: AbstractSystem) -> Parts:
-    """Sites and paths of the model of a mechanism."""
     model, ports = model_of(system), set(system.actuators())
     tendons = [one for one in model.tendons if one.get("name") in ports]
     used = {site.get("site") for one in tendons for site in one}
@@ -84,7 +83,6 @@ def _list_sites_and_paths(system: AbstractSystem) -> Parts:
 
 
 def _left_open(system: AbstractSystem) -> Parts:
-    """Two sites per element, and a tendon between them."""
     sites: list[tuple[str, Element]] = []
     tendons = [Element("spatial", name=port, width="0.0006", rgba=ORANGE) for port in system.actuators()]
     for end, body in (("holder", "the body that holds one end"), ("pulled", "the body it pulls")):
@@ -96,7 +94,6 @@ def _left_open(system: AbstractSystem) -> Parts:
 
 
 def _write_sites(sites: list[tuple[str, Element]]) -> Iterator[str]:
-    """A line for every site, under the body that it belongs to."""
     before = ""
     for place, site in sites:
         if place != before:

@@ -60,7 +60,6 @@ def driver_text(
 
 
 def _make_relative(path: Path, other: Path) -> str:
-    """Another file, as seen from the folder of a file."""
     try:
         return Path(os.path.relpath(other.absolute(), path.absolute().parent)).as_posix()
     except ValueError:  # on another drive
@@ -72,12 +71,10 @@ def _load_module(path: Path, name: str) -> str:
 
 
 def _write_text(value: str) -> str:
-    """A text as Python writes it."""
     return json.dumps(value, ensure_ascii=False)
 
 
 def _quote_text(text: str) -> str:
-    """A text of several lines between triple quotes."""
     inner = text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
     return f'"""\\\n{inner.rstrip()}\n"""'
 

@@ -90,7 +90,6 @@ class Builder:
             return cls(**values)
 
     def _build_members(self, cls: Any, table: Table, path: str, draws: bool) -> Any:
-        """Components by names of the user's own."""
         found: dict[str, Any] = {}
         for name, given in table.items():
             below, full = f"{path}.{name}", as_table(given, f"{path}.{name}")
@@ -193,7 +192,6 @@ class Builder:
         raise ParameterError(f"[{path}] `{_name_class(cls)}` has no `{unknown}`. {suggest_name(unknown, valid)}")
 
     def _describe_missing(self, cls: type[Parametrised], missing: list[str], path: str, draws: bool) -> str:
-        """What is missing, in which unit, who does not have it, where to write it."""
         brief = len(missing) > FULLY_DESCRIBED
         listed = ", ".join(self._describe_number(cls.declarations[name], name, brief) for name in missing)
         unit = self.scales.label(cls.declarations[missing[0]])
@@ -213,7 +211,6 @@ class Builder:
 
 
 def _convert_plain(value: Any, name: str, unit: str, path: str) -> float:
-    """A number without text: only where there is no dimension."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ParameterError(f"[{path}] `{name}` must be a number or text, but is {value!r}.")
     if unit != "1":
@@ -223,7 +220,6 @@ def _convert_plain(value: Any, name: str, unit: str, path: str) -> float:
 
 
 def _list_parts(cls: type[Parametrised]) -> Iterator[str]:
-    """Components that a table can describe."""
     for name, declared in cls.declarations.items():
         if declared.registry is not None or component_class(cls, name) is not None:
             yield name

@@ -110,7 +110,6 @@ def find_annotated(owner: type[Parametrised], name: str) -> type[Parametrised] |
 
 
 def _read_annotation(owner: type[Parametrised], name: str) -> str:
-    """The annotation of a declaration."""
     for base in owner.__mro__:
         own = get_annotations(base)
         if name in own:

@@ -69,7 +69,6 @@ def _build_table(name: str, own: Mapping[str, Any], material: Material | None) -
 def _select_settings(
     name: str, settings: Mapping[str, Any], classes: Mapping[str, type[AbstractLaw]]
 ) -> dict[str, Any]:
-    """The settings that reach one law."""
     cut = {key.removeprefix(f"{name}."): v for key, v in settings.items() if key.startswith(f"{name}.")}
     shared = {key: v for key, v in settings.items() if "." not in key}
     single = len(classes) == 1
@@ -87,7 +86,6 @@ def _refuse_idle(settings: Mapping[str, Any], tables: Mapping[str, Mapping[str, 
 
 
 def _list_needs(cls: type[AbstractLaw], table: Mapping[str, Any]) -> list[str]:
-    """Numbers without which the law cannot be built."""
     return [
         name
         for name, declared in cls.declarations.items()

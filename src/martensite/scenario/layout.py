@@ -106,7 +106,6 @@ def _read_heading(heading: str, number: int, where: str) -> FileColumn:
 
 
 def _find_known_unit(name: str) -> str | None:
-    """SI unit of a known column."""
     return CANONICAL.get(name.rpartition(".")[2])
 
 
@@ -136,7 +135,6 @@ def _first_fitting(spelling: str, candidates: Iterable[str]) -> str:
 
 
 def _describe_misfit(spelling: str, unit: str) -> str:
-    """Why a unit cannot be converted to an SI unit; empty if it can."""
     if not _UNIT.match(spelling):
         return f"`{spelling}` is not a known unit; `{unit}` is expected."
     try:

@@ -199,7 +199,6 @@ def _list_ports(result: Result) -> list[str]:
 
 
 def _by_actuator(result: Result) -> list[Variable]:
-    """Outputs of several actuators, over time and actuators."""
     system, ports = result.system, _list_ports(result)
     if not ports:
         return []
@@ -215,7 +214,6 @@ def _by_actuator(result: Result) -> list[Variable]:
 
 
 def _describe_profiles(result: Result) -> list[Variable]:
-    """What differs along the element, over time and cells."""
     if not result.profiles:
         return []
     (actuator,) = result.system.actuators().values()

@@ -69,6 +69,5 @@ class Places:
 
 
 def _find_longest(known: Iterable[str], path: str) -> str | None:
-    """The longest of some beginnings that a path has."""
     found = [begin for begin in known if path == begin or path.startswith(f"{begin}.")]
     return max(found, key=len, default=None)

@@ -82,7 +82,6 @@ def run(
 
 
 def _arrange_scenario(what: Scenario | AbstractSystem, drive: Waveforms | None, duration: float | None) -> Scenario:
-    """A scenario of what shall run, with its drive and duration."""
     from martensite.control.loop.bench import Bench
 
     if isinstance(what, Scenario):
@@ -110,7 +109,6 @@ def _arrange_scenario(what: Scenario | AbstractSystem, drive: Waveforms | None, 
 
 
 def _run_batch(scenario: Scenario, over: Over, outputs: Sequence[str] | None, runtime: str) -> Result:
-    """All variants of a scenario, marched together."""
     from martensite.simulate.batch import simulate_batch
 
     if scenario.bench is not None:
@@ -130,7 +128,6 @@ def _run_batch(scenario: Scenario, over: Over, outputs: Sequence[str] | None, ru
 
 
 def _convert_variants(system: AbstractSystem, over: Over) -> dict[str, list[float]]:
-    """Values in SI, by full path."""
     leaves: dict[str, Any] = {leaf.path: leaf for leaf in system.leaves()}
     found: dict[str, list[float]] = {}
     for name, values in over.items():

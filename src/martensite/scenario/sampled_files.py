@@ -154,7 +154,6 @@ _Columns = dict[str, Any]
 def _build_table(
     path: Path, found: _Columns, names: Sequence[str], interval: float | None, units: Mapping[str, str]
 ) -> Record:
-    """The columns wanted, in SI."""
     plain = {heading.partition("[")[0].strip().lower(): heading for heading in found}
     wanted = dict.fromkeys([*(("time",) if "time" in plain else ()), *names])
     columns: dict[str, list[float]] = {}
@@ -178,7 +177,6 @@ def _build_table(
 
 
 def _add_times(path: Path, columns: dict[str, list[float]], units: dict[str, str], interval: float | None) -> Record:
-    """The table with its times, or those of its rows."""
     if "time" not in columns:
         if interval is None:
             raise DataError(f"`{path.name}` has no column `time`; give the interval between its rows.")
@@ -271,7 +269,6 @@ def _read_netcdf(path: Path) -> _Columns:
 
 
 def _open_file(path: Path, read: Callable[[Path], Any]) -> Any:
-    """What a reader finds; `DataError` where the file is none of its kind."""
     try:
         return read(path)
     except (OSError, ValueError, KeyError) as error:

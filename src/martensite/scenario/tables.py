@@ -82,7 +82,6 @@ def read_table(
 
 
 def _find_origin(source: str | Path) -> tuple[Path, Layout, str]:
-    """File, layout and name of the record."""
     if isinstance(source, str) and source.startswith(PREFIX):
         from martensite.scenario import datasets
 
@@ -92,7 +91,6 @@ def _find_origin(source: str | Path) -> tuple[Path, Layout, str]:
 
 
 def _read_headings(sheet: Sheet, layout: Layout) -> tuple[list[FileColumn], Sheet]:
-    """The columns of a table, and its rows without that of the headings."""
     first = sheet.rows[0]
     numeric = any(is_number(cell) for cell in first)
     if layout.columns:
@@ -113,7 +111,6 @@ def _read_headings(sheet: Sheet, layout: Layout) -> tuple[list[FileColumn], Shee
 
 
 def _read_columns(sheet: Sheet, headings: list[FileColumn], gaps: bool) -> dict[str, list[float]]:
-    """All columns that are wanted, in SI."""
     _refuse_ragged(sheet, headings)
     wanted = [(place, column) for place, column in enumerate(headings) if column.name != IGNORED]
     if not wanted or not sheet.rows:
