@@ -2,9 +2,8 @@
 
     r = −|y* − y| / (high − low) − w P T − penalty where a limit is exceeded
 
-is the reward of a period T, with the true output y, its reference y*, the electrical power P of
-all elements and the weight w. Every episode draws its own reference and, within declared spreads,
-its own plant:
+is the reward of a period T, with the true output y, its reference y*, the electrical power P of all elements and the
+weight w. Every episode draws its own reference and, within declared spreads, its own plant:
 
     p = p₀ (1 + s z),    temperatures p = p₀ + s z,    z evenly spread in [-1, 1]
 

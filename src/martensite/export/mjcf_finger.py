@@ -8,10 +8,9 @@ Exact, so that MuJoCo moves it by the equation of `martensite.actuators.mechanis
     fixed spring      a tendon of stiffness k and rest length H - δ₀
     inertia, damping  those of the hinge; the centre of mass is on it
 
-End stops, and brackets that meet at 2 φ, are the limits of the joint; of two at one side only
-the nearer. At rest they have the stiffness K of the mechanism; but they are critically damped,
-with a time constant t of two steps, where the mechanism bounces. With MuJoCo's impedance d a
-limit that is overrun by x holds the torque
+End stops, and brackets that meet at 2 φ, are the limits of the joint; of two at one side only the nearer. At rest
+they have the stiffness K of the mechanism; but they are critically damped, with a time constant t of two steps, where
+the mechanism bounces. With MuJoCo's impedance d a limit that is overrun by x holds the torque
 
     I s x/(1 - d),        hence s = K (1 - d)/I,        d = 1/(1 + I/(K t²)).
 

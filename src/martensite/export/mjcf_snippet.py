@@ -1,10 +1,9 @@
 """What a MuJoCo model of one's own needs for the elements of a system: lines to paste.
 
-Per element that is a tendon through sites and a motor that turns control into force. The
-document can also be included, by MuJoCo's `<include file="..."/>`; sites are in its comment,
-for they belong into the bodies of the model. For a mechanism that has a writer in
-`martensite.export.mjcf` sites and paths are those of its model; any other gets two sites per
-element, at places that are left to the reader.
+Per element that is a tendon through sites and a motor that turns control into force. The document can also be
+included, by MuJoCo's `<include file="..."/>`; sites are in its comment, for they belong into the bodies of the model.
+For a mechanism that has a writer in `martensite.export.mjcf` sites and paths are those of its model; any other gets
+two sites per element, at places that are left to the reader.
 
 MuJoCo counts the force of a tendon as positive where it lengthens it, so with `gear="-1"` the
 control is the tension [N].

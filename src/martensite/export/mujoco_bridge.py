@@ -263,9 +263,8 @@ def holding_tensions(
 ) -> dict[str, float]:
     """Tensions [N] that hold a model still at its tendons; the `start_force` of its elements.
 
-    Of a step from rest MuJoCo is asked how far the tendons get, without tensions and with them.
-    Where several tendons can share a load, the smallest tensions (in the sum of squares) are
-    taken: add to them what should be preload.
+    Of a step from rest MuJoCo is asked how far the tendons get, without tensions and with them. Where several tendons
+    can share a load, the smallest tensions (in the sum of squares) are taken: add to them what should be preload.
 
     Args:
         model: an `MjModel`, or the path of an MJCF file, or MJCF text.

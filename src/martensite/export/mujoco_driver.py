@@ -1,8 +1,7 @@
 """A Python program that moves a MuJoCo model with the elements of a scenario.
 
-It is written from the template below, with the text of the scenario, the names of the tendons
-and the forces at the start in it. Its loop is that of `MujocoBridge.run`, step for step, laid
-open so that controllers can act in it.
+It is written from the template below, with the text of the scenario, the names of the tendons and the forces at the
+start in it. Its loop is that of `MujocoBridge.run`, step for step, laid open so that controllers can act in it.
 """
 
 from __future__ import annotations

@@ -8,8 +8,7 @@ A tendon needs an actuator that turns control into force, without bias and witho
 
     <actuator><general tendon="wire" gainprm="1" biastype="none"/></actuator>
 
-MuJoCo counts the force of a tendon as positive when it lengthens it, so a tension F is the
-control -F/(gain · gear).
+MuJoCo counts the force of a tendon as positive when it lengthens it, so a tension F is the control -F/(gain · gear).
 """
 
 from __future__ import annotations

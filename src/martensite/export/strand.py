@@ -4,10 +4,9 @@ Whatever an element pulls on, over one short step its path ends at
 
     elongation = reach - give · force,        force ≥ 0,
 
-where `reach` is the elongation at which the path would end without force, and `give` is how
-much it yields per force (for a mass, dt² over the mass). Both are signals of the mechanism, so
-that a simulator of the machine can say them; the element solves its step on that line, implicit
-in its own force. It cannot push.
+where `reach` is the elongation at which the path would end without force, and `give` is how much it yields per force
+(for a mass, dt² over the mass). Both are signals of the mechanism, so that a simulator of the machine can say them;
+the element solves its step on that line, implicit in its own force. It cannot push.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ from martensite.physics.materials.base import Material, load_material
 from martensite.physics.thermal.base import Environment
 from martensite.scenario import recorded_waveforms
 from martensite.scenario.build import Builder, Table, as_table, name_section, refuse_unknown
-from martensite.scenario.law_cautions import law_caution
+from martensite.scenario.laws import law_caution
 from martensite.scenario.place_units import PlaceUnits
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.simulate.drive_waveforms import Waveforms

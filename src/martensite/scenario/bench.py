@@ -7,9 +7,8 @@
     [supervisor], [faults.NAME]           kind and parameters
     [bench]                               period, steps, switching, seed
 
-The model of an observer, or of a controller that has one, is the system of the scenario itself;
-`model = { "element.diameter" = "0.37 mm" }` makes it another one. A controller that is no kernel
-runs outside of the bench.
+The model of an observer, or of a controller that has one, is the system of the scenario itself; `model = {
+"element.diameter" = "0.37 mm" }` makes it another one. A controller that is no kernel runs outside of the bench.
 """
 
 from __future__ import annotations

@@ -1,10 +1,9 @@
 """From tables of text to objects: one walk over the declarations builds every component.
 
-A table holds a `kind` and the parameters of that kind; a component below it is another
-table, or just its kind. Quantities with a dimension are text with a unit. What the table
-leaves out comes from the material (by canonical name, where the part may draw on one), then
-from the default; what is missing everywhere is an error that says where to write it. So does
-the law: a material whose numbers hold for one law names it.
+A table holds a `kind` and the parameters of that kind; a component below it is another table, or just its kind.
+Quantities with a dimension are text with a unit. What the table leaves out comes from the material (by canonical
+name, where the part may draw on one), then from the default; what is missing everywhere is an error that says where
+to write it. So does the law: a material whose numbers hold for one law names it.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """What the columns of a measured table mean: names, units, and how the file is laid out.
 
-A heading is a name with its unit in brackets: `temperature [degC]`, `stress (MPa)`. The
-known names have a fixed SI unit; a heading that leaves it out is an error, since a guessed
-unit is worse than none. `-` is a column to be passed over, and the unit `clock` reads times
-of day (17:27:33) as seconds since the first row.
+A heading is a name with its unit in brackets: `temperature [degC]`, `stress (MPa)`. The known names have a fixed SI
+unit; a heading that leaves it out is an error, since a guessed unit is worse than none. `-` is a column to be passed
+over, and the unit `clock` reads times of day (17:27:33) as seconds since the first row.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """Results as labelled data: an xarray dataset in memory, netCDF-4 on disk.
 
-A result is described once, as variables with dimensions, unit, long name and symbol and as
-attributes of the whole. `to_dataset` and `save` only carry this description over, so that a
-file that is opened again equals the dataset that would have been made. `save` writes with
-h5netcdf directly: importing xarray takes longer than a run.
+A result is described once, as variables with dimensions, unit, long name and symbol and as attributes of the whole.
+`to_dataset` and `save` only carry this description over, so that a file that is opened again equals the dataset that
+would have been made. `save` writes with h5netcdf directly: importing xarray takes longer than a run.
 
 Units are the SI units of the library in the spelling of the CF conventions (CF-1.10), which
 is that of UDUNITS. Numbers that are not known (an accuracy that was not estimated) are NaN.

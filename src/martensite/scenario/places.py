@@ -1,7 +1,6 @@
 """Where a scenario holds a number: the path by which `--set` reaches it, and its unit.
 
-A bench calls things by their part in it, `controllers.drive.law.high`, a scenario by its
-sections, `controller.high`.
+A bench calls things by their part in it, `controllers.drive.law.high`, a scenario by its sections, `controller.high`.
 """
 
 from __future__ import annotations

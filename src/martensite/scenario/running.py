@@ -43,8 +43,7 @@ def run(
     Args:
         what: the path of a scenario file, a scenario, or a `System`, a `Machine` or a bench, which
             need a `drive` (a bench without signals of its own does not) and a `duration`.
-        drive: waveform in the unit of the source, or a table of them by name; of a scenario, in
-            place of its own.
+        drive: waveform in the unit of the source, or a table of them by name; of a scenario, in place of its own.
         duration: length of the run, in seconds or as text with a unit; likewise.
         over: runs a batch: by parameter path (or unique ending) one value per variant, in SI or
             as text with a unit; all of them equally many.

@@ -7,10 +7,9 @@
 | .mat | variables by name, of version 5 (SciPy) or 7.3 (HDF5); no structs |
 | .nc | variables over one dimension, with their attribute `units` |
 
-MAT and netCDF files are read in a process of their own: a damaged one can end the process that
-reads it. A column that has no unit in its file is in the one given in `units`; those in `units`
-are also the units of the result. A column `t` is one of time in MAT files, in seconds if it says
-nothing.
+MAT and netCDF files are read in a process of their own: a damaged one can end the process that reads it. A column
+that has no unit in its file is in the one given in `units`; those in `units` are also the units of the result. A
+column `t` is one of time in MAT files, in seconds if it says nothing.
 """
 
 from __future__ import annotations
@@ -53,8 +52,7 @@ def read_sampled(
         path: the file, or `data:<data set>/<file>`.
         inputs: columns that go in.
         outputs: columns that come out.
-        interval: sample time [s]; by default that of the rows. Where the file has no times, the
-            time between rows.
+        interval: sample time [s]; by default that of the rows. Where the file has no times, the time between rows.
         units: units of columns, such as `{"position": "mm"}`; by default those that people read.
 
     Raises:

@@ -1,9 +1,8 @@
 """`to_fmu`: a scenario or a system as an FMU for co-simulation, FMI 2.0 or 3.0.
 
-The FMU holds the model in C with its sources, libraries for the machines that there are
-compilers for, the description of everything that can be set, and the scenario that it was made
-of. The same scenario gives the same archive: times in it are fixed, and its GUID (instantiation
-token) is a hash of description and sources.
+The FMU holds the model in C with its sources, libraries for the machines that there are compilers for, the
+description of everything that can be set, and the scenario that it was made of. The same scenario gives the same
+archive: times in it are fixed, and its GUID (instantiation token) is a hash of description and sources.
 """
 
 from __future__ import annotations

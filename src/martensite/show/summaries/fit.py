@@ -14,7 +14,7 @@ from martensite.fit.compared_outputs import list_compared
 from martensite.fit.fit import Fit
 from martensite.fit.fit_verdicts import describe_predictions, format_error, list_fit_warnings
 from martensite.fit.posterior import Posterior
-from martensite.scenario.law_cautions import KIND, law_words
+from martensite.scenario.laws import KIND, law_words
 from martensite.search.free_numbers import FreeNumber
 from martensite.search.profile import Profile
 from martensite.search.quantity_text import format_number, join_phrases, list_names
