@@ -1,4 +1,4 @@
-"""Public names that are imported when they are first used.
+"""Public names that are imported when they are first used, and packages that extras bring.
 
 A package says in its stub, `__init__.pyi`, which names it offers and where they are defined;
 people, type checkers and this module read these lines. Importing such a package imports nothing
@@ -17,6 +17,21 @@ from types import FunctionType
 from typing import Any
 
 from martensite.base.argument_types import guard_arguments
+from martensite.base.errors import InputError
+
+
+def import_extra(module: str, extra: str, title: str = "") -> Any:
+    """A module that an extra of this package brings.
+
+    Raises:
+        InputError: it is not installed; the sentence names the extra.
+    """
+    try:
+        return import_module(module)
+    except ImportError:
+        raise InputError(
+            f"This needs {title or module}, which is not installed; run `pip install martensite[{extra}]`."
+        ) from None
 
 
 def list_public_names(package: str) -> dict[str, tuple[str, str]]:

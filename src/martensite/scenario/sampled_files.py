@@ -26,8 +26,9 @@ from typing import Any
 import numpy as np
 
 from martensite.base import units as unit_table
-from martensite.base.errors import DataError, InputError, suggest_name
+from martensite.base.errors import DataError, suggest_name
 from martensite.base.files import replace_file
+from martensite.base.lazy import import_extra
 from martensite.scenario.layout import CLOCK, IGNORED, read_headings
 from martensite.scenario.tables import PREFIX, read_table
 from martensite.signals.records import Record, out_of_order
@@ -191,13 +192,7 @@ def _add_times(path: Path, columns: dict[str, list[float]], units: dict[str, str
 
 
 def _read_parquet(path: Path) -> _Columns:
-    try:
-        from pyarrow import parquet  # type: ignore[import-not-found]
-    except ImportError:
-        raise InputError(
-            f"To read `{path.name}`, pyarrow is needed; install it with `pip install martensite[parquet]`."
-        ) from None
-    table: Any = _open_file(path, parquet.read_table)
+    table = _open_file(path, import_extra("pyarrow.parquet", "parquet", "pyarrow").read_table)
     return {
         name: np.asarray(table[name].to_numpy(zero_copy_only=False), dtype=float)
         for name in table.column_names
