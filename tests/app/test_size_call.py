@@ -15,7 +15,7 @@ from martensite.base.errors import InputError
 from martensite.design.sizing.candidates import judge_candidate, size_wire
 from martensite.design.sizing.margins import find_tightest, list_margins
 from martensite.design.sizing.request import WireRequest
-from martensite.scenario.plain_values import convert_to_plain
+from martensite.scenario.exact_text import convert_to_plain
 from martensite.scenario.scenario import read_scenario
 
 SMALL = {"force": "0.5 N", "stroke": "3 mm", "rate": "0.2 Hz", "supply": "5 V", "alloy": "90"}

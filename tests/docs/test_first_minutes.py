@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tomllib
 import venv
 import zipfile
 from collections.abc import Iterator
@@ -20,6 +21,7 @@ import pytest
 from fences import README, ROOT, fences
 from packaging.requirements import Requirement
 
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
 TAB = """
 import rlcompleter, martensite as ms
 complete = rlcompleter.Completer({"ms": ms}).complete
@@ -40,6 +42,13 @@ assert "<table" in result._repr_html_()
 result.plot().savefig("wire.png")
 result.save("wire.nc")
 assert abs(ms.open_result("wire.nc")["temperature"].values - result["temperature"]).max() < 1e-9
+for convert in (result.to_xarray, result.to_pandas):
+    try:
+        convert()
+    except ms.InputError as error:
+        assert "pip install martensite[xarray]" in str(error), error
+    else:
+        raise SystemExit("xarray is no part of the core")
 """
 WRONG = """
 import martensite as ms
@@ -71,7 +80,8 @@ def core_distributions(name: str = "martensite") -> Iterator[Distribution]:
     while left:
         found = distribution(left.pop())
         yield found
-        needed = map(Requirement, found.requires or ())
+        declared = PROJECT["dependencies"] if found.name == "martensite" else found.requires or ()
+        needed = map(Requirement, declared)
         wanted = {r.name for r in needed if not r.marker or r.marker.evaluate({"extra": ""})}
         left += wanted - seen
         seen |= wanted

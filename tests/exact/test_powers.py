@@ -9,8 +9,7 @@ import pytest
 from kernels import RUNTIMES, Kernel, on_lanes, traced
 
 from martensite.base.parameters import Parametrised
-from martensite.export.c_kernels import precision_of
-from martensite.export.c_operations import count_operations
+from martensite.export.c_kernels import count_operations, precision_of
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian, value_and_slope
 from martensite.kernels.floats import expand_power, find_whole_exponent

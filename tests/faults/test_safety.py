@@ -17,7 +17,7 @@ from martensite.actuators.elements.limits import ElementLimits
 from martensite.physics.electrical.base import AbstractSource
 from martensite.physics.electrical.sources import CurrentSource, PowerSource, PrescribedTemperature, VoltageSource
 from martensite.physics.electrical.switches import PwmVoltage
-from martensite.scenario.netcdf import to_dataset
+from martensite.scenario.netcdf import describe_result
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp
 from martensite.signals.step import Step
@@ -198,7 +198,7 @@ def test_a_run_within_its_limits_has_none() -> None:
 
 def test_alarms_are_saved_with_the_data() -> None:
     run = simulate(hanging_wire(), Constant(level=-1.0), 1.0, step=0.1, samples=11)
-    saved = json.loads(to_dataset(run).attrs["alarms"])
+    saved = json.loads(describe_result(run).attrs["alarms"])
     assert saved == [asdict(alarm) for alarm in run.alarms]
 
 

@@ -15,8 +15,7 @@ from thin_wire import THIN_WIRE
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
-from martensite.export.c_core import build_c_core
-from martensite.export.c_loop import build_c_loop
+from martensite.export.c_core import build_c_core, build_c_loop
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.scenario import load
 

@@ -32,13 +32,10 @@ from martensite.control.loop.parts import Controllers, Observers, Sensors
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor
-from martensite.export.c_core import CCore, build_c_core
-from martensite.export.c_example import example_text
-from martensite.export.c_example_inputs import played_by_system
-from martensite.export.c_kernels import PRECISIONS
-from martensite.export.c_loop import build_c_loop
+from martensite.export.c_core import CCore, build_c_core, build_c_loop
+from martensite.export.c_example import example_text, played_by_system
+from martensite.export.c_kernels import PRECISIONS, count_operations
 from martensite.export.c_names import make_identifier
-from martensite.export.c_operations import count_operations
 from martensite.kernels.program import Program
 from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.sine import Sine

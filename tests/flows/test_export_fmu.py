@@ -22,7 +22,7 @@ from martensite.base.errors import InputError, MartensiteError, ParameterError, 
 from martensite.base.units import find_dimensions
 from martensite.control.loop.run import simulate_bench
 from martensite.export.fmu import Fmu, binaries, to_fmu
-from martensite.export.fmu.units import base_units
+from martensite.export.fmu.variables import base_units
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.signals.held import Held
 from martensite.signals.table import Table

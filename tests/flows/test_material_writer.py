@@ -32,8 +32,7 @@ from martensite.physics.materials.base import load_material
 from martensite.physics.materials.names import NAMES
 from martensite.scenario.citations import read_bibliography
 from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
-from martensite.scenario.law_cautions import law_words
-from martensite.scenario.laws import configure_laws
+from martensite.scenario.laws import configure_laws, law_words
 from martensite.scenario.scenario import read_scenario
 
 

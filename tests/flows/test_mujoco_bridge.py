@@ -29,9 +29,8 @@ from martensite.base.errors import InputError, MartensiteError, ParameterError, 
 from martensite.base.status import Status
 from martensite.export import balance, mujoco_render
 from martensite.export.balance import LineStepEnd, settle_lines
-from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator, read_model
+from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator, holding_tensions, read_model
 from martensite.export.mujoco_render import draw_poses, render_mujoco
-from martensite.export.mujoco_rest import holding_tensions
 from martensite.export.mujoco_result import MujocoResult
 from martensite.signals.carrier import Carrier
 from martensite.signals.constant import Constant

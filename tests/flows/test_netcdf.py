@@ -13,13 +13,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import h5netcdf
+import h5py
 import numpy as np
 import pytest
 from builders import plain_system
+from fences import ROOT
 
-from martensite.base.errors import DataError
+import martensite as ms
+from martensite.base.errors import DataError, UnknownNameError
 from martensite.base.status import Status
-from martensite.scenario.netcdf import open_result, save_result, to_dataset
+from martensite.scenario.netcdf import describe_result, open_result, save_result
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.result import Result
 
@@ -53,6 +56,10 @@ def make_result(accuracy: float | None = 0.000125, status_time: float | None = 0
     )
 
 
+def load_example(name: str) -> ms.Scenario:
+    return ms.load(ROOT / "examples" / name)
+
+
 def comparable(dataset: xarray.Dataset) -> xarray.Dataset:
     """The dataset without the time at which it was made."""
     dataset = dataset.copy()
@@ -67,15 +74,28 @@ def test_a_saved_result_is_the_dataset(tmp_path: Path, known: bool) -> None:
     result = make_result() if known else make_result(None, None)
     scenario, citations = (SCENARIO, CITED) if known else ("", ())
     save_result(result, tmp_path / "a.nc", scenario, citations)
-    read = open_result(tmp_path / "a.nc")
-    made = to_dataset(result, scenario, None, citations)
-    xarray.testing.assert_identical(comparable(read), comparable(made))
-    assert {n: v.dtype for n, v in read.variables.items()} == {n: v.dtype for n, v in made.variables.items()}
+    made = comparable(describe_result(result, scenario, None, citations).to_xarray())
+    for read in (xarray.load_dataset(tmp_path / "a.nc"), open_result(tmp_path / "a.nc").to_xarray()):
+        xarray.testing.assert_identical(comparable(read), made)
+        assert {n: v.dtype for n, v in read.variables.items()} == {n: v.dtype for n, v in made.variables.items()}
+
+
+def test_xarray_and_the_package_read_the_same(tmp_path: Path) -> None:
+    """Of a batch, with texts, and of several actuators too."""
+    import xarray
+
+    wire = load_example("pwm_bias_spring.toml")
+    batch = ms.run(wire, over={"preload": ["1 N", "2 N"]}, duration="2 s", step=0.02, samples=5)
+    for name, result in (("batch", batch), ("machine", ms.run(load_example("antagonistic_wires.toml"), samples=11))):
+        result.save(tmp_path / f"{name}.nc")
+        read = open_result(tmp_path / f"{name}.nc").to_xarray()
+        xarray.testing.assert_identical(read, xarray.load_dataset(tmp_path / f"{name}.nc"))
+        assert any(one.dtype == object for one in read.variables.values())
 
 
 def test_the_dataset_holds_the_columns() -> None:
     result = make_result()
-    dataset = to_dataset(result)
+    dataset = result.to_xarray()
     assert set(dataset.data_vars) == set(OUTPUTS)
     assert list(dataset.coords) == ["time"]
     np.testing.assert_array_equal(dataset["time"], TIMES)
@@ -100,7 +120,7 @@ def test_every_variable_is_labelled_in_the_file(tmp_path: Path) -> None:
 
 def test_times_stay_numbers(tmp_path: Path) -> None:
     save_result(make_result(), tmp_path / "a.nc")
-    assert open_result(tmp_path / "a.nc")["time"].dtype == np.float64
+    assert open_result(tmp_path / "a.nc")["time"].values.dtype == np.float64
 
 
 def test_provenance_is_in_the_file(tmp_path: Path) -> None:
@@ -120,7 +140,7 @@ def test_provenance_is_in_the_file(tmp_path: Path) -> None:
 
 
 def test_what_was_not_estimated_is_no_number() -> None:
-    attributes = to_dataset(make_result(None, None)).attrs
+    attributes = describe_result(make_result(None, None)).attrs
     assert "accuracy" not in attributes and "status_time" not in attributes
 
 
@@ -176,7 +196,7 @@ def test_saving_replaces_an_older_file(tmp_path: Path) -> None:
     target = tmp_path / "a.nc"
     target.write_text("old")
     save_result(make_result(), target)
-    assert open_result(target).sizes["time"] == len(TIMES)
+    assert len(open_result(target)["time"].values) == len(TIMES)
     assert list(tmp_path.iterdir()) == [target]
 
 
@@ -195,15 +215,49 @@ def test_reading_what_is_no_result_is_a_sentence(tmp_path: Path) -> None:
         file.attrs["title"] = "something else"
     with pytest.raises(DataError, match="lacks `time`"):
         open_result(tmp_path / "other.nc")
+    with h5py.File(tmp_path / "loop.nc", "w") as file:
+        file["time"] = h5py.SoftLink("/time")
+    with pytest.raises(DataError, match=r"loop\.nc.*cannot be read"):
+        open_result(tmp_path / "loop.nc")
 
 
-def test_saving_needs_no_xarray(tmp_path: Path) -> None:
-    code = (
-        "import sys\n"
-        f"sys.path[:0] = {[str(Path(__file__).parent), *sys.path]!r}\n"
-        "sys.modules['xarray'] = sys.modules['pandas'] = None\n"
-        "from test_netcdf import make_result, save_result\n"
-        f"save_result(make_result(), {str(tmp_path / 'a.nc')!r})\n"
-    )
-    subprocess.run([sys.executable, "-W", "ignore", "-c", code], check=True)
-    assert open_result(tmp_path / "a.nc").sizes["time"] == len(TIMES)
+def test_a_name_that_is_not_there_is_a_sentence(tmp_path: Path) -> None:
+    save_result(make_result(), tmp_path / "a.nc")
+    saved = open_result(tmp_path / "a.nc")
+    with pytest.raises(UnknownNameError, match="Did you mean `temperature`"):
+        saved["temperatur"]
+    assert "temperature [K] ('time',) (5,)" in repr(saved)
+
+
+HIDDEN = """
+import sys
+sys.path[:0] = {path!r}
+sys.modules["xarray"] = sys.modules["pandas"] = None  # as if they were not installed
+from test_netcdf import make_result, ms, open_result, save_result
+result = make_result()
+save_result(result, {file!r})
+read = open_result({file!r})
+assert list(read["temperature"].values) == list(result["temperature"])
+for ask in (result.to_xarray, read.to_xarray, result.to_pandas, lambda: ms.design.open_sweep("x.zarr"),
+            lambda: ms.design.run_sweep("x.toml", over=["diameter=1..2 mm:2"], out="x.zarr")):
+    try:
+        ask()
+    except ms.InputError as error:
+        print(error)
+"""
+
+
+def test_files_need_no_xarray(tmp_path: Path) -> None:
+    path, file = [str(Path(__file__).parent), *sys.path], str(tmp_path / "a.nc")
+    code = HIDDEN.format(path=path, file=file)
+    done = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    need = "This needs {}, which is not installed; run `pip install martensite[{}]`."
+    wanted = [
+        ("xarray", "xarray"),
+        ("xarray", "xarray"),
+        ("pandas", "xarray"),
+        ("xarray", "sweep"),
+        ("xarray", "sweep"),
+    ]
+    assert done.stdout.splitlines() == [need.format(*one) for one in wanted]

@@ -54,7 +54,7 @@ def test_a_batch_is_a_result_with_one_more_dimension(tmp_path: Path) -> None:
     assert batch.to_pandas().shape == (102, len(batch.columns))
     batch.save(tmp_path / "batch.nc")
     found = ms.open_result(tmp_path / "batch.nc")
-    assert found.sizes == {"variant": 2, "time": 51}
+    assert found.to_xarray().sizes == {"variant": 2, "time": 51}
     assert found["position"].values.tolist() == batch["position"].tolist()
     assert found["status"].values.tolist() == ["OK", "OK"]
     figure = batch.plot(tmp_path / "batch.svg")

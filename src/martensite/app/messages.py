@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any, cast
 
 from martensite.base.errors import InputError, MartensiteError
-from martensite.scenario.plain_values import convert_to_plain
+from martensite.scenario.exact_text import convert_to_plain
 
 Request = Mapping[str, Any]
 """What a call is asked, as it came from outside: read entry by entry with `require_entry`."""

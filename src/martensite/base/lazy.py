@@ -1,4 +1,4 @@
-"""Public names that are imported when they are first used.
+"""Public names that are imported when they are first used, and packages that extras bring.
 
 A package says in its stub, `__init__.pyi`, which names it offers and where they are defined;
 people, type checkers and this module read these lines. Importing such a package imports nothing
@@ -22,6 +22,20 @@ from typing import Any, TypeVar, Union, get_args, get_origin
 from martensite.base.errors import InputError
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def import_extra(module: str, extra: str, title: str = "") -> Any:
+    """A module that an extra of this package brings.
+
+    Raises:
+        InputError: it is not installed; the sentence names the extra.
+    """
+    try:
+        return import_module(module)
+    except ImportError:
+        raise InputError(
+            f"This needs {title or module}, which is not installed; run `pip install martensite[{extra}]`."
+        ) from None
 
 
 def list_public_names(package: str) -> dict[str, tuple[str, str]]:

@@ -74,10 +74,8 @@ def _check_files(folder: Path, name: str, force: bool) -> list[Path]:
 
 def _make_core(loaded: Scenario, name: str, part: str, precision: str) -> tuple[CCore, str]:
     """The core of a part of a scenario, and the text of its example."""
-    from martensite.export.c_core import build_c_core
-    from martensite.export.c_example import example_text
-    from martensite.export.c_example_inputs import played_by_loop, played_by_system
-    from martensite.export.c_loop import build_c_loop
+    from martensite.export.c_core import build_c_core, build_c_loop
+    from martensite.export.c_example import example_text, played_by_loop, played_by_system
 
     if loaded.outside and part != "plant":
         kind = next(iter(loaded.outside.values())).registered_name
@@ -98,7 +96,7 @@ def _make_core(loaded: Scenario, name: str, part: str, precision: str) -> tuple[
 
 def _summarise_core(core: CCore, part: str) -> Summary:
     """What was written, and how many operations every call takes at most."""
-    from martensite.export.c_operations import ORDER
+    from martensite.export.c_kernels import ORDER
 
     counts = {
         "parameters": len(core.parameters),

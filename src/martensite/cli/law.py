@@ -56,9 +56,9 @@ def law(
 ) -> None:
     """Drive laws along a path: a summary, a figure, a table."""
     import_modules(modules)
+    from martensite.scenario.csv_files import write_points
     from martensite.scenario.laws import configure_laws
     from martensite.scenario.overrides import read_settings
-    from martensite.scenario.points import write_points
     from martensite.show.figures.files import write_figure
     from martensite.show.figures.law_paths import plot_point
     from martensite.show.summaries.law import summarise_laws

@@ -134,7 +134,6 @@ def _ask_elements(
 
 
 def _sum_others(row: Sequence[float], forces: Sequence[float], own: int) -> float:
-    """What the other forces take from a path [m]."""
     return sum(s * f for j, (s, f) in enumerate(zip(row, forces, strict=True)) if j != own)
 
 
@@ -145,7 +144,6 @@ def _solve_springs(
     seen: Sequence[ElementTurn],
     before: Sequence[ElementTurn],
 ) -> list[float]:
-    """Forces [N] of the elements as springs."""
     matrix, free = np.array(give), np.zeros(len(seen))
     for i, one in enumerate(seen):
         yields = _compute_yield(one, before[i] if before else None, give[i][i])

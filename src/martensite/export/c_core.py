@@ -1,26 +1,32 @@
-"""`c_core`: a system or a bench as C99, for microcontrollers and for FMUs.
+"""A system, a bench, or the loop of a bench as C99, for microcontrollers and for FMUs.
 
 The C is printed from the kernels that every simulation runs: there is no second physics. A
 model is one struct of numbers; what acts on it allocates nothing and needs no library but libm.
+A loop is what one would flash: observers, controllers and supervisor of a bench, by the same kernels
+as those of `martensite.control.loop.realtime.RealtimeStep`, without the plant.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from martensite.actuators.assembly import PROFILES, AbstractSystem
+from martensite.base.errors import ParameterError
 from martensite.base.files import replace_file
-from martensite.control.loop.names import JITTER, NOISE
-from martensite.export.c_kernels import Precision, precision_of, used_parameters
+from martensite.control.loop.bench import Bench
+from martensite.control.loop.names import AGE, ALARM, JITTER, NOISE, list_readings, list_references, reference_units
+from martensite.control.loop.names import list_estimates as estimate_outputs
+from martensite.control.loop.period import collect_estimates
+from martensite.control.loop.realtime_program import LoopState, TracedLoop, list_reads, trace_loop
+from martensite.export.c_kernels import Precision, count_operations, precision_of, used_parameters
 from martensite.export.c_names import CoreVariable, checked_identifier, list_parameters, list_variables, make_identifier
-from martensite.export.c_operations import count_operations
 from martensite.export.c_source import source_text
 from martensite.export.c_text import CoreLayout, count_elements, header_text
-from martensite.kernels.program import Program
+from martensite.kernels.program import Function, Program
 from martensite.simulate.compiled import compile_system
 
 Rows = list[tuple[str, str, str]]
@@ -151,14 +157,12 @@ def core_of(
 
 
 def _sample_path(whole: AbstractSystem) -> str | None:
-    """Path of the number that is the sample time of a system in discrete time."""
     twin = whole.rebuilt({leaf.path: leaf.path for leaf in whole.leaves()})
     found: Any = twin.sample_time()
     return found if isinstance(found, str) else None
 
 
 def _count_operations(program: Program) -> dict[str, dict[str, int]]:
-    """Counts of all functions."""
     graph, known = program.graph, program.hoisted_nodes
     found = {"prepare": count_operations(graph, known)}
     called = {"init": "start", "step": "step", "observe": "observe"}
@@ -180,7 +184,6 @@ def _describe_drives(system: AbstractSystem) -> Rows:
 
 
 def _describe_drive(drive: str) -> str:
-    """What a drive is that is no output."""
     if drive.startswith((NOISE, JITTER)):
         return "standard normal number, or 0"
     return f"signal of {drive}"
@@ -191,3 +194,67 @@ def _list_outputs(system: AbstractSystem, names: Sequence[str]) -> Rows:
     known = system.outputs()
     described = [known[name] if name in known else PROFILES[name.split("[")[0]] for name in names]
     return [(name, o.unit, o.long_name) for name, o in zip(names, described, strict=True)]
+
+
+# ---------------------------------------------------------------- loops
+
+
+def build_c_loop(bench: Bench, *, name: str | None = None, precision: str = "float64") -> CCore:
+    """Observers, controllers and supervisor of a bench as C, without its plant.
+
+    Inputs are the readings, their ages, the references and the signals that no controller has.
+    `NAME_start` is the first sample, `NAME_step` every other, with the period for dt; outputs are
+    the signals of the drives for the period that begins, the alarm, and what observers estimate.
+
+    Raises:
+        ParameterError: as for `c_core`; or there is no controller.
+    """
+    if not bench.controllers.members():
+        raise ParameterError("The loop of a bench without controllers gives no signals.")
+    traced = trace_loop(bench)
+    program, seen = _loop_program(bench, traced)
+    return core_of(
+        bench,
+        program,
+        traced.size,
+        _loop_inputs(bench),
+        seen,
+        name=name,
+        precision=precision_of(precision),
+        reports=False,
+        pruned=True,
+    )
+
+
+def _loop_inputs(bench: Bench) -> Rows:
+    known, names = list_readings(bench), list_reads(bench)
+    rows = [(name, known[name].unit, known[name].long_name) for name in names]
+    rows += [(name + AGE, "s", f"age of {name}") for name in names]
+    followed = zip(list_references(bench), reference_units(bench), strict=True)
+    rows += [(name, unit, "what the controller shall follow") for name, unit in followed]
+    taken = bench.controllers.members()
+    free = [drive for drive in bench.plant.drives() if drive.name not in taken]
+    return rows + [(drive.name, drive.unit, f"signal of {drive.name}") for drive in free]
+
+
+def _loop_program(bench: Bench, traced: TracedLoop) -> tuple[Program, Rows]:
+    """The traced loop with a function that picks what it says from its state, and its outputs."""
+    program, step = traced.program, traced.program.functions["step"]
+    names = step.inputs[: traced.size]
+    loop: LoopState = traced.shape.rebuild([program.graph.input(name, 0) for name in names])
+    drives = bench.plant.drives()
+    rows = [(one.name, one.unit, f"signal of {one.name}") for one in drives]
+    nodes: list[Any] = list(loop.signals)
+    if bench.supervisor is not None:
+        rows.append((ALARM, "1", "alarm of the supervisor"))
+        nodes.append(loop.alarm)
+    words = estimate_outputs(bench)
+    for name, node in collect_estimates(bench, loop.observers).items():
+        rows.append((name, words[name].unit, words[name].long_name))
+        nodes.append(node)
+    functions = {
+        "init": replace(program.functions["begin"], name="init"),
+        "step": step,
+        "observe": Function("observe", names, tuple(nodes)),
+    }
+    return Program(program.graph, program.parameters, functions), rows

@@ -11,70 +11,13 @@ from martensite.base import units
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Leaf
 
-KEYWORDS = frozenset(
-    (
-        "alignas",
-        "alignof",
-        "asm",
-        "auto",
-        "bool",
-        "break",
-        "case",
-        "catch",
-        "char",
-        "class",
-        "const",
-        "continue",
-        "default",
-        "delete",
-        "do",
-        "double",
-        "else",
-        "enum",
-        "explicit",
-        "export",
-        "extern",
-        "false",
-        "float",
-        "for",
-        "friend",
-        "goto",
-        "if",
-        "inline",
-        "int",
-        "long",
-        "mutable",
-        "namespace",
-        "new",
-        "operator",
-        "private",
-        "protected",
-        "public",
-        "register",
-        "restrict",
-        "return",
-        "short",
-        "signed",
-        "sizeof",
-        "static",
-        "struct",
-        "switch",
-        "template",
-        "this",
-        "throw",
-        "true",
-        "try",
-        "typedef",
-        "typename",
-        "union",
-        "unsigned",
-        "using",
-        "virtual",
-        "void",
-        "volatile",
-        "while",
-    )
-)
+_WORDS = """
+alignas alignof asm auto bool break case catch char class const continue default delete do double else enum
+explicit export extern false float for friend goto if inline int long mutable namespace new operator private
+protected public register restrict return short signed sizeof static struct switch template this throw true
+try typedef typename union unsigned using virtual void volatile while
+"""
+KEYWORDS = frozenset(_WORDS.split())
 """Of C and C++."""
 
 

@@ -45,7 +45,6 @@ def _fill_text(core: CoreLayout, text: str) -> str:
 
 
 def _print_tables(core: CoreLayout) -> str:
-    """Least, greatest and given values of the parameters."""
     low = [_print_bound(core, v, v.low) for v in core.parameters]
     high = [_print_bound(core, v, v.high) for v in core.parameters]
     values = [core.precision.literal(v.default) for v in core.parameters]

@@ -86,13 +86,11 @@ It is a system in discrete time: a step goes on by one sample, and dt must be th
 
 
 def _format_comment(text: str) -> str:
-    """A comment of several lines."""
     lines = [f" * {line}".rstrip() for line in _escape_comment(text).split("\n")]
     return "\n".join(["/*", *lines, " */"]) + "\n"
 
 
 def _escape_comment(text: str) -> str:
-    """Text that ends no comment."""
     return text.replace("*/", "* /").replace("/*", "/ *")
 
 
@@ -109,7 +107,6 @@ def _print_counts(core: CoreLayout) -> str:
 
 
 def _print_indices(title: str, name: str, variables: Sequence[CoreVariable]) -> str:
-    """An enum of places in an array."""
     if not variables:
         return ""
     last = len(variables) - 1

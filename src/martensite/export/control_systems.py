@@ -15,13 +15,13 @@ python-control comes with `pip install martensite[control]`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, suggest_name
+from martensite.base.lazy import import_extra
 from martensite.control.loop.names import JITTER, NOISE
 from martensite.design.synthesis.linear import linearise_plant
 from martensite.design.synthesis.operating_point import SteadyPoint
@@ -42,7 +42,7 @@ def to_control(chain: Chain) -> Any:
     Raises:
         InputError: python-control is not installed.
     """
-    control = _import_control()
+    control = import_extra("control", "control", "python-control")
     step = _Step(chain)
     return control.NonlinearIOSystem(
         step.update,
@@ -65,7 +65,7 @@ def to_state_space(system: Chain | LinearSystem, level: Any = 0.0) -> Any:
     Raises:
         InputError: python-control is not installed, or the level does not fit.
     """
-    control = _import_control()
+    control = import_extra("control", "control", "python-control")
     linear = system if isinstance(system, LinearSystem) else linearise_chain(system, level)
     slim = linear.reduce_states()
     return control.ss(
@@ -95,7 +95,7 @@ def to_nonlinear_system(
     Raises:
         InputError: python-control is not installed, a name does not fit, or no period is given.
     """
-    control = _import_control()
+    control = import_extra("control", "control", "python-control")
     step = _PlantStep(system, period, outputs)
     return control.nlsys(
         step.update,
@@ -142,7 +142,7 @@ def plant_state_space(
     Raises:
         InputError: python-control is not installed, or a name does not fit.
     """
-    control = _import_control()
+    control = import_extra("control", "control", "python-control")
     linear = linearise_plant(point, period, inputs=inputs)
     chosen = _choose_names(outputs, linear.output_names)
     rows = [linear.output_names.index(name) for name in chosen]
@@ -176,7 +176,6 @@ def _walk_numbers(name: str, nested: Any) -> Iterator[str]:
 
 
 def _choose_names(wanted: Sequence[str] | None, known: Sequence[str]) -> list[str]:
-    """Names that were asked for, or all."""
     for name in wanted or ():
         if name not in known:
             raise InputError(f"There is no output `{name}`. {suggest_name(name, known)}")
@@ -250,12 +249,3 @@ class _Step:
 def _remove_dots(text: str) -> str:
     """A name that python-control takes: it refuses dots."""
     return text.replace(".", "_")
-
-
-def _import_control() -> Any:
-    try:
-        return import_module("control")
-    except ImportError:
-        raise InputError(
-            "This needs python-control, which is not installed; run `pip install martensite[control]`."
-        ) from None

@@ -4,9 +4,8 @@ Every environment is a lane of one `Lanes`. What an episode needs is drawn when 
 random numbers of that environment alone: its reference, its plant, the noise of its sensors. So
 an environment goes the same way alone as beside others.
 
-Actions go from -1 to 1 between the lowest and highest signal of a drive. Observations are
-readings, the reference now and its preview, scaled so that their ranges become -1 to 1, and cut at
-±2.
+Actions go from -1 to 1 between the lowest and highest signal of a drive. Observations are readings, the reference now
+and its preview, scaled so that their ranges become -1 to 1, and cut at ±2.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from martensite.base.errors import InputError
+from martensite.base.lazy import import_extra
 from martensite.control.loop.bench import Bench
 from martensite.export.episodes import BOUND, Episodes
 from martensite.export.learning_task import LearningTask
@@ -34,12 +34,7 @@ def import_gymnasium() -> Any:
     Raises:
         InputError: Gymnasium is not installed.
     """
-    try:
-        return import_module("gymnasium")
-    except ImportError:
-        raise InputError(
-            "This needs Gymnasium, which is not installed; run `pip install martensite[gymnasium]`."
-        ) from None
+    return import_extra("gymnasium", "gymnasium", "Gymnasium")
 
 
 def build_spaces(episodes: Episodes) -> tuple[Any, Any]:

@@ -86,7 +86,6 @@ class SmaVectorEnv(BASE):
         return found, _arrange_info(shown, which)
 
     def _seed_environments(self, seed: int | Sequence[int | None] | None, which: Any) -> None:
-        """Random numbers of the environments that are meant."""
         count, fresh = self.num_envs, import_gymnasium().utils.seeding.np_random
         seeds = [seed] * count if seed is None else seed
         seeds = [seeds + k for k in range(count)] if isinstance(seeds, int) else list(seeds)
@@ -133,7 +132,6 @@ class SmaVectorEnv(BASE):
 
 
 def _find_mode(name: str) -> Any:
-    """A mode by its name."""
     if name not in MODES:
         raise InputError(f"There is no autoreset mode `{name}`. {suggest_name(name, MODES)}")
     return MODES[name]

@@ -2,9 +2,8 @@
 
     r = −|y* − y| / (high − low) − w P T − penalty where a limit is exceeded
 
-is the reward of a period T, with the true output y, its reference y*, the electrical power P of
-all elements and the weight w. Every episode draws its own reference and, within declared spreads,
-its own plant:
+is the reward of a period T, with the true output y, its reference y*, the electrical power P of all elements and the
+weight w. Every episode draws its own reference and, within declared spreads, its own plant:
 
     p = p₀ (1 + s z),    temperatures p = p₀ + s z,    z evenly spread in [-1, 1]
 
@@ -89,7 +88,6 @@ class LearningTask:
 
 
 def _draw_steps(task: LearningTask, rng: np.random.Generator, times: Numbers) -> Numbers:
-    """Levels anywhere in the range, each held for some time."""
     shortest, longest = task.hold or tuple(share * task.duration for share in SHARES)
     found, begin = np.empty_like(times), 0.0
     while begin <= times[-1]:
@@ -100,7 +98,6 @@ def _draw_steps(task: LearningTask, rng: np.random.Generator, times: Numbers) ->
 
 
 def _draw_sine(task: LearningTask, rng: np.random.Generator, times: Numbers) -> Numbers:
-    """One sine within the range, of any middle, amplitude, frequency and phase."""
     slow, fast = task.frequency or tuple(turns / task.duration for turns in TURNS)
     middle = rng.uniform(task.low, task.high)
     most = min(middle - task.low, task.high - middle)
@@ -192,7 +189,6 @@ def observed_readings(bench: Bench, task: LearningTask) -> dict[str, tuple[float
 
 
 def _require_ranges(ranges: Mapping[str, tuple[float, float]]) -> None:
-    """Raise `InputError` unless all ranges are some."""
     for name, (low, high) in ranges.items():
         if not (math.isfinite(low) and math.isfinite(high) and low < high):
             raise InputError(f"The range of `{name}` must be one, but is {low:g} to {high:g}.")

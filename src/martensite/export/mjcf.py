@@ -76,14 +76,12 @@ def bridge_of(
 ) -> tuple[str, MujocoBridge]:
     """A system as MJCF text, and as a bridge in which its elements move that model.
 
-    The elements are at the start as they are in a run of the system. Run it under
-    `tendon_signals(system, waveform)`.
+    The elements are at the start as they are in a run of the system. Run it under `tendon_signals(system, waveform)`.
 
     Args:
         system: a `System` or a `Machine`.
         timestep: of the model [s].
-        coupling: `centred` is of second order, as runs of a system are; `end` is stable at any
-            step.
+        coupling: `centred` is of second order, as runs of a system are; `end` is stable at any step.
 
     Raises:
         InputError: it cannot be written, or MuJoCo is missing.

@@ -8,10 +8,9 @@ Exact, so that MuJoCo moves it by the equation of `martensite.actuators.mechanis
     fixed spring      a tendon of stiffness k and rest length H - δ₀
     inertia, damping  those of the hinge; the centre of mass is on it
 
-End stops, and brackets that meet at 2 φ, are the limits of the joint; of two at one side only
-the nearer. At rest they have the stiffness K of the mechanism; but they are critically damped,
-with a time constant t of two steps, where the mechanism bounces. With MuJoCo's impedance d a
-limit that is overrun by x holds the torque
+End stops, and brackets that meet at 2 φ, are the limits of the joint; of two at one side only the nearer. At rest
+they have the stiffness K of the mechanism; but they are critically damped, with a time constant t of two steps, where
+the mechanism bounces. With MuJoCo's impedance d a limit that is overrun by x holds the torque
 
     I s x/(1 - d),        hence s = K (1 - d)/I,        d = 1/(1 + I/(K t²)).
 
@@ -79,7 +78,6 @@ def _check_finger(finger: Finger) -> None:
 
 
 def _describe_joint(finger: Finger, timestep: float) -> dict[str, Value]:
-    """Attributes of the hinge."""
     found: dict[str, Value] = {"name": "angle", "axis": "0 1 0", "damping": finger.damping}
     if finger.spring == "follower":
         found["stiffness"] = finger.stiffness * finger.arm**2
@@ -121,7 +119,6 @@ def _fixed_spring(model: Model, body: Element, finger: Finger) -> None:
 
 
 def _add_phalanx(parent: Element, finger: Finger, side: float, colour: str) -> None:
-    """What is seen of a phalanx: a bar of four bracket distances, and its bracket."""
     r, g = finger.offset, finger.bracket
     append_element(
         parent, "geom", type="box", size=(1.9 * g, 0.6 * r, 0.3 * r), pos=(2.1 * side * g, 0, 0), rgba=colour

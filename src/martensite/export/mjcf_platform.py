@@ -1,10 +1,9 @@
 """The parallel platform as MJCF: a plate on two hinges, and a straight tendon at every vertex.
 
-The frame of `martensite.actuators.mechanics.platform_kinematics` has Z down; here z is up, so its
-points (X, Y, Z) are at (X, -Y, -Z). The hinge `beta` turns about -y and carries `alpha` about x,
-which makes R_Y(β) R_X(α). Plate and joint are exact: mass, moments of inertia I, I and 2 I at the
-centroid, its height over the joint, gravity, damping. What is drawn of plates and post is no part
-of the mechanism.
+The frame of `martensite.actuators.mechanics.platform_kinematics` has Z down; here z is up, so its points (X, Y, Z)
+are at (X, -Y, -Z). The hinge `beta` turns about -y and carries `alpha` about x, which makes R_Y(β) R_X(α). Plate and
+joint are exact: mass, moments of inertia I, I and 2 I at the centroid, its height over the joint, gravity, damping.
+What is drawn of plates and post is no part of the mechanism.
 """
 
 from __future__ import annotations
@@ -49,13 +48,11 @@ def write_platform(model: Model, platform: ParallelPlatform, timestep: float) ->
 
 
 def _add_vertices(parent: Element, name: str, side: float, height: float) -> None:
-    """Sites at the vertices of a plate."""
     for i, (x, y) in enumerate(locate_corners(side)):
         append_element(parent, "site", name=f"{name}{i}", pos=(x, -y, height), size=0.012 * side)
 
 
 def _add_mesh(model: Model, side: float) -> None:
-    """A thin triangle."""
     half = 0.008 * side
     points = [v for z in (-half, half) for x, y in locate_corners(side) for v in (x, -y, z)]
     append_element(model.asset, "mesh", name="plate", vertex=points)

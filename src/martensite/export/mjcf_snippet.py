@@ -1,10 +1,9 @@
 """What a MuJoCo model of one's own needs for the elements of a system: lines to paste.
 
-Per element that is a tendon through sites and a motor that turns control into force. The
-document can also be included, by MuJoCo's `<include file="..."/>`; sites are in its comment,
-for they belong into the bodies of the model. For a mechanism that has a writer in
-`martensite.export.mjcf` sites and paths are those of its model; any other gets two sites per
-element, at places that are left to the reader.
+Per element that is a tendon through sites and a motor that turns control into force. The document can also be
+included, by MuJoCo's `<include file="..."/>`; sites are in its comment, for they belong into the bodies of the model.
+For a mechanism that has a writer in `martensite.export.mjcf` sites and paths are those of its model; any other gets
+two sites per element, at places that are left to the reader.
 
 MuJoCo counts the force of a tendon as positive where it lengthens it, so with `gear="-1"` the
 control is the tension [N].
@@ -73,7 +72,6 @@ def to_mjcf_snippet(system: AbstractSystem) -> str:
 
 
 def _list_sites_and_paths(system: AbstractSystem) -> Parts:
-    """Sites and paths of the model of a mechanism."""
     model, ports = model_of(system), set(system.actuators())
     tendons = [one for one in model.tendons if one.get("name") in ports]
     used = {site.get("site") for one in tendons for site in one}
@@ -84,7 +82,6 @@ def _list_sites_and_paths(system: AbstractSystem) -> Parts:
 
 
 def _left_open(system: AbstractSystem) -> Parts:
-    """Two sites per element, and a tendon between them."""
     sites: list[tuple[str, Element]] = []
     tendons = [Element("spatial", name=port, width="0.0006", rgba=ORANGE) for port in system.actuators()]
     for end, body in (("holder", "the body that holds one end"), ("pulled", "the body it pulls")):
@@ -96,7 +93,6 @@ def _left_open(system: AbstractSystem) -> Parts:
 
 
 def _write_sites(sites: list[tuple[str, Element]]) -> Iterator[str]:
-    """A line for every site, under the body that it belongs to."""
     before = ""
     for place, site in sites:
         if place != before:

@@ -32,9 +32,12 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from martensite.actuators.assembly import Actuator
-from martensite.base.errors import InputError, ParameterError, UnknownNameError, suggest_name
+from martensite.base.errors import InputError, ParameterError, SolveError, UnknownNameError, suggest_name
 from martensite.base.parameters import param, part
+from martensite.export.balance import solve_nonnegative
 from martensite.export.mujoco_plant import TendonPlant, load_mujoco, scalar_joints
 from martensite.export.mujoco_result import MujocoResult
 from martensite.export.mujoco_step import Solved, solve_step
@@ -45,6 +48,12 @@ from martensite.signals.constant import Constant
 from martensite.simulate.grid import MOST_STEPS, place_signal, require_unit
 
 COUPLINGS = {"end": END, "centred": CENTRED}
+TRIED = 1.0
+"""Difference of a tension by which slopes are measured [N]."""
+WEAK = 1e-9
+"""Share of the largest slope that is added to all, so that tendons may balance each other."""
+HELD = 1e-3
+"""Share of the motion without tensions that may be left."""
 
 
 class TendonActuator(Actuator):
@@ -181,7 +190,6 @@ class MujocoBridge:
         result.sample(self.data, self.observe(now), places)
 
     def _signals(self, waves: Mapping[str, AbstractWaveform], time: float) -> dict[str, float]:
-        """The signals of the step that begins at a time [s]."""
         found: dict[str, float] = {}
         for strand in self.strands:
             part = place_signal(strand.system.source.sets_temperature)
@@ -191,7 +199,6 @@ class MujocoBridge:
     def _waveforms(
         self, signals: Mapping[str, AbstractWaveform | float], duration: float
     ) -> dict[str, AbstractWaveform]:
-        """A checked waveform per tendon."""
         if not 0.0 < duration < math.inf:
             raise ParameterError(f"Argument `duration` must be above 0 s, but is {duration}.")
         self._match(signals)
@@ -209,7 +216,6 @@ class MujocoBridge:
         return found
 
     def _match(self, signals: Mapping[str, object]) -> None:
-        """Raise `InputError` unless there is one signal per tendon."""
         tendons = [strand.name for strand in self.strands]
         for name in signals:
             if name not in tendons:
@@ -250,3 +256,39 @@ def begin_data(model: Any, keyframe: str | None) -> Any:
             raise UnknownNameError("keyframe of the model is", keyframe, known)
         mujoco.mj_resetDataKeyframe(model, data, index)
     return data
+
+
+def holding_tensions(
+    model: Any, tendons: Sequence[str], *, data: Any = None, keyframe: str | None = None
+) -> dict[str, float]:
+    """Tensions [N] that hold a model still at its tendons; the `start_force` of its elements.
+
+    Of a step from rest MuJoCo is asked how far the tendons get, without tensions and with them. Where several tendons
+    can share a load, the smallest tensions (in the sum of squares) are taken: add to them what should be preload.
+
+    Args:
+        model: an `MjModel`, or the path of an MJCF file, or MJCF text.
+        tendons: those that may pull; they need actuators as for `MujocoBridge`.
+        data: the `MjData` in the pose that is to be held; it is left as it is.
+        keyframe: name of the keyframe with that pose, instead of `data`.
+
+    Raises:
+        InputError: the model cannot be driven so.
+        SolveError: no tensions of these tendons hold it.
+    """
+    model = read_model(model)
+    plant = TendonPlant(model, begin_data(model, keyframe) if data is None else data, tendons)
+    plant.remember_state(still=True)
+    none = [0.0] * len(tendons)
+    here, ends = plant.lengths(), plant.after(none)
+    slopes = np.array(plant.gives(none, ends, [TRIED] * len(tendons)))
+    away = np.array(ends) - here
+    weak = WEAK * np.eye(len(none)) * np.diag(slopes).max()
+    tensions = solve_nonnegative(0.5 * (slopes + slopes.T) + weak, away, np.zeros(len(none)))
+    left = np.array(plant.after(tensions.tolist())) - here
+    if not np.abs(left).max() <= HELD * np.abs(away).max():
+        raise SolveError(
+            f"No tensions of {', '.join(tendons)} hold the model in this pose; give `start_force` "
+            "by hand, or another pose."
+        )
+    return dict(zip(tendons, tensions.tolist(), strict=True))

@@ -1,8 +1,7 @@
 """A Python program that moves a MuJoCo model with the elements of a scenario.
 
-It is written from the template below, with the text of the scenario, the names of the tendons
-and the forces at the start in it. Its loop is that of `MujocoBridge.run`, step for step, laid
-open so that controllers can act in it.
+It is written from the template below, with the text of the scenario, the names of the tendons and the forces at the
+start in it. Its loop is that of `MujocoBridge.run`, step for step, laid open so that controllers can act in it.
 """
 
 from __future__ import annotations
@@ -60,7 +59,6 @@ def driver_text(
 
 
 def _make_relative(path: Path, other: Path) -> str:
-    """Another file, as seen from the folder of a file."""
     try:
         return Path(os.path.relpath(other.absolute(), path.absolute().parent)).as_posix()
     except ValueError:  # on another drive
@@ -72,12 +70,10 @@ def _load_module(path: Path, name: str) -> str:
 
 
 def _write_text(value: str) -> str:
-    """A text as Python writes it."""
     return json.dumps(value, ensure_ascii=False)
 
 
 def _quote_text(text: str) -> str:
-    """A text of several lines between triple quotes."""
     inner = text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
     return f'"""\\\n{inner.rstrip()}\n"""'
 

@@ -8,32 +8,25 @@ A tendon needs an actuator that turns control into force, without bias and witho
 
     <actuator><general tendon="wire" gainprm="1" biastype="none"/></actuator>
 
-MuJoCo counts the force of a tendon as positive when it lengthens it, so a tension F is the
-control -F/(gain · gear).
+MuJoCo counts the force of a tendon as positive when it lengthens it, so a tension F is the control -F/(gain · gear).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
 from martensite.base.errors import InputError, SolveError, UnknownNameError
+from martensite.base.lazy import import_extra
 
 LINE = '<actuator><general tendon="{}" gainprm="1" biastype="none"/></actuator>'
 
 
 def load_mujoco() -> Any:
     """The module `mujoco`, or `InputError` where it is not installed."""
-    try:
-        return import_module("mujoco")
-    except ImportError as error:
-        raise InputError(
-            f"This needs MuJoCo, which could not be imported ({error}); install it with "
-            "`pip install 'martensite[mujoco]'`."
-        ) from None
+    return import_extra("mujoco", "mujoco", "MuJoCo")
 
 
 class TendonPlant:

@@ -2,7 +2,8 @@
 
 Drawing needs OpenGL. Without a screen there are two ways, `egl` and `osmesa`; they are tried one
 after the other, and then `glfw` with a screen, unless the environment variable `MUJOCO_GL` names
-one. Frames are drawn in a process of their own (`martensite.export.mujoco_frames`).
+one. Frames are drawn in a process of their own (this module, as a program), because MuJoCo chooses its
+graphics when it is imported, and because a graphics driver that fails may end the process.
 """
 
 from __future__ import annotations
@@ -108,11 +109,10 @@ def _list_backends() -> tuple[str, ...]:
 
 
 def _draw_in_process(folder: Path, backend: str) -> str | None:
-    """Draw in a process of its own; what went wrong, or None."""
     here = str(Path(__file__).resolve().parents[2])
     paths = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH")]))
     environment = os.environ | {"MUJOCO_GL": backend, "PYTHONPATH": paths}
-    command = [sys.executable, "-m", "martensite.export.mujoco_frames", str(folder)]
+    command = [sys.executable, "-m", "martensite.export.mujoco_render", str(folder)]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     if done.returncode == 0:
         return None
@@ -121,7 +121,6 @@ def _draw_in_process(folder: Path, backend: str) -> str | None:
 
 
 def _find_pose(result: MujocoResult, time: float) -> list[float]:
-    """The sampled pose nearest to a time [s]."""
     nearest = min(range(len(result.times)), key=lambda k: abs(result.times[k] - time))
     return result.poses[nearest]
 
@@ -156,7 +155,6 @@ def _write_film(frames: np.ndarray, path: Path, fps: float) -> Path:
 
 
 def _find_ffmpeg() -> str | None:
-    """The program ffmpeg: on the PATH, or that of the package `imageio-ffmpeg`."""
     found = shutil.which("ffmpeg")
     if found is None:
         try:
@@ -172,29 +170,9 @@ def _write_mp4(program: str, frames: np.ndarray, path: Path, fps: float) -> None
     """H.264 in an MP4, whose sides must be even: an odd last line or column is left out."""
     _, height, width, _ = frames.shape
     with replace_file(path) as part:
-        command = [
-            program,
-            "-y",
-            "-loglevel",
-            "error",
-            "-f",
-            "rawvideo",
-            "-pix_fmt",
-            "rgb24",
-            "-s",
-            f"{width}x{height}",
-            "-r",
-            f"{fps}",
-            "-i",
-            "-",
-            "-vf",
-            "crop=trunc(iw/2)*2:trunc(ih/2)*2",
-            "-pix_fmt",
-            "yuv420p",
-            "-f",
-            "mp4",
-            str(part),
-        ]
+        read = f"-f rawvideo -pix_fmt rgb24 -s {width}x{height} -r {fps} -i -"
+        write = "-vf crop=trunc(iw/2)*2:trunc(ih/2)*2 -pix_fmt yuv420p -f mp4"
+        command = [program, *f"-y -loglevel error {read} {write}".split(), str(part)]
         done = subprocess.run(command, input=frames.tobytes(), capture_output=True, check=False)
         if done.returncode:
             said = done.stderr.decode(errors="replace").strip().splitlines()
@@ -209,3 +187,35 @@ def _write_gif(frames: np.ndarray, path: Path, fps: float) -> None:
         images[0].save(
             part, format="gif", save_all=True, append_images=images[1:], loop=0, duration=max(1000.0 / fps, 20.0)
         )
+
+
+def draw_folder(folder: Path) -> None:
+    """Draw all poses in a folder, in the process that `draw_poses` starts.
+
+    `model.mjb`, `poses.npy` (frames, coordinates) and `view.json` are read, `frames.npy` (frames,
+    height, width, 3) is written.
+    """
+    mujoco = load_mujoco()
+    view = json.loads((folder / "view.json").read_text(encoding="utf-8"))
+    model = mujoco.MjModel.from_binary_path(str(folder / "model.mjb"))
+    width, height = view["size"]
+    model.vis.global_.offwidth = max(model.vis.global_.offwidth, width)
+    model.vis.global_.offheight = max(model.vis.global_.offheight, height)
+    data, poses = mujoco.MjData(model), np.load(folder / "poses.npy")
+    renderer = mujoco.Renderer(model, height, width)
+    try:
+        frames = [_draw_frame(renderer, mujoco, model, data, pose, view["camera"]) for pose in poses]
+    finally:
+        renderer.close()
+    np.save(folder / "frames.npy", np.stack(frames))
+
+
+def _draw_frame(renderer: Any, mujoco: Any, model: Any, data: Any, pose: Any, camera: str | None) -> np.ndarray:
+    data.qpos[:] = pose
+    mujoco.mj_forward(model, data)
+    renderer.update_scene(data, camera=-1 if camera is None else camera)
+    return renderer.render().copy()
+
+
+if __name__ == "__main__":
+    draw_folder(Path(sys.argv[1]))

@@ -21,9 +21,8 @@ class MujocoResult:
     times: list[float] = field(default_factory=list[float])
     """Sample times, those of the model [s]."""
     tendons: dict[str, dict[str, list[float]]] = field(default_factory=dict[str, dict[str, list[float]]])
-    """By tendon and output: those of `martensite.actuators.assembly.OUTPUTS`, the `elongation` of
-    the tendon
-    from where its element is at zero strain [m], and its `length` [m]."""
+    """By tendon and output: those of `martensite.actuators.assembly.OUTPUTS`, the `elongation` of the tendon from where
+    its element is at zero strain [m], and its `length` [m]."""
     joints: dict[str, list[float]] = field(default_factory=dict[str, list[float]])
     """Position of every joint that was asked for [rad or m]."""
     poses: list[list[float]] = field(default_factory=list[list[float]])

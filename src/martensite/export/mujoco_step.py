@@ -91,7 +91,6 @@ def solve_step(
 
 
 def _find_tensions(known: Sequence[float], weights: ForceWeights, forces: Sequence[float]) -> list[float]:
-    """Tensions of the step [N] from the forces of the elements at its end."""
     return [k + weights.end * f for k, f in zip(known, forces, strict=True)]
 
 

@@ -22,7 +22,7 @@ from martensite.physics.materials.base import Material, MaterialNumber, Source
 from martensite.physics.materials.names import NAMES
 from martensite.scenario.assemble import scenario_path
 from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
-from martensite.scenario.law_cautions import law_words
+from martensite.scenario.laws import law_words
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import FreeNumber
 from martensite.search.quantity_text import list_names

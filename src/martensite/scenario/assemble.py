@@ -27,7 +27,7 @@ from martensite.physics.materials.base import Material, load_material
 from martensite.physics.thermal.base import Environment
 from martensite.scenario import recorded_waveforms
 from martensite.scenario.build import Builder, Table, as_table, name_section, refuse_unknown
-from martensite.scenario.law_cautions import law_caution
+from martensite.scenario.laws import law_caution
 from martensite.scenario.place_units import PlaceUnits
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.simulate.drive_waveforms import Waveforms
@@ -90,7 +90,6 @@ class Assembly:
         return next(iter(known.values())) if len(system.drives()) == len(known) == 1 else known
 
     def _build_model(self, table: Table) -> AbstractSystem:
-        """A model from its file, driven by [signals.INPUT], or by [drive] if it has one input."""
         from martensite.identify.chains.plant import build_plant
         from martensite.scenario.model_files import read_model
 
@@ -146,7 +145,6 @@ class Assembly:
         return Machine(mechanism=mechanism, group=Group(**members))
 
     def _build_actuator(self, tables: Table, prefix: str, drive: str, driven: bool) -> dict[str, Any]:
-        """Element, environment and source; notes the waveform of the drive."""
         element = section_of(tables, "element")
         material = self._material(element)
         table = section_of(tables, self.drive)
@@ -170,7 +168,6 @@ class Assembly:
         }
 
     def _read_signals(self, mechanism: AbstractMechanism) -> None:
-        """The waveforms of the mechanism's own signals."""
         units, tables = mechanism.signals(), section_of(self.document, SIGNALS, {})
         for name, table in tables.items():
             if name not in units:
@@ -268,7 +265,6 @@ def waveform_path(system: AbstractSystem, name: str, drive: str = DRIVE) -> str:
 
 
 def _build_environment(builder: Builder, tables: Table, sets_temperature: bool, prefix: str) -> Environment:
-    """The surroundings; where the drive sets the temperature no heat balance is solved."""
     table = section_of(tables, "environment", {})
     if sets_temperature and "cooling" not in table:
         table = {**table, "cooling": {"kind": "constant", "h": "0 W/m^2/K"}}

@@ -7,9 +7,8 @@
     [supervisor], [faults.NAME]           kind and parameters
     [bench]                               period, steps, switching, seed
 
-The model of an observer, or of a controller that has one, is the system of the scenario itself;
-`model = { "element.diameter" = "0.37 mm" }` makes it another one. A controller that is no kernel
-runs outside of the bench.
+The model of an observer, or of a controller that has one, is the system of the scenario itself; `model = {
+"element.diameter" = "0.37 mm" }` makes it another one. A controller that is no kernel runs outside of the bench.
 """
 
 from __future__ import annotations
@@ -182,7 +181,6 @@ class BenchBuilder:
         return name, self._component(MountedSensor, (where, given, path), scales, sensor=sensor)
 
     def _observer(self, bench: Bench, row: Row) -> tuple[str, AbstractObserver]:
-        """An observer of a bench with sensors, and its name: by default its kind."""
         name, table, path = row
         cls = choose_class(OBSERVERS, table, path)
         name = check_name(name or str(table["kind"]).replace("-", "_"), path)
@@ -220,7 +218,6 @@ class BenchBuilder:
         return name, self._component(cls, (where, table, path), scales)
 
     def _supervisor(self, bench: Bench) -> AbstractSupervisor | None:
-        """Who has the last word on a bench, if anybody."""
         document, origins = self.assembly.document, self.assembly.origins
         if SUPERVISOR not in document:
             return None
@@ -240,7 +237,6 @@ class BenchBuilder:
     # ---------------------------------------------------------------- controllers
 
     def _controller(self, bench: Bench, row: Row) -> tuple[str, AbstractController]:
-        """A controller with its reference, and the drive that it has."""
         name, table, path = row
         name, unit = self._find_drive(name, path)
         given, below = self._find_reference(name, table, path)
@@ -305,7 +301,6 @@ class BenchBuilder:
 
 
 def _check_references(document: Table, found: Mapping[str, AbstractController]) -> None:
-    """Every reference is that of a controller."""
     single = CONTROLLER in document
     given = section_of(document, PAIRS[REFERENCE], {})
     idle = next((name for name in given if single or name not in found), None)
@@ -319,12 +314,10 @@ def _check_references(document: Table, found: Mapping[str, AbstractController]) 
 
 
 def _list_units(bench: Bench) -> dict[str, str]:
-    """SI units of everything that may be read on a bench."""
     return {name: output.unit for name, output in list_readings(bench).items()}
 
 
 def _list_texts(given: Any) -> list[str]:
-    """A text, or texts, as a list."""
     if isinstance(given, str):
         return [given]
     return [str(one) for one in cast("list[Any]", given)] if isinstance(given, list) else []

@@ -1,10 +1,9 @@
 """From tables of text to objects: one walk over the declarations builds every component.
 
-A table holds a `kind` and the parameters of that kind; a component below it is another
-table, or just its kind. Quantities with a dimension are text with a unit. What the table
-leaves out comes from the material (by canonical name, where the part may draw on one), then
-from the default; what is missing everywhere is an error that says where to write it. So does
-the law: a material whose numbers hold for one law names it.
+A table holds a `kind` and the parameters of that kind; a component below it is another table, or just its kind.
+Quantities with a dimension are text with a unit. What the table leaves out comes from the material (by canonical
+name, where the part may draw on one), then from the default; what is missing everywhere is an error that says where
+to write it. So does the law: a material whose numbers hold for one law names it.
 """
 
 from __future__ import annotations
@@ -90,7 +89,6 @@ class Builder:
             return cls(**values)
 
     def _build_members(self, cls: Any, table: Table, path: str, draws: bool) -> Any:
-        """Components by names of the user's own."""
         found: dict[str, Any] = {}
         for name, given in table.items():
             below, full = f"{path}.{name}", as_table(given, f"{path}.{name}")
@@ -193,7 +191,6 @@ class Builder:
         raise ParameterError(f"[{path}] `{_name_class(cls)}` has no `{unknown}`. {suggest_name(unknown, valid)}")
 
     def _describe_missing(self, cls: type[Parametrised], missing: list[str], path: str, draws: bool) -> str:
-        """What is missing, in which unit, who does not have it, where to write it."""
         brief = len(missing) > FULLY_DESCRIBED
         listed = ", ".join(self._describe_number(cls.declarations[name], name, brief) for name in missing)
         unit = self.scales.label(cls.declarations[missing[0]])
@@ -213,7 +210,6 @@ class Builder:
 
 
 def _convert_plain(value: Any, name: str, unit: str, path: str) -> float:
-    """A number without text: only where there is no dimension."""
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ParameterError(f"[{path}] `{name}` must be a number or text, but is {value!r}.")
     if unit != "1":
@@ -223,7 +219,6 @@ def _convert_plain(value: Any, name: str, unit: str, path: str) -> float:
 
 
 def _list_parts(cls: type[Parametrised]) -> Iterator[str]:
-    """Components that a table can describe."""
     for name, declared in cls.declarations.items():
         if declared.registry is not None or component_class(cls, name) is not None:
             yield name

@@ -1,7 +1,6 @@
 """The catalogue of registered parts: what there is, and what is declared of each.
 
-One description for all who list parts: the command line, the forms of the web bench, the reference
-pages.
+One description for all who list parts: the command line, the forms of the web bench, the reference pages.
 """
 
 from __future__ import annotations

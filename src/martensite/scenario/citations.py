@@ -46,7 +46,6 @@ def read_bibliography() -> dict[str, str]:
 
 
 def _read_entry(text: str, start: int) -> str:
-    """The text of the entry that starts there, up to its closing brace."""
     depth = 0
     for place in range(start, len(text)):
         depth += {"{": 1, "}": -1}.get(text[place], 0)

@@ -87,7 +87,6 @@ def _measure_agreement(name: str, result: Result, record: Record, places: list[t
 
 
 def _locate_time(times: list[float], time: float) -> tuple[int, float]:
-    """Index of the sample before, and the share of the way to the next one."""
     i = min(max(bisect_right(times, time) - 1, 0), len(times) - 2)
     share = (time - times[i]) / (times[i + 1] - times[i])
     return i, min(max(share, 0.0), 1.0)

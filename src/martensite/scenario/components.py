@@ -1,8 +1,7 @@
 """Components of a table that no registry names: of a declared class, by names, whole numbers, rows.
 
-A declaration `law: PidLaw = part(...)` says by its default, or by its annotation, of which class
-the component is. One that holds members by name, such as the points of a schedule, is a table of
-tables.
+A declaration `law: PidLaw = part(...)` says by its default, or by its annotation, of which class the component is.
+One that holds members by name, such as the points of a schedule, is a table of tables.
 """
 
 from __future__ import annotations
@@ -110,7 +109,6 @@ def find_annotated(owner: type[Parametrised], name: str) -> type[Parametrised] |
 
 
 def _read_annotation(owner: type[Parametrised], name: str) -> str:
-    """The annotation of a declaration."""
     for base in owner.__mro__:
         own = get_annotations(base)
         if name in own:

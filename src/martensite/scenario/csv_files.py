@@ -3,18 +3,34 @@
 Spreadsheets take a cell that begins with = + - @ for a formula. Names come from documents that
 others may have written, so a heading that begins so gets an apostrophe in front; numbers are
 written as they are, with all their digits.
+
+Paths of material points are written in the units that people read; a table of several paths has a
+column `case`, explained by comments at the top.
 """
 
 from __future__ import annotations
 
 import csv
 import os
+from collections.abc import Sequence
 from pathlib import Path
 
+from martensite.base import units
 from martensite.base.files import replace_file
+from martensite.simulate.point import PointResult
 from martensite.simulate.result import Result
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
+COLUMNS = {
+    "time": ("s", "s"),
+    "temperature": ("K", "degC"),
+    "stress": ("Pa", "MPa"),
+    "strain": ("1", "%"),
+    "martensite_fraction": ("1", "1"),
+    "oriented_fraction": ("1", "1"),
+}
+"""Heading -> SI unit of the column, unit it is written in."""
+_NAMES = {"martensite_fraction": "martensite", "oriented_fraction": "oriented"}
 
 
 def write_csv(result: Result, path: str | os.PathLike[str]) -> None:
@@ -34,3 +50,25 @@ def format_heading(name: str, unit: str) -> str:
     """A name with its unit, safe in a spreadsheet."""
     text = f"{name} [{unit}]"
     return f"'{text}" if text.startswith(FORMULA) else text
+
+
+def write_points(results: Sequence[PointResult], path: Path) -> None:
+    """Write paths as comma-separated values; the file appears whole or not at all.
+
+    Raises:
+        DataError: the file cannot be written.
+    """
+    several = len(results) > 1
+    lines = [f"# case {i}: {r.law.registered_name}, {r.label}" for i, r in enumerate(results)]
+    headings = [f"{name} [{shown}]" for name, (_, shown) in COLUMNS.items()]
+    lines.append(",".join(["case [1]", *headings] if several else headings))
+    for i, result in enumerate(results):
+        columns = [
+            [units.from_si(value, shown, unit) for value in result[_NAMES.get(name, name)]]
+            for name, (unit, shown) in COLUMNS.items()
+        ]
+        for row in zip(*columns, strict=True):
+            cells = [f"{value:.9g}" for value in row]
+            lines.append(",".join([str(i), *cells] if several else cells))
+    with replace_file(path) as part:
+        part.write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -153,7 +153,6 @@ def _find_copy(dataset: DataSet, file: DataFile) -> Path | None:
 
 
 def _own_folders(dataset: DataSet) -> list[Path]:
-    """Folders in $MARTENSITE_DATA that may hold the set; none if that is not set."""
     own = os.environ.get(VARIABLE)
     if not own:
         return []
@@ -165,7 +164,6 @@ def _locate_cache(dataset: DataSet) -> Path:
 
 
 def _describe_remedy(dataset: DataSet, file: DataFile) -> str:
-    """How to get a missing file."""
     by_hand = f"save it as `{dataset.name}/{file.name}` in a folder, and set {VARIABLE} to that folder."
     if file.upstream:
         return f"run `martensite data fetch {dataset.name}`, or {by_hand}"
@@ -183,7 +181,6 @@ def _verify_file(path: Path, dataset: DataSet, file: DataFile) -> None:
 
 
 def _download_file(dataset: DataSet, file: DataFile) -> bytes:
-    """The bytes of a file, verified."""
     if not file.upstream:
         raise DataError(f"`{file.name}` cannot be fetched; {_describe_remedy(dataset, file)}")
     url = dataset.base + file.upstream
@@ -211,7 +208,6 @@ def _describe_reason(error: Exception) -> str:
 
 
 def _store_file(path: Path, content: bytes) -> None:
-    """Write a file in full or not at all."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:

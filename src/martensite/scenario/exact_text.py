@@ -1,8 +1,10 @@
-"""Numbers as text with a unit: all digits, so that they read back the same, or a few."""
+"""Values as text and as JSON: numbers with a unit, in all digits, so that they read back, or a few."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
+from typing import Any, cast
 
 from martensite.base import units
 from martensite.base.units import choose_familiar_unit
@@ -50,3 +52,16 @@ def shown_in(value: float, unit: str, spelling: str, digits: int = 4) -> str:
 def _format_number(number: str, spelling: str) -> str:
     number = number.removesuffix(".0")
     return number if spelling == "1" else f"{number} {spelling}"
+
+
+def convert_to_plain(value: Any) -> Any:
+    """What JSON can hold: tables, lists, texts, finite numbers, null."""
+    if isinstance(value, Mapping):
+        return {str(k): convert_to_plain(v) for k, v in cast("Mapping[Any, Any]", value).items()}
+    if hasattr(value, "tolist"):  # of NumPy
+        return convert_to_plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [convert_to_plain(item) for item in cast("Sequence[Any]", value)]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, (str, int)) else str(value)

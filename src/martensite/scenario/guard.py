@@ -79,7 +79,6 @@ def add_plant_checks(table: Table, bench: Bench, builder: Builder, noisy: bool) 
 
 
 def _build_checks(bench: Bench, known: FromPlant, noisy: bool) -> dict[str, AbstractCheck]:
-    """Checks of the plant and its sensors, by name."""
     limit = _known_number(known.temperature_limit)
     sensed = checks_for(bench, noisy=noisy, temperature_limit=limit, band=known.band)
     guard = guard_for(

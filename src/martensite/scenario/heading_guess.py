@@ -166,7 +166,6 @@ def _find_unit(spelling: str) -> str:
 
 
 def _find_listed(spelling: str) -> str:
-    """A unit of the list above as it is written here; empty for another."""
     for name, others in SPELLINGS.items():
         if spelling in others or (len(spelling) > 2 and spelling.lower() in others):
             return name
@@ -189,7 +188,6 @@ def _find_named(words: str, unit: str) -> str:
 
 
 def _is_convertible(spelling: str, wanted: str) -> bool:
-    """Whether a unit can be converted to that of a known column."""
     options = ("V", "A", "W", "K") if wanted == DRIVE else (wanted,)
     for unit in options:
         try:

@@ -1,4 +1,4 @@
-"""A bare law from a material and settings, for studies that need no scenario."""
+"""Laws and the materials that their numbers come from: whether they fit, and bare laws for studies."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import REQUIRED
+from martensite.base.parameters import REQUIRED, Parametrised
 from martensite.physics.laws.base import LAWS, AbstractLaw
 from martensite.physics.materials.base import Material, load_material, material_names
 from martensite.scenario.build import Builder
-from martensite.scenario.law_cautions import law_caution
+
+KIND = "kind"
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,6 @@ def _build_table(name: str, own: Mapping[str, Any], material: Material | None) -
 def _select_settings(
     name: str, settings: Mapping[str, Any], classes: Mapping[str, type[AbstractLaw]]
 ) -> dict[str, Any]:
-    """The settings that reach one law."""
     cut = {key.removeprefix(f"{name}."): v for key, v in settings.items() if key.startswith(f"{name}.")}
     shared = {key: v for key, v in settings.items() if "." not in key}
     single = len(classes) == 1
@@ -87,7 +87,6 @@ def _refuse_idle(settings: Mapping[str, Any], tables: Mapping[str, Mapping[str, 
 
 
 def _list_needs(cls: type[AbstractLaw], table: Mapping[str, Any]) -> list[str]:
-    """Numbers without which the law cannot be built."""
     return [
         name
         for name, declared in cls.declarations.items()
@@ -116,4 +115,40 @@ def _own_material(law: str, needed: Sequence[str]) -> Material:
     raise ParameterError(
         f"No shipped material holds all numbers of the law `{law}`; `{nearest.name}` comes nearest "
         f"and lacks {missing}: choose it as the material and set the rest."
+    )
+
+
+# ---------------------------------------------------------------- does a material fit a law?
+
+
+def law_words(law: AbstractLaw) -> dict[str, str]:
+    """Name and options of a law, as a scenario writes them."""
+    words = {n: getattr(law, n) for n, d in law.declarations.items() if d.kind == "option"}
+    return {KIND: law.registered_name, **words}
+
+
+def law_caution(material: Material | None, element: Parametrised) -> str | None:
+    """A sentence if an element uses the numbers of a material in another law than theirs."""
+    if material is None or material.law is None:
+        return None
+    for part in element.tree():
+        if isinstance(part, AbstractLaw):
+            used = law_words(part)
+            meant = {name: word for name, word in material.law.items() if name in (KIND, *used)}
+            if any(used.get(name) != word for name, word in meant.items()):
+                return _describe_mismatch(material.name, meant, used)
+    return None
+
+
+def _describe_mismatch(name: str, meant: dict[str, str], used: dict[str, str]) -> str:
+    if meant[KIND] != used[KIND]:
+        here = f"law `{used[KIND]}`"
+    else:
+        other = {key: used[key] for key, word in meant.items() if used[key] != word}
+        here = " and ".join(f"`{key} = {word}`" for key, word in other.items())
+    options = ", ".join(f"`{key} = {word}`" for key, word in meant.items() if key != KIND)
+    return (
+        f"The numbers of material `{name}` hold for law `{meant[KIND]}`"
+        f"{f' with {options}' if options else ''}, but {here} is used here: its errors and "
+        "intervals do not count. A scenario that leaves the law out takes that of the material."
     )

@@ -1,9 +1,8 @@
 """What the columns of a measured table mean: names, units, and how the file is laid out.
 
-A heading is a name with its unit in brackets: `temperature [degC]`, `stress (MPa)`. The
-known names have a fixed SI unit; a heading that leaves it out is an error, since a guessed
-unit is worse than none. `-` is a column to be passed over, and the unit `clock` reads times
-of day (17:27:33) as seconds since the first row.
+A heading is a name with its unit in brackets: `temperature [degC]`, `stress (MPa)`. The known names have a fixed SI
+unit; a heading that leaves it out is an error, since a guessed unit is worse than none. `-` is a column to be passed
+over, and the unit `clock` reads times of day (17:27:33) as seconds since the first row.
 """
 
 from __future__ import annotations
@@ -106,7 +105,6 @@ def _read_heading(heading: str, number: int, where: str) -> FileColumn:
 
 
 def _find_known_unit(name: str) -> str | None:
-    """SI unit of a known column."""
     return CANONICAL.get(name.rpartition(".")[2])
 
 
@@ -136,7 +134,6 @@ def _first_fitting(spelling: str, candidates: Iterable[str]) -> str:
 
 
 def _describe_misfit(spelling: str, unit: str) -> str:
-    """Why a unit cannot be converted to an SI unit; empty if it can."""
     if not _UNIT.match(spelling):
         return f"`{spelling}` is not a known unit; `{unit}` is expected."
     try:

@@ -19,10 +19,9 @@ import numpy as np
 
 from martensite.base.errors import DataError, InputError, MartensiteError
 from martensite.base.files import read_text_file, replace_file
-from martensite.identify.blocks.base import AbstractBlock
+from martensite.identify.blocks.base import BLOCKS, AbstractBlock
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.scores import compute_rms, fit_percent
-from martensite.scenario.block_tables import block_of, block_table
 from martensite.signals.sampling.sampled import Sampled
 
 if TYPE_CHECKING:
@@ -32,6 +31,8 @@ FORMAT = "martensite-model"
 VERSION = 1
 KEYS = ("format", "version", "name", "interval", "inputs", "outputs", "units", "taps", "blocks")
 """What every file holds."""
+NUMBERS = {"inf": math.inf, "-inf": -math.inf}
+"""Numbers that JSON has no words for."""
 
 
 def write_model(chain: Chain, path: str | Path, provenance: Mapping[str, Any] | None = None) -> None:
@@ -44,8 +45,7 @@ def write_model(chain: Chain, path: str | Path, provenance: Mapping[str, Any] | 
 
     Raises:
         DataError: the path does not end in .json, or the file cannot be written.
-        InputError: a block or the provenance holds what is no plain value, or a free number is
-            not finite.
+        InputError: a block or the provenance holds what is no plain value, or a free number is not finite.
     """
     path = Path(path)
     if path.suffix.lower() != ".json":
@@ -226,3 +226,56 @@ def _require_finite(value: Any, what: str) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise DataError(f"{what} must be a finite number, but is {value!r}.")
     return float(value)
+
+
+# ---------------------------------------------------------------- blocks as tables
+
+
+def block_table(block: AbstractBlock) -> dict[str, Any]:
+    """A block as a table of plain values; blocks inside it are tables of their own.
+
+    Raises:
+        InputError: the block is not registered, or has a value that no file can hold.
+    """
+    if not block.registered_name:
+        raise InputError(
+            f"Block `{type(block).__name__}` has no registered name and cannot be written; file "
+            "its class with `@BLOCKS.register`."
+        )
+    values = {
+        name: _require_plain(getattr(block, name), f"`{name}` of block `{block.registered_name}`")
+        for name in block.declarations
+    }
+    return {"kind": block.registered_name, "parameters": values}
+
+
+def block_of(table: dict[str, Any]) -> AbstractBlock:
+    """The block of a table.
+
+    Raises:
+        InputError: no block of its kind is registered, or a value is out of range.
+        KeyError, TypeError, ValueError: it is no such table.
+    """
+    kind, given = str(table["kind"]), dict(table["parameters"])
+    return BLOCKS[kind](**{name: _read_value(value) for name, value in given.items()})
+
+
+def _require_plain(value: Any, what: str) -> Any:
+    if isinstance(value, AbstractBlock):
+        return block_table(value)
+    if isinstance(value, tuple | list):
+        return [_require_plain(one, what) for one in cast("list[Any]", value)]
+    if value is None or isinstance(value, str | bool | int):
+        return value
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else {"number": str(float(value))}
+    raise InputError(f"The value of {what} is a {type(value).__name__}, which no file can hold.")
+
+
+def _read_value(value: Any) -> Any:
+    if isinstance(value, list):
+        return tuple(_read_value(one) for one in cast("list[Any]", value))
+    if isinstance(value, dict):
+        table = cast("dict[str, Any]", value)
+        return NUMBERS[table["number"]] if "number" in table else block_of(table)
+    return value

@@ -1,12 +1,11 @@
-"""Results as labelled data: an xarray dataset in memory, netCDF-4 on disk.
+"""Results as labelled data, in memory and as netCDF-4 on disk.
 
-A result is described once, as variables with dimensions, unit, long name and symbol and as
-attributes of the whole. `to_dataset` and `save` only carry this description over, so that a
-file that is opened again equals the dataset that would have been made. `save` writes with
-h5netcdf directly: importing xarray takes longer than a run.
+A result is described once, as variables with dimensions, unit, long name and symbol and as attributes of the whole.
+A file holds this description and nothing else, and opens as the same description again; xarray, which most of those
+who look at such a file have, makes the same dataset of the file and of the description.
 
-Units are the SI units of the library in the spelling of the CF conventions (CF-1.10), which
-is that of UDUNITS. Numbers that are not known (an accuracy that was not estimated) are NaN.
+Units are the SI units of the library in the spelling of the CF conventions (CF-1.10), which is that of UDUNITS.
+Numbers that are not known (an accuracy that was not estimated) are NaN.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ import io
 import json
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -24,8 +23,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.actuators.assembly import OUTPUTS, PROFILES
-from martensite.base.errors import DataError
+from martensite.base.errors import DataError, UnknownNameError
 from martensite.base.files import replace_file
+from martensite.base.lazy import import_extra
 from martensite.physics.materials.base import Material
 from martensite.simulate.result import Result, Variants
 
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     import xarray
 
 CONVENTIONS = "CF-1.10"
-ENGINE = "h5netcdf"
 TIME = "time"
 CELL = "cell"
 ACTUATOR = "actuator"
@@ -44,51 +43,45 @@ VARIANT = "variant"
 class Variable:
     """One labelled column."""
 
-    name: str
     dims: tuple[str, ...]
-    unit: str
-    """SI unit, as UDUNITS spells it."""
-    long_name: str
-    symbol: str
-    data: Any
-    """Values in `unit`, one axis per dimension."""
-    attrs: dict[str, str] = field(default_factory=dict[str, str])
-    """What else is known of the column."""
-
-    def attributes(self) -> dict[str, str]:
-        """All attributes, under their CF names."""
-        own = {"units": self.unit, "long_name": self.long_name, "symbol": self.symbol}
-        return {**own, **self.attrs}
+    values: Any
+    """Array in the unit that the attributes name, one axis per dimension."""
+    attrs: dict[str, Any]
+    """Under their CF names: `units` in SI as UDUNITS spells them, `long_name`, `symbol`."""
 
 
 @dataclass(frozen=True)
-class Description:
-    """A result as variables and attributes; the time axis is the first variable."""
+class LabelledData:
+    """A result as variables by name and attributes; the time axis is the first variable."""
 
-    variables: list[Variable]
-    attributes: dict[str, str | int | float]
+    variables: dict[str, Variable]
+    attrs: dict[str, Any]
+
+    def __getitem__(self, name: str) -> Variable:
+        """A variable; `UnknownNameError` if there is none of that name."""
+        if name not in self.variables:
+            raise UnknownNameError("variable", name, self.variables)
+        return self.variables[name]
+
+    def __repr__(self) -> str:
+        rows = (f"  {n} [{v.attrs.get('units', '')}] {v.dims} {v.values.shape}" for n, v in self.variables.items())
+        return "\n".join([f"LabelledData: {self.attrs.get('title', '')}", *rows])
+
+    def to_xarray(self) -> xarray.Dataset:
+        """A dataset over time [s], with units and provenance as attributes.
+
+        Raises:
+            InputError: xarray is not installed.
+        """
+        found = {name: (v.dims, v.values, v.attrs) for name, v in self.variables.items()}
+        axes = {name: found.pop(name) for name in (TIME, CELL, ACTUATOR) if name in found}
+        return import_extra("xarray", "xarray").Dataset(found, coords=axes, attrs=self.attrs)
 
 
 def describe_result(
     result: Result, scenario_text: str = "", material: Material | None = None, citations: Iterable[str] = ()
-) -> Description:
-    """Describe a result as variables and attributes, whatever they are written to."""
-    time = Variable(TIME, (TIME,), "s", "time", "t", _to_array(result.times), {"axis": "T"})
-    if result.variants is not None:
-        return Description([time, *_by_variant(result, result.variants)], _list_attributes(result))
-    stacked = {result.system.label(port, name) for port in _list_ports(result) for name in OUTPUTS}
-    columns = [_describe_column(result, name) for name in result.outputs if name not in stacked]
-    attributes = _list_attributes(result)
-    attributes["scenario"] = scenario_text
-    attributes["material"] = material.name if material else ""
-    attributes["citations"] = ", ".join(citations)
-    return Description([time, *columns, *_by_actuator(result), *_describe_profiles(result)], attributes)
-
-
-def to_dataset(
-    result: Result, scenario_text: str = "", material: Material | None = None, citations: Iterable[str] = ()
-) -> xarray.Dataset:
-    """The result as a dataset over time [s], with units and provenance as attributes.
+) -> LabelledData:
+    """A result as labelled data.
 
     Args:
         result: what to describe.
@@ -96,12 +89,16 @@ def to_dataset(
         material: the material whose numbers were used.
         citations: BibTeX keys of the models and numbers used.
     """
-    import xarray
-
-    description = describe_result(result, scenario_text, material, citations)
-    arrays = {v.name: (v.dims, v.data, v.attributes()) for v in description.variables}
-    axes = {name: arrays.pop(name) for name in (TIME, CELL, ACTUATOR) if name in arrays}
-    return xarray.Dataset(arrays, coords=axes, attrs=description.attributes)
+    time = {TIME: _label((TIME,), "s", "time", "t", _to_array(result.times), axis="T")}
+    attributes = _list_attributes(result)
+    if result.variants is not None:
+        return LabelledData(time | _by_variant(result, result.variants), attributes)
+    stacked = {result.system.label(port, name) for port in _list_ports(result) for name in OUTPUTS}
+    columns = {name: _describe_column(result, name) for name in result.outputs if name not in stacked}
+    attributes["scenario"] = scenario_text
+    attributes["material"] = material.name if material else ""
+    attributes["citations"] = ", ".join(citations)
+    return LabelledData(time | columns | _by_actuator(result) | _describe_profiles(result), attributes)
 
 
 def save_result(
@@ -125,71 +122,73 @@ def save_result(
     """
     import h5netcdf
 
-    description = describe_result(result, scenario_text, material, citations)
+    described = describe_result(result, scenario_text, material, citations)
     whole = io.BytesIO()  # HDF5 ends the process if it cannot finish a file on a full disk
     with h5netcdf.File(whole, "w") as file:
-        file.attrs.update(description.attributes)
-        for variable in description.variables:
-            for name, size in zip(variable.dims, variable.data.shape, strict=True):
-                if name not in file.dimensions:
-                    file.dimensions[name] = size
-            text = variable.data.dtype == object
-            written = file.create_variable(
-                variable.name,
-                variable.dims,
-                data=variable.data,
-                dtype=h5netcdf.core.h5py.string_dtype() if text else None,
-            )
-            written.attrs.update(variable.attributes())
+        file.attrs.update(described.attrs)
+        for name, variable in described.variables.items():
+            for dim, size in zip(variable.dims, variable.values.shape, strict=True):
+                if dim not in file.dimensions:
+                    file.dimensions[dim] = size
+            kind = h5netcdf.core.h5py.string_dtype() if variable.values.dtype == object else None
+            written = file.create_variable(name, variable.dims, data=variable.values, dtype=kind)
+            written.attrs.update(variable.attrs)
     with replace_file(Path(path)) as part:
         part.write_bytes(whole.getbuffer())
 
 
-def open_result(path: str | os.PathLike[str]) -> xarray.Dataset:
-    """Read a saved result into memory; the file is closed again.
+def open_result(path: str | os.PathLike[str]) -> LabelledData:
+    """Read a saved result into memory: `open_result("a.nc")["temperature"].values`.
 
     Raises:
         DataError: there is no such file, or it holds no result.
     """
-    import xarray
+    import h5netcdf
 
     path = Path(path)
     if not path.is_file():
         raise DataError(f"There is no file `{path}`; give a netCDF file written by `save`.")
     try:
-        dataset = xarray.load_dataset(path, engine=ENGINE)
-    except (OSError, ValueError) as error:
+        with h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
+            variables = {
+                name: Variable(tuple(one.dimensions), np.asarray(one[...]), dict(one.attrs))
+                for name, one in file.variables.items()
+            }
+            found = LabelledData(variables, dict(file.attrs))
+    except (OSError, ValueError, KeyError, RuntimeError) as error:
         raise DataError(f"The file `{path}` cannot be read as netCDF-4: {error}.") from None
-    if TIME not in dataset.variables:
-        raise DataError(f"The file `{path}` is no saved result: it lacks `{TIME}`.")
-    if "martensite_version" not in dataset.attrs:
-        raise DataError(f"The file `{path}` is no saved result: it lacks `martensite_version`.")
-    return dataset
+    lacking = [TIME] if TIME not in variables else []
+    lacking += ["martensite_version"] if "martensite_version" not in found.attrs else []
+    if lacking:
+        raise DataError(f"The file `{path}` is no saved result: it lacks `{lacking[0]}`.")
+    return found
+
+
+def _label(dims: tuple[str, ...], unit: str, long_name: str, symbol: str, values: Any, **more: str) -> Variable:
+    return Variable(dims, values, {"units": unit, "long_name": long_name, "symbol": symbol, **more})
 
 
 def _describe_column(result: Result, name: str) -> Variable:
     _, long_name, symbol = result.outputs[name]
-    data = _to_array(result.columns[name])
-    return Variable(name, (TIME,), result.unit(name), long_name, symbol, data)
+    return _label((TIME,), result.unit(name), long_name, symbol, _to_array(result.columns[name]))
 
 
-def _by_variant(result: Result, variants: Variants) -> list[Variable]:
+def _by_variant(result: Result, variants: Variants) -> dict[str, Variable]:
     """Of a batch: its columns over variants and time, in what they differ, and how they ended."""
     leaves = {leaf.path: leaf.declared for leaf in result.system.leaves()}
-    differ = [
-        Variable(path, (VARIANT,), leaves[path].unit, leaves[path].doc, path, _to_array(values))
+    found = {
+        path: _label((VARIANT,), leaves[path].unit, leaves[path].doc, path, _to_array(values))
         for path, values in variants.over.items()
-    ]
+    }
     names = np.asarray([one.name for one in variants.status], dtype=object)
-    ended = Variable("ended", (VARIANT,), "s", "time at which the run ended", "", variants.ended)
-    status = Variable("status", (VARIANT,), "", "how the run ended", "", names)
-    known = [] if variants.accuracy is None else [("accuracy", "error bound", variants.accuracy)]
-    more = [Variable(name, (VARIANT,), "1", words, "", data) for name, words, data in known]
-    columns = [
-        Variable(name, (VARIANT, TIME), unit, words, symbol, result[name])
+    found["ended"] = _label((VARIANT,), "s", "time at which the run ended", "", variants.ended)
+    found["status"] = _label((VARIANT,), "", "how the run ended", "", names)
+    if variants.accuracy is not None:
+        found["accuracy"] = _label((VARIANT,), "1", "error bound", "", variants.accuracy)
+    return found | {
+        name: _label((VARIANT, TIME), unit, words, symbol, result[name])
         for name, (unit, words, symbol) in result.outputs.items()
-    ]
-    return [*differ, ended, status, *more, *columns]
+    }
 
 
 def _list_ports(result: Result) -> list[str]:
@@ -198,34 +197,29 @@ def _list_ports(result: Result) -> list[str]:
     return [port for port in system.actuators() if "." in system.label(port, "drive")]
 
 
-def _by_actuator(result: Result) -> list[Variable]:
-    """Outputs of several actuators, over time and actuators."""
+def _by_actuator(result: Result) -> dict[str, Variable]:
     system, ports = result.system, _list_ports(result)
     if not ports:
-        return []
+        return {}
     names = np.asarray(ports, dtype=object)
-    found = [Variable(ACTUATOR, (ACTUATOR,), "", "port of the mechanism", "", names)]
+    found = {ACTUATOR: _label((ACTUATOR,), "", "port of the mechanism", "", names)}
     for name, (_, long_name, symbol) in OUTPUTS.items():
         labels = [system.label(port, name) for port in ports]
         units = {result.unit(label) for label in labels}
-        data = np.stack([_to_array(result[label]) for label in labels], axis=1)
+        values = np.stack([_to_array(result[label]) for label in labels], axis=1)
         unit = units.pop() if len(units) == 1 else "mixed"
-        found.append(Variable(name, (TIME, ACTUATOR), unit, long_name, symbol, data))
+        found[name] = _label((TIME, ACTUATOR), unit, long_name, symbol, values)
     return found
 
 
-def _describe_profiles(result: Result) -> list[Variable]:
-    """What differs along the element, over time and cells."""
+def _describe_profiles(result: Result) -> dict[str, Variable]:
     if not result.profiles:
-        return []
+        return {}
     (actuator,) = result.system.actuators().values()
-    places = _to_array(actuator.element.places())
-    where = Variable(CELL, (CELL,), "m", "place of a cell", "y", places)
-    found = [where]
+    found = {CELL: _label((CELL,), "m", "place of a cell", "y", _to_array(actuator.element.places()))}
     for name, cells in result.profiles.items():
-        unit, long_name, symbol = PROFILES[name]
-        data = np.stack([_to_array(cell) for cell in cells], axis=1)
-        found.append(Variable(name, (TIME, CELL), unit, long_name, symbol, data))
+        values = np.stack([_to_array(cell) for cell in cells], axis=1)
+        found[name] = _label((TIME, CELL), *PROFILES[name], values)
     return found
 
 
@@ -233,8 +227,8 @@ def _to_array(values: Iterable[float]) -> Any:
     return np.asarray(list(values), dtype=np.float64)
 
 
-def _list_attributes(result: Result) -> dict[str, str | int | float]:
-    found: dict[str, str | int | float | None] = {
+def _list_attributes(result: Result) -> dict[str, Any]:
+    found = {
         "Conventions": CONVENTIONS,
         "title": f"Simulation of {result.system.description()}",
         "created": datetime.now(UTC).isoformat(timespec="seconds"),

@@ -1,7 +1,6 @@
 """Where a scenario holds a number: the path by which `--set` reaches it, and its unit.
 
-A bench calls things by their part in it, `controllers.drive.law.high`, a scenario by its
-sections, `controller.high`.
+A bench calls things by their part in it, `controllers.drive.law.high`, a scenario by its sections, `controller.high`.
 """
 
 from __future__ import annotations
@@ -69,6 +68,5 @@ class Places:
 
 
 def _find_longest(known: Iterable[str], path: str) -> str | None:
-    """The longest of some beginnings that a path has."""
     found = [begin for begin in known if path == begin or path.startswith(f"{begin}.")]
     return max(found, key=len, default=None)

@@ -52,8 +52,7 @@ def read_wiener_hammerstein() -> dict[str, Sampled]:
     """The records `estimation` and `test` [V].
 
     Raises:
-        DataError: the data set `wiener-hammerstein-2009` is not on this machine, or not the one
-            listed.
+        DataError: the data set `wiener-hammerstein-2009` is not on this machine, or not the one listed.
     """
     import h5py
     import numpy as np

@@ -7,10 +7,9 @@
 the columns of a file without headings, `interval` the time between rows without a clock.
 A waveform may also be listed: `times = ["0 s", "10 s"], values = ["0 V", "5 V"]`.
 
-A waveform of kind `log` names no file: it follows a column of the log that is being fitted, or
-that a run is given. Without `column` it is the one named after what is driven (`NATURAL`). Such
-a scenario begins with the first row of its log (or `[run] lead` before it, at the `from` of the
-waveform), and rows that miss the column are bridged.
+A waveform of kind `log` names no file: it follows a column of the log that is being fitted, or that a run is given.
+Without `column` it is the one named after what is driven (`NATURAL`). Such a scenario begins with the first row of
+its log (or `[run] lead` before it, at the `from` of the waveform), and rows that miss the column are bridged.
 """
 
 from __future__ import annotations

@@ -43,8 +43,7 @@ def run(
     Args:
         what: the path of a scenario file, a scenario, or a `System`, a `Machine` or a bench, which
             need a `drive` (a bench without signals of its own does not) and a `duration`.
-        drive: waveform in the unit of the source, or a table of them by name; of a scenario, in
-            place of its own.
+        drive: waveform in the unit of the source, or a table of them by name; of a scenario, in place of its own.
         duration: length of the run, in seconds or as text with a unit; likewise.
         over: runs a batch: by parameter path (or unique ending) one value per variant, in SI or
             as text with a unit; all of them equally many.
@@ -82,7 +81,6 @@ def run(
 
 
 def _arrange_scenario(what: Scenario | AbstractSystem, drive: Waveforms | None, duration: float | None) -> Scenario:
-    """A scenario of what shall run, with its drive and duration."""
     from martensite.control.loop.bench import Bench
 
     if isinstance(what, Scenario):
@@ -110,7 +108,6 @@ def _arrange_scenario(what: Scenario | AbstractSystem, drive: Waveforms | None, 
 
 
 def _run_batch(scenario: Scenario, over: Over, outputs: Sequence[str] | None, runtime: str) -> Result:
-    """All variants of a scenario, marched together."""
     from martensite.simulate.batch import simulate_batch
 
     if scenario.bench is not None:
@@ -130,7 +127,6 @@ def _run_batch(scenario: Scenario, over: Over, outputs: Sequence[str] | None, ru
 
 
 def _convert_variants(system: AbstractSystem, over: Over) -> dict[str, list[float]]:
-    """Values in SI, by full path."""
     leaves: dict[str, Any] = {leaf.path: leaf for leaf in system.leaves()}
     found: dict[str, list[float]] = {}
     for name, values in over.items():

@@ -7,10 +7,9 @@
 | .mat | variables by name, of version 5 (SciPy) or 7.3 (HDF5); no structs |
 | .nc | variables over one dimension, with their attribute `units` |
 
-MAT and netCDF files are read in a process of their own: a damaged one can end the process that
-reads it. A column that has no unit in its file is in the one given in `units`; those in `units`
-are also the units of the result. A column `t` is one of time in MAT files, in seconds if it says
-nothing.
+MAT and netCDF files are read in a process of their own: a damaged one can end the process that reads it. A column
+that has no unit in its file is in the one given in `units`; those in `units` are also the units of the result. A
+column `t` is one of time in MAT files, in seconds if it says nothing.
 """
 
 from __future__ import annotations
@@ -27,8 +26,9 @@ from typing import Any
 import numpy as np
 
 from martensite.base import units as unit_table
-from martensite.base.errors import DataError, InputError, suggest_name
+from martensite.base.errors import DataError, suggest_name
 from martensite.base.files import replace_file
+from martensite.base.lazy import import_extra
 from martensite.scenario.layout import CLOCK, IGNORED, read_headings
 from martensite.scenario.tables import PREFIX, read_table
 from martensite.signals.records import Record, out_of_order
@@ -53,8 +53,7 @@ def read_sampled(
         path: the file, or `data:<data set>/<file>`.
         inputs: columns that go in.
         outputs: columns that come out.
-        interval: sample time [s]; by default that of the rows. Where the file has no times, the
-            time between rows.
+        interval: sample time [s]; by default that of the rows. Where the file has no times, the time between rows.
         units: units of columns, such as `{"position": "mm"}`; by default those that people read.
 
     Raises:
@@ -154,7 +153,6 @@ _Columns = dict[str, Any]
 def _build_table(
     path: Path, found: _Columns, names: Sequence[str], interval: float | None, units: Mapping[str, str]
 ) -> Record:
-    """The columns wanted, in SI."""
     plain = {heading.partition("[")[0].strip().lower(): heading for heading in found}
     wanted = dict.fromkeys([*(("time",) if "time" in plain else ()), *names])
     columns: dict[str, list[float]] = {}
@@ -178,7 +176,6 @@ def _build_table(
 
 
 def _add_times(path: Path, columns: dict[str, list[float]], units: dict[str, str], interval: float | None) -> Record:
-    """The table with its times, or those of its rows."""
     if "time" not in columns:
         if interval is None:
             raise DataError(f"`{path.name}` has no column `time`; give the interval between its rows.")
@@ -195,13 +192,7 @@ def _add_times(path: Path, columns: dict[str, list[float]], units: dict[str, str
 
 
 def _read_parquet(path: Path) -> _Columns:
-    try:
-        from pyarrow import parquet  # type: ignore[import-not-found]
-    except ImportError:
-        raise InputError(
-            f"To read `{path.name}`, pyarrow is needed; install it with `pip install martensite[parquet]`."
-        ) from None
-    table: Any = _open_file(path, parquet.read_table)
+    table = _open_file(path, import_extra("pyarrow.parquet", "parquet", "pyarrow").read_table)
     return {
         name: np.asarray(table[name].to_numpy(zero_copy_only=False), dtype=float)
         for name in table.column_names
@@ -271,7 +262,6 @@ def _read_netcdf(path: Path) -> _Columns:
 
 
 def _open_file(path: Path, read: Callable[[Path], Any]) -> Any:
-    """What a reader finds; `DataError` where the file is none of its kind."""
     try:
         return read(path)
     except (OSError, ValueError, KeyError) as error:

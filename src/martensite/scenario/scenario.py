@@ -1,12 +1,9 @@
 """Scenario files: a TOML document becomes a system, a waveform and the settings of a run.
 
-Sections: [element], [environment], [mechanism], [drive] with its waveform, [run], and
-optionally `title`, [actuators] and [signals] (`martensite.scenario.assemble`), those of a bench,
-such
-as [sensor] and [controller] (`martensite.scenario.bench`), and [measured], a record to
-compare
-with. Quantities are text with a unit. Unknown names are refused with the nearest valid one;
-nothing is guessed.
+Sections: [element], [environment], [mechanism], [drive] with its waveform, [run], and optionally `title`, [actuators]
+and [signals] (`martensite.scenario.assemble`), those of a bench, such as [sensor] and [controller]
+(`martensite.scenario.bench`), and [measured], a record to compare with. Quantities are text with a unit. Unknown
+names are refused with the nearest valid one; nothing is guessed.
 """
 
 from __future__ import annotations
@@ -170,8 +167,7 @@ class Scenario:
 
         Args:
             tolerance: replaces that of the scenario; without a meaning on a bench.
-            runtime: auto, floats, c or jax; by default auto, or on a bench c if there is a
-                compiler.
+            runtime: auto, floats, c or jax; by default auto, or on a bench c if there is a compiler.
             budget: CPU time [s] after which the run is given up; without a meaning on a bench.
             tell: called now and then with what is done and which share of the run; on a bench
                 only if a controller runs outside.

@@ -139,7 +139,6 @@ def _read_text(path: Path, *, binary: bool) -> str:
 
 
 def _describe_missing(path: Path) -> str:
-    """What to say of a missing file: the nearest existing name."""
     if not path.parent.is_dir():
         return f"There is no file `{path}`, nor the folder `{path.parent}`."
     names = [entry.name for entry in path.parent.iterdir()]

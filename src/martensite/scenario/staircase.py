@@ -152,7 +152,6 @@ def supply_offset(table: Record, set_point: str, current: str, low: float, high:
 
 
 def _find_runs(values: Sequence[float], tolerance: float) -> list[tuple[int, int]]:
-    """First index of each run of equal values, and the one after its last."""
     level, group, groups = values[0], 0, list[int]()
     for value in values:
         if abs(value - level) > tolerance:

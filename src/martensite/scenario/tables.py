@@ -1,11 +1,10 @@
 """Measured tables: text files with columns of numbers, read into a `Record` in SI units.
 
-Columns are separated by tab, semicolon, comma or blanks (the first of these found in the
-first row); numbers may have a decimal comma unless the comma separates. Lines that begin
-with `#` are comments. Headings carry the unit in brackets (see `martensite.scenario.layout`).
-Nothing is repaired: what cannot be read is an error that names row and column, or, for a
-logger that writes other things between its rows, is left out and counted (`drop`). Samples
-that a logger missed are NaN where that is asked for (`gaps`), and an error otherwise.
+Columns are separated by tab, semicolon, comma or blanks (the first of these found in the first row); numbers may have
+a decimal comma unless the comma separates. Lines that begin with `#` are comments. Headings carry the unit in
+brackets (see `martensite.scenario.layout`). Nothing is repaired: what cannot be read is an error that names row and
+column, or, for a logger that writes other things between its rows, is left out and counted (`drop`). Samples that a
+logger missed are NaN where that is asked for (`gaps`), and an error otherwise.
 """
 
 from __future__ import annotations
@@ -46,8 +45,7 @@ def read_table(
         drop: leave out rows that cannot be read or that repeat the time before, and count
             them in `Record.dropped`. A number that was cut short cannot be told from one
             that was not. Some of the published data sets are read so anyway.
-        gaps: read missing samples (cells that are empty or hold NaN) as NaN; a time is never
-            missing.
+        gaps: read missing samples (cells that are empty or hold NaN) as NaN; a time is never missing.
 
     Raises:
         DataError: the file is missing, empty or malformed; the sentence says where.
@@ -82,7 +80,6 @@ def read_table(
 
 
 def _find_origin(source: str | Path) -> tuple[Path, Layout, str]:
-    """File, layout and name of the record."""
     if isinstance(source, str) and source.startswith(PREFIX):
         from martensite.scenario import datasets
 
@@ -92,7 +89,6 @@ def _find_origin(source: str | Path) -> tuple[Path, Layout, str]:
 
 
 def _read_headings(sheet: Sheet, layout: Layout) -> tuple[list[FileColumn], Sheet]:
-    """The columns of a table, and its rows without that of the headings."""
     first = sheet.rows[0]
     numeric = any(is_number(cell) for cell in first)
     if layout.columns:
@@ -113,7 +109,6 @@ def _read_headings(sheet: Sheet, layout: Layout) -> tuple[list[FileColumn], Shee
 
 
 def _read_columns(sheet: Sheet, headings: list[FileColumn], gaps: bool) -> dict[str, list[float]]:
-    """All columns that are wanted, in SI."""
     _refuse_ragged(sheet, headings)
     wanted = [(place, column) for place, column in enumerate(headings) if column.name != IGNORED]
     if not wanted or not sheet.rows:

@@ -44,7 +44,7 @@ def print_summary(summary: Summary, json: bool = False, files: Iterable[Path] | 
 
 def print_json(value: Any) -> None:
     """Print JSON; numbers that JSON does not have become null."""
-    from martensite.scenario.plain_values import convert_to_plain
+    from martensite.scenario.exact_text import convert_to_plain
 
     typer.echo(formats.dumps(convert_to_plain(value), indent=2, ensure_ascii=False))
 

@@ -16,6 +16,7 @@ from martensite.actuators.assembly import PROFILES
 from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import SolveError, UnknownNameError
 from martensite.base.formats import write_quantity
+from martensite.base.lazy import import_extra
 from martensite.base.status import Status
 from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.simulate.alarms import Alarm
@@ -160,15 +161,15 @@ class Result:
         import_module("martensite.scenario.netcdf").save_result(self, path)
 
     def to_xarray(self) -> xarray.Dataset:
-        """A dataset over time [s], with units and provenance as attributes."""
-        return import_module("martensite.scenario.netcdf").to_dataset(self)
+        """A dataset over time [s], with units and provenance as attributes; needs the extra `xarray`."""
+        return import_module("martensite.scenario.netcdf").describe_result(self).to_xarray()
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table with a row per sample, by time [s], of a batch by variant and time.
 
-        Columns are in SI units (`attrs["units"]`).
+        Columns are in SI units (`attrs["units"]`). Needs the extra `xarray`, which brings pandas.
         """
-        pandas: Any = import_module("pandas")
+        pandas = import_extra("pandas", "xarray")
         index = pandas.Index(self.times, name="time")
         if self.variants is not None:
             runs = range(len(self.variants))

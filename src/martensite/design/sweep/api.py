@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from martensite.base import units
 from martensite.base.errors import InputError
+from martensite.base.lazy import import_extra
 from martensite.base.registry import import_modules
 from martensite.design.backends.base import BACKENDS, AbstractBackend
 from martensite.design.sweep.job import MEASURES, SweepJob, SweepRequest, build_spec, prepare_plan
@@ -168,6 +169,7 @@ def run_sweep(
     """
     from martensite.design.sweep.dataset import open_sweep
 
+    import_extra("xarray", "sweep")  # missed before anything is run, not after
     import_modules(modules)
     found = scenario if isinstance(scenario, Scenario) else load(scenario)
     length = units.parse_quantity(step, "s") if isinstance(step, str) else step

@@ -15,12 +15,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from martensite.base.lazy import import_extra
 from martensite.base.status import Status
 from martensite.design.sweep.plan import DETAILS
 from martensite.design.sweep.reading import read_axes, read_levels, read_status
@@ -44,11 +44,10 @@ def open_sweep(path: Path | str, grid: bool = True) -> xarray.Dataset:
 
     Raises:
         DataError: there is no sweep.
-        InputError: Zarr is not installed.
+        InputError: Zarr or xarray is not installed.
     """
-    store = Store(Path(path))
+    xarray, store = import_extra("xarray", "sweep"), Store(Path(path))
     axes, status = read_axes(store), read_status(store)
-    xarray: Any = import_module("xarray")
     opened = xarray.open_zarr(str(path), consolidated=False, decode_times=False, decode_timedelta=False)
     names = [one.target.name for one in axes]
     traces = [name for name, _ in store.spec["traces"]]

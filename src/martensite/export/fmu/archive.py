@@ -1,9 +1,8 @@
 """`to_fmu`: a scenario or a system as an FMU for co-simulation, FMI 2.0 or 3.0.
 
-The FMU holds the model in C with its sources, libraries for the machines that there are
-compilers for, the description of everything that can be set, and the scenario that it was made
-of. The same scenario gives the same archive: times in it are fixed, and its GUID (instantiation
-token) is a hash of description and sources.
+The FMU holds the model in C with its sources, libraries for the machines that there are compilers for, the
+description of everything that can be set, and the scenario that it was made of. The same scenario gives the same
+archive: times in it are fixed, and its GUID (instantiation token) is a hash of description and sources.
 """
 
 from __future__ import annotations
@@ -100,13 +99,11 @@ def to_fmu(
 
 
 def _locate_library(fmi: str, target: str, name: str) -> str:
-    """Where the library for a target is in the archive."""
     known = TARGETS[target]
     return f"binaries/{known.folder if fmi == '2.0' else target}/{name}{known.ending}"
 
 
 def _write_beside(fmi: str, plan: FmuPlan) -> dict[str, str]:
-    """How to build it, and what it was made of."""
     found: dict[str, str] = {}
     if fmi == "3.0":
         found["sources/buildDescription.xml"] = build_description(plan.identifier, ["all.c"])
@@ -116,7 +113,6 @@ def _write_beside(fmi: str, plan: FmuPlan) -> dict[str, str]:
 
 
 def _make_token(texts: Sequence[str]) -> str:
-    """A hash in the form of a GUID."""
     digest = hashlib.sha256("\0".join(texts).encode()).hexdigest()
     return "{" + "-".join(digest[a:b] for a, b in _GROUPS) + "}"
 

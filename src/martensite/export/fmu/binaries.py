@@ -72,7 +72,6 @@ def find_command(target: str) -> list[str] | None:
 
 
 def _find_gcc(target: str) -> str | None:
-    """The compiler of this machine, or one of gcc for another."""
     if target == find_target():
         return find_compiler()
     cross = TARGETS[target].cross

@@ -8,8 +8,7 @@ from importlib.metadata import version
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from martensite.export.fmu.plan import FmuPlan
-from martensite.export.fmu.units import add_units
-from martensite.export.fmu.variables import TIME, FmuVariable
+from martensite.export.fmu.variables import TIME, FmuVariable, add_units
 
 CATEGORIES = ("logStatusWarning", "logStatusDiscard", "logStatusError")
 

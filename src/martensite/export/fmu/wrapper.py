@@ -89,5 +89,4 @@ def _write_rule(number: ModelNumber) -> str:
 
 
 def _format_numbers(values: Iterable[float]) -> str:
-    """The numbers of an array; C has none without any."""
     return ", ".join([repr(float(value)) for value in values] or ["0.0"])

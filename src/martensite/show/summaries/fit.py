@@ -13,7 +13,7 @@ from martensite.base.summary import Block, BulletList, DataTable, Heading, Notic
 from martensite.fit.fit import Fit, list_compared
 from martensite.fit.fit_verdicts import describe_predictions, format_error, list_fit_warnings
 from martensite.fit.posterior import Posterior
-from martensite.scenario.law_cautions import KIND, law_words
+from martensite.scenario.laws import KIND, law_words
 from martensite.search.free_numbers import FreeNumber
 from martensite.search.profile import Profile
 from martensite.search.quantity_text import format_number, join_phrases, list_names
