@@ -41,7 +41,7 @@ def motor(
     coil = read_positive("inductance", inductance, "H")
     states = read_steady(steady)
     from martensite.characterise.motor_constants import estimate_motor_constants
-    from martensite.show.summaries.motor import summarise_motor
+    from martensite.show.summaries.laboratory import summarise_motor
 
     found = estimate_motor_constants(
         states,

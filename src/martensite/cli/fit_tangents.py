@@ -40,8 +40,8 @@ def tangents(
     outputs = answer.check_files()
     levels = read_cycles(logs, stress, cycle)
     from martensite.characterise.tangent_fit import fit_tangents
-    from martensite.show.figures.tangents import plot_tangents
-    from martensite.show.summaries.tangents import summarise_tangents
+    from martensite.show.figures.laboratory import plot_tangents
+    from martensite.show.summaries.laboratory import summarise_tangents
 
     found = fit_tangents(levels) if len(levels) > 1 else levels[0]
     title = f"Tangents of {levels[0].name if len(levels) == 1 else f'{len(levels)} cycles'}"

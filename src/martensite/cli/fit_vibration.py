@@ -40,7 +40,7 @@ def vibration(
     times, values, label = read_vibration(record, column, start, end)
     from martensite.characterise.free_vibration import log_decrement
     from martensite.characterise.spectrum import natural_frequency
-    from martensite.show.summaries.vibration import Oscillator, summarise_vibration
+    from martensite.show.summaries.laboratory import Oscillator, summarise_vibration
 
     peak = natural_frequency(times, values)
     found = log_decrement(times, values, cycles=cycles, frequency=peak.frequency)

@@ -212,8 +212,8 @@ def _write_files(found: Identified, outputs: Outputs, records: Sequence[Sampled]
         if files.data is not None:
             _save_model(found, files.data)
         if files.figure is not None:
-            from martensite.show.figures.files import write_figure
-            from martensite.show.figures.identification import plot_identified
+            from martensite.show.figures.model import plot_identified
+            from martensite.show.figures.style import write_figure
 
             write_figure(plot_identified(found, records), files.figure)
     if outputs.data is not None and len(found.estimates) > 1:

@@ -59,9 +59,9 @@ def law(
     from martensite.scenario.laws import configure_laws
     from martensite.scenario.overrides import read_settings
     from martensite.scenario.points import write_points
-    from martensite.show.figures.files import write_figure
     from martensite.show.figures.law_paths import plot_point
-    from martensite.show.summaries.law import summarise_laws
+    from martensite.show.figures.style import write_figure
+    from martensite.show.summaries.run import summarise_laws
     from martensite.show.terminal import print_summary
     from martensite.simulate.paths import find_path, named_path
 

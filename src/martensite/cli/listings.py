@@ -87,7 +87,7 @@ def materials(
 ) -> None:
     """List the materials, or show one with all sources."""
     from martensite.physics.materials.base import load_material, material_names
-    from martensite.show.summaries.materials import summarise_material, summarise_materials
+    from martensite.show.summaries.parts import summarise_material, summarise_materials
     from martensite.show.terminal import print_summary
 
     if name is None:

@@ -32,8 +32,8 @@ def pareto(
     """Find the runs of a sweep that no other beats."""
     from martensite.design.sweep.pareto import find_pareto_front
     from martensite.design.sweep.reading import read_sweep
-    from martensite.show.figures.pareto import plot_pareto
-    from martensite.show.summaries.pareto import summarise_front
+    from martensite.show.figures.sweep_analysis import plot_pareto
+    from martensite.show.summaries.sweep import summarise_front
 
     outputs = answer.check_files(save, ".csv")
     table = read_sweep(store)

@@ -215,7 +215,7 @@ def _write_files(files: Outputs, scenario: Scenario, result: Result, record: Rec
         records = [record] if record else None
         save_figure(result, files.figure, records, scenario.title, scenario.outside)
     if files.profile is not None:
-        from martensite.show.figures.files import write_figure
-        from martensite.show.figures.profile import plot_profile
+        from martensite.show.figures.overview import plot_profile
+        from martensite.show.figures.style import write_figure
 
         write_figure(plot_profile(result, scenario.title), files.profile)

@@ -27,8 +27,8 @@ def sensitivity(
     """
     from martensite.design.sweep.indices import compute_sensitivity as find_sensitivity
     from martensite.design.sweep.reading import read_sweep
-    from martensite.show.figures.sensitivity import plot_sensitivity
-    from martensite.show.summaries.sensitivity import summarise_sensitivity
+    from martensite.show.figures.sweep_analysis import plot_sensitivity
+    from martensite.show.summaries.sweep import summarise_sensitivity
 
     outputs = answer.check_files()
     table = read_sweep(store)

@@ -119,7 +119,7 @@ def _write_scenario(sizing: Sizing, chosen: int | None) -> str:
 def _check_catalogue(stress: Text, ambient: Text, alloy: str, json: bool) -> None:
     from martensite.design.sizing.catalogue_check import AMBIENT, STRESS, check_catalogue
     from martensite.design.sizing.request import ALLOYS, WireRequest
-    from martensite.show.summaries.catalogue import summarise_check
+    from martensite.show.summaries.sizing import summarise_check
     from martensite.show.terminal import print_summary
 
     WireRequest.declarations["alloy"].convert("size", "alloy", alloy)

@@ -94,7 +94,7 @@ def tune(
     options.check()
     loaded = source.load()
     from martensite.cli.tune_run import run_tuning
-    from martensite.show.figures.tuning import plot_tuning
+    from martensite.show.figures.design import plot_tuning
     from martensite.show.summaries.tuning import summarise_tuning, write_tuned
 
     found = run_tuning(loaded, options)

@@ -18,7 +18,6 @@ from martensite.design.sizing.request import ALLOYS, WireRequest
 from martensite.design.sizing.scenario import format_scenario
 from martensite.physics.materials.wires import WireCatalogue, load_wires
 from martensite.scenario.catalogue import describe_class
-from martensite.show.summaries import catalogue as catalogue_words
 from martensite.show.summaries import sizing as words
 
 EXAMPLE = {"force": "8 N", "stroke": "5 mm", "rate": "0.05 Hz", "supply": "12 V"}
@@ -230,9 +229,9 @@ def compare_catalogue(request: Request, desk: Desk) -> JsonTable:
     )
     return {
         "asked": given,
-        "conditions": catalogue_words.write_conditions(stress, ambient),
-        "columns": [" ".join(name.split("\n")).strip() for name in catalogue_words.COLUMNS],
-        "rows": [catalogue_words.list_cells(row) for row in rows],
-        "spread": catalogue_words.list_spreads(rows),
-        "doubt": catalogue_words.DOUBT,
+        "conditions": words.write_conditions(stress, ambient),
+        "columns": [" ".join(name.split("\n")).strip() for name in words.CHECKED],
+        "rows": [words.list_check_cells(row) for row in rows],
+        "spread": words.list_spreads(rows),
+        "doubt": words.DOUBT,
     }

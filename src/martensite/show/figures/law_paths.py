@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.base.errors import InputError
-from martensite.show.figures.labels import QuantityAxis, enclose_values
+from martensite.show.figures.labels import STRAIN, STRESS, TEMPERATURE, QuantityAxis, enclose_values
 from martensite.show.figures.panels import (
     add_colour_key,
     add_panels,
@@ -25,7 +25,7 @@ from martensite.show.figures.panels import (
     share_limits,
     write_headline,
 )
-from martensite.show.figures.phase_diagram import ARROWS, STRESS, TEMPERATURE, draw_phase_diagram
+from martensite.show.figures.phase_diagram import ARROWS, draw_phase_diagram
 from martensite.show.figures.style import COOLING, HEATING, INK, SIMULATED, make_figure, use_style
 from martensite.simulate.path_stages import list_stages
 from martensite.simulate.point import PointResult
@@ -45,7 +45,7 @@ KINDS = {
 }
 """Colours of the legs of a single path."""
 AXES = {
-    "strain": QuantityAxis("strain", "strain", "ε", "1", "%"),
+    "strain": STRAIN,
     "stress": STRESS,
     "temperature": TEMPERATURE,
     "martensite": QuantityAxis("martensite", "martensite fraction", "ξ", "1", "1"),

@@ -21,15 +21,13 @@ from typing import Any
 import numpy as np
 
 from martensite.physics.laws.base import AbstractLaw
-from martensite.show.figures.labels import QuantityAxis, enclose_values, typeset_symbol
+from martensite.show.figures.labels import STRESS, TEMPERATURE, enclose_values, typeset_symbol
 from martensite.show.figures.panels import draw_arrow, draw_start
 from martensite.show.figures.style import COOLING, HEATING, QUIET
 from martensite.simulate.path_layout import TWINNED
 from martensite.simulate.point import PointResult
 from martensite.simulate.transformation_points import Marks, find_isobar, find_loaded
 
-TEMPERATURE = QuantityAxis("temperature", "temperature", "T", "K", "degC")
-STRESS = QuantityAxis("stress", "stress", "σ", "Pa", "MPa")
 BEGUN = 1e-5
 """Share of a transformation at which a line that is found by driving counts as passed."""
 ISOBARS = 7

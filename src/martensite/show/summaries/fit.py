@@ -19,11 +19,9 @@ from martensite.search.free_numbers import FreeNumber
 from martensite.search.profile import Profile
 from martensite.search.quantity_text import format_number, join_phrases, list_names
 from martensite.show.figures.fit import MOST as PANELS
-from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops
-from martensite.show.figures.fit_knowledge import plot_correlation, plot_search, plot_singular_values
-from martensite.show.figures.fit_likelihood import plot_likelihood
-from martensite.show.figures.fit_residuals import MOST as RESIDUALS
-from martensite.show.figures.fit_residuals import plot_fit_residuals
+from martensite.show.figures.fit import MOST_RESIDUALS as RESIDUALS
+from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops, plot_fit_residuals
+from martensite.show.figures.fit_knowledge import plot_correlation, plot_likelihood, plot_search, plot_singular_values
 from martensite.show.summaries import fit_tables
 
 if TYPE_CHECKING:
