@@ -10,8 +10,8 @@ from app_server import Bench
 from typescript import check_answer
 
 from martensite.app.calls.form import build_form as answer
-from martensite.app.forms import documents, ranges, wording
-from martensite.app.packaged_scenarios import FOLDER, list_standalone
+from martensite.app.documents import FOLDER, list_standalone
+from martensite.app.forms import controls, documents, ranges
 from martensite.app.worker import Desk
 from martensite.base import units
 from martensite.base.errors import InputError, UnknownNameError
@@ -179,7 +179,7 @@ def test_symbols_are_spelled_by_names(name: str, symbol: str) -> None:
     ],
 )
 def test_units_are_shown_as_they_are_read(unit: str, label: str) -> None:
-    how = wording.describe_display(unit)
+    how = controls.describe_display(unit)
     assert how["label"] == label
     assert 300.0 * how["factor"] + how["offset"] == pytest.approx(
         units.from_si(300.0, units.choose_readable_unit(unit), unit)

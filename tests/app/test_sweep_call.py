@@ -26,9 +26,9 @@ from martensite.app.calls.sweeps import list_sweeps as listed
 from martensite.app.calls.sweeps import read_points as points
 from martensite.app.calls.sweeps import read_row as row
 from martensite.app.calls.sweeps import run_sweep as sweep
-from martensite.app.sweeping.command_line import quote_words
 from martensite.app.sweeping.sweep_drawing import MOST_DRAWN, SweepDrawing
 from martensite.app.sweeping.sweep_folder import SweepFolder, hold_store, make_slug
+from martensite.app.sweeping.sweep_request import quote_words
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError
 from martensite.cli.app import app

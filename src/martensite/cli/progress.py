@@ -113,7 +113,6 @@ def show_sweep(label: str) -> Iterator[Callable[[Swept], None] | None]:
 
 
 def _write_rate(now: Swept, task: Any) -> str:
-    """Runs per second, and how many failed."""
     failed = sum(count for status, count in now.status.items() if status > 1)
     speed = "" if not task.elapsed or not now.made else f"{now.made / task.elapsed:.0f}/s"
     return f"{speed}, {failed} failed" if failed else speed

@@ -172,7 +172,6 @@ def run_scenario(
 
 
 def _make_pulses(scenario: Scenario, carrier: float) -> Averaging:
-    """The pulses of a drive, beside their average."""
     from martensite.actuators.assembly import System
     from martensite.design.tuning.averaging import compare_averaging
     from martensite.signals.base import AbstractWaveform

@@ -70,7 +70,6 @@ class TuneOptions:
             raise InputError("Option `--plants` has no effect without --spread.")
 
     def _list_rules(self) -> list[str]:
-        """Rules of the method."""
         from martensite.design.rules.formulas import RULES
         from martensite.design.rules.relay import RELAY_RULES
 
