@@ -42,7 +42,6 @@ def list_fields() -> list[JsonTable]:
 
 
 def _write_default(declared: Declared) -> str:
-    """The default as one would type it; `none` for a limit that is none."""
     if declared.default is REQUIRED:
         return ""
     if declared.kind != "parameter":
@@ -183,7 +182,6 @@ def _describe_candidate(request: WireRequest, number: int, found: Candidate, cat
 
 
 def _describe_margin(margin: Margin) -> JsonTable:
-    """A margin with its numbers as they are shown."""
     shown = "" if margin.unit == margin.shown == "1" else margin.shown
     used, limit = (f"{units.from_si(value, margin.shown, margin.unit):.3g}" for value in (margin.used, margin.limit))
     return {
@@ -197,7 +195,6 @@ def _describe_margin(margin: Margin) -> JsonTable:
 
 
 def _write_scenario(request: WireRequest, found: Candidate, catalogue: WireCatalogue) -> tuple[str | None, str]:
-    """Its scenario, or the sentence why there is none."""
     try:
         return format_scenario(request, found, catalogue), ""
     except InputError as error:

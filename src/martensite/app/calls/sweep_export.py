@@ -60,7 +60,6 @@ def escape_formula(text: str) -> str:
 
 
 def _write_zip(store: Path, path: Path) -> None:
-    """The store as it is, in a folder; its chunks are compressed already."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as made:
         for one in sorted(store.rglob("*")):
             if one.is_file():

@@ -64,7 +64,6 @@ def _sort_grid_first(names: list[str]) -> list[str]:
 
 
 def _list_targets(scenario: Scenario) -> Iterator[JsonTable]:
-    """Numbers that can be varied: value and bounds in a unit that people read."""
     leaves: dict[str | None, dict[str, Declared]] = {None: {one.path: one.declared for one in scenario.whole.leaves()}}
     for name, wave in list_waveforms(scenario).items():
         leaves[name] = {one.path: one.declared for one in wave.leaves()}
@@ -89,7 +88,6 @@ def _describe_target(one: Target, declared: Declared) -> JsonTable:
 
 
 def _describe_measure(name: str, scenario: Scenario) -> JsonTable:
-    """A measure: whether it needs an output, or stands alone."""
     kind = MEASURES[name]
     alone = True
     try:
@@ -100,5 +98,4 @@ def _describe_measure(name: str, scenario: Scenario) -> JsonTable:
 
 
 def _find_usual(name: str, kind: type[AbstractMeasure]) -> str:
-    """What is looked at if nothing is named."""
     return str(kind.declarations["of"].default or "the first coordinate")

@@ -1,4 +1,7 @@
-"""Controls of single entries, as the page takes them: numbers, options, texts, lists."""
+"""Controls of single entries, as the page takes them: numbers, options, texts, lists.
+
+Each says in words where its value comes from: the scenario, its default, or a source of the material.
+"""
 
 from __future__ import annotations
 
@@ -7,16 +10,33 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from martensite.app.forms import wording
-from martensite.app.forms.form_types import EntryControl, NumberNode, OptionNode, RowNode, TextNode
-from martensite.app.forms.origins import describe_origin, find_material_number
+from martensite.app.forms.form_types import (
+    DisplayUnit,
+    EntryControl,
+    MaterialValue,
+    NumberNode,
+    OptionNode,
+    Origin,
+    RowNode,
+    TextNode,
+)
 from martensite.app.forms.ranges import build_slider, is_unlimited
+from martensite.base import units
+from martensite.base.errors import UnitError
 from martensite.base.parameters import REQUIRED, Declared
-from martensite.physics.materials.base import Material
+from martensite.physics.materials.base import DOUBTFUL, Material, MaterialNumber
 from martensite.scenario.catalogue import describe_entry
 
 ROUNDING = 1e-9
 """Relative difference that is rounding."""
+_PRINTED = (("degC", "°C"), ("deg", "°"), ("ohm", "Ω"), ("^2", "²"), ("^3", "³"), ("^0.5", "^½"))
+ORIGIN_WORDS = {
+    "scenario": "written in the scenario",
+    "default": "the default",
+    "plant": "worked out from the plant",
+    "start": "written in the scenario; the same as an assumed start value of this form, so no data",
+    "none": "not given yet",
+}
 
 
 @dataclass(frozen=True)
@@ -55,7 +75,7 @@ def describe_number(spot: EntrySpot, value: float | None, unit: str) -> NumberNo
         **spot.common(changed),
         "unit": unit,
         "allowed": word_range(declared),
-        **wording.describe_display(unit, size),
+        **describe_display(unit, size),
         "sort": "number",
         "value": value,
         "unlimited": value is not None and size is None,
@@ -67,12 +87,12 @@ def describe_number(spot: EntrySpot, value: float | None, unit: str) -> NumberNo
 
 def _word_default(default: float, declared: Declared) -> str:
     unlimited = is_unlimited(default, declared)
-    return "no limit" if unlimited else wording.word_quantity(default, declared.unit)
+    return "no limit" if unlimited else word_quantity(default, declared.unit)
 
 
 def word_range(declared: Declared) -> str:
     """The allowed range in words."""
-    low, high = (wording.word_quantity(bound, declared.unit) for bound in declared.bounds)
+    low, high = (word_quantity(bound, declared.unit) for bound in declared.bounds)
     least, most = f"{'above' if declared.open_low else 'at least'} {low}", f"at most {high}"
     if math.isinf(declared.low):
         return "any number" if math.isinf(declared.high) else most
@@ -113,3 +133,78 @@ def describe_row(spot: EntrySpot, value: Any) -> RowNode:
         "value": ", ".join("" if item is None else str(item) for item in items),
         "quantities": any(isinstance(item, str) for item in items),
     }
+
+
+def print_unit(unit: str) -> str:
+    """A unit as it is read, such as W/(m²·K); empty for 1."""
+    text = {"1": "", units.DEGREES: "K"}.get(unit, unit)
+    over, *under = text.split("/")
+    below = "·".join(under)
+    text = f"{over}/({below})" if len(under) > 1 else "/".join([over, *under])
+    for spelled, read in _PRINTED:
+        text = text.replace(spelled, read)
+    return text.replace("*", "·")
+
+
+def describe_display(unit: str, value: float | None = None) -> DisplayUnit:
+    """How a number in an SI unit is shown: spelling, label, factor and offset.
+
+    shown = SI · factor + offset; the spelling is empty where there is no unit.
+    """
+    spelling = units.choose_readable_unit(unit) if value is None else units.choose_familiar_unit(value, unit)
+    try:
+        size, zero = units.find_conversion(spelling, unit)
+    except UnitError:  # of a plug-in: what pint does not know is shown as it is
+        spelling, size, zero = unit, 1.0, 0.0
+    spelled = "K" if spelling == units.DEGREES else spelling
+    return {
+        "shown": "" if spelling == "1" else spelled,
+        "label": print_unit(spelling),
+        "factor": 1.0 / size,
+        "offset": -zero / size,
+    }
+
+
+def word_quantity(value: float, unit: str) -> str:
+    """A number in SI as a person reads it, such as `75 GPa`."""
+    how = describe_display(unit, value)
+    return f"{value * how['factor'] + how['offset']:.6g} {how['label']}".strip()
+
+
+def describe_origin(noted: str, name: str, material: Material | None) -> Origin:
+    """An origin as `Scenario.origins` notes it, told in full.
+
+    Its sort is scenario, default, plant, start, none, law or material; a number of the material has
+    its kind, source and place as well, and whether it is doubtful.
+    """
+    kind, _, owner = noted.partition(", ")
+    if not owner:
+        return {"sort": kind, "words": ORIGIN_WORDS.get(kind, kind)}
+    if kind == "law":
+        return {"sort": "law", "words": f"of the law that material {owner} holds for"}
+    if material is not None and material.name == owner and name in material.values:
+        return describe_source(material, material.values[name])
+    return {"sort": "material", "words": f"{kind}, material {owner}", "kind": kind}
+
+
+def describe_source(material: Material, number: MaterialNumber) -> Origin:
+    """A number of a material with its source."""
+    source = material.sources[number.source]
+    return {
+        "sort": "material",
+        "words": f"{number.kind}, material {material.name}",
+        "kind": number.kind,
+        "doubtful": number.kind in DOUBTFUL,
+        "source": source.text,
+        "cite": source.cite,
+        "where": number.where,
+        "note": number.note,
+    }
+
+
+def find_material_number(material: Material | None, name: str) -> MaterialValue | None:
+    """What the material has for a number that the scenario gives itself; None if it has none."""
+    if material is None or name not in material.values:
+        return None
+    number = material.values[name]
+    return {**describe_source(material, number), "text": number.text, "value": number.value}

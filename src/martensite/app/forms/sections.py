@@ -71,7 +71,6 @@ class FormSections:
         return [*found, *loops, bench_sections.describe_run(self.scenario, self.walk)]
 
     def _actuator(self) -> Iterator[GroupNode]:
-        """Element, environment and mechanism."""
         port, common = self._describe_common()
         element = common.group(
             port.element, f"{self._port_prefix}element", "element", "what is made of the alloy", ELEMENTS
@@ -132,7 +131,6 @@ class FormSections:
         return actuators[port], walk
 
     def _material(self) -> MaterialNode:
-        """The choice of a material; a file of one's own stands under its path."""
         given = documents.find_entry(self.document, MATERIAL)
         known = _list_materials()
         own = {} if given is None or given in known else {given: "a file of your own"}
@@ -149,10 +147,7 @@ class FormSections:
             "limits": "" if material is None else material.limits,
         }
 
-    # ---------------------------------------------------------------- drives
-
     def _drive(self) -> GroupNode:
-        """Source and waveform; where there are several ports, the source alone."""
         port, common = self._describe_common()
         group = replace(common, material=None).group(
             port.source, f"{self._port_prefix}source", DRIVE, "what heats the element", SOURCES
@@ -171,7 +166,6 @@ class FormSections:
         return build_group(self.scenario.places.drive, DRIVE, list(self._waveforms()))
 
     def _waveforms(self, only: str | None = None) -> Iterator[GroupNode]:
-        """Groups of the waveforms, or of that of one drive."""
         system, scenario = self.scenario.system, self.scenario
         units = {drive.name: drive.unit for drive in system.drives()}
         for name, waveform in by_name(system, scenario.waveform).items():
@@ -192,7 +186,6 @@ class FormSections:
         return found if there or MODEL not in self.document else f"{drive}.waveform."
 
     def _actuators(self) -> Iterator[GroupNode]:
-        """What every port has for itself."""
         if not self._has_ports:
             return
         made = build_group(GROUP, ACTUATORS, note="What every port has for itself.")
@@ -227,7 +220,6 @@ class FormSections:
 
 @cache
 def _list_materials() -> dict[str, str]:
-    """Names and titles of the materials that come with the package."""
     return {name: load_material(name).title for name in material_names()}
 
 
@@ -236,7 +228,6 @@ def _is_member(port: str, drive: str, path: str) -> str:
 
 
 def _list_paths(table: Any, drive: str, prefix: str = "") -> list[str]:
-    """Dotted paths of what a port has for itself, its waveform aside."""
     found: list[str] = []
     for key, value in table.items() if isinstance(table, dict) else ():
         path = f"{prefix}{key}"

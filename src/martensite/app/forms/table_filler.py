@@ -149,8 +149,6 @@ class TableFiller:
             return False
         return True
 
-    # ---------------------------------------------------------------- components
-
     def _fill_part(
         self,
         cls: type[Parametrised],
@@ -160,7 +158,6 @@ class TableFiller:
         path: str,
         was: type[Parametrised],
     ) -> Any:
-        """Table of a component; None if it can be left out."""
         declared = cls.declarations[name]
         before = was.declarations.get(name)
         given = old.get(name) if before is not None and _is_alike(before, declared) else None
@@ -182,7 +179,6 @@ class TableFiller:
         return self.table(inner, None, cast("JsonTable", given or {}), path) or None
 
     def _begin_row(self, declared: Declared, path: str) -> Any:
-        """Typical value of what is no single number, such as the samples of a table."""
         unit = self.unit(Leaf(path, Declared("parameter", "", None, DRIVE), None))
         typical = declared.typical_in(unit)
         if typical is None:
@@ -199,7 +195,6 @@ class TableFiller:
         path: str,
         was: type[Parametrised],
     ) -> Any:
-        """What was there becomes one of several, or what it had several of does."""
         inner = next((n for n, d in was.declarations.items() if d.registry is registry), None)
         if inner is not None and inner in old:
             return old[inner]
@@ -231,7 +226,6 @@ class TableFiller:
         return given if implied and given is not None else made
 
     def _find_meant(self, name: str, declared: Declared, full: JsonTable) -> JsonTable | None:
-        """The kind that a table names, or that is meant without one."""
         if KIND in full:
             return full
         if name == LAW and self.material is not None and self.material.law:
@@ -249,7 +243,6 @@ def read_kind(value: Any) -> JsonTable:
 
 
 def _is_alike(one: Declared, other: Declared) -> bool:
-    """Whether a component may stand where another one stood."""
     return one.kind == other.kind and one.registry is other.registry
 
 
