@@ -66,7 +66,6 @@ def render_fragment(summary: Summary) -> str:
 
 
 def _render_inline(text: str) -> str:
-    """Text with names in backquotes as HTML."""
     marked = _CODE.sub(r"<code>\1</code>", escape(text, quote=False))
     return _HASH.sub(r'<code class="hash">', marked)
 

@@ -116,7 +116,6 @@ def find_figure_folder(path: Path) -> Path:
 
 
 def _write_figures(summary: Summary, path: Path) -> None:
-    """Write all pictures of a summary into its folder, which is made if it does not exist."""
     folder = find_figure_folder(path)
     try:
         folder.mkdir(exist_ok=True)

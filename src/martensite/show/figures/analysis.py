@@ -46,8 +46,7 @@ def plot_energy(found: CycleEnergies, title: str = "") -> Figure:
         cycles = np.arange(1, len(found.work) + 1)
         share.plot(cycles, 100.0 * found.efficiency, ".-", color=INK)
         share.set_title("work over electrical energy [%]")
-        share.set_ylim(0.0, 1.08 * share.get_ylim()[1])
-        share.set_xlim(0.5, len(cycles) + 0.5)
+        share.set(ylim=(0.0, 1.08 * share.get_ylim()[1]), xlim=(0.5, len(cycles) + 0.5))
         for axes in (heat, work, share):
             axes.set_xlabel("cycle")
             axes.locator_params(axis="x", integer=True, min_n_ticks=1)
@@ -55,7 +54,6 @@ def plot_energy(found: CycleEnergies, title: str = "") -> Figure:
 
 
 def _draw_bars(axes: Any, pairs: Any, factor: float) -> None:
-    """Two bars side by side in every cycle."""
     for shift, (word, values, tint) in zip((-0.5, 0.5), pairs, strict=True):
         places = np.arange(1, len(values) + 1) + shift * BAR
         look = {"color": tint, "edgecolor": INK, "linewidth": 0.4}
@@ -107,9 +105,7 @@ def _draw_courses(axes: Any, found: Speeds) -> None:
             label = word if first else "_nolegend_"
             axes.plot(found.times, (row - row[0]) / size, color=tint, linestyle=dash, label=label)
     axes.axvline(found.hold, color=QUIET, linewidth=0.7, zorder=1.0)
-    axes.set_title(f"{found.output.replace('_', ' ')} [{unit}]")
-    axes.set_xlabel("$t$ [s]")
-    axes.set_xlim(0.0, found.times[-1])
+    axes.set(title=f"{found.output.replace('_', ' ')} [{unit}]", xlabel="$t$ [s]", xlim=(0.0, found.times[-1]))
     axes.legend(title=_label_axis(found.drive, found.units[0]), title_fontsize=8.0, loc="upper right")
 
 
@@ -131,14 +127,12 @@ def _list_loads(found: Speeds, table: Any) -> list[tuple[Any, Any, int]]:
 
 
 def _name_load(found: Speeds, k: int) -> str:
-    """What a load is called."""
     if not found.load:
         return ""
     return f", {found.load.rpartition('.')[2]} {found.loads[k]:.3g}"
 
 
 def _label_axis(name: str, unit: str) -> str:
-    """A drive with its unit."""
     shown = units.choose_readable_unit(unit)
     return name if shown == "1" else f"{name} [{ {'degC': '°C'}.get(shown, shown) }]"
 
@@ -179,7 +173,6 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
 
 
 def _draw_lines(axes: Any, found: FrequencyResponse, values: Any) -> None:
-    """A line per bias."""
     shown = units.choose_readable_unit(found.units[0])
     for k, (bias, tint) in enumerate(zip(found.biases, choose_colours(len(found.biases)), strict=True)):
         label = f"{units.from_si(float(bias), shown, found.units[0]):.3g}"
@@ -187,17 +180,14 @@ def _draw_lines(axes: Any, found: FrequencyResponse, values: Any) -> None:
         loose = ~found.settled[k]
         look = {"color": tint, "markerfacecolor": "white", "linestyle": "none"}
         axes.plot(found.frequencies[loose], values[k][loose], "o", **look)
-    axes.set_xscale("log")
-    axes.set_xlim(found.frequencies.min() / 1.1, found.frequencies.max() * 1.1)
-    axes.set_xlabel("$f$ [Hz]")
+    axes.set(xscale="log", xlim=(found.frequencies.min() / 1.1, found.frequencies.max() * 1.1), xlabel="$f$ [Hz]")
 
 
 def _set_logarithmic(axes: Any, gains: Any) -> None:
     """A logarithmic axis over what is not next to nothing."""
     most = float(np.max(gains))
     if most > 0.0:
-        axes.set_yscale("log")
-        axes.set_ylim(max(0.7 * float(np.min(gains)), LEAST * most), 1.5 * most)
+        axes.set(yscale="log", ylim=(max(0.7 * float(np.min(gains)), LEAST * most), 1.5 * most))
 
 
 def _mark_bandwidths(axes: Any, found: FrequencyResponse, size: float) -> None:
@@ -208,7 +198,6 @@ def _mark_bandwidths(axes: Any, found: FrequencyResponse, size: float) -> None:
 
 
 def _describe_units(found: FrequencyResponse) -> str:
-    """What the lines are."""
     shown = units.choose_readable_unit(found.units[0])
     unit = {"1": "", "degC": " °C"}.get(shown, f" {shown}")
     size = units.find_conversion(shown, found.units[0])[0]

@@ -53,7 +53,6 @@ def _draw_history(found: OptimisedDesign, axes: Axes) -> None:
 
 
 def _draw_motion(found: OptimisedDesign, axes: Axes) -> None:
-    """The first coordinate of the scenario and of the design."""
     designs = found.designs
     name = next(iter(designs.system.mechanism.outputs()), "")
     output = designs.system.outputs()[name]

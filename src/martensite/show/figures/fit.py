@@ -133,7 +133,6 @@ def _make_column_axis(column: str, unit: str) -> QuantityAxis:
 
 
 def _draw_panel(axes: Any, one: ComparedOutput, horizontal: QuantityAxis, x: Any, shown: QuantityAxis) -> None:
-    """Measured and modelled values over a quantity."""
     across, measured = horizontal.values(x), shown.values(one.measured)
     dots = {"marker": "o", "markersize": 2.6, "markeredgewidth": 0.0, "linestyle": "none"}
     line = {"linewidth": 2.6, "alpha": 0.75}
@@ -150,8 +149,7 @@ def _draw_panel(axes: Any, one: ComparedOutput, horizontal: QuantityAxis, x: Any
             low, high = max(first, float(one.times[0])), min(last, float(one.times[-1]))
             if low < high:
                 axes.axvspan(low, high, color=TINT, linewidth=0.0, zorder=0.4)
-    axes.set_xlabel(horizontal.label)
-    axes.set_ylabel(shown.label)
+    axes.set(xlabel=horizontal.label, ylabel=shown.label)
     _write_name(axes, one)
 
 
@@ -164,7 +162,6 @@ def _widen_rows(rows: Any) -> Any:
 
 
 def _write_name(axes: Any, one: ComparedOutput) -> None:
-    """The record above a panel, and below its name the errors."""
     axes.set_title(shorten_name(one.record), fontweight="bold", pad=14.0).set_parse_math(False)
     errors = [
         f"{format_error(one.output, one.rms(part), one.description.unit)}{word}"
@@ -224,7 +221,6 @@ def plot_fit_residuals(fit: Fit, title: str = "") -> Figure:
 
 
 def _find_reach(rows: list[ComparedOutput]) -> dict[str, float]:
-    """Largest residual of every output, in SI."""
     found: dict[str, float] = {}
     for one in rows:
         largest = float(np.nanmax(np.abs(one.residuals)))
@@ -242,9 +238,8 @@ def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) ->
             axes.plot(one.times, values, color=colour, linewidth=0.9, zorder=2.0)
     if one.held.any() and not one.used.any():
         axes.set_facecolor(TINT)
-    axes.set_ylim(-ROOM * reach / factor or -1.0, ROOM * reach / factor or 1.0)
-    axes.set_ylabel(f"{one.output} [{shown.difference_unit or '–'}]")
-    axes.set_xlabel(TIME.label if last else "")
+    axes.set(ylim=(-ROOM * reach / factor or -1.0, ROOM * reach / factor or 1.0))
+    axes.set(ylabel=f"{one.output} [{shown.difference_unit or '–'}]", xlabel=TIME.label if last else "")
     held = " (held out)" if one.held.any() and not one.used.any() else ""
     write_title(axes, shorten_name(one.record) + held, fontweight="bold", color=HELD if held else INK)
 
@@ -255,14 +250,12 @@ def _find_factor(shown: QuantityAxis) -> float:
 
 
 def _draw_memory(axes: Any, test: Whiteness | None, last: bool) -> None:
-    """Autocorrelation by lag, within or beyond its band."""
     if test is None:
         axes.set_axis_off()
         return
     draw_autocorrelation(axes, test)
     axes.xaxis.get_major_locator().set_params(integer=True)
-    axes.set_xlabel("lag [samples]" if last else "")
-    axes.set_ylabel("autocorrelation")
+    axes.set(xlabel="lag [samples]" if last else "", ylabel="autocorrelation")
     verdict = "white" if test.white else "not white"
     probability = "p < 0.0001" if test.p_value < 1e-4 else f"p = {test.p_value:.2g}"
     write_title(axes, f"{verdict} ({probability})", color=QUIET, fontsize=8.0)

@@ -107,17 +107,12 @@ def plot_search(fit: Fit, title: str = "") -> Figure:
         write_headline(figure, title or "Search")
         axes.step([*runs, total], [*costs, costs[-1]], where="post", color=SIMULATED)
         axes.plot(runs, costs, "o", color=SIMULATED, markersize=3.2)
-        axes.set_yscale("log")
-        axes.set_xlim(0.0, 1.03 * total)
+        axes.set(yscale="log", xlim=(0.0, 1.03 * total))
         _set_decades(axes, costs)
-        axes.set_xlabel("runs of single records, with and without derivatives")
-        axes.set_ylabel("cost")
+        axes.set(xlabel="runs of single records, with and without derivatives", ylabel="cost")
         ended = f"{fit.method}: {fit.reason}; cost {format_number(fit.cost, 3)}"
         write_title(axes, ended, color=QUIET, fontsize=8.0)
         return figure
-
-
-# ---------------------------------------------------------------- correlations
 
 
 def _make_colour_map() -> Any:
@@ -127,7 +122,6 @@ def _make_colour_map() -> Any:
 
 
 def _draw_cells(axes: Any, matrix: Any, numbered: bool) -> None:
-    """Numbers in the cells; hatches where a correlation is not determined."""
     from matplotlib.patches import Rectangle
 
     count = len(matrix)
@@ -159,9 +153,6 @@ def _name_axes(axes: Any, names: Sequence[str]) -> None:
         spine.set_visible(False)
 
 
-# ---------------------------------------------------------------- directions
-
-
 def _draw_values(axes: Any, fit: Fit) -> None:
     """Singular values over the noise, those of 0 as open marks at the lower edge."""
     found = [1.0 / u if u else math.inf for u in fit.identifiability.uncertainties]
@@ -180,11 +171,9 @@ def _draw_values(axes: Any, fit: Fit) -> None:
         dots = {"color": SIMULATED, "markerfacecolor": fill, "markersize": 5.0, "zorder": 2.2}
         axes.plot(places[some], heights[some], "o", **dots)
     _set_decades(axes, np.asarray([bottom, 1.0, *heights]))
-    axes.set_ylim(bottom, 2.5 * max([*seen, 1.0]))
-    axes.set_xlim(0.4, len(found) + 0.6)
+    axes.set(ylim=(bottom, 2.5 * max([*seen, 1.0])), xlim=(0.4, len(found) + 0.6))
     axes.set_xticks(places if len(found) <= 16 else places[:: len(found) // 8])
-    axes.set_xlabel("direction of the parameters")
-    axes.set_ylabel("singular value / noise")
+    axes.set(xlabel="direction of the parameters", ylabel="singular value / noise")
     if 0.0 in found:
         write_title(axes, "open: 0, nothing is seen at all", color=QUIET, fontsize=8.0)
 
@@ -227,8 +216,7 @@ def _draw_direction(axes: Any, names: Sequence[str], moves: Sequence[float]) -> 
     for label in axes.get_yticklabels():
         label.set_parse_math(False)
     axes.tick_params(axis="y", length=0.0)
-    axes.set_ylim(max(len(names), 4) - 0.4, -0.6)
-    axes.set_xlim(min(0.0, 1.15 * min(moves)), 1.08)
+    axes.set(ylim=(max(len(names), 4) - 0.4, -0.6), xlim=(min(0.0, 1.15 * min(moves)), 1.08))
     axes.grid(False, axis="y")
     axes.set_xlabel("move, as a share of the search range")
 
@@ -273,9 +261,8 @@ def _draw_panel(axes: Any, one: Profile, fit: Fit | None) -> None:
     ends = shown.values([one.below.at, one.above.at])
     axes.axvspan(*ends, color=BAND, linewidth=0.0, zorder=0.4)
     axes.axvline(float(shown.values([one.value])[0]), color=QUIET, linewidth=0.8, zorder=1.3)
-    axes.set_ylim(min(-0.08, 1.1 * float(excess.min())), TOP)
-    axes.set_xlabel(f"[{shown.label.partition('[')[2]}")
-    axes.set_ylabel("cost above the least / limit")
+    axes.set(ylim=(min(-0.08, 1.1 * float(excess.min())), TOP), xlabel=f"[{shown.label.partition('[')[2]}")
+    axes.set(ylabel="cost above the least / limit")
     write_title(axes, one.name, fontweight="bold", color=INK)
     write_title(axes, _describe_interval(one), loc="right", color=QUIET, fontsize=8.0)
 

@@ -65,7 +65,6 @@ def plot_tangents(found: TangentFit | TangentPoints, title: str = "") -> Figure:
 
 
 def _draw_several(found: TangentFit) -> Figure:
-    """Panels of the cycles, and beside them what they say together."""
     shown = pick_evenly(found.levels, MOST_PANELS)
     columns = 1 if len(shown) < 3 else 2
     rows = -(-len(shown) // columns)
@@ -77,8 +76,7 @@ def _draw_several(found: TangentFit) -> Figure:
         _draw_cycle(axes, points)
         bottom, edge = k + columns >= len(shown), k % columns == 0
         axes.tick_params(labelbottom=bottom)
-        axes.set_xlabel(TEMPERATURE.label if bottom else "")
-        axes.set_ylabel(STRAIN.label if edge else "")
+        axes.set(xlabel=TEMPERATURE.label if bottom else "", ylabel=STRAIN.label if edge else "")
     for axes in cycles[len(shown) :]:
         axes.remove()
     room = (1.3 + wide, 0.17, 0.64, 0.5)
@@ -88,21 +86,14 @@ def _draw_several(found: TangentFit) -> Figure:
     return figure
 
 
-# ---------------------------------------------------------------- one cycle
-
-
 def _draw_cycle(axes: Any, points: TangentPoints) -> None:
-    """Strain over temperature with lines and points."""
     _draw_branch(axes, points.cycle.heating, points.heating, ("A_s", "A_f"), HEATING)
     _draw_branch(axes, points.cycle.cooling, points.cooling, ("M_f", "M_s"), COOLING)
     H = TRANSFORMATION.values([points.H])[0]
-    axes.set_title(f"{points.stress / 1e6:.3g} MPa:  $H$ = {H:.2f} %")
-    axes.set_xlabel(TEMPERATURE.label)
-    axes.set_ylabel(STRAIN.label)
+    axes.set(title=f"{points.stress / 1e6:.3g} MPa:  $H$ = {H:.2f} %", xlabel=TEMPERATURE.label, ylabel=STRAIN.label)
 
 
 def _draw_branch(axes: Any, rows: CycleBranch, found: BranchTangents, names: tuple[str, str], colour: str) -> None:
-    """One branch: its rows, the outer lines up to the transformation, and the steep one."""
     x, y = TEMPERATURE.values(rows.temperature), STRAIN.values(rows.strain)
     dots = {"marker": "o", "markersize": 1.8, "markeredgewidth": 0.0} if len(x) <= DOTS else {}
     axes.plot(x, y, color=colour, linewidth=0.8, alpha=0.55, zorder=1.8, **dots)
@@ -122,7 +113,6 @@ def _draw_branch(axes: Any, rows: CycleBranch, found: BranchTangents, names: tup
 
 
 def _mark_point(axes: Any, name: str, kelvin: float, strain: float, colour: str) -> None:
-    """A mark where two lines meet, named on the side away from the rows."""
     x, y = TEMPERATURE.values([kelvin])[0], STRAIN.values([strain])[0]
     look = {"markersize": 4.2, "markeredgecolor": "white", "markeredgewidth": 0.6}
     axes.plot([x], [y], _MARKS[name], color=colour, zorder=3.0, **look)
@@ -133,11 +123,7 @@ def _mark_point(axes: Any, name: str, kelvin: float, strain: float, colour: str)
     axes.annotate(typeset_symbol(name), (x, y), beside, **sides, **look)
 
 
-# ---------------------------------------------------------------- over stress
-
-
 def _draw_diagram(axes: Any, found: TangentFit) -> None:
-    """Stress over temperature: points, lines of common slope and their bands."""
     top = 1.12 * max(points.stress for points in found.levels)
     for one, colour in ((found.reverse, HEATING), (found.forward, COOLING)):
         _draw_lines(axes, found, one, top, colour)
@@ -148,10 +134,8 @@ def _draw_diagram(axes: Any, found: TangentFit) -> None:
             look = {"color": colour, "markerfacecolor": filled, "markersize": 4.4}
             axes.plot(x, y, _MARKS[name], linestyle="none", zorder=3.0, **look)
     low, high = axes.get_xlim()
-    axes.set_xlim(low - 0.05 * (high - low), high)
-    axes.set_ylim(0.0, STRESS.values([top])[0])
-    axes.set_xlabel(TEMPERATURE.label)
-    axes.set_ylabel(STRESS.label)
+    axes.set(xlim=(low - 0.05 * (high - low), high), ylim=(0.0, STRESS.values([top])[0]), xlabel=TEMPERATURE.label)
+    axes.set(ylabel=STRESS.label)
     slopes = (
         f"${symbol}$ = {one.slope / 1e6:.3g}{_describe_half(one)} MPa/K"
         for symbol, one in (("C_A", found.reverse), ("C_M", found.forward))
@@ -160,13 +144,11 @@ def _draw_diagram(axes: Any, found: TangentFit) -> None:
 
 
 def _describe_half(one: Direction) -> str:
-    """Half the interval of a slope, if there is one."""
     low, high = one.slope_interval()
     return f" ± {0.5e-6 * (high - low):.2g}" if np.isfinite(high - low) else ""
 
 
 def _draw_lines(axes: Any, found: TangentFit, one: Direction, top: float, colour: str) -> None:
-    """The two lines of one direction, filled between, each with its name."""
     stress = [0.0, top]
     sides = [TEMPERATURE.values([end.value + one.shift.value * s for s in stress]) for end in (one.start, one.finish)]
     y = STRESS.values(stress)
@@ -181,7 +163,6 @@ def _draw_lines(axes: Any, found: TangentFit, one: Direction, top: float, colour
 
 
 def _draw_strain(axes: Any, found: TangentFit) -> None:
-    """Transformation strain over stress, of both branches, and its fit."""
     stress = [points.stress for points in found.levels]
     x = STRESS.values(stress)
     for way, colour in (("heating", HEATING), ("cooling", COOLING)):
@@ -192,10 +173,8 @@ def _draw_strain(axes: Any, found: TangentFit) -> None:
     axes.plot(STRESS.values(at), fitted, color=SIMULATED, label=f"{found.strain.form} $H(σ)$")
     strokes = TRANSFORMATION.values([points.stroke for points in found.levels])
     axes.plot(x, strokes, "x", color=QUIET, markersize=4.0, label="stroke")
-    axes.set_xlim(0.0, STRESS.values([at[-1]])[0])
-    axes.set_ylim(0.0, enclose_values([0.0], strokes, fitted)[1])
-    axes.set_xlabel(STRESS.label)
-    axes.set_ylabel(TRANSFORMATION.label)
+    axes.set(xlim=(0.0, STRESS.values([at[-1]])[0]), ylim=(0.0, enclose_values([0.0], strokes, fitted)[1]))
+    axes.set(xlabel=STRESS.label, ylabel=TRANSFORMATION.label)
     axes.legend(loc="lower right", ncols=2)
 
 
@@ -234,8 +213,7 @@ def _draw_fits(axes: Any, report: FilmReport, forms: Sequence[str]) -> None:
             axes.fill_between(at, line - half, line + half, color=colour, alpha=0.13, linewidth=0.0)
     dots = {"color": INK, "markersize": 5.0, "zorder": 4, "label": "points"}
     axes.plot(points.temperatures_degC, points.h, "o", **dots)
-    axes.set_ylim(0.0, 1.35 * top)
-    axes.set_title(f"fits; bands: {100 * report.level:g} % for the mean")
+    axes.set(ylim=(0.0, 1.35 * top), title=f"fits; bands: {100 * report.level:g} % for the mean")
     _name_form(axes)
 
 
@@ -262,6 +240,5 @@ def _find_span(temperatures: Sequence[float]) -> tuple[float, float]:
 
 
 def _name_form(axes: Any) -> None:
-    axes.set_xlabel("$T$ [°C]")
-    axes.set_ylabel("$h$ [W/(m² K)]")
+    axes.set(xlabel="$T$ [°C]", ylabel="$h$ [W/(m² K)]")
     axes.legend(loc="lower left")

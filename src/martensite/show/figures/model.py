@@ -83,8 +83,7 @@ def plot_model(validation: Validation, band: OutputBand | None = None, title: st
         for k in range(outputs):
             _draw_output(panels[inputs + 2 * k], validation, k, band)
             _draw_error(panels[inputs + 2 * k + 1], validation, k, band)
-        panels[-1].set_xlabel("$t$ [s]")
-        panels[-1].set_xlim(record.times[0], record.times[-1])
+        panels[-1].set(xlabel="$t$ [s]", xlim=(record.times[0], record.times[-1]))
         figure.align_ylabels(panels)
         return figure
 
@@ -131,8 +130,7 @@ def _draw_output(axes: Any, validation: Validation, k: int, band: OutputBand | N
     axes.plot(times[places], measured[places], color=SEEN, linewidth=2.0, label="measured")
     places = thin_line(computed)
     axes.plot(times[places], computed[places], color=SIMULATED, linewidth=1.1, label="computed")
-    axes.set_ylabel(write_signal_label(name, record.units))
-    axes.set_ylim(*enclose_values(measured, computed))
+    axes.set(ylabel=write_signal_label(name, record.units), ylim=enclose_values(measured, computed))
     add_legend_above(axes)
     fit = validation.score(name).fit_percent
     words = f"{name}: fit {fit:.2f} % (NRMSE, free run)"
@@ -155,7 +153,6 @@ def _draw_error(axes: Any, validation: Validation, k: int, band: OutputBand | No
 
 
 def _draw_loop(axes: Any, validation: Validation, y: Any, number: int, k: int, words: str) -> None:
-    """One path in two colours, thin enough to see through."""
     record = validation.record
     step = max(1, len(record) // LOOPED)
     u, y = record.inputs[::step, number], y[::step]
@@ -200,8 +197,7 @@ def plot_model_tests(validation: Validation, title: str = "") -> Figure:
 
 def _draw_memory(axes: Any, output: str, test: Whiteness) -> None:
     draw_autocorrelation(axes, test)
-    axes.set_xlabel("lag [samples]")
-    axes.set_ylabel("autocorrelation")
+    axes.set(xlabel="lag [samples]", ylabel="autocorrelation")
     words = "white" if test.white else "not white"
     write_title(axes, f"{output} with itself: {words}", color=INK, fontsize=8.0)
 
@@ -217,8 +213,7 @@ def _draw_cross_correlation(axes: Any, one: Crossed) -> None:
     colour = SIMULATED if one.explained else HEATING
     axes.vlines(lags, 0.0, one.values, color=colour, linewidth=1.6, zorder=2.0)
     reach = 1.15 * max(one.limit, *(abs(value) for value in one.values))
-    axes.set_ylim(-reach, reach)
-    axes.set_xlabel("lag [s]")
+    axes.set(ylim=(-reach, reach), xlabel="lag [s]")
     words = "nothing left" if one.explained else "something left"
     signal = one.signal.replace("`", "")
     write_title(axes, f"{one.output} with {signal}: {words}", color=INK, fontsize=8.0)
@@ -278,5 +273,4 @@ def _draw_free_run(panel: Any, found: Identified, record: Sampled) -> None:
     times, unit = own.times[kept], own.units.get(names[-1], "1")
     panel.plot(times, own.outputs[kept, -1], color=MEASURED[0], label="measured")
     panel.plot(times, computed[kept, -1], color=SIMULATED, linewidth=1.0, label="free run")
-    panel.set_title(f"{record.name}: fit {fit:.1f} %")
-    panel.set_ylabel(f"{names[-1]} [{typeset_unit(unit, '–')}]")
+    panel.set(title=f"{record.name}: fit {fit:.1f} %", ylabel=f"{names[-1]} [{typeset_unit(unit, '–')}]")

@@ -129,7 +129,6 @@ def _make_figure(result: Result, records: Sequence[MeasuredRecord], title: str |
 
 
 def _draw_batch(result: Result, title: str | None) -> Figure:
-    """Every column over time, with a line per variant."""
     import matplotlib
 
     names = list(result.columns)
@@ -142,9 +141,7 @@ def _draw_batch(result: Result, title: str | None) -> Figure:
         lines = axes.plot(result.times, shown.values(result[name]).T, linewidth=1.0)
         for k, line in enumerate(lines):
             line.set_color(colours(k / max(len(lines) - 1, 1)))
-        axes.set_title(shown.long_name)
-        axes.set_ylabel(shown.label)
-        axes.set_xlim(result.times[0], result.times[-1])
+        axes.set(title=shown.long_name, ylabel=shown.label, xlim=(result.times[0], result.times[-1]))
     panels[-1].set_xlabel(describe_axis(result, "time").label)
     _write_text(figure, result, title)
     return figure
@@ -202,10 +199,8 @@ def draw_panel(axes: Any, result: Result, name: str, records: Sequence[MeasuredR
     found = find_overlays(result, records, name)
     axes.plot(result.times, values, color=SIMULATED, label="_simulated", zorder=2.2)
     draw_overlays(axes, shown, found)
-    axes.set_title(shown.long_name)
-    axes.set_ylabel(shown.label)
-    axes.set_xlim(result.times[0], result.times[-1])
-    axes.set_ylim(*choose_limits(name, values, *(overlay.values for overlay in found)))
+    axes.set(title=shown.long_name, ylabel=shown.label, xlim=(result.times[0], result.times[-1]))
+    axes.set(ylim=choose_limits(name, values, *(overlay.values for overlay in found)))
     axes.locator_params(axis="y", nbins=4)
     add_legend_above(axes)
 

@@ -223,5 +223,4 @@ def draw_autocorrelation(axes: Any, test: Whiteness) -> None:
     axes.axhspan(-test.band, test.band, color=FAINT, linewidth=0.0, zorder=0.6)
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
     axes.vlines(lags, 0.0, test.autocorrelation, color=SIMULATED, linewidth=1.6, zorder=2.0)
-    axes.set_ylim(-1.08, 1.08)
-    axes.set_xlim(0.0, len(lags) + 1.0)
+    axes.set(ylim=(-1.08, 1.08), xlim=(0.0, len(lags) + 1.0))

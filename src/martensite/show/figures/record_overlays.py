@@ -142,7 +142,6 @@ def choose_look(record: MeasuredRecord, i: int) -> dict[str, Any]:
 
 
 def _describe_rms(shown: QuantityAxis, found: Sequence[Overlay]) -> str:
-    """The root mean square of all samples together, in words."""
     misfit = np.concatenate([overlay.misfit for overlay in found])
     if not misfit.size:
         return "no sample to compare"

@@ -80,7 +80,6 @@ def _draw_panels(figure: Figure, found: SweepTable, chosen: list[SweepColumn]) -
 
 
 def _draw_over_one(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
-    """A measure over the varied number; crosses on the axis where runs failed."""
     (varied,) = found.varied.values()
     x, y = varied.readable(), one.readable()
     usable = found.good & np.isfinite(y)
@@ -95,7 +94,6 @@ def _draw_over_one(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
 
 
 def _draw_over_two(axes: Axes, found: SweepTable, one: SweepColumn) -> None:
-    """A map of a measure over both varied numbers; points for samples."""
     first, second = found.varied.values()
     usable = found.good & np.isfinite(one.values)
     values = np.where(usable, one.readable(), np.nan)
@@ -218,7 +216,6 @@ def draw_matrix(figure: Figure, found: SweepTable, one: SweepColumn) -> None:
 
 
 def _find_leading(columns: list[SweepColumn], one: SweepColumn, usable: NDArray[np.bool_]) -> list[int]:
-    """Places of the varied numbers that are drawn, in their order."""
     if len(columns) <= MOST_AXES:
         return list(range(len(columns)))
     from martensite.search.given_data_indices import rank_columns
@@ -229,7 +226,6 @@ def _find_leading(columns: list[SweepColumn], one: SweepColumn, usable: NDArray[
 
 
 def _pick_runs(rows: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Places of runs, at most as many as can be seen."""
     places = np.flatnonzero(rows)
     if len(places) <= MOST_POINTS:
         return places

@@ -74,7 +74,6 @@ def _choose_named(front: ParetoFront) -> list[int]:
 
 
 def _draw_pair(axes: Axes, found: SweepTable, front: ParetoFront, pair: tuple[int, int], named: list[int]) -> None:
-    """All runs and the front over two goals."""
     from matplotlib.patheffects import withStroke
 
     a, b = (front.goals[k] for k in pair)
@@ -97,7 +96,6 @@ def _draw_pair(axes: Axes, found: SweepTable, front: ParetoFront, pair: tuple[in
 
 
 def _tabulate_designs(figure: Any, found: SweepTable, front: ParetoFront, named: list[int]) -> None:
-    """A table of the designs that have a letter."""
     shown = front.columns(found)
     short = shorten_names(list(found.varied))
     axes = figure.subplots()
@@ -140,7 +138,6 @@ def plot_sensitivity(found: Sequence[SensitivityIndices], title: str = "") -> Fi
 
 
 def _draw_bars(axes: Axes, one: SensitivityIndices, kinds: list[str]) -> None:
-    """Indices of one measure."""
     order = one.order[:MOST_BARS]
     names = shorten_names(list(one.names))
     places = np.arange(len(order))

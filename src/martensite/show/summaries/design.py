@@ -52,7 +52,6 @@ def _describe_doubts(found: OptimisedDesign) -> Iterator[Block]:
 
 
 def _number_rows(found: OptimisedDesign) -> list[tuple[str, ...]]:
-    """Rows of the free numbers."""
     rows: list[tuple[str, ...]] = []
     for one, value, z in zip(found.question.free, found.numbers, found.z, strict=True):
         bound = None if one.whole else one.bound(z)
@@ -63,7 +62,6 @@ def _number_rows(found: OptimisedDesign) -> list[tuple[str, ...]]:
 
 
 def _measure_rows(found: OptimisedDesign) -> list[tuple[str, ...]]:
-    """Rows of the measures, those with limits and the goal first."""
     question = found.question
     places = {one.name: k for k, one in enumerate(question.free)}
     return [
@@ -74,7 +72,6 @@ def _measure_rows(found: OptimisedDesign) -> list[tuple[str, ...]]:
 
 
 def _write_values(one: ReportedMeasure, values: Sequence[float]) -> str:
-    """A measure in all cases."""
     return ", ".join(dict.fromkeys(_write_value(value, one) for value in values))
 
 
@@ -89,7 +86,6 @@ def _write_value(value: float, one: ReportedMeasure) -> str:
 
 
 def _write_limits(found: OptimisedDesign, words: str) -> tuple[str, str]:
-    """Limits of a measure, and whether it is pressed against them."""
     question = found.question
     limits = [c for c in question.subject if c.aim.words == words]
     goal = [("most" if question.most else "least")] if words == question.goal.words else []
@@ -101,7 +97,6 @@ def _write_limits(found: OptimisedDesign, words: str) -> tuple[str, str]:
 
 
 def _describe_whole(found: OptimisedDesign) -> Iterator[Block]:
-    """The best designs with other whole numbers."""
     if not found.held or found.relaxed is None or found.relaxed_goal is None:
         return
     free, unit = found.question.free, found.question.goal.unit
@@ -122,7 +117,6 @@ def _whole_row(one: RoundedDesign, others: Sequence[tuple[int, object]], unit: s
 
 
 def _describe_balance(found: OptimisedDesign) -> Iterator[Block]:
-    """What holds the design where it is."""
     if found.balance is None or not found.kept:
         return
     for one in found.balance.pressing:
@@ -136,7 +130,6 @@ def _describe_balance(found: OptimisedDesign) -> Iterator[Block]:
 
 
 def _describe_grid(found: OptimisedDesign) -> Iterator[Block]:
-    """The grid beside the search."""
     scan, question = found.scan, found.question
     if scan is None:
         return

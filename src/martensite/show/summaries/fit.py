@@ -66,14 +66,12 @@ def summarise_fit(
 
 
 def _make_title(fit: Fit) -> str:
-    """A headline from the law and the records."""
     names = [one.name for one in fit.problem.experiments]
     which = join_phrases(names) if len(names) <= MANY else f"{len(names)} records"
     return f"Fit of {_find_law(fit)[KIND]} to {which}"
 
 
 def _make_lead(fit: Fit) -> str:
-    """What was fitted to how much, in one line."""
     rows = list_compared(fit)
     fitted = sum(int(row.used.sum()) for row in rows)
     kept = sum(int(row.held.sum()) for row in rows)
@@ -84,7 +82,6 @@ def _make_lead(fit: Fit) -> str:
 
 
 def _list_pictures(fit: Fit, profiles: Sequence[Profile]) -> dict[str, tuple[DrawFit, str]]:
-    """Name of each figure that there is -> how to draw it, and its caption."""
     rows = len(list_compared(fit))
     found: dict[str, tuple[DrawFit, str]] = {
         "measured": (
@@ -120,7 +117,6 @@ def _list_pictures(fit: Fit, profiles: Sequence[Profile]) -> dict[str, tuple[Dra
 
 
 def _count_panels(count: int, most: int) -> str:
-    """That a figure leaves some records out, if it does."""
     return f" {most} of {count} are drawn." if count > most else ""
 
 
@@ -128,7 +124,6 @@ DrawFit = Callable[[Fit], "Figure"]
 
 
 def _show_picture(fit: Fit, name: str, profiles: Sequence[Profile] = ()) -> Iterator[Block]:
-    """A figure, if there is one of that name."""
     known = _list_pictures(fit, profiles)
     if name in known:
         draw, caption = known[name]
@@ -136,7 +131,6 @@ def _show_picture(fit: Fit, name: str, profiles: Sequence[Profile] = ()) -> Iter
 
 
 def _describe_verdict(fit: Fit) -> Block:
-    """What must be known before a number is used."""
     found = collect_warnings(fit)
     title = "Read this first" if found else "Nothing speaks against these numbers"
     return Notice(title, _typeset_sentences([*describe_predictions(fit), *found]), warning=bool(found))
@@ -179,7 +173,6 @@ def _describe_problem(fit: Fit, scenario: Scenario | None) -> Iterator[Block]:
 
 
 def _list_facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
-    """Scenario, material, law, and what residuals are measured by."""
     if scenario is not None:
         file = f" (`{scenario.path.name}`)" if scenario.path else ""
         yield f"Scenario: {scenario.title}{file}."
@@ -242,16 +235,12 @@ def _describe_search(fit: Fit) -> Iterator[Block]:
 
 
 def _typeset_sentences(sentences: Sequence[str]) -> list[str]:
-    """Sentences with degrees as they are printed."""
     return [re.sub(r"(?<= )degC\b", "°C", one) for one in sentences]
 
 
 def _find_law(fit: Fit) -> dict[str, Any]:
     actuators = fit.system().actuators()
     return law_words(next(iter(actuators.values())).element.law)
-
-
-# ---------------------------------------------------------------- numbers
 
 
 def _collect_numbers(fit: Fit) -> dict[str, Any]:

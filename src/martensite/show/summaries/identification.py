@@ -61,7 +61,6 @@ def _describe_stage(found: Identified, k: int) -> Iterator[Block]:
 
 
 def _describe_dynamics(chain: Chain) -> Iterator[Block]:
-    """What the numbers of blocks with memory mean."""
     rows = [
         (str(k), name, f"{value:.5g}", unit)
         for k, (block, theta) in enumerate(zip(chain.blocks, chain.split(), strict=True), start=1)

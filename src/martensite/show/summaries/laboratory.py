@@ -142,7 +142,6 @@ def _point_row(points: TangentPoints) -> tuple[str, ...]:
 
 
 def _estimate_rows(fit: TangentFit) -> list[tuple[str, ...]]:
-    """Rows of a table: what was found over all stresses, with 95 % intervals."""
     rows = [
         _write_estimate(name, getattr(fit, name), "degC", 1.0, ZERO, meaning, ".2f")
         for name, meaning in (
@@ -186,7 +185,6 @@ def _write_numbers(
     meaning: str,
     digits: str = ".4g",
 ) -> tuple[str, ...]:
-    """A value and its interval in a unit; `unknown` for an interval without bounds."""
     low, high = ((end - zero) / factor for end in interval)
     bounds = f"{low:{digits}} to {high:{digits}}" if math.isfinite(high - low) else "unknown"
     return name, f"{(value - zero) / factor:{digits}}", bounds, unit, meaning

@@ -72,7 +72,6 @@ def tabulate_key_results(result: Result) -> DataTable:
 
 
 def _list_strokes(result: Result) -> Iterator[tuple[str, str]]:
-    """How far each coordinate goes that is judged."""
     judged = {result.coordinate, *result.system.mechanism.convergence_scales()}
     for name, output in result.system.mechanism.outputs().items():
         if name in judged:
@@ -93,7 +92,6 @@ def _list_peaks(result: Result) -> Iterator[tuple[str, str]]:
 
 
 def _list_energies(result: Result) -> Iterator[tuple[str, str]]:
-    """Each energy at the end, and the efficiency; none where a temperature is prescribed."""
     from martensite.design.analysis.energy import find_ways, integrate_energies
 
     actuators = result.system.actuators().values()
@@ -140,7 +138,6 @@ def _describe_averaging(found: Averaging | None) -> Iterator[Block]:
 
 
 def _collect_averaging(found: Averaging | None) -> dict[str, Any] | None:
-    """What averaging leaves out, by name in SI."""
     if found is None:
         return None
     return {
@@ -203,7 +200,6 @@ def _describe_leg(stage: PathStage) -> dict[str, Any]:
 
 
 def _tell_rest(result: PointResult) -> str:
-    """What a path leaves: strain, and the work lost on the way."""
     accuracy = "" if result.accuracy is None else f", accuracy {result.accuracy:.1e} of range"
     return (
         f"{result.label}: residual strain {100.0 * residual_strain(result):.3f} %, work "
@@ -225,7 +221,6 @@ def _write_stage(number: int, stage: PathStage) -> tuple[str, ...]:
 
 
 def _write_spot(stage: PathStage, i: int) -> str:
-    """Where a transformation starts, is half done or ends: in what changes on the leg."""
     if stage.spots is None:
         return ""
     spot, parts = stage.spots[i], list[str]()

@@ -64,7 +64,6 @@ def summarise_sizing(sizing: Sizing, chosen: int | None, *, every: bool = False)
 
 
 def _describe_candidates(sizing: Sizing, chosen: int | None, every: bool) -> Iterator[Block]:
-    """The wires that do, or all, or the nearest."""
     numbered = list(enumerate(sizing.candidates))
     good = [(i, found) for i, found in numbered if found.feasible]
     shown = numbered if every else good or numbered[:NEAREST]

@@ -62,7 +62,6 @@ def _tell_effort(progress: Progress) -> Iterator[str]:
 
 
 def _tell_steps(plan: SweepPlan, store: Store) -> str:
-    """On what steps, or how accurate."""
     course = plan.course
     if course.step is not None:
         return f"in steps of at most {course.step:.3g} s on `{course.runtime}`"
@@ -71,7 +70,6 @@ def _tell_steps(plan: SweepPlan, store: Store) -> str:
 
 
 def _tell_failures(plan: SweepPlan, store: Store) -> Iterator[str]:
-    """Sentences on runs that failed, or are coarse."""
     tolerance = plan.course.tolerance
     rough = count_above(store, ACCURACY, tolerance)
     if rough:

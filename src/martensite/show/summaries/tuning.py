@@ -94,7 +94,6 @@ def _table_rows(found: TuningOutcome) -> list[tuple[str, str, str]]:
 
 
 def _write_measure(name: str, value: float, found: TuningOutcome) -> str:
-    """A measure in a unit that people read."""
     bench = found.found.bench
     unit = bench.outputs()[find_judged_output(bench, found.drive)].unit
     if math.isinf(value):
@@ -109,7 +108,6 @@ def _write_measure(name: str, value: float, found: TuningOutcome) -> str:
 
 
 def _collect_numbers(found: TuningOutcome) -> dict[str, Any]:
-    """A tuning, ready for JSON; numbers in SI."""
     tuned, places = found.found, found.scenario.places
     step = found.tests.step if found.tests else None
     cycle = found.tests.cycle if found.tests else None
