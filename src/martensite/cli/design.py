@@ -133,7 +133,7 @@ def design(
     loaded = source.load()
     found = options.search(loaded, saved=save is not None)
     from martensite.show.figures.design import plot_design
-    from martensite.show.summaries.design import summarise_design
+    from martensite.show.summaries.tuning import summarise_design
 
     outputs.answer(
         summarise_design(found, loaded.title),

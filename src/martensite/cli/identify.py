@@ -249,12 +249,6 @@ def list_columns(log: str) -> list[str]:
 def choose_columns(log: str, inputs: Sequence[str], output: str | None, named: Sequence[str]) -> tuple[list[str], str]:
     """Inputs and last output: those given, else what alone is left in the log.
 
-    Args:
-        log: the first log.
-        inputs: columns given as inputs.
-        output: the column given as output.
-        named: columns that stages name as what they give, in their order.
-
     Raises:
         InputError: the log leaves a choice.
     """

@@ -41,12 +41,7 @@ _PAGE = """<!doctype html>
 
 
 def render_page(summary: Summary, by: str) -> str:
-    """The whole page: nothing is fetched, light or dark.
-
-    Args:
-        summary: what is written.
-        by: the program that wrote it.
-    """
+    """The whole page, and which program wrote it: nothing is fetched, light or dark."""
     sections = [block.title for block in summary.blocks if isinstance(block, Heading)]
     return _PAGE.format(
         title=escape(summary.title),

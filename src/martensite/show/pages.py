@@ -132,13 +132,7 @@ def _write_text(path: Path, text: str) -> None:
 
 
 def render_markdown(summary: Summary, by: str, folder: str) -> str:
-    """The whole text; figures are looked for in `folder`, relative to it.
-
-    Args:
-        summary: what is written.
-        by: the program that wrote it.
-        folder: where the figures lie.
-    """
+    """The whole text; figures are looked for in `folder`, relative to it."""
     body = "\n\n".join(_render_block(block, folder) for block in summary.blocks)
     return f"# {summary.title}\n\n{summary.lead}\n\n{body}\n\n---\n\n{by}\n"
 

@@ -5,23 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.mechanisms.base import MECHANISMS
-from martensite.app.forms import bench_sections, documents
-from martensite.app.forms.control_tree import ControlWalk, build_group, flatten_controls, join_path, place_units
+from martensite.app.forms import controls, documents
+from martensite.app.forms.control_tree import ControlWalk, Paths, build_group, flatten_controls, join_path, place_units
 from martensite.app.forms.controls import EntrySpot
 from martensite.app.forms.form_types import FormNode, GroupNode, MaterialNode, ScenarioForm, SingleNode
 from martensite.base.files import toml_document
-from martensite.base.parameters import Declared, Parametrised
+from martensite.base.parameters import REQUIRED, Declared, Parametrised
 from martensite.physics.electrical.base import SOURCES
 from martensite.physics.materials.base import load_material, material_names
 from martensite.scenario.assemble import GROUP, MODEL, SIGNALS, scenario_path, waveform_path
 from martensite.scenario.catalogue import list_named, list_registries
-from martensite.scenario.scenario import Scenario
+from martensite.scenario.scenario import Run, Scenario
+from martensite.scenario.sections import BENCH, PERIOD, RUN, SUPERVISOR
 from martensite.signals.base import WAVEFORMS
 from martensite.simulate.drive_waveforms import by_name
+
+if TYPE_CHECKING:
+    from martensite.control.loop.bench import Bench
 
 MATERIAL = "element.material"
 NO_MATERIAL = ""
@@ -33,6 +37,8 @@ ELEMENT, ENVIRONMENT, MECHANISM, DRIVE, ACTUATORS = (
     "Drive",
     "Actuators",
 )
+CONTROL = "Control and sensing"
+TITLE_ENTRY = Declared("text", "what the scenario is called", REQUIRED)
 
 
 def describe_scenario(scenario: Scenario) -> ScenarioForm:
@@ -67,8 +73,8 @@ class FormSections:
             found = [self._model(), self._drive_alone()]
         else:
             found = [*self._actuator(), self._drive(), *self._actuators()]
-        loops = bench_sections.describe_bench(self.scenario, self.walk)
-        return [*found, *loops, bench_sections.describe_run(self.scenario, self.walk)]
+        loops = describe_bench(self.scenario, self.walk)
+        return [*found, *loops, describe_run(self.scenario, self.walk)]
 
     def _actuator(self) -> Iterator[GroupNode]:
         port, common = self._describe_common()
@@ -235,3 +241,56 @@ def _list_paths(table: Any, drive: str, prefix: str = "") -> list[str]:
             continue
         found += _list_paths(value, drive, f"{path}.") if isinstance(value, dict) else [path]
     return found
+
+
+def describe_bench(scenario: Scenario, walk: ControlWalk) -> Iterator[GroupNode]:
+    """Everything around the system, if there is anything."""
+    bench = scenario.bench
+    if bench is None:
+        return
+    items = _list_settings(scenario, walk, bench)
+    for name in ("sensors", "observers", "controllers", "faults"):
+        for key, one in getattr(bench, name).members().items():
+            items.append(_describe_part(walk, one, f"{name}.{key}", f"{name[:-1]} {key}"))
+    for name, one in scenario.outside.items():
+        items.append(_describe_part(walk, one, f"controllers.{name}", f"controller of {name}"))
+    if bench.supervisor is not None:
+        items.append(_describe_part(walk, bench.supervisor, SUPERVISOR, SUPERVISOR))
+    yield build_group(BENCH, CONTROL, items)
+
+
+def _describe_part(walk: ControlWalk, part: Parametrised, path: str, title: str) -> GroupNode:
+    """A part by its name; the kind of a sensor is that of what is mounted."""
+    from martensite.scenario.catalogue import list_registries
+
+    name = path.partition(".")[0].removesuffix("s")
+    return walk.group(part, path, title, "", None if name == "sensor" else list_registries()[name])
+
+
+def _list_settings(scenario: Scenario, walk: ControlWalk, bench: Bench) -> list[FormNode]:
+    """How the bench runs; its period may stand in another section."""
+    from martensite.scenario.bench import BenchSettings
+
+    table = documents.find_table(walk.document, BENCH)
+    given = {name: value for name, value in table.items() if name in BenchSettings.declarations}
+    whole = BenchSettings(**{**given, PERIOD: bench.period})
+    return _list_controls(walk, whole, partial(_place_setting, scenario.places.path(PERIOD)))
+
+
+def _place_setting(period: str, path: str) -> str:
+    return period if path == PERIOD else join_path(f"{BENCH}.", path)
+
+
+def describe_run(scenario: Scenario, walk: ControlWalk) -> GroupNode:
+    """How long, how accurately, how many samples; and the title."""
+    table = documents.find_table(walk.document, RUN)
+    values = Run(**{name: value for name, value in table.items() if name in Run.declarations})
+    spot = EntrySpot("title", "title", TITLE_ENTRY, "scenario")
+    items = _list_controls(walk, values, partial(join_path, f"{RUN}."))
+    return build_group(RUN, "Run", [*items, controls.describe_text(spot, scenario.title)])
+
+
+def _list_controls(walk: ControlWalk, part: Parametrised, place: Paths) -> list[FormNode]:
+    """Controls of a component that the scenario has not kept."""
+    own = replace(walk, written=place, noted=place, unit=lambda leaf: leaf.declared.unit, skipped=lambda path: False)
+    return own.group(part, "", "")["items"]

@@ -28,12 +28,7 @@ LEAST = 1e-4
 
 
 def plot_energy(found: CycleEnergies, title: str = "") -> Figure:
-    """Draw the energies of every cycle, and the efficiency.
-
-    Args:
-        found: of `compute_cycle_energies`.
-        title: headline.
-    """
+    """Draw the energies of every cycle that `compute_cycle_energies` found, and the efficiency."""
     with use_style():
         figure = make_figure(ENERGY_WIDTH, ENERGY_HEIGHT)
         ((heat, work, share),) = add_panels(figure, 1, 3, (0.6, 0.15, 0.71, 0.48))
@@ -65,12 +60,7 @@ def _draw_bars(axes: Any, pairs: Any, factor: float) -> None:
 
 
 def plot_speeds(found: Speeds, title: str = "") -> Figure:
-    """Draw steps up and down again, and how fast they were.
-
-    Args:
-        found: of `speeds`.
-        title: headline; by default what was asked.
-    """
+    """Draw the steps that `compute_speeds` made up and down again, and how fast they were."""
     with use_style():
         figure = make_figure(WIDTH, HEIGHT)
         ((course, times, rates),) = add_panels(figure, 1, 3, (0.6, 0.15, 0.71, 0.51))
@@ -142,10 +132,6 @@ def plot_frequency_response(found: FrequencyResponse, title: str = "") -> Figure
 
     A hollow mark is a cycle that had not settled; a cross on the gain is the bandwidth. Where
     next to nothing moves there is neither phase nor distortion.
-
-    Args:
-        found: of `measure_frequency_response`.
-        title: headline; by default what was asked.
     """
     with use_style():
         figure = make_figure(RESPONSE_WIDTH, RESPONSE_HEIGHT)

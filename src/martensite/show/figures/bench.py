@@ -7,14 +7,13 @@ fault comes between them. Times of an alarm of the supervisor are shaded in ever
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from martensite.base import units
-from martensite.control.controllers.base import AbstractController
 from martensite.control.observers.base import ESTIMATED
 from martensite.show.figures.bench_loops import (
     Loop,
@@ -29,7 +28,14 @@ from martensite.show.figures.bench_loops import (
 from martensite.show.figures.labels import choose_limits, describe_axis, enclose_values, read_column
 from martensite.show.figures.machine import choose_colours
 from martensite.show.figures.panels import WARNING_LINE, add_legend_above, add_panels, wrap_warnings, write_headline
-from martensite.show.figures.record_overlays import MeasuredRecord, check_records, draw_overlays, find_overlays
+from martensite.show.figures.record_overlays import (
+    MeasuredRecord,
+    Outside,
+    Records,
+    check_records,
+    draw_overlays,
+    find_overlays,
+)
 from martensite.show.figures.style import HEATING, INK, MEASURED, QUIET, make_figure, use_style
 from martensite.simulate.result import Result
 
@@ -56,12 +62,7 @@ class BenchPanel:
     draw: Callable[[Any], None]
 
 
-def plot_bench(
-    result: Result,
-    records: Iterable[MeasuredRecord] | None = None,
-    title: str | None = None,
-    outside: Mapping[str, AbstractController] | None = None,
-) -> Figure:
+def plot_bench(result: Result, records: Records = None, title: str | None = None, outside: Outside = None) -> Figure:
     """The figure of a run on a bench.
 
     Args:
@@ -106,9 +107,7 @@ def _finish_panel(axes: Any, result: Result, title: str) -> None:
     add_legend_above(axes)
 
 
-def _list_panels(
-    result: Result, records: Sequence[MeasuredRecord], outside: Mapping[str, AbstractController] | None
-) -> list[BenchPanel]:
+def _list_panels(result: Result, records: Sequence[MeasuredRecord], outside: Outside) -> list[BenchPanel]:
     found = find_loops(result, outside)
     panels = [_show_response(result, loop, records) for loop in found] or _show_outputs(result, records)
     panels += [_show_errors(result, group) for group in _group_by_unit(result, found)]

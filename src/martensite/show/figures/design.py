@@ -25,12 +25,7 @@ WANTED: dict[str, Any] = {"color": INK, "linewidth": 0.9, "linestyle": (0, (4, 2
 
 
 def plot_design(found: OptimisedDesign, title: str = "") -> Figure:
-    """The best design over the runs of the search, and the first coordinate over time.
-
-    Args:
-        found: a design.
-        title: above the figure.
-    """
+    """The best design over the runs of the search, and the first coordinate over time."""
     with use_style():
         figure, ((left, right),) = make_panels(WIDTH, HEIGHT, 1, 2, title)
         _draw_history(found, left)
@@ -68,13 +63,7 @@ def _draw_motion(found: OptimisedDesign, axes: Axes) -> None:
 
 
 def plot_tuning(found: TunedBench, drive: str, title: str = "") -> Figure:
-    """Reference and output, error and signal of a loop, before and after.
-
-    Args:
-        found: a tuning.
-        drive: the drive of the loop.
-        title: above the figure.
-    """
+    """Reference and output, error and signal of the loop of a drive, before and after."""
     bench = found.bench
     output = bench.outputs()[find_judged_output(bench, drive)]
     shown = units.choose_readable_unit(output.unit)

@@ -57,12 +57,7 @@ ROOM = 1.12
 
 
 def plot_fit(fit: Fit, title: str = "") -> Figure:
-    """Draw measured and modelled outputs of all records over time.
-
-    Args:
-        fit: a finished fit.
-        title: headline.
-    """
+    """Draw measured and modelled outputs of all records of a fit over time."""
     rows = pick_evenly(list_compared(fit), MOST)
     with use_style():
         figure, panels = make_grid(len(rows), title or "Measured and fitted")
@@ -76,10 +71,6 @@ def plot_fit(fit: Fit, title: str = "") -> Figure:
 
 def plot_fit_loops(fit: Fit, title: str = "") -> Figure:
     """Draw outputs over the measured temperature, or stress over strain, where both exist.
-
-    Args:
-        fit: a finished fit.
-        title: headline.
 
     Raises:
         InputError: no record holds both.
@@ -199,12 +190,7 @@ def _write_key(figure: Figure, rows: Sequence[ComparedOutput]) -> None:
 
 
 def plot_fit_residuals(fit: Fit, title: str = "") -> Figure:
-    """Draw the residuals of every record and output, and their autocorrelation.
-
-    Args:
-        fit: a finished fit.
-        title: headline.
-    """
+    """Draw the residuals of every record and output, and their autocorrelation."""
     rows = pick_evenly(list_compared(fit), MOST_RESIDUALS)
     tests = {one.record: one for one in fit.whiteness}
     with use_style():

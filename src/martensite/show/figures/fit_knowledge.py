@@ -37,12 +37,7 @@ BAND = "#e8eef3"
 
 
 def plot_correlation(fit: Fit, title: str = "") -> Figure:
-    """Draw the correlations of the parameters, each pair once.
-
-    Args:
-        fit: a finished fit.
-        title: headline.
-    """
+    """Draw the correlations of the parameters of a fit, each pair once."""
     names, matrix = ([shorten_name(name) for name in fit.uncertainty.names], np.asarray(fit.uncertainty.correlation))
     count = len(names)
     cell = CELL if count <= NUMBERED else 0.26
@@ -73,10 +68,6 @@ def plot_singular_values(fit: Fit, title: str = "") -> Figure:
     Left, singular values of the Jacobian per search range over the noise: along a direction with
     a value of 1 the parameters are uncertain by the whole search range. Right, what moves in the
     least certain direction.
-
-    Args:
-        fit: a finished fit.
-        title: headline.
     """
     longer, moves, how = _find_weakest(fit)
     names = [shorten_name(name) for name in longer]
@@ -93,12 +84,7 @@ def plot_singular_values(fit: Fit, title: str = "") -> Figure:
 
 
 def plot_search(fit: Fit, title: str = "") -> Figure:
-    """Draw how the cost fell over the runs of the search.
-
-    Args:
-        fit: a finished fit.
-        title: headline.
-    """
+    """Draw how the cost fell over the runs of the search."""
     runs, costs = (np.asarray(column, float) for column in zip(*fit.history, strict=True))
     total = fit.simulations + fit.jacobians
     with use_style():

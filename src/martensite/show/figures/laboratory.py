@@ -46,12 +46,7 @@ BANDED = ("linear", "quadratic")
 
 
 def plot_tangents(found: TangentFit | TangentPoints, title: str = "") -> Figure:
-    """Draw the tangents of one cycle, or of cycles under several stresses with their fit.
-
-    Args:
-        found: what `tangent_fit` or `tangent_points` found.
-        title: headline.
-    """
+    """Draw the tangents of one cycle, or of cycles under several stresses with their fit."""
     from martensite.characterise.tangent_points import TangentPoints
 
     with use_style():

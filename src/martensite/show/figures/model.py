@@ -166,12 +166,7 @@ def _draw_loop(axes: Any, validation: Validation, y: Any, number: int, k: int, w
 
 
 def plot_model_tests(validation: Validation, title: str = "") -> Figure:
-    """Draw the tests of the residuals of a chain on a record.
-
-    Args:
-        validation: a chain on a record.
-        title: headline.
-    """
+    """Draw the tests of the residuals of a chain on a record."""
     outputs = validation.record.output_names
     rows = [[one for one in validation.crossed if one.output == name] for name in outputs]
     columns = 1 + max((len(row) for row in rows), default=0)
@@ -241,13 +236,7 @@ def thin_line(values: Any, most: int = MOST_CORNERS) -> Any:
 
 
 def plot_identified(found: Identified, records: Sequence[Sampled], title: str = "") -> Figure:
-    """Draw the (last) output of a model, or of the series of its stages, beside the measured.
-
-    Args:
-        found: what `identify_stages` found.
-        records: the records to draw, which have its inputs and its output.
-        title: headline.
-    """
+    """Draw the (last) output of a model, or of the series of its stages, beside the measured."""
     shown = list(records)[:MOST_PANELS]
     with use_style():
         headline = title or f"{found.model.text()}, free run"

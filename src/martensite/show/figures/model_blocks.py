@@ -67,12 +67,7 @@ def plot_linear_blocks(chain: Chain, title: str = "") -> Figure:
 
 
 def plot_linear(systems: list[tuple[str, LinearSystem]], title: str = "") -> Figure:
-    """Draw step response, gain and phase of linear systems, a row each.
-
-    Args:
-        systems: names and systems; of several inputs and outputs the first are drawn.
-        title: headline.
-    """
+    """Draw step response, gain and phase of named linear systems, a row each, of the first input and output."""
     with use_style():
         figure = make_figure(9.6, 0.85 + 2.1 * len(systems))
         write_headline(figure, title)

@@ -9,7 +9,7 @@ and no window or figure manager has to be closed.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +19,6 @@ from martensite.actuators.assembly import PROFILES, System
 from martensite.base import units
 from martensite.base.errors import InputError
 from martensite.base.formats import typeset_unit
-from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
 from martensite.show.figures.bench import plot_bench
 from martensite.show.figures.hysteresis import LOOPS, draw_loops
@@ -36,6 +35,8 @@ from martensite.show.figures.panels import (
 )
 from martensite.show.figures.record_overlays import (
     MeasuredRecord,
+    Outside,
+    Records,
     check_records,
     draw_key,
     draw_overlays,
@@ -57,12 +58,7 @@ PANELS = ("drive", "temperature", "martensite_fraction", "strain", "stress", "me
 COLOURS = {"cell_temperature": "inferno", "cell_fraction": "cividis"}
 
 
-def plot_result(
-    result: Result,
-    records: Iterable[MeasuredRecord] | None = None,
-    title: str | None = None,
-    outside: Mapping[str, AbstractController] | None = None,
-) -> Figure:
+def plot_result(result: Result, records: Records = None, title: str | None = None, outside: Outside = None) -> Figure:
     """The standard figure: all quantities over time, and the loops ξ–T, ε–T, σ–ε.
 
     Of a run on a bench it is that of `plot_bench`.
@@ -94,9 +90,9 @@ def plot_result(
 def save_figure(
     result: Result,
     path: str | os.PathLike[str],
-    records: Iterable[MeasuredRecord] | None = None,
+    records: Records = None,
     title: str | None = None,
-    outside: Mapping[str, AbstractController] | None = None,
+    outside: Outside = None,
 ) -> None:
     """Write the standard figure as png, svg or pdf; the file is replaced whole or not at all.
 

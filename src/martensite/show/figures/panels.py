@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from martensite.search.whiteness import Whiteness
 
 Row = TypeVar("Row")
+Room = tuple[float, float, float, float]
 LETTERS = 14.0
 """In an inch of a warning."""
 WARNING_LINE = 0.18
@@ -31,12 +32,7 @@ def pick_evenly(rows: Sequence[Row], most: int) -> list[Row]:
 
 
 def add_panels(
-    figure: Figure,
-    rows: int,
-    columns: int,
-    room: tuple[float, float, float, float],
-    gaps: tuple[float, float] = (0.7, 0.6),
-    **how: Any,
+    figure: Figure, rows: int, columns: int, room: Room, gaps: tuple[float, float] = (0.7, 0.6), **how: Any
 ) -> Any:
     """Panels of a figure at fixed distances from its edges, an array (rows, columns).
 

@@ -115,12 +115,7 @@ def _tabulate_designs(figure: Any, found: SweepTable, front: ParetoFront, named:
 
 
 def plot_sensitivity(found: Sequence[SensitivityIndices], title: str = "") -> Figure:
-    """Draw what measures depend on, one panel for each, the most important number on top.
-
-    Args:
-        found: of `sensitivity`.
-        title: above the figure.
-    """
+    """Draw what measures depend on, one panel for each, the most important number on top."""
     rows, columns = arrange_panels(len(found))
     kinds = [kind for kind in COLOURS if any(kind in one.indices for one in found)]
     names = min(max(len(one.names) for one in found), MOST_BARS)

@@ -36,10 +36,6 @@ EDGES = ("-", (0, (4, 2)), (0, (1, 1.5)))
 def plot_workspace(workspace: Workspace, title: str = "") -> Figure:
     """Draw the reachable set in the plane of both angles.
 
-    Args:
-        workspace: what `reachable_angles` found.
-        title: headline.
-
     Raises:
         InputError: nothing but the home posture is reachable.
     """

@@ -40,15 +40,7 @@ def summarise_fit(
     title: str = "",
     posterior: Posterior | None = None,
 ) -> Summary:
-    """Everything about a fit.
-
-    Args:
-        fit: a finished fit.
-        scenario: what it began with, if the fit does not know.
-        profiles: profile likelihoods of some parameters.
-        title: headline; made from the names of the records if left out.
-        posterior: samples of the parameters.
-    """
+    """Everything about a fit."""
     blocks = [
         _describe_verdict(fit),
         *_describe_parameters(fit),

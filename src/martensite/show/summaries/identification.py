@@ -33,12 +33,7 @@ RECORD_SCORES = ("record", "output", "part", "fit [%]", "rms error", "largest er
 
 
 def summarise_identified(found: Identified, records: Sequence[Sampled]) -> Summary:
-    """Everything about models in stages.
-
-    Args:
-        found: the models.
-        records: all that were read for them.
-    """
+    """Everything about models in stages."""
     blocks = [block for k in range(len(found.stages)) for block in _describe_stage(found, k)]
     warned = [Sentence(one, "caution") for one in collect_warnings(found, records)]
     return Summary("", [*blocks, *_describe_scores(found), *warned], _collect_numbers(found, records))
@@ -193,12 +188,7 @@ def _collect_candidate(one: StructureCandidate) -> dict[str, Any]:
 def summarise_model(
     validations: Sequence[Validation], uncertainty: ChainUncertainty | None = None, title: str = ""
 ) -> Summary:
-    """How well a model does on records.
-
-    Args:
-        validations: the same model on one or several records.
-        uncertainty: of the model; adds its numbers, and bands to the figures.
-        title: headline; made from the name of the model if left out.
+    """How well a model does on one or several records; its uncertainty adds numbers and bands.
 
     Raises:
         DataError: there are no validations.

@@ -46,13 +46,7 @@ FOUND = ("quantity", "value", "95 % interval", "unit", "meaning")
 
 
 def summarise_film(report: FilmReport, forms: Sequence[str], origin: str) -> Summary:
-    """Everything about fits of a film coefficient.
-
-    Args:
-        report: the fits.
-        forms: those to show.
-        origin: where the points come from.
-    """
+    """Everything about fits of a film coefficient."""
     title = f"h(T) from {len(report.points)} points, {origin}"
     return Summary(title, list(_describe_film(report, forms)), {"origin": origin} | report.to_dict())
 
@@ -141,53 +135,42 @@ def _point_row(points: TangentPoints) -> tuple[str, ...]:
     return (f"{points.stress / 1e6:.4g}", *temperatures, *strains, points.name)
 
 
-def _estimate_rows(fit: TangentFit) -> list[tuple[str, ...]]:
-    rows = [
-        _write_estimate(name, getattr(fit, name), "degC", 1.0, ZERO, meaning, ".2f")
-        for name, meaning in (
-            ("A_s", "austenite start at zero stress"),
-            ("A_f", "austenite finish"),
-            ("M_s", "martensite start"),
-            ("M_f", "martensite finish"),
-        )
-    ]
+def _estimate_rows(fit: TangentFit) -> Iterator[tuple[str, ...]]:
+    """Rows of a table: what was found over all stresses, with 95 % intervals."""
+    at_zero = (
+        ("A_s", "austenite start at zero stress"),
+        ("A_f", "austenite finish"),
+        ("M_s", "martensite start"),
+        ("M_f", "martensite finish"),
+    )
+    for name, meaning in at_zero:
+        yield _write_estimate(name, getattr(fit, name), "degC", 1.0, meaning, ZERO, ".2f")
     for name, one in (("C_A", fit.reverse), ("C_M", fit.forward)):
-        meaning = f"common slope of {one.names[0]} and {one.names[1]}"
-        rows.append(_write_numbers(name, one.slope, one.slope_interval(), "MPa/K", 1e6, 0.0, meaning))
-    rows.append(_write_estimate("eps_L", fit.eps_L, "%", 0.01, 0.0, "mean transformation strain"))
+        numbers = _write_numbers(one.slope, one.slope_interval(), 1e6)
+        yield name, *numbers, "MPa/K", f"common slope of {one.names[0]} and {one.names[1]}"
+    yield _write_estimate("eps_L", fit.eps_L, "%", 0.01, "mean transformation strain")
     form = fit.strain
     if form.H_k is not None:
-        rows += [
-            _write_estimate("H_min", form.H_min, "%", 0.01, 0.0, "H at no stress"),
-            _write_estimate("H_sat", form.H_sat, "%", 0.01, 0.0, "H at high stress"),
-            _write_estimate("H_k", form.H_k, "1/MPa", 1e-6, 0.0, "rate of saturation"),
-        ]
+        yield _write_estimate("H_min", form.H_min, "%", 0.01, "H at no stress")
+        yield _write_estimate("H_sat", form.H_sat, "%", 0.01, "H at high stress")
+        yield _write_estimate("H_k", form.H_k, "1/MPa", 1e-6, "rate of saturation")
     if form.sigma_crit is not None:
-        meaning = "stress at which H begins to grow"
-        rows.append(_write_estimate("sigma_crit", form.sigma_crit, "MPa", 1e6, 0.0, meaning))
-    return rows
+        yield _write_estimate("sigma_crit", form.sigma_crit, "MPa", 1e6, "stress at which H begins to grow")
 
 
 def _write_estimate(
-    name: str, found: MeasuredValue, unit: str, factor: float, zero: float, meaning: str, digits: str = ".4g"
+    name: str, found: MeasuredValue, unit: str, factor: float, meaning: str, zero: float = 0.0, digits: str = ".4g"
 ) -> tuple[str, ...]:
-    interval = found.interval()
-    return _write_numbers(name, found.value, interval, unit, factor, zero, meaning, digits)
+    return name, *_write_numbers(found.value, found.interval(), factor, zero, digits), unit, meaning
 
 
 def _write_numbers(
-    name: str,
-    value: float,
-    interval: Interval,
-    unit: str,
-    factor: float,
-    zero: float,
-    meaning: str,
-    digits: str = ".4g",
-) -> tuple[str, ...]:
+    value: float, interval: Interval, factor: float, zero: float = 0.0, digits: str = ".4g"
+) -> tuple[str, str]:
+    """A value and its interval in a unit; `unknown` for an interval without bounds."""
     low, high = ((end - zero) / factor for end in interval)
     bounds = f"{low:{digits}} to {high:{digits}}" if math.isfinite(high - low) else "unknown"
-    return name, f"{(value - zero) / factor:{digits}}", bounds, unit, meaning
+    return f"{(value - zero) / factor:{digits}}", bounds
 
 
 @dataclass(frozen=True)

@@ -35,14 +35,7 @@ COLUMNS = ("path", "leg", "ξ", "transforms", "starts", "half", "ends", "strain"
 def summarise_run(
     scenario: Scenario, result: Result, agreements: Sequence[Agreement] = (), averaging: Averaging | None = None
 ) -> Summary:
-    """Everything about a run.
-
-    Args:
-        scenario: what was run.
-        result: what came out.
-        agreements: how far it is from the record it was compared with.
-        averaging: what it leaves out by averaging over pulses, if that was asked for.
-    """
+    """Everything about a run."""
     own = result.summary()
     warned = len(result.warnings)
     told, warnings = own.blocks[: len(own.blocks) - warned], own.blocks[len(own.blocks) - warned :]
@@ -150,13 +143,7 @@ def _collect_averaging(found: Averaging | None) -> dict[str, Any] | None:
 
 
 def summarise_laws(path: str, dressed: Sequence[ConfiguredLaw], results: Sequence[Sequence[PointResult]]) -> Summary:
-    """Everything about laws on a path.
-
-    Args:
-        path: its name.
-        dressed: the laws.
-        results: what each of them did on the paths that it was given.
-    """
+    """Everything about laws on the path of a name: what each did on the paths that it was given."""
     pairs = list(zip(dressed, results, strict=True))
     blocks = [block for one, own in pairs for block in _describe_law(path, one, own)]
     return Summary("", blocks, {"path": path, "laws": [_collect_law(*pair) for pair in pairs]})

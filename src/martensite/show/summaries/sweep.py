@@ -32,13 +32,7 @@ HOW = {
 
 
 def summarise_sweep(plan: SweepPlan, store: Store, progress: Progress) -> Summary:
-    """Everything about a sweep.
-
-    Args:
-        plan: what is swept.
-        store: where it is kept.
-        progress: how much of it is made.
-    """
+    """Everything about a sweep."""
     system = plan.course.system
     rows = [
         (words, *(write_quantity(v, one.unit_in(system)) for v in compute_spread(store, words)))
