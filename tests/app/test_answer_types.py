@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 from typescript import check_answer
 
-from martensite.app.packaged_scenarios import list_standalone
+from martensite.app.documents import list_standalone
 from martensite.app.routes import find_call
 from martensite.app.worker import Desk
 

@@ -19,8 +19,8 @@ from martensite.app.calls.logs import describe_records as records
 from martensite.app.calls.logs import list_followers as starts
 from martensite.app.calls.logs import match_scenario as beside
 from martensite.app.calls.scenarios import run_scenario as run
-from martensite.app.identify.thinning import find_corners
 from martensite.app.uploads import UploadFolder
+from martensite.app.views.columns import find_corners
 from martensite.app.worker import Desk
 from martensite.base.errors import InputError, SolveError
 from martensite.fit.api import fit_logs as library_fit

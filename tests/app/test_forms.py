@@ -10,8 +10,8 @@ from app_server import Bench
 from typescript import check_answer
 
 from martensite.app.calls.form import build_form as answer
-from martensite.app.forms import documents, ranges, wording
-from martensite.app.packaged_scenarios import FOLDER, list_standalone
+from martensite.app.documents import FOLDER, list_standalone
+from martensite.app.forms import controls, documents
 from martensite.app.worker import Desk
 from martensite.base import units
 from martensite.base.errors import InputError, UnknownNameError
@@ -132,17 +132,17 @@ def test_sliders_hold_the_value_and_stay_in_bounds() -> None:
 
 def test_ranges_follow_the_declaration() -> None:
     length = Declared("parameter", "length", 1.0, "m", 0.0, 20.0, open_low=True)
-    assert ranges.build_slider(0.1, length) == {
+    assert controls.build_slider(0.1, length) == {
         "low": pytest.approx(0.01),
         "high": pytest.approx(1.0),
         "log": True,
         "whole": False,
     }
     share = Declared("parameter", "share", 1.0, "1", 0.0, 1.0)
-    assert ranges.build_slider(0.3, share) == {"low": 0.0, "high": 1.0, "log": False, "whole": False}
+    assert controls.build_slider(0.3, share) == {"low": 0.0, "high": 1.0, "log": False, "whole": False}
     count = Declared("parameter", "number of elements", 1.0, "1", 1.0, 1e4)
-    assert (ranges.build_slider(2.0, count) or {})["whole"]
-    assert ranges.build_slider(math.inf, Declared("parameter", "end", math.inf, "s")) is None
+    assert (controls.build_slider(2.0, count) or {})["whole"]
+    assert controls.build_slider(math.inf, Declared("parameter", "end", math.inf, "s")) is None
 
 
 @pytest.mark.parametrize(
@@ -179,7 +179,7 @@ def test_symbols_are_spelled_by_names(name: str, symbol: str) -> None:
     ],
 )
 def test_units_are_shown_as_they_are_read(unit: str, label: str) -> None:
-    how = wording.describe_display(unit)
+    how = controls.describe_display(unit)
     assert how["label"] == label
     assert 300.0 * how["factor"] + how["offset"] == pytest.approx(
         units.from_si(300.0, units.choose_readable_unit(unit), unit)

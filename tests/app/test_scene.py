@@ -11,7 +11,7 @@ import pytest
 from app_server import Bench
 
 from martensite.actuators.mechanisms.drawing import KINDS
-from martensite.app.packaged_scenarios import FOLDER, list_standalone
+from martensite.app.documents import FOLDER, list_standalone
 from martensite.app.views.scene import LEAST, MOST, describe_scene, draw_row
 from martensite.app.views.scene import measure_lengths as lengths_of
 from martensite.scenario.scenario import Scenario, read_scenario

@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 from typescript import check_answer
 from websockets.sync.client import connect
 
-from martensite.app.calls import sweep_export
+from martensite.app.calls import sweep_form
 from martensite.app.calls.sweeps import delete_sweep as delete
 from martensite.app.calls.sweeps import estimate_indices as indices
 from martensite.app.calls.sweeps import find_front as front
@@ -26,9 +26,9 @@ from martensite.app.calls.sweeps import list_sweeps as listed
 from martensite.app.calls.sweeps import read_points as points
 from martensite.app.calls.sweeps import read_row as row
 from martensite.app.calls.sweeps import run_sweep as sweep
-from martensite.app.sweeping.command_line import quote_words
 from martensite.app.sweeping.sweep_drawing import MOST_DRAWN, SweepDrawing
 from martensite.app.sweeping.sweep_folder import SweepFolder, hold_store, make_slug
+from martensite.app.sweeping.sweep_request import quote_words
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError
 from martensite.cli.app import app
@@ -143,16 +143,16 @@ def test_indices_say_what_matters(made: tuple[Desk, str, list[dict[str, Any]]]) 
 
 def test_the_table_is_safe_in_a_spreadsheet(made: tuple[Desk, str, list[dict[str, Any]]]) -> None:
     desk, key, _ = made
-    said = sweep_export.export_sweep({"key": key, "kind": "csv"}, desk)
+    said = sweep_form.export_sweep({"key": key, "kind": "csv"}, desk)
     lines = (desk.folder / said["file"] / said["name"]).read_text("utf-8").splitlines()
     assert lines[0].startswith("run,status,element.diameter [m],drive.waveform.high [W],stroke [m]")
     assert len(lines) == 49
-    assert [sweep_export.escape_formula(text) for text in ("=1+1", "@x", "max(T)")] == ["'=1+1", "'@x", "max(T)"]
+    assert [sweep_form.escape_formula(text) for text in ("=1+1", "@x", "max(T)")] == ["'=1+1", "'@x", "max(T)"]
 
 
 def test_the_zip_is_the_store(made: tuple[Desk, str, list[dict[str, Any]]], tmp_path: Path) -> None:
     desk, key, _ = made
-    said = sweep_export.export_sweep({"key": key, "kind": "zarr"}, desk)
+    said = sweep_form.export_sweep({"key": key, "kind": "zarr"}, desk)
     with zipfile.ZipFile(desk.folder / said["file"] / said["name"]) as packed:
         packed.extractall(tmp_path)
     (copy,) = tmp_path.iterdir()

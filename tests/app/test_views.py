@@ -11,10 +11,8 @@ import pytest
 
 from martensite.app.calls.scenarios import compare_documents
 from martensite.app.messages import BadMessageError
-from martensite.app.views.alarm_spans import list_alarms
-from martensite.app.views.energy import NO_ELEMENT, PRESCRIBED, describe_energy
-from martensite.app.views.phase_bands import describe_phase
-from martensite.app.views.traces import list_loops, list_panels, list_stretches
+from martensite.app.views.diagrams import NO_ELEMENT, PRESCRIBED, describe_energy, describe_phase
+from martensite.app.views.traces import list_alarms, list_loops, list_panels, list_stretches
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError
 from martensite.design.analysis.energy import compute_cycle_energies, find_length

@@ -11,7 +11,7 @@ import pytest
 from app_server import Bench
 from playwright.sync_api import Browser, Page, expect
 
-from martensite.app.address import unpack_text
+from martensite.cli.web_bench import unpack_text
 from martensite.scenario.scenario import read_scenario
 
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")

@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from martensite.app.calls.form import NEW, build_form
+from martensite.app.documents import FOLDER, list_standalone
 from martensite.app.forms import documents
-from martensite.app.packaged_scenarios import FOLDER, list_standalone
 from martensite.app.worker import Desk
 from martensite.base.files import toml_document
 from martensite.physics.materials.base import material_names

@@ -22,9 +22,7 @@ from martensite.control.loop.bench import Bench
 from martensite.design.analysis.energy import compute_cycle_energies
 from martensite.design.analysis.frequency import measure_frequency_response
 from martensite.design.analysis.speed import compute_speeds
-from martensite.show.figures.energy import plot_energy
-from martensite.show.figures.frequency import plot_frequency_response
-from martensite.show.figures.speeds import plot_speeds
+from martensite.show.figures.analysis import plot_energy, plot_frequency_response, plot_speeds
 from martensite.signals.held import Held
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate

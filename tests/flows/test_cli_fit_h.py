@@ -17,7 +17,7 @@ from martensite.actuators.assembly import System
 from martensite.characterise.film_coefficient import FORMS, FilmPoints
 from martensite.characterise.film_report import judge_film
 from martensite.scenario.scenario import read_scenario
-from martensite.show.figures.film_fit import plot_film
+from martensite.show.figures.laboratory import plot_film
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MIGAONE = str(EXAMPLES / "migaone_table2.csv")

@@ -19,7 +19,7 @@ from martensite.characterise.tangent_fit import fit_tangents
 from martensite.characterise.tangent_points import find_tangent_points
 from martensite.cli import app
 from martensite.scenario import datasets
-from martensite.show.figures.tangents import MOST_PANELS, plot_tangents
+from martensite.show.figures.laboratory import MOST_PANELS, plot_tangents
 
 SAMPLE = Bent()
 STRESSES = (50e6, 100e6, 200e6)

@@ -26,10 +26,8 @@ from martensite.base.errors import InputError
 from martensite.fit.fit import HELD_OUT, TRAINING, Fit, compute_rms, find_covered_range, list_compared
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
 from martensite.search.profile import Profile, ProfileEnd, ProfilePoint
-from martensite.show.figures.fit import HELD, SEEN, plot_fit, plot_fit_loops
-from martensite.show.figures.fit_knowledge import plot_correlation, plot_search, plot_singular_values
-from martensite.show.figures.fit_likelihood import plot_likelihood
-from martensite.show.figures.fit_residuals import plot_fit_residuals
+from martensite.show.figures.fit import HELD, SEEN, plot_fit, plot_fit_loops, plot_fit_residuals
+from martensite.show.figures.fit_knowledge import plot_correlation, plot_likelihood, plot_search, plot_singular_values
 from martensite.show.figures.style import SIMULATED
 from martensite.show.pages import list_page_files, write_report
 from martensite.show.summaries.fit import summarise_fit

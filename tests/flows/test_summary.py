@@ -14,8 +14,7 @@ from martensite.base.formats import typeset_unit, write_difference, write_quanti
 from martensite.base.summary import BulletList, DataTable, Heading, Notice, Sentence, Summary, Tone
 from martensite.base.table_layout import format_table
 from martensite.show.html import render_fragment
-from martensite.show.markdown import render_markdown
-from martensite.show.pages import write_page
+from martensite.show.pages import render_markdown, write_page
 
 WORDS = "a long explanation in words that a terminal of eighty columns must wrap somewhere"
 TABLE = DataTable(

@@ -15,9 +15,8 @@ from martensite.design.sweep.axes import parse_axis
 from martensite.design.sweep.indices import compute_sensitivity
 from martensite.design.sweep.pareto import find_pareto_front
 from martensite.design.sweep.table import SweepColumn, SweepTable
-from martensite.show.figures.pareto import plot_pareto
-from martensite.show.figures.sensitivity import plot_sensitivity
 from martensite.show.figures.sweep import plot_sweep
+from martensite.show.figures.sweep_analysis import plot_pareto, plot_sensitivity
 
 GRID = [replace(one, count=7) for one in ANGLES]
 LOG = parse_axis("h=10..1000 W/m^2/K log", {"h": replace(ANGLES[0].target, name="h", unit="W/m^2/K")})

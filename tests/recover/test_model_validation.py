@@ -14,10 +14,8 @@ from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.identify.chains.uncertainty import estimate_chain_uncertainty, measure_coverage
 from martensite.identify.chains.validation import compare_validations, validate_chain
 from martensite.search.levenberg_marquardt import minimise_cost
-from martensite.show.figures.model import plot_model, plot_model_loop
+from martensite.show.figures.model import plot_model, plot_model_loop, plot_model_tests, thin_line
 from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static_blocks
-from martensite.show.figures.model_tests import plot_model_tests
-from martensite.show.figures.signal_labels import thin_line
 from martensite.show.pages import write_model_report
 from martensite.signals.sampling.sampled import Sampled
 

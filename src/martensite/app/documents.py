@@ -1,4 +1,4 @@
-"""The scenario that a request means: a text, and changes to it by dotted path.
+"""The scenario that a request means, a text with changes by dotted path; and those of the package.
 
 Whoever writes an address of the bench writes the scenario in it. So a scenario on the bench reads
 no files but those that lie beside the packaged scenarios, and what would take without end is
@@ -7,16 +7,21 @@ refused before it is begun.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, cast
+import tomllib
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, cast
 
 from martensite.app.messages import JsonTable, Request, require_entry
-from martensite.app.packaged_scenarios import FOLDER, build_packaged
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, ParameterError
 from martensite.base.files import toml_document
+from martensite.scenario.examples import EXAMPLES as FOLDER
+from martensite.scenario.recorded_waveforms import LOG
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.api import longest_step
+
+if TYPE_CHECKING:
+    from martensite.signals.records import Record
 
 LONGEST_TEXT = 2**20
 MOST_SAMPLES = 200_001
@@ -70,7 +75,6 @@ def check_files(text: str, changes: Request) -> None:
 
 
 def _list_files(node: Any, path: str) -> Iterator[str]:
-    """Names of files in a document; published data sets are no files here."""
     if isinstance(node, dict):
         for key, value in cast("JsonTable", node).items():
             yield from _list_files(value, f"{path}.{key}")
@@ -82,3 +86,42 @@ def _list_files(node: Any, path: str) -> Iterator[str]:
         own = node.endswith(".toml") or "/" in node or "\\" in node
         if (last == "file" and not node.startswith("data:")) or (last == "material" and own):
             yield node
+
+
+def list_standalone() -> dict[str, str]:
+    """Name and text of every scenario that stands by itself."""
+    data = "flexinol-isobaric/"  # measured by others, not packaged
+    return {n: text for n, text in _list_texts() if data not in text and not _is_following(text)}
+
+
+def list_following() -> dict[str, str]:
+    """Name and text of every scenario that follows a log."""
+    return {name: text for name, text in _list_texts() if _is_following(text)}
+
+
+def describe_scenarios(texts: Mapping[str, str]) -> JsonTable:
+    """Scenarios as the page lists them, with their titles."""
+    found = [
+        {"name": name, "title": str(tomllib.loads(text).get("title", name)), "text": text}
+        for name, text in texts.items()
+    ]
+    return {"scenarios": found}
+
+
+def build_packaged(text: str, changes: Request | None = None, log: Record | None = None) -> Scenario:
+    """The scenario in a text; files that it names lie beside the packaged ones."""
+    from martensite.scenario.scenario import read_scenario
+
+    return read_scenario(text, FOLDER / "scenario.toml", changes, log=log)
+
+
+def _list_texts() -> Iterator[tuple[str, str]]:
+    """Name and text of all, without what is a fit of one."""
+    for path in sorted(FOLDER.glob("*.toml")):
+        text = path.read_text("utf-8")
+        if "scenario" not in tomllib.loads(text):
+            yield path.stem, text
+
+
+def _is_following(text: str) -> bool:
+    return f'"{LOG}"' in text

@@ -66,7 +66,6 @@ def _compile_structure(scenario: Scenario, key: Hashable) -> None:
 
 
 def _is_long(scenario: Scenario) -> bool:
-    """Whether a first piece of the run lets expect that all of it takes long on floats."""
     samples = max(2, scenario.samples // TRIAL_PIECES)
     piece = replace(scenario, duration=scenario.duration / TRIAL_PIECES, samples=samples)
     begun = time.perf_counter()

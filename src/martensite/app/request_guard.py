@@ -12,14 +12,14 @@ import hmac
 from collections.abc import Mapping
 from dataclasses import dataclass
 from http.cookies import CookieError, SimpleCookie
+from typing import Any
 from urllib.parse import parse_qs
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from martensite.app.messages import Refusal
-from martensite.app.responses import refusal_response
+from martensite.app.messages import Refusal, Written, write_message
 
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
@@ -141,3 +141,19 @@ async def _refuse(scope: Scope, receive: Receive, send: Send, refusal: Refusal) 
     words = PlainTextResponse(str(refusal), refusal.status)
     response = words if scope["path"] == "/" else refusal_response(refusal)
     await response(scope, receive, send)
+
+
+def json_response(content: Any, status: int = 200) -> Response:
+    """An answer in JSON."""
+    body = content if isinstance(content, Written) else write_message(content)
+    return Response(body, status, media_type="application/json")
+
+
+def refusal_response(refusal: Refusal, quiet: bool = False) -> Response:
+    """A refusal: its sentence, and how the page shall take it; its status in a header if quiet."""
+    content = {"error": str(refusal), "kind": refusal.kind}
+    if not quiet:
+        return json_response(content, refusal.status)
+    response = json_response(content)
+    response.headers["X-Refused"] = str(refusal.status)
+    return response

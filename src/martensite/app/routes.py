@@ -50,7 +50,7 @@ ROUTES: Mapping[str, tuple[str, str]] = {
     "sweep_front": ("sweeps", "find_front"),
     "sweep_indices": ("sweeps", "estimate_indices"),
     "sweep_delete": ("sweeps", "delete_sweep"),
-    "sweep_export": ("sweep_export", "export_sweep"),
+    "sweep_export": ("sweep_form", "export_sweep"),
 }
 """Name -> module of `martensite.app.calls`, and function."""
 

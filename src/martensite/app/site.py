@@ -38,8 +38,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from martensite.app import messages
 from martensite.app.jobs import PageJob, PageJobs
 from martensite.app.messages import BadMessageError, Refusal, describe_refusal, read_message, require_entry
-from martensite.app.request_guard import RequestGuard
-from martensite.app.responses import json_response, refusal_response
+from martensite.app.request_guard import RequestGuard, json_response, refusal_response
 from martensite.app.uploads import UploadFolder
 from martensite.app.worker_pool import WorkerPool
 from martensite.base.errors import InputError
@@ -150,7 +149,6 @@ async def _await_leaving(socket: WebSocket) -> None:
 
 
 def _read_tab(name: str | None) -> str:
-    """The tab that asks."""
     if name is None or not _TAB.fullmatch(name):
         raise BadMessageError("The header `X-Tab` (or `?tab=`) must be 4 to 64 letters or digits.")
     return name
@@ -171,7 +169,6 @@ async def _read_body(request: Request) -> bytes:
 
 
 async def _drain_stream(stream: AsyncIterator[bytes]) -> None:
-    """Read the rest of a body that is refused, so that its sender reads why."""
     size, end = 0, time.monotonic() + PATIENCE
     async for chunk in stream:
         size += len(chunk)
@@ -180,7 +177,6 @@ async def _drain_stream(stream: AsyncIterator[bytes]) -> None:
 
 
 async def _warm_later(pool: WorkerPool) -> None:
-    """Start a worker once the page had time to come first."""
     await asyncio.sleep(PAGE_FIRST)
     await pool.warm()
 

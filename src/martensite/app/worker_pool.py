@@ -210,7 +210,6 @@ class WorkerPool:
         return worker
 
     async def _worker(self, lane: str) -> Worker:
-        """An idle worker, or the next that gets idle."""
         if self.idle:
             return self.idle.pop()
         if len(self.made) < self.size:
@@ -233,7 +232,6 @@ class WorkerPool:
                 del self.waiting[lane]
 
     def _free(self, worker: Worker) -> None:
-        """Give a worker to who waits longest, or lay it aside."""
         while self.waiting:
             first = next(iter(self.waiting))
             future = self.waiting.pop(first)

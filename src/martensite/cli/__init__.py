@@ -13,9 +13,7 @@ from martensite.cli.app import app
 __all__ = ["app", "main"]
 
 COMMANDS = (
-    "check cite conform data demo describe design export export_c export_fmu export_mujoco fit "
-    "fit_film fit_logs fit_motor fit_tangents fit_vibration identify law listings pareto run "
-    "sensitivity size study sweep tune web_bench"
+    "check design export fit fit_film fit_logs fit_laboratory identify law listings run size study sweep tune web_bench"
 )
 """Modules whose commands register themselves."""
 

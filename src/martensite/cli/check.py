@@ -1,15 +1,16 @@
-"""`check` and `params`: what a scenario holds, before anything is run."""
+"""`check` and `params`: what a scenario holds, before anything is run; `conform`: what a part keeps."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from martensite.base.errors import InputError
 from martensite.base.formats import write_quantity
-from martensite.base.summary import Block, DataTable, Sentence, Summary
+from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.cli.app import app
 from martensite.cli.options import (
     Imports,
@@ -22,12 +23,11 @@ from martensite.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     from martensite.base.parameters import Leaf
     from martensite.scenario.scenario import Scenario
     from martensite.simulate.end_states import EndState
     from martensite.simulate.result import Result
+    from martensite.testing import Conformance
 
 LEVELS = ("lowest", "highest")
 FEW = 2
@@ -79,7 +79,6 @@ def _find_ends(scenario: Scenario) -> dict[str, Any]:
 
 
 def _collect_end(end: EndState, all_drives: str) -> dict[str, Any]:
-    """An end state, ready for JSON; numbers in SI."""
     result = end.result
     system = result.system
     units = {drive.name: drive.unit for drive in system.drives()}
@@ -103,7 +102,6 @@ def _collect_end(end: EndState, all_drives: str) -> dict[str, Any]:
 
 
 def _find_highest(result: Result) -> Iterator[str]:
-    """The highest temperature and stress of many wires in the end."""
     for name in ("hottest", "stress"):
         columns = [result.system.label(port, name) for port in result.system.actuators()]
         most = max(result.columns[column][-1] for column in columns)
@@ -167,7 +165,6 @@ def params(
 
 
 def _list_values(scenario: Scenario) -> list[dict[str, Any]]:
-    """Every number of a scenario under the path by which `--set` reaches it."""
     places, known = scenario.places, scenario.origins
     found = [
         _collect_value(scenario, path, leaf, places.unit(leaf))
@@ -178,7 +175,6 @@ def _list_values(scenario: Scenario) -> list[dict[str, Any]]:
 
 
 def _list_levels(scenario: Scenario) -> Iterator[dict[str, Any]]:
-    """The numbers of the waveforms; their levels are in the unit of what they drive."""
     from martensite.scenario.assemble import waveform_path
     from martensite.signals.base import DRIVE
     from martensite.simulate.drive_waveforms import by_name
@@ -199,3 +195,45 @@ def _collect_value(scenario: Scenario, path: str, leaf: Leaf, unit: str) -> dict
         "meaning": leaf.declared.doc,
         "from": scenario.origins.get(path, "default"),
     }
+
+
+@app.command()
+def conform(
+    target: Annotated[str, typer.Argument(metavar="FILE|NAME", help="A .py or .toml file, or a name.")],
+    json: Json = False,
+    modules: Imports = None,
+) -> None:
+    """Try whether parts of your own keep what they promise.
+
+    A law, for example, must not depend on how a path is cut into steps. Parts of this package can
+    be tried as well. They are made of the typical values of their declarations, once for every
+    choice of an option. Ends with 1 if a check fails.
+    """
+    import_modules(modules)
+    from martensite.show.terminal import print_summary
+    from martensite.testing import check_target
+
+    found = check_target(target)
+    blocks = [block for one in found for block in _describe_findings(one)]
+    print_summary(Summary("", blocks, [_collect_findings(one) for one in found]), json)
+    if not all(one.holds for one in found):
+        raise typer.Exit(1)
+
+
+def _collect_findings(found: Conformance) -> dict[str, Any]:
+    return {
+        "name": found.name,
+        "kind": found.kind,
+        "holds": found.holds,
+        "findings": [vars(one) for one in found.findings],
+    }
+
+
+def _describe_findings(found: Conformance) -> Iterator[Block]:
+    yield Heading(str(found))
+    faults = {one.check: one for one in found.faults}
+    for check, promise in {one.check: one.promise for one in found.findings}.items():
+        fault = faults.get(check)
+        yield Sentence(f"  {'kept  ' if fault is None else 'broken'}  {promise}")
+        if fault is not None:
+            yield Sentence(f"          {fault.part}: {fault.fault}", "bad")

@@ -28,7 +28,6 @@ class Fits(TyperGroup):
         return [LOGS, *args]
 
     def _names(self, word: str) -> bool:
-        """Whether a word is a command, or a misspelt one that is no file either."""
         if word in self.commands:
             return True
         near = get_close_matches(word, self.commands, n=1, cutoff=0.7)

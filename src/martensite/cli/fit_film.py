@@ -74,8 +74,8 @@ def film(
     outputs = answer.check_files(out, ".toml")
     points, origin = read_points(table, wire)
     from martensite.characterise.film_report import judge_film
-    from martensite.show.figures.film_fit import plot_film
-    from martensite.show.summaries.film import summarise_film
+    from martensite.show.figures.laboratory import plot_film
+    from martensite.show.summaries.laboratory import summarise_film
 
     report = judge_film(points)
     forms = _choose_forms(report, form)
@@ -172,11 +172,11 @@ def write_cooling(report: FilmReport, form: str, table: str) -> str:
     Raises:
         ParameterError: a coefficient is outside what the heat-loss model allows.
     """
-    from martensite.show.summaries.film import UNITS, write_coefficient
+    from martensite.show.summaries.laboratory import FILM_UNITS, write_coefficient
 
     fit = report.fits[form]
     _make_cooling(fit)
-    numbers = [(f"h{k}", fit.coefficients[k], UNITS[k]) for k in fit.terms]
+    numbers = [(f"h{k}", fit.coefficients[k], FILM_UNITS[k]) for k in fit.terms]
     listed = ", ".join(f"h{k} = {write_coefficient(fit, k, report.level)}" for k in fit.terms)
     origin = (
         f"Film coefficient fitted to {len(report.points)} points of {table}, form {form}, T in "

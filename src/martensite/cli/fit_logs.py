@@ -239,7 +239,6 @@ def run_fit(task: FitTask, extras: FitExtras, json: bool) -> bool:
 
 
 def _draw_posterior(fit: Fit, draws: int) -> Posterior | None:
-    """Samples; None if they were interrupted."""
     from martensite.fit.posterior import sample_posterior
 
     try:
@@ -249,7 +248,6 @@ def _draw_posterior(fit: Fit, draws: int) -> Posterior | None:
 
 
 def _walk_profiles(fit: Fit, names: Sequence[str]) -> list[Profile]:
-    """Profiles; fewer if they were interrupted."""
     from martensite.fit.profiling import profile_likelihood
 
     walked: list[Profile] = []
@@ -263,7 +261,6 @@ def _walk_profiles(fit: Fit, names: Sequence[str]) -> list[Profile]:
 
 
 def _describe_note(note: SearchNote, noise: Mapping[str, Any]) -> str:
-    """What a search tells, for its bar."""
     root = math.sqrt(note.cost)
     size = f"{root:.3g} of noise" if noise else f"{100.0 * root:.3g} % of range"
     return f"{note.stage}: best RMS {size}, {note.simulations} runs"

@@ -12,7 +12,6 @@ from typer import Argument, Option
 
 from martensite.base.errors import InputError, suggest_name
 from martensite.cli.app import app
-from martensite.cli.identify_columns import choose_columns
 from martensite.cli.options import Imports, Text, Texts, import_modules, read_positive, read_quantity, spread_options
 from martensite.cli.outputs import AnswerOptions, Outputs, open_parts
 from martensite.cli.progress import show_share, show_spinner
@@ -212,8 +211,8 @@ def _write_files(found: Identified, outputs: Outputs, records: Sequence[Sampled]
         if files.data is not None:
             _save_model(found, files.data)
         if files.figure is not None:
-            from martensite.show.figures.files import write_figure
-            from martensite.show.figures.identification import plot_identified
+            from martensite.show.figures.model import plot_identified
+            from martensite.show.figures.style import write_figure
 
             write_figure(plot_identified(found, records), files.figure)
     if outputs.data is not None and len(found.estimates) > 1:
@@ -235,3 +234,42 @@ def _save_model(found: Identified, path: Path) -> None:
     origin = stages[0] if len(stages) == 1 else {"stages": stages}
     scores = [asdict(score) for score in found.scores]
     write_model(found.model, path, origin | {"scores_of_free_runs": scores})
+
+
+def list_columns(log: str) -> list[str]:
+    """Names of the columns of a text log, without its time; none for logs of other kinds."""
+    from martensite.scenario.sampled_files import TEXT
+    from martensite.scenario.tables import read_table
+
+    if not log.startswith("data:") and not log.lower().endswith(TEXT):
+        return []
+    return [name for name in read_table(log, gaps=True, interval=None).columns if name != "time"]
+
+
+def choose_columns(log: str, inputs: Sequence[str], output: str | None, named: Sequence[str]) -> tuple[list[str], str]:
+    """Inputs and last output: those given, else what alone is left in the log.
+
+    Raises:
+        InputError: the log leaves a choice.
+    """
+    if inputs and output is not None:
+        return list(inputs), output
+    found = list_columns(log)
+    free = [name for name in found if name not in (*inputs, *named, output)]
+    if not inputs:
+        last = output is not None or bool(named)
+        if len(free) != (1 if last else 2):
+            raise InputError(_explain_lack("--input", found))
+        inputs, free = free[:1], free[1:]
+    if output is None and named:
+        output = named[-1]
+    if output is None:
+        if len(free) != 1:
+            raise InputError(_explain_lack("--output", found))
+        output = free[0]
+    return list(inputs), output
+
+
+def _explain_lack(option: str, found: Sequence[str]) -> str:
+    listed = f": {', '.join(f'`{name}`' for name in found)}" if found else ""
+    return f"Identification needs {option}, a column of the logs{listed}; none given."

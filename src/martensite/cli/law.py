@@ -59,9 +59,9 @@ def law(
     from martensite.scenario.csv_files import write_points
     from martensite.scenario.laws import configure_laws
     from martensite.scenario.overrides import read_settings
-    from martensite.show.figures.files import write_figure
     from martensite.show.figures.law_paths import plot_point
-    from martensite.show.summaries.law import summarise_laws
+    from martensite.show.figures.style import write_figure
+    from martensite.show.summaries.run import summarise_laws
     from martensite.show.terminal import print_summary
     from martensite.simulate.paths import find_path, named_path
 
@@ -84,9 +84,6 @@ def law(
     print_summary(summarise_laws(path, dressed, results), answer.json, outputs.paths())
 
 
-# ---------------------------------------------------------------- reading the options
-
-
 def _read_choices(
     at: str | None, stress: str | None, strain: str | None, start: str | None, rate: str | None
 ) -> Choices:
@@ -107,7 +104,6 @@ def _read_choices(
 
 
 def _read_quantities(option: str, text: str | None, unit: str) -> tuple[float, ...]:
-    """Quantities separated by commas, in SI."""
     from martensite.base import units
 
     if text is None:
@@ -135,7 +131,6 @@ def _read_rates(text: str | None) -> PathRates:
 
 
 def _read_rate(text: str) -> tuple[str, float]:
-    """Field of `PathRates` and value of one rate; its unit says which."""
     from martensite.base import units
 
     spelled = text.replace("%", " percent")

@@ -1,18 +1,24 @@
-"""`list` and `materials`: what there is, and what is known of one."""
+"""`list`, `materials`, `data`, `cite` and `describe`: what there is, and what is known of one."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 from typer import Argument
 
-from martensite.base.summary import DataTable, Summary
+from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.cli.app import app
-from martensite.cli.options import Imports, Json, Text, import_modules
+from martensite.cli.options import Imports, Json, Settings, Text, import_modules, load_scenario
 
 if TYPE_CHECKING:
+    from martensite.app.forms.form_types import GroupNode, SingleNode
     from martensite.identify.blocks.base import AbstractBlock
+
+data = typer.Typer(help="List, show or fetch published measurements.")
 
 
 def complete_kind(incomplete: str) -> list[str]:
@@ -65,7 +71,6 @@ def list_parts(
 
 
 def _list_kinds(json: bool) -> None:
-    """All kinds of parts, with what there is of each."""
     from martensite.scenario import catalogue
     from martensite.show.terminal import print_summary
 
@@ -75,7 +80,6 @@ def _list_kinds(json: bool) -> None:
 
 
 def _write_block(block: type[AbstractBlock]) -> str:
-    """How a block is written in the text of a chain; empty if it cannot be."""
     if not block.short or not block.shape:
         return block.short
     return f"{block.short}({','.join(block.shape)})"
@@ -87,7 +91,7 @@ def materials(
 ) -> None:
     """List the materials, or show one with all sources."""
     from martensite.physics.materials.base import load_material, material_names
-    from martensite.show.summaries.materials import summarise_material, summarise_materials
+    from martensite.show.summaries.parts import summarise_material, summarise_materials
     from martensite.show.terminal import print_summary
 
     if name is None:
@@ -95,3 +99,153 @@ def materials(
     else:
         summary = summarise_material(load_material(name))
     print_summary(summary, json)
+
+
+app.add_typer(data, name="data", invoke_without_command=True)
+
+
+@data.callback()
+def overview(ctx: typer.Context, json: Json = False) -> None:
+    """List, show or fetch published measurements."""
+    if ctx.invoked_subcommand is None:
+        list_all(json)
+
+
+@data.command("list")
+def list_all(json: Json = False) -> None:
+    """List the data sets, their licences, and which are on this machine."""
+    from martensite.scenario.datasets import dataset_names, describe_dataset
+    from martensite.show.terminal import print_summary
+
+    found = [describe_dataset(name) for name in dataset_names()]
+    here = {one.name: _count_here(one.name) for one in found}
+    rows = [(d.name, d.title, d.licence, str(len(d.files)), here[d.name]) for d in found]
+    table = DataTable(("data set", "what it is", "licence", "files", "on this machine"), rows)
+    data = [asdict(one) | {"here": here[one.name]} for one in found]
+    print_summary(Summary("", [table], data), json)
+
+
+def _count_here(name: str) -> str:
+    from martensite.base.errors import DataError
+    from martensite.scenario.datasets import describe_dataset, locate_file
+
+    found = 0
+    files = describe_dataset(name).files
+    for file in files:
+        try:
+            locate_file(f"{name}/{file}")
+        except DataError:
+            continue
+        found += 1
+    return "yes" if found == len(files) else "no" if not found else f"{found} of {len(files)}"
+
+
+@data.command("show")
+def show_one(name: Annotated[str, typer.Argument(metavar="NAME", help="A data set.")], json: Json = False) -> None:
+    """Show a data set: what it holds, what it is not, where it comes from, its files."""
+    from martensite.scenario.datasets import describe_dataset
+    from martensite.show.terminal import print_summary
+
+    dataset = describe_dataset(name)
+    rows = [(f"data:{name}/{f.name}", ", ".join(f.layout.columns)) for f in dataset.files.values()]
+    blocks = [
+        Sentence(f"Caution: {dataset.caution}", "caution"),
+        Sentence(f"Licence: {dataset.licence}, {dataset.notice}. Source: {dataset.page}"),
+        DataTable(("file", "columns"), rows),
+    ]
+    title = f"{dataset.name}: {dataset.title}"
+    print_summary(Summary(title, blocks, asdict(dataset), dataset.summary), json)
+
+
+@data.command()
+def fetch(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="A data set.")],
+    force: Annotated[bool, typer.Option("--force", help="Download what is there, too.")] = False,
+    json: Json = False,
+) -> None:
+    """Download a data set from its authors, and check every file against its SHA-256."""
+    from martensite.scenario import datasets
+    from martensite.show.terminal import print_summary
+
+    folder = str(datasets.fetch_dataset(name, force))
+    print_summary(Summary(f"{name} is in {folder}", [], {"name": name, "folder": folder}), json)
+
+
+@app.command()
+def cite(
+    name: Annotated[str, typer.Argument(metavar="SCENARIO|STUDY", help="A scenario file, or a study's name.")],
+    settings: Settings = None,
+    json: Json = False,
+    modules: Imports = None,
+) -> None:
+    """Print BibTeX of what a scenario or a study rests on."""
+    import_modules(modules)
+    from martensite.scenario import citations
+    from martensite.show.terminal import print_json
+
+    if name.endswith(".toml"):
+        loaded = load_scenario(name, settings)
+        keys = citations.list_citations(loaded, loaded.material)
+    else:
+        from martensite.studies.base import load_study
+
+        keys = list(dict.fromkeys(load_study(name).cites))
+    texts = citations.list_entries(keys)
+    if json:
+        print_json([{"key": k, "bibtex": t} for k, t in zip(keys, texts, strict=True)])
+    else:
+        typer.echo("\n\n".join(texts))
+
+
+@app.command()
+def describe(
+    scenario: Annotated[
+        Path | None, Argument(metavar="[SCENARIO]", help="A scenario file, section by section.")
+    ] = None,
+    settings: Settings = None,
+    json: Json = False,
+    modules: Imports = None,
+) -> None:
+    """Say what is declared of all parts, and of a scenario.
+
+    With --json it is one document with unit, bounds, default, typical value and meaning of every
+    entry, of which other programs can build forms, as the web bench does.
+    """
+    import_modules(modules)
+    from martensite.scenario.catalogue import describe_parts
+    from martensite.show.terminal import print_summary
+
+    parts = describe_parts()
+    if scenario is None:
+        rows = [(k, str(len(v)), str(sum(len(p["parameters"]) for p in v))) for k, v in parts.items()]
+        blocks: list[Block] = [DataTable(("kind of part", "parts", "entries"), rows, right=(1, 2))]
+        print_summary(Summary("", blocks, {"parts": parts}), json)
+        return
+    from martensite.app.forms.sections import describe_scenario
+
+    form = describe_scenario(load_scenario(scenario, settings))
+    blocks = [block for one in form["sections"] for block in _describe_section(one)]
+    print_summary(Summary(form["title"], blocks, {"parts": parts, "scenario": form}), json)
+
+
+def _describe_section(section: GroupNode) -> Iterator[Block]:
+    yield Heading(section["title"])
+    yield DataTable(("entry", "value", "allowed", "from"), list(_list_rows(section)))
+
+
+def _list_rows(group: GroupNode) -> Iterator[tuple[str, ...]]:
+    if group["kind"]:
+        yield group["kind"]["path"], group["kind"]["value"], f"a {group['kind']['registry']}", ""
+    for one in group["items"]:
+        if one["sort"] == "group":
+            yield from _list_rows(one)
+        else:
+            yield one["path"], _write_value(one), one["allowed"], one["origin"]["words"]
+
+
+def _write_value(one: SingleNode) -> str:
+    if one["sort"] != "number":
+        return one["value"]
+    if one["value"] is None or one["unlimited"]:
+        return "no limit"
+    return f"{one['value'] * one['factor'] + one['offset']:.6g} {one['label']}".strip()

@@ -137,7 +137,6 @@ def spread_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _list_fields(group: Any) -> list[inspect.Parameter]:
-    """The fields of a dataclass as parameters of a function."""
     hints = get_type_hints(group, include_extras=True)
     return [
         inspect.Parameter(

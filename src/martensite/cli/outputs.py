@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from martensite.base.errors import DataError
 from martensite.cli.options import FigureFile, Force, Json
-from martensite.show.figures.files import FORMATS
+from martensite.show.figures.style import FORMATS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,7 +66,7 @@ class Outputs:
 
     def write(self, text: Callable[[], str] | None = None, draw: Callable[[], Figure] | None = None) -> None:
         """Write the text that is wanted, and the figure."""
-        from martensite.show.figures.files import write_figure
+        from martensite.show.figures.style import write_figure
 
         with open_parts(self) as files:
             if files.data is not None and text is not None:

@@ -172,7 +172,6 @@ def run_scenario(
 
 
 def _make_pulses(scenario: Scenario, carrier: float) -> Averaging:
-    """The pulses of a drive, beside their average."""
     from martensite.actuators.assembly import System
     from martensite.design.tuning.averaging import compare_averaging
     from martensite.signals.base import AbstractWaveform
@@ -215,7 +214,7 @@ def _write_files(files: Outputs, scenario: Scenario, result: Result, record: Rec
         records = [record] if record else None
         save_figure(result, files.figure, records, scenario.title, scenario.outside)
     if files.profile is not None:
-        from martensite.show.figures.files import write_figure
-        from martensite.show.figures.profile import plot_profile
+        from martensite.show.figures.overview import plot_profile
+        from martensite.show.figures.style import write_figure
 
         write_figure(plot_profile(result, scenario.title), files.profile)

@@ -68,9 +68,6 @@ def size(
     outputs.answer(summarise_sizing(sizing, best, every=every), json, text)
 
 
-# ---------------------------------------------------------------- reading the options
-
-
 def _read_request(given: dict[str, Text], chosen: dict[str, Any]) -> WireRequest:
     from martensite.design.sizing.request import WireRequest
 
@@ -87,14 +84,12 @@ def _read_request(given: dict[str, Text], chosen: dict[str, Any]) -> WireRequest
 
 
 def _refuse_idle(options: dict[str, Any]) -> None:
-    """An option without effect is a mistake of the caller."""
     named = next((name for name, value in options.items() if value is not None), None)
     if named is not None:
         raise InputError(f"Option `--{named.replace('_', '-')}` has no effect with --catalogue.")
 
 
 def _choose_candidate(sizing: Sizing, pick: int | None) -> int | None:
-    """Position of the candidate to describe; None if none is feasible and none was picked."""
     if pick is None:
         return 0 if sizing.best else None
     if not 1 <= pick <= len(sizing.candidates):
@@ -103,7 +98,6 @@ def _choose_candidate(sizing: Sizing, pick: int | None) -> int | None:
 
 
 def _write_scenario(sizing: Sizing, chosen: int | None) -> str:
-    """A scenario with the wire."""
     from martensite.design.sizing.scenario import format_scenario
     from martensite.physics.materials.wires import load_wires
 
@@ -119,7 +113,7 @@ def _write_scenario(sizing: Sizing, chosen: int | None) -> str:
 def _check_catalogue(stress: Text, ambient: Text, alloy: str, json: bool) -> None:
     from martensite.design.sizing.catalogue_check import AMBIENT, STRESS, check_catalogue
     from martensite.design.sizing.request import ALLOYS, WireRequest
-    from martensite.show.summaries.catalogue import summarise_check
+    from martensite.show.summaries.sizing import summarise_check
     from martensite.show.terminal import print_summary
 
     WireRequest.declarations["alloy"].convert("size", "alloy", alloy)

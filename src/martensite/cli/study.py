@@ -1,4 +1,4 @@
-"""`study`: published results rebuilt, each claim with its number and its verdict."""
+"""`study`: published results rebuilt, each claim with its number and its verdict; `demo`: one of them."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ COLUMNS = ("claim", "published", "computed", "tolerance", "unit", "verdict", "so
 BRIEF = 6
 """Columns without reasons."""
 TONES: dict[str, Tone] = {"reproduced": "good", "not reproduced": "bad", "calibrated": "caution"}
+DEMONSTRATED = "migaone"
 
 
 @app.command()
@@ -60,14 +61,12 @@ def study(
 
 
 def _summarise_all(found: list[AbstractStudy]) -> Summary:
-    """All studies with a line each; none is computed."""
     table = DataTable(("study", "what is rebuilt"), [(one.key, one.title) for one in found])
     told = Sentence("martensite study NAME computes its claims; `all` takes all of them.")
     return Summary("", [table, told], [{"key": one.key, "title": one.title} for one in found])
 
 
 def _check_figures(studies: list[AbstractStudy], folder: Path | None, force: bool) -> dict[str, Path]:
-    """File of each figure, checked before anything is computed."""
     if folder is None:
         return {}
     found = {one.key: folder / f"{one.key}.png" for one in studies}
@@ -103,3 +102,37 @@ def _write_claim(claim: Claim) -> tuple[str, ...]:
     cells = ("" if number is None else f"{number:.4g}" for number in numbers)
     own = claim.unit, claim.verdict, claim.source, claim.why
     return f"{claim.id}: {claim.statement}", *cells, *own
+
+
+@app.command()
+def demo(json: Json = False) -> None:
+    """Rebuild a published test; writes migaone.nc and migaone.png.
+
+    Where its study is installed, the claims of the source follow.
+    """
+    from martensite.cli.outputs import Outputs
+    from martensite.cli.run import RunOptions, run_scenario
+    from martensite.scenario.examples import EXAMPLES
+    from martensite.scenario.scenario import load
+    from martensite.show.terminal import print_json, print_summary
+    from martensite.studies.base import INSTALLATION, STUDIES
+
+    outputs = Outputs(Path(f"{DEMONSTRATED}.nc"), Path(f"{DEMONSTRATED}.png")).check(force=True)
+    _, done = run_scenario(load(EXAMPLES / f"{DEMONSTRATED}.toml"), RunOptions(), outputs)
+    claims = None
+    if DEMONSTRATED in STUDIES.names():
+        study = STUDIES[DEMONSTRATED]()
+        claims = summarise_claims(study, study.claims(), brief=True)
+    if json:
+        files = [str(path) for path in outputs.paths()]
+        run = done.data | {"files": files}
+        print_json({"run": run, "claims": claims.data["claims"] if claims else None})
+        return
+    print_summary(done, files=outputs.paths())
+    typer.echo()
+    if claims is None:
+        typer.echo(f"The claims of its source are a study; {INSTALLATION}.")
+        return
+    print_summary(claims)
+    count = len(claims.data["claims"])
+    typer.echo(f"All {count} claims with their reasons: martensite study {DEMONSTRATED}")

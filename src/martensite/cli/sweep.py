@@ -1,17 +1,23 @@
-"""`sweep`: many variants of a scenario, into a store that survives interruptions."""
+"""`sweep`: many variants of a scenario, into a store; `sensitivity` and `pareto`: what it says."""
 
 from __future__ import annotations
 
+import csv
+import io
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
 from martensite.base.errors import InputError
 from martensite.cli.app import app
-from martensite.cli.options import Json, ScenarioSource, Text, Texts, read_quantity, spread_options
-from martensite.cli.outputs import Outputs
+from martensite.cli.options import Json, ScenarioSource, StoreFolder, Text, Texts, read_quantity, spread_options
+from martensite.cli.outputs import AnswerOptions, Outputs
 from martensite.cli.progress import show_spinner, show_sweep
+
+if TYPE_CHECKING:
+    from martensite.design.sweep.pareto import ParetoFront
+    from martensite.design.sweep.table import SweepTable
 
 
 @app.command()
@@ -93,3 +99,66 @@ def _read_trace(words: str) -> tuple[str, int]:
     if not name or not count.isdecimal() or int(count) < 2:
         raise InputError(f"`{words}` is no trace; write an output and 2 samples or more, `T:101`.")
     return name, int(count)
+
+
+@app.command()
+@spread_options
+def sensitivity(
+    store: StoreFolder,
+    answer: AnswerOptions,
+    output: Annotated[
+        Texts, Option(metavar="MEASURE", help="A measure of the sweep; repeatable [default: all].")
+    ] = None,
+) -> None:
+    """Say which numbers of a sweep explain its variance.
+
+    A sweep with `--sample saltelli:1024` gives first and total order with intervals, a whole grid
+    both without, any other sample first order, delta and slopes.
+    """
+    from martensite.design.sweep.indices import compute_sensitivity as find_sensitivity
+    from martensite.design.sweep.reading import read_sweep
+    from martensite.show.figures.sweep_analysis import plot_sensitivity
+    from martensite.show.summaries.sweep import summarise_sensitivity
+
+    outputs = answer.check_files()
+    table = read_sweep(store)
+    found = find_sensitivity(table, output)
+    summary = summarise_sensitivity(store, table, found)
+    outputs.answer(summary, answer.json, draw=lambda: plot_sensitivity(found, table.title))
+
+
+@app.command()
+@spread_options
+def pareto(
+    store: StoreFolder,
+    answer: AnswerOptions,
+    minimise: Annotated[
+        Texts, Option(metavar="MEASURE", help="What shall be small, a varied number too; repeatable.")
+    ] = None,
+    maximise: Annotated[Texts, Option(metavar="MEASURE", help="What shall be large; repeatable.")] = None,
+    save: Annotated[Path | None, Option(help="Table of the front to write: .csv.")] = None,
+) -> None:
+    """Find the runs of a sweep that no other beats."""
+    from martensite.design.sweep.pareto import find_pareto_front
+    from martensite.design.sweep.reading import read_sweep
+    from martensite.show.figures.sweep_analysis import plot_pareto
+    from martensite.show.summaries.sweep import summarise_front
+
+    outputs = answer.check_files(save, ".csv")
+    table = read_sweep(store)
+    front = find_pareto_front(table, minimise or (), maximise or ())
+    outputs.answer(
+        summarise_front(store, table, front),
+        answer.json,
+        lambda: _write_front(table, front),
+        lambda: plot_pareto(table, front),
+    )
+
+
+def _write_front(table: SweepTable, front: ParetoFront) -> str:
+    columns, text = front.columns(table), io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["run", *(f"{name} [{c.unit}]" for name, c in columns.items())])
+    for run in front.runs:
+        writer.writerow([int(run), *(float(c.values[run]) for c in columns.values())])
+    return text.getvalue()

@@ -70,7 +70,6 @@ class TuneOptions:
             raise InputError("Option `--plants` has no effect without --spread.")
 
     def _list_rules(self) -> list[str]:
-        """Rules of the method."""
         from martensite.design.rules.formulas import RULES
         from martensite.design.rules.relay import RELAY_RULES
 
@@ -94,7 +93,7 @@ def tune(
     options.check()
     loaded = source.load()
     from martensite.cli.tune_run import run_tuning
-    from martensite.show.figures.tuning import plot_tuning
+    from martensite.show.figures.design import plot_tuning
     from martensite.show.summaries.tuning import summarise_tuning, write_tuned
 
     found = run_tuning(loaded, options)

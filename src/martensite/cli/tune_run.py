@@ -1,14 +1,13 @@
-"""The run of a tuning: test or search, and judge on other plants."""
+"""The run of a tuning: test or search, and judge on other plants, within spreads given as text."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from martensite.base.errors import InputError
+from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.cli.options import read_positive, read_quantity
 from martensite.cli.progress import show_share, show_spinner
-from martensite.cli.tune_plants import draw_both_plants, judge_others
 from martensite.show.summaries.tuning import TuningOutcome
 
 if TYPE_CHECKING:
@@ -17,12 +16,14 @@ if TYPE_CHECKING:
     from martensite.design.rules.rule_starts import LoopTests
     from martensite.design.tuning.bench_tuning import TunedBench
     from martensite.design.tuning.loop_runs import LoopRuns
+    from martensite.design.tuning.plant_comparison import Ratio
     from martensite.design.tuning.plant_spread import Plants
     from martensite.scenario.scenario import Scenario
 
 TRIED = 3
 """Starts by rules that a search is given: the best."""
 PID = ("Kp", "Ki", "Kd")
+PLANTS = 64
 
 
 def run_tuning(scenario: Scenario, options: TuneOptions) -> TuningOutcome:
@@ -81,11 +82,7 @@ def _make_runs(bench: Bench, duration: float, drive: str, scenario: Scenario) ->
     return LoopRuns(bench, duration, drive=drive, seed=scenario.seed, waveforms=waves)
 
 
-# ---------------------------------------------------------------- methods
-
-
 def _choose_level(options: TuneOptions, runs: LoopRuns) -> float:
-    """Where step and relay are laid."""
     from martensite.control.loop.names import list_readings
 
     measured = runs.bench.controllers.members()[runs.drive].measured
@@ -109,7 +106,6 @@ def _run_tests(options: TuneOptions, runs: LoopRuns, scenario: Scenario) -> Loop
 
 
 def _apply_rule(runs: LoopRuns, options: TuneOptions, scenario: Scenario) -> tuple[TunedBench, LoopTests, str]:
-    """Gains by one rule, and the loop before and after."""
     from martensite.design.rules.formulas import gains_by_rule
     from martensite.design.rules.relay import gains_by_relay
     from martensite.design.rules.rule_starts import convert_to_pid
@@ -131,7 +127,6 @@ def _apply_rule(runs: LoopRuns, options: TuneOptions, scenario: Scenario) -> tup
 def _search_gains(
     runs: LoopRuns, options: TuneOptions, length: float, scenario: Scenario, plants: Plants | None
 ) -> tuple[TunedBench, LoopTests | None, str]:
-    """Gains of least cost."""
     from martensite.control.controllers.pid import Pid
     from martensite.design.tuning.bench_tuning import tune_bench
     from martensite.design.tuning.gain_search import TuningSearch
@@ -162,7 +157,6 @@ def _search_gains(
 
 
 def _name_free(options: TuneOptions, runs: LoopRuns, pid: bool) -> list[str]:
-    """Names of what is searched, with the loop that they are in."""
     if options.free is None and not pid:
         raise InputError("Option `--free` is needed for a controller that is no `pid`.")
     names = PID if options.free is None else [name.strip() for name in options.free.split(",")]
@@ -185,3 +179,50 @@ def _find_starts(
             raise
         return None, []
     return tests, choose_best_rules(runs, tests, TRIED)
+
+
+def draw_both_plants(
+    texts: Sequence[str], count: int | None, seed: int, scenario: Scenario, bench: Bench
+) -> tuple[Plants | None, Plants | None]:
+    """Plants to tune on, and others to judge on; none without a spread.
+
+    Raises:
+        InputError: a text is no spread of a number of the plant.
+    """
+    if not texts:
+        return None, None
+    from martensite.design.tuning.plant_spread import draw_plants
+
+    spreads = dict(_read_spread(text, scenario, bench) for text in texts)
+    first, second = (draw_plants(bench, spreads, PLANTS if count is None else count, seed + k) for k in (0, 1))
+    return first, second
+
+
+def _read_spread(text: str, scenario: Scenario, bench: Bench) -> tuple[str, float]:
+    name, equals, size = (part.strip() for part in text.partition("="))
+    if not equals:
+        raise InputError(f'`{text}` is no spread; write `PATH=SPREAD`, e.g. element.diameter="3 %".')
+    places = scenario.places
+    written = {leaf.path: places.path(f"plant.{leaf.path}") for leaf in bench.plant.leaves()}
+    paths = [p for p, w in written.items() if name in (p, w)] or [
+        p for p, w in written.items() if w.endswith(f".{name}") or p.endswith(f".{name}")
+    ]
+    if len(paths) != 1:
+        some = ", ".join(f"`{written[p]}`" for p in paths)
+        fault = f"is ambiguous: {some}." if paths else "is no number of the plant."
+        hint = "" if paths else f" {suggest_name(name, written.values())}"
+        raise ParameterError(f"`{name}` {fault}{hint}")
+    unit = next(x.declared.unit for x in bench.plant.leaves() if x.path == paths[0])
+    if unit == "K" and "deg" in size:
+        raise InputError(f"A spread of a temperature is a difference: write `{name}=3 K`.")
+    return paths[0], read_quantity("spread", size, "K" if unit == "K" else "1")
+
+
+def judge_others(runs: LoopRuns, found: TunedBench, others: Plants | None) -> Ratio | None:
+    """ITAE after over before on plants that were not tuned on."""
+    if others is None:
+        return None
+    from martensite.design.tuning.plant_comparison import compare_over_plants
+
+    both = compare_over_plants(runs, {"before": found.before, "after": found.after}, others)
+    return both.ratio("after", "before")

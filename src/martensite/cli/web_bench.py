@@ -1,7 +1,13 @@
-"""`app`: the web bench in the browser."""
+"""`app`: the web bench in the browser.
+
+The state of the bench is in its address: the text of a scenario, deflated, behind the `#`. What
+stands there never leaves the browser.
+"""
 
 from __future__ import annotations
 
+import base64
+import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -42,17 +48,13 @@ def bench_app(
 
 
 def _read_text(scenario: Path) -> str:
-    """The text of a scenario that can be built."""
     from martensite.scenario.scenario import load
 
     return load(scenario).text
 
 
 def _make_opener(text: str | None, no_browser: bool, json: bool) -> Callable[[Served], None]:
-    """What says where the bench is, and opens it."""
-
     def ready(at: Served) -> None:
-        from martensite.app.address import build_address
 
         address = at.address if text is None else build_address(at.address, text)
         if json:
@@ -68,3 +70,21 @@ def _make_opener(text: str | None, no_browser: bool, json: bool) -> Callable[[Se
             webbrowser.open(address)
 
     return ready
+
+
+def pack_text(text: str) -> str:
+    """A text as letters that may stand in an address."""
+    made = zlib.compressobj(9, zlib.DEFLATED, -15)
+    data = made.compress(text.encode()) + made.flush()
+    return base64.urlsafe_b64encode(data).decode().rstrip("=")
+
+
+def unpack_text(letters: str) -> str:
+    """The text of such letters."""
+    data = base64.urlsafe_b64decode(letters + "=" * (-len(letters) % 4))
+    return zlib.decompress(data, -15).decode()
+
+
+def build_address(address: str, text: str) -> str:
+    """The address of a bench that begins with a scenario."""
+    return f"{address}#/bench?scenario={pack_text(text)}"

@@ -41,12 +41,7 @@ _PAGE = """<!doctype html>
 
 
 def render_page(summary: Summary, by: str) -> str:
-    """The whole page: nothing is fetched, light or dark.
-
-    Args:
-        summary: what is written.
-        by: the program that wrote it.
-    """
+    """The whole page, and which program wrote it: nothing is fetched, light or dark."""
     sections = [block.title for block in summary.blocks if isinstance(block, Heading)]
     return _PAGE.format(
         title=escape(summary.title),
@@ -66,7 +61,6 @@ def render_fragment(summary: Summary) -> str:
 
 
 def _render_inline(text: str) -> str:
-    """Text with names in backquotes as HTML."""
     marked = _CODE.sub(r"<code>\1</code>", escape(text, quote=False))
     return _HASH.sub(r'<code class="hash">', marked)
 

@@ -1,18 +1,18 @@
-"""Summaries as files: a page of HTML, or Markdown with its figures beside it."""
+"""Summaries as files: a page of HTML, or Markdown with its figures in a folder beside it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
+from urllib.parse import quote
 
 from martensite.base.errors import DataError
 from martensite.base.files import replace_file
-from martensite.base.summary import Picture, Summary
+from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
 from martensite.fit.fit_provenance import describe_program
-from martensite.show.figures.files import write_figure
+from martensite.show.figures.style import write_figure
 from martensite.show.html import render_page
-from martensite.show.markdown import render_markdown
 
 if TYPE_CHECKING:
     from martensite.fit.fit import Fit
@@ -67,7 +67,7 @@ def write_model_report(
     Raises:
         DataError: there are no validations, or a file cannot be written.
     """
-    from martensite.show.summaries.model import summarise_model
+    from martensite.show.summaries.identification import summarise_model
 
     return write_page(summarise_model(validations, uncertainty, title), path)
 
@@ -116,7 +116,6 @@ def find_figure_folder(path: Path) -> Path:
 
 
 def _write_figures(summary: Summary, path: Path) -> None:
-    """Write all pictures of a summary into its folder, which is made if it does not exist."""
     folder = find_figure_folder(path)
     try:
         folder.mkdir(exist_ok=True)
@@ -130,3 +129,44 @@ def _write_figures(summary: Summary, path: Path) -> None:
 def _write_text(path: Path, text: str) -> None:
     with replace_file(path) as part:
         part.write_text(text, encoding="utf-8")
+
+
+def render_markdown(summary: Summary, by: str, folder: str) -> str:
+    """The whole text; figures are looked for in `folder`, relative to it."""
+    body = "\n\n".join(_render_block(block, folder) for block in summary.blocks)
+    return f"# {summary.title}\n\n{summary.lead}\n\n{body}\n\n---\n\n{by}\n"
+
+
+def _render_block(block: Block, folder: str) -> str:
+    match block:
+        case Heading(title):
+            return f"## {title}"
+        case Sentence(text):
+            return text
+        case BulletList(items):
+            return "\n".join(_render_items(items))
+        case Notice(title, items):
+            lines = [f"**{title}**", "", *_render_items(items)]
+            return "\n".join(f"> {line}".rstrip() for line in lines)
+        case DataTable():
+            return (f"### {block.folded}\n\n" if block.folded else "") + _render_table(block)
+        case Picture(name, _, caption):
+            place = f"{quote(folder)}/{name}.png"
+            return f"![{caption.replace('`', '')}]({place})\n\n*{caption}*"
+
+
+def _render_items(items: Sequence[str]) -> list[str]:
+    return [f"- {item}" for item in items]
+
+
+def _render_table(table: DataTable) -> str:
+    marks = ["---:" if k in table.right else "---" for k in range(len(table.head))]
+    rows = [_render_row(table.head), _render_row(marks)]
+    for k, (first, *others) in enumerate(table.rows):
+        tag = f" **({table.tags[k]})**" if table.tags.get(k) else ""
+        rows.append(_render_row([first + tag, *others]))
+    return "\n".join(rows) + (f"\n\n{table.note}" if table.note else "")
+
+
+def _render_row(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"

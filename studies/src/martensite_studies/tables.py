@@ -142,7 +142,7 @@ class TableStudy(AbstractStudy):
 
     def figure(self, path: Path) -> None:
         """Write the figure that a reader of the source recognises (png, svg or pdf)."""
-        from martensite.show.figures.files import write_figure
+        from martensite.show.figures.style import write_figure
 
         write_figure(self._import_module("figure").draw_figure(self.printed), Path(path))
 

@@ -1,5 +1,5 @@
 // A text as letters that may stand in an address: deflated, base64 for addresses. The twin of
-// martensite.app.address.
+// martensite.cli.web_bench.
 
 async function through(data: Uint8Array<ArrayBuffer>, stream: CompressionStream | DecompressionStream): Promise<Uint8Array> {
   const piped = new Blob([data]).stream().pipeThrough(stream);

@@ -9,8 +9,7 @@ from importlib import import_module
 from pathlib import Path
 from threading import Event
 
-from martensite.app.identify.fit_outcome import describe_outcome
-from martensite.app.identify.fit_progress import FitProgress, describe_measured, describe_parameter
+from martensite.app.identify.fit_progress import FitProgress, describe_measured, describe_outcome, describe_parameter
 from martensite.app.identify.fit_request import read_task
 from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite.app.uploads import UploadFolder
@@ -123,7 +122,6 @@ def _write_file(fit: Fit, what: str, path: Path) -> None:
 
 
 def _repeat_fit(kept: Request, desk: Desk) -> Fit:
-    """The fit, at the numbers that were found."""
     arranged = read_task(require_entry(kept, "request", dict), desk).arrange()
     ended = Event()
     ended.set()

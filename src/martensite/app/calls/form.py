@@ -52,7 +52,6 @@ def build_form(request: Request, desk: Desk) -> ScenarioForm:
 
 
 def _remove_entries(text: str, removed: list[Any]) -> str:
-    """The document without some entries."""
     if not removed:
         return text
     document = toml_document(text)
@@ -64,7 +63,6 @@ def _remove_entries(text: str, removed: list[Any]) -> str:
 
 
 def _describe_missing(missing: Sequence[MissingNumber]) -> MissingNumbers:
-    """What is still needed."""
     names = ", ".join(f"`{one.name}` ({one.declared.doc})" for one in missing)
     said = f"`{missing[0].owner}` needs {names}: there is no start value, and the material has none."
     return {"text": None, "refused": said, "missing": [_build_control(one) for one in missing]}

@@ -5,20 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from martensite.app.documents import describe_scenarios, list_following
 from martensite.app.identify.fit_request import build_scenario
 from martensite.app.identify.followed_columns import describe_drives, follow_column
 from martensite.app.identify.mapped_table import describe_cuts, read_record, read_records
-from martensite.app.identify.number_list import list_numbers
 from martensite.app.identify.raw_table import RawColumn, RawTable, read_raw
-from martensite.app.identify.thinning import find_envelope
 from martensite.app.messages import JsonTable, Request, require_entry
-from martensite.app.packaged_scenarios import describe_scenarios, list_following
 from martensite.app.uploads import UploadFolder
-from martensite.app.views.columns import describe_difference, describe_display
+from martensite.app.views.columns import describe_conversion, describe_difference, describe_display, find_envelope
 from martensite.app.worker import Desk
-from martensite.base.errors import MartensiteError
+from martensite.base import units
+from martensite.base.errors import MartensiteError, ParameterError
 from martensite.base.files import toml_document
+from martensite.base.parameters import Leaf
 from martensite.fit.column_matching import list_echoes, match_columns
+from martensite.fit.free_parameters import build_free_numbers
 from martensite.fit.losses import LOSSES
 from martensite.fit.solve import METHODS
 from martensite.scenario.assemble import waveform_path
@@ -26,6 +27,7 @@ from martensite.scenario.heading_guess import Guess, guess_headings, usual_units
 from martensite.scenario.layout import CANONICAL
 from martensite.scenario.overrides import as_toml
 from martensite.scenario.scenario import Scenario
+from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 
 SMALL = 120
@@ -76,7 +78,6 @@ def _describe_column(column: RawColumn, guess: Guess) -> JsonTable:
 
 
 def _list_notes(raw: RawTable, meant: list[Guess]) -> Iterator[str]:
-    """What to look at before going on."""
     if not raw.headed:
         yield "The file has no headings; say for every column what it is."
     if len(raw.columns) == 1:
@@ -188,7 +189,6 @@ def match_scenario(request: Request, desk: Desk) -> JsonTable:
 
 
 def _list_drives(document: Request, scenario: Scenario) -> list[dict[str, str]]:
-    """What may follow a column, with the column that each follows."""
     section = scenario.places.drive
     followed = {
         waveform_path(scenario.system, name, section).removesuffix("."): column
@@ -215,3 +215,51 @@ def _describe_built(scenario: Scenario, record: Record) -> JsonTable:
         "outputs": [{**one, "difference": describe_difference(one["name"], one["unit"])} for one in outputs],
         "notes": [*notes, *scenario.cautions],
     }
+
+
+def list_numbers(scenario: Scenario) -> list[JsonTable]:
+    """One entry per number, or per numbers of one name and value, which then move together."""
+    leaves = [leaf for leaf in scenario.system.leaves() if _can_be_free(leaf)]
+    endings: dict[str, list[Leaf]] = {}
+    for leaf in leaves:
+        endings.setdefault(leaf.path.rpartition(".")[2], []).append(leaf)
+    return [entry for name, group in endings.items() for entry in _list_entries(scenario, name, group)]
+
+
+def _can_be_free(leaf: Leaf) -> bool:
+    return leaf.declared.unit not in units.OF_READINGS and math.isfinite(leaf.value)
+
+
+def _list_entries(scenario: Scenario, name: str, group: list[Leaf]) -> Iterator[JsonTable]:
+    if len({(leaf.value, leaf.declared.unit) for leaf in group}) == 1:
+        yield _describe_entry(scenario, name, group)
+    else:
+        yield from (_describe_entry(scenario, leaf.path, [leaf]) for leaf in group)
+
+
+def _describe_entry(scenario: Scenario, name: str, group: list[Leaf]) -> JsonTable:
+    leaf = group[0]
+    path, declared = scenario.places.path(leaf.path), leaf.declared
+    spelling = units.choose_familiar_unit(leaf.value, declared.unit)
+    low, high = _find_bounds(scenario, name)
+    return {
+        "name": name,
+        "group": path.rpartition(".")[0],
+        "places": len(group),
+        "value": leaf.value,
+        "low": low,
+        "high": high,
+        "allowed": declared.allowed(),
+        "doc": declared.doc,
+        "origin": scenario.origins.get(path, ""),
+        **describe_conversion(declared.unit, spelling),
+    }
+
+
+def _find_bounds(scenario: Scenario, name: str) -> tuple[float | None, float | None]:
+    """The bounds that a fit would choose; none where it has to be told."""
+    try:
+        (free,) = build_free_numbers([SearchRange(name)], [scenario.system])
+    except ParameterError:
+        return None, None
+    return free.low, free.high

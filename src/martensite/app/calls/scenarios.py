@@ -7,17 +7,14 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import cast
 
-from martensite.app.documents import LONGEST_TEXT, read_request_scenario
+from martensite.app.documents import LONGEST_TEXT, describe_scenarios, list_standalone, read_request_scenario
 from martensite.app.engine import run_fast
 from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
-from martensite.app.packaged_scenarios import describe_scenarios, list_standalone
 from martensite.app.uploads import UploadFolder
-from martensite.app.views.alarm_spans import list_alarms
 from martensite.app.views.columns import list_columns
-from martensite.app.views.energy import describe_energy
-from martensite.app.views.phase_bands import describe_phase
+from martensite.app.views.diagrams import describe_energy, describe_phase
 from martensite.app.views.scene import describe_scene
-from martensite.app.views.traces import list_loops, list_panels, list_stretches
+from martensite.app.views.traces import list_alarms, list_loops, list_panels, list_stretches
 from martensite.app.worker import Desk
 from martensite.base.errors import suggest_name
 from martensite.base.files import toml_document
@@ -99,7 +96,6 @@ def _summarise_run(scenario: Scenario, result: Result) -> JsonTable:
 
 
 def _draw_run(scenario: Scenario, result: Result) -> JsonTable:
-    """What the charts need beside the columns."""
     return {
         "traces": list_panels(result, scenario.outside),
         "loops": list_loops(result),

@@ -18,7 +18,6 @@ from martensite.design.sizing.request import ALLOYS, WireRequest
 from martensite.design.sizing.scenario import format_scenario
 from martensite.physics.materials.wires import WireCatalogue, load_wires
 from martensite.scenario.catalogue import describe_class
-from martensite.show.summaries import catalogue as catalogue_words
 from martensite.show.summaries import sizing as words
 
 EXAMPLE = {"force": "8 N", "stroke": "5 mm", "rate": "0.05 Hz", "supply": "12 V"}
@@ -43,7 +42,6 @@ def list_fields() -> list[JsonTable]:
 
 
 def _write_default(declared: Declared) -> str:
-    """The default as one would type it; `none` for a limit that is none."""
     if declared.default is REQUIRED:
         return ""
     if declared.kind != "parameter":
@@ -184,7 +182,6 @@ def _describe_candidate(request: WireRequest, number: int, found: Candidate, cat
 
 
 def _describe_margin(margin: Margin) -> JsonTable:
-    """A margin with its numbers as they are shown."""
     shown = "" if margin.unit == margin.shown == "1" else margin.shown
     used, limit = (f"{units.from_si(value, margin.shown, margin.unit):.3g}" for value in (margin.used, margin.limit))
     return {
@@ -198,7 +195,6 @@ def _describe_margin(margin: Margin) -> JsonTable:
 
 
 def _write_scenario(request: WireRequest, found: Candidate, catalogue: WireCatalogue) -> tuple[str | None, str]:
-    """Its scenario, or the sentence why there is none."""
     try:
         return format_scenario(request, found, catalogue), ""
     except InputError as error:
@@ -230,9 +226,9 @@ def compare_catalogue(request: Request, desk: Desk) -> JsonTable:
     )
     return {
         "asked": given,
-        "conditions": catalogue_words.write_conditions(stress, ambient),
-        "columns": [" ".join(name.split("\n")).strip() for name in catalogue_words.COLUMNS],
-        "rows": [catalogue_words.list_cells(row) for row in rows],
-        "spread": catalogue_words.list_spreads(rows),
-        "doubt": catalogue_words.DOUBT,
+        "conditions": words.write_conditions(stress, ambient),
+        "columns": [" ".join(name.split("\n")).strip() for name in words.CHECKED],
+        "rows": [words.list_check_cells(row) for row in rows],
+        "spread": words.list_spreads(rows),
+        "doubt": words.DOUBT,
     }

@@ -1,28 +1,39 @@
-"""The form of a sweep."""
+"""The form of a sweep, and the files of one."""
 
 from __future__ import annotations
 
+import csv
 import math
+import zipfile
 from collections.abc import Iterator
 from importlib.util import find_spec
+from pathlib import Path
 
 from martensite.app.documents import read_request_scenario
-from martensite.app.messages import JsonTable, Request
+from martensite.app.messages import JsonTable, Request, require_entry
+from martensite.app.sweeping.sweep_folder import SweepFolder
+from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base import units
-from martensite.base.errors import MartensiteError
+from martensite.base.errors import InputError, MartensiteError, suggest_name
 from martensite.base.parameters import Declared
+from martensite.base.status import Status
 from martensite.design.backends.processes import count_cores
 from martensite.design.sampling.base import DESIGNS
 from martensite.design.sweep.job import MEASURES as USUAL
+from martensite.design.sweep.reading import read_sweep
 from martensite.design.sweep.store import import_zarr
 from martensite.design.sweep.subject import list_targets, list_waveforms
+from martensite.design.sweep.table import NOT_MADE
 from martensite.scenario.catalogue import summarise_class
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import Target
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_measure
 from martensite.simulate.variants import RUNTIMES
+
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
+"""What a text begins with that a spreadsheet would compute."""
 
 
 def describe_sweep_form(request: Request, desk: Desk) -> JsonTable:
@@ -64,7 +75,6 @@ def _sort_grid_first(names: list[str]) -> list[str]:
 
 
 def _list_targets(scenario: Scenario) -> Iterator[JsonTable]:
-    """Numbers that can be varied: value and bounds in a unit that people read."""
     leaves: dict[str | None, dict[str, Declared]] = {None: {one.path: one.declared for one in scenario.whole.leaves()}}
     for name, wave in list_waveforms(scenario).items():
         leaves[name] = {one.path: one.declared for one in wave.leaves()}
@@ -89,7 +99,6 @@ def _describe_target(one: Target, declared: Declared) -> JsonTable:
 
 
 def _describe_measure(name: str, scenario: Scenario) -> JsonTable:
-    """A measure: whether it needs an output, or stands alone."""
     kind = MEASURES[name]
     alone = True
     try:
@@ -100,5 +109,53 @@ def _describe_measure(name: str, scenario: Scenario) -> JsonTable:
 
 
 def _find_usual(name: str, kind: type[AbstractMeasure]) -> str:
-    """What is looked at if nothing is named."""
     return str(kind.declarations["of"].default or "the first coordinate")
+
+
+def export_sweep(request: Request, desk: Desk) -> JsonTable:
+    """Make a file of a sweep, to be taken away.
+
+    {"key": …, "kind": "csv" or "zarr"} -> {"file": key of the file, "name": …, "bytes": …}
+    """
+    store = SweepFolder(desk.folder).path(require_entry(request, "key", str))
+    kind = require_entry(request, "kind", str)
+    if kind not in KINDS:
+        raise InputError(f"There is no export `{kind}`. {suggest_name(kind, KINDS)}")
+    ending, write = KINDS[kind]
+    key, path = UploadFolder(desk.folder).place(f"{store.stem}{ending}")
+    write(store, path)
+    return {"file": key, "name": path.name, "bytes": path.stat().st_size}
+
+
+def write_csv(store: Path, path: Path) -> None:
+    """One row per run that is made, numbers in SI, units in the heads; failed ones are empty."""
+    table = read_sweep(store)
+    columns = {**table.varied, **table.measures}
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        heads = [f"{name} [{one.unit}]" for name, one in columns.items()]
+        writer.writerow(["run", "status", *map(escape_formula, heads)])
+        values = [one.values.tolist() for one in columns.values()]
+        for row, status in enumerate(table.status.tolist()):
+            if status != NOT_MADE:
+                word = Status(status).name.lower()
+                writer.writerow([row, word, *(_write_number(column[row]) for column in values)])
+
+
+def _write_number(value: float) -> str:
+    return "" if math.isnan(value) else repr(value)
+
+
+def escape_formula(text: str) -> str:
+    """A text that no spreadsheet takes for a formula."""
+    return f"'{text}" if text.startswith(FORMULA) else text
+
+
+def _write_zip(store: Path, path: Path) -> None:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as made:
+        for one in sorted(store.rglob("*")):
+            if one.is_file():
+                made.write(one, f"{store.name}/{one.relative_to(store).as_posix()}")
+
+
+KINDS = {"csv": (".csv", write_csv), "zarr": (".zarr.zip", _write_zip)}

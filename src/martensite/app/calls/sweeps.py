@@ -8,16 +8,20 @@ from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
-from martensite.app.documents import read_request_scenario
+from martensite.app.documents import build_packaged, read_request_scenario
 from martensite.app.messages import JsonTable, Request, require_entry
-from martensite.app.packaged_scenarios import build_packaged
-from martensite.app.sweeping.command_line import write_command
-from martensite.app.sweeping.store_summary import summarise_store
-from martensite.app.sweeping.sweep_drawing import SweepDrawing
-from martensite.app.sweeping.sweep_folder import SweepFolder, hold_store, make_slug
-from martensite.app.sweeping.sweep_progress import SweepProgress, name_statuses
-from martensite.app.sweeping.sweep_request import check_request, read_texts, read_wanted, read_workers, require_size
-from martensite.app.sweeping.timing import choose_chunk, time_block
+from martensite.app.sweeping.sweep_drawing import SweepDrawing, SweepProgress, name_statuses
+from martensite.app.sweeping.sweep_folder import SweepFolder, hold_store, make_slug, summarise_store
+from martensite.app.sweeping.sweep_request import (
+    check_request,
+    choose_chunk,
+    read_texts,
+    read_wanted,
+    read_workers,
+    require_size,
+    time_block,
+    write_command,
+)
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError
 from martensite.design.backends.base import StoppedError
@@ -138,7 +142,6 @@ def _catch_stop(desk: Desk) -> Iterator[list[str]]:
 
 
 def _count_ended(store: Store) -> JsonTable:
-    """How many runs are there, and how they ended."""
     counts, rows = count_statuses(store, NAMED)
     return {
         "done": sum(counts.values()),

@@ -11,27 +11,30 @@ from collections.abc import Callable, Iterator
 from copy import deepcopy
 from typing import Any
 
+from martensite.actuators.elements.base import ELEMENTS
+from martensite.app.documents import FOLDER, list_standalone
 from martensite.app.forms import documents
 from martensite.app.forms.control_tree import GroupSpot
-from martensite.app.forms.material import with_material
 from martensite.app.forms.sections import MATERIAL, FormSections
 from martensite.app.forms.surroundings import change_reference, change_source, relax_surroundings
-from martensite.app.forms.table_filler import KIND, ChangedScenario, TableFiller
+from martensite.app.forms.table_filler import KIND, ChangedScenario, TableFiller, read_kind, without_material
 from martensite.app.messages import JsonTable
-from martensite.app.packaged_scenarios import FOLDER, list_standalone
 from martensite.base.errors import InputError, ParameterError
 from martensite.base.files import toml_document
-from martensite.base.parameters import Leaf, Parametrised
+from martensite.base.parameters import REQUIRED, Leaf, Parametrised
 from martensite.base.registry import Registry
 from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.physics.electrical.base import SOURCES
-from martensite.physics.materials.base import Material
+from martensite.physics.laws.base import LAWS
+from martensite.physics.materials.base import Material, load_material
 from martensite.scenario.components import list_nested
 from martensite.scenario.overrides import as_toml
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.scenario.sections import MODEL, NAME, PERIOD, REFERENCE
 
 Unit = Callable[[Leaf], str]
+USUAL_LAWS = ("liang-rogers", "lagoudas", "mas-hybrid", "brinson")
+"""Laws among which one is chosen for a material that names none, the first if all fit."""
 
 
 def change_kind(scenario: Scenario, path: str, kind: str, given: JsonTable) -> ChangedScenario:
@@ -67,11 +70,7 @@ def change_kind(scenario: Scenario, path: str, kind: str, given: JsonTable) -> C
     raise fault or ParameterError(f"`{path}` cannot be `{kind}`.")
 
 
-# ---------------------------------------------------------------- places
-
-
 def _list_candidates(scenario: Scenario, document: JsonTable, path: str, kind: str) -> Iterator[ChangedScenario]:
-    """Documents with the other kind, the one that keeps most first."""
     spot = _find_spot(scenario, path)
     registry = spot.registry
     cls, example = registry[kind], getattr(registry[kind], "typical_scenario", "")
@@ -87,7 +86,6 @@ def _list_candidates(scenario: Scenario, document: JsonTable, path: str, kind: s
 
 
 def _find_spot(scenario: Scenario, path: str) -> GroupSpot:
-    """The part whose kind stands at a path."""
     form = FormSections(scenario)
     form.all()
     if path not in form.walk.spots:
@@ -129,7 +127,6 @@ def _place_units(unit: Unit, at: str, place: str) -> Unit:
 
 
 def _find_material(scenario: Scenario, place: str) -> Material | None:
-    """The material, for what may draw on it."""
     return scenario.material if "element" in place.split(".")[:3] else None
 
 
@@ -147,3 +144,47 @@ def _keep_entries(
     own = cls.declarations if registry.kind != "controller" else {**cls.declarations, **was.declarations}
     always = (PERIOD, REFERENCE)
     return {n: old[n] for n in names if n in old and (n not in own or n in always)}
+
+
+def with_material(document: JsonTable, name: str) -> ChangedScenario:
+    """The document with another material; a law that it cannot serve goes to one that it can."""
+    made = deepcopy(document)
+    material = load_material(name, FOLDER) if name else None
+    old = documents.find_table(made, "element")
+    rest = without_material({k: v for k, v in old.items() if k != "material"}, material)
+    cls = ELEMENTS[str(old[KIND])]
+    choices = [TableFiller(material=material) for _ in range(2)]
+    tables = [
+        choices[0].table(cls, ELEMENTS, rest, "element"),
+        choices[1].table(cls, ELEMENTS, _with_law(rest, cls, _law_for(material)), "element"),
+    ]
+    costs = [len(one.assumed) + len(one.missing) for one in choices]
+    best = 1 if costs[1] < costs[0] else 0
+    head = {KIND: tables[best].pop(KIND), **({"material": name} if name else {})}
+    made["element"] = {**head, **tables[best]}
+    notes = []
+    if best:
+        notes.append(f"The law is one that material {name} has the numbers for.")
+    return ChangedScenario(made, notes, choices[best].assumed, choices[best].missing)
+
+
+def _law_for(material: Material | None) -> JsonTable:
+    if material is not None and material.law:
+        return dict(material.law)
+    known = material.values if material is not None else {}
+
+    def lacks(name: str) -> int:
+        needed = [n for n, d in LAWS[name].declarations.items() if d.default is REQUIRED]
+        return sum(one not in known for one in needed)
+
+    return {KIND: min(USUAL_LAWS, key=lacks)}
+
+
+def _with_law(table: JsonTable, cls: type[Parametrised], law: JsonTable) -> JsonTable:
+    if "law" in cls.declarations:
+        return {**table, "law": law}
+    inner = next((n for n, d in cls.declarations.items() if d.registry is ELEMENTS), None)
+    if inner is None or inner not in table:
+        return table
+    below = read_kind(table[inner])
+    return {**table, inner: _with_law(below, ELEMENTS[str(below[KIND])], law)}

@@ -5,23 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache, partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.mechanisms.base import MECHANISMS
-from martensite.app.forms import bench_sections, documents
-from martensite.app.forms.control_tree import ControlWalk, build_group, flatten_controls, join_path, place_units
+from martensite.app.forms import controls, documents
+from martensite.app.forms.control_tree import ControlWalk, Paths, build_group, flatten_controls, join_path, place_units
 from martensite.app.forms.controls import EntrySpot
 from martensite.app.forms.form_types import FormNode, GroupNode, MaterialNode, ScenarioForm, SingleNode
 from martensite.base.files import toml_document
-from martensite.base.parameters import Declared, Parametrised
+from martensite.base.parameters import REQUIRED, Declared, Parametrised
 from martensite.physics.electrical.base import SOURCES
 from martensite.physics.materials.base import load_material, material_names
 from martensite.scenario.assemble import GROUP, MODEL, SIGNALS, scenario_path, waveform_path
 from martensite.scenario.catalogue import list_named, list_registries
-from martensite.scenario.scenario import Scenario
+from martensite.scenario.scenario import Run, Scenario
+from martensite.scenario.sections import BENCH, PERIOD, RUN, SUPERVISOR
 from martensite.signals.base import WAVEFORMS
 from martensite.simulate.drive_waveforms import by_name
+
+if TYPE_CHECKING:
+    from martensite.control.loop.bench import Bench
 
 MATERIAL = "element.material"
 NO_MATERIAL = ""
@@ -33,6 +37,8 @@ ELEMENT, ENVIRONMENT, MECHANISM, DRIVE, ACTUATORS = (
     "Drive",
     "Actuators",
 )
+CONTROL = "Control and sensing"
+TITLE_ENTRY = Declared("text", "what the scenario is called", REQUIRED)
 
 
 def describe_scenario(scenario: Scenario) -> ScenarioForm:
@@ -67,11 +73,10 @@ class FormSections:
             found = [self._model(), self._drive_alone()]
         else:
             found = [*self._actuator(), self._drive(), *self._actuators()]
-        loops = bench_sections.describe_bench(self.scenario, self.walk)
-        return [*found, *loops, bench_sections.describe_run(self.scenario, self.walk)]
+        loops = describe_bench(self.scenario, self.walk)
+        return [*found, *loops, describe_run(self.scenario, self.walk)]
 
     def _actuator(self) -> Iterator[GroupNode]:
-        """Element, environment and mechanism."""
         port, common = self._describe_common()
         element = common.group(
             port.element, f"{self._port_prefix}element", "element", "what is made of the alloy", ELEMENTS
@@ -132,7 +137,6 @@ class FormSections:
         return actuators[port], walk
 
     def _material(self) -> MaterialNode:
-        """The choice of a material; a file of one's own stands under its path."""
         given = documents.find_entry(self.document, MATERIAL)
         known = _list_materials()
         own = {} if given is None or given in known else {given: "a file of your own"}
@@ -149,10 +153,7 @@ class FormSections:
             "limits": "" if material is None else material.limits,
         }
 
-    # ---------------------------------------------------------------- drives
-
     def _drive(self) -> GroupNode:
-        """Source and waveform; where there are several ports, the source alone."""
         port, common = self._describe_common()
         group = replace(common, material=None).group(
             port.source, f"{self._port_prefix}source", DRIVE, "what heats the element", SOURCES
@@ -171,7 +172,6 @@ class FormSections:
         return build_group(self.scenario.places.drive, DRIVE, list(self._waveforms()))
 
     def _waveforms(self, only: str | None = None) -> Iterator[GroupNode]:
-        """Groups of the waveforms, or of that of one drive."""
         system, scenario = self.scenario.system, self.scenario
         units = {drive.name: drive.unit for drive in system.drives()}
         for name, waveform in by_name(system, scenario.waveform).items():
@@ -192,7 +192,6 @@ class FormSections:
         return found if there or MODEL not in self.document else f"{drive}.waveform."
 
     def _actuators(self) -> Iterator[GroupNode]:
-        """What every port has for itself."""
         if not self._has_ports:
             return
         made = build_group(GROUP, ACTUATORS, note="What every port has for itself.")
@@ -227,7 +226,6 @@ class FormSections:
 
 @cache
 def _list_materials() -> dict[str, str]:
-    """Names and titles of the materials that come with the package."""
     return {name: load_material(name).title for name in material_names()}
 
 
@@ -236,7 +234,6 @@ def _is_member(port: str, drive: str, path: str) -> str:
 
 
 def _list_paths(table: Any, drive: str, prefix: str = "") -> list[str]:
-    """Dotted paths of what a port has for itself, its waveform aside."""
     found: list[str] = []
     for key, value in table.items() if isinstance(table, dict) else ():
         path = f"{prefix}{key}"
@@ -244,3 +241,56 @@ def _list_paths(table: Any, drive: str, prefix: str = "") -> list[str]:
             continue
         found += _list_paths(value, drive, f"{path}.") if isinstance(value, dict) else [path]
     return found
+
+
+def describe_bench(scenario: Scenario, walk: ControlWalk) -> Iterator[GroupNode]:
+    """Everything around the system, if there is anything."""
+    bench = scenario.bench
+    if bench is None:
+        return
+    items = _list_settings(scenario, walk, bench)
+    for name in ("sensors", "observers", "controllers", "faults"):
+        for key, one in getattr(bench, name).members().items():
+            items.append(_describe_part(walk, one, f"{name}.{key}", f"{name[:-1]} {key}"))
+    for name, one in scenario.outside.items():
+        items.append(_describe_part(walk, one, f"controllers.{name}", f"controller of {name}"))
+    if bench.supervisor is not None:
+        items.append(_describe_part(walk, bench.supervisor, SUPERVISOR, SUPERVISOR))
+    yield build_group(BENCH, CONTROL, items)
+
+
+def _describe_part(walk: ControlWalk, part: Parametrised, path: str, title: str) -> GroupNode:
+    """A part by its name; the kind of a sensor is that of what is mounted."""
+    from martensite.scenario.catalogue import list_registries
+
+    name = path.partition(".")[0].removesuffix("s")
+    return walk.group(part, path, title, "", None if name == "sensor" else list_registries()[name])
+
+
+def _list_settings(scenario: Scenario, walk: ControlWalk, bench: Bench) -> list[FormNode]:
+    """How the bench runs; its period may stand in another section."""
+    from martensite.scenario.bench import BenchSettings
+
+    table = documents.find_table(walk.document, BENCH)
+    given = {name: value for name, value in table.items() if name in BenchSettings.declarations}
+    whole = BenchSettings(**{**given, PERIOD: bench.period})
+    return _list_controls(walk, whole, partial(_place_setting, scenario.places.path(PERIOD)))
+
+
+def _place_setting(period: str, path: str) -> str:
+    return period if path == PERIOD else join_path(f"{BENCH}.", path)
+
+
+def describe_run(scenario: Scenario, walk: ControlWalk) -> GroupNode:
+    """How long, how accurately, how many samples; and the title."""
+    table = documents.find_table(walk.document, RUN)
+    values = Run(**{name: value for name, value in table.items() if name in Run.declarations})
+    spot = EntrySpot("title", "title", TITLE_ENTRY, "scenario")
+    items = _list_controls(walk, values, partial(join_path, f"{RUN}."))
+    return build_group(RUN, "Run", [*items, controls.describe_text(spot, scenario.title)])
+
+
+def _list_controls(walk: ControlWalk, part: Parametrised, place: Paths) -> list[FormNode]:
+    """Controls of a component that the scenario has not kept."""
+    own = replace(walk, written=place, noted=place, unit=lambda leaf: leaf.declared.unit, skipped=lambda path: False)
+    return own.group(part, "", "")["items"]

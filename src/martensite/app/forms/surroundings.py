@@ -53,7 +53,6 @@ def change_reference(scenario: Scenario, one: ChangedScenario, place: str) -> It
 
 
 def _list_kinds(document: JsonTable) -> tuple[Any, Any]:
-    """Kinds of mechanism and source."""
     drive = "driver" if "driver" in document else "drive"
     return tuple(documents.find_entry(document, f"{n}.kind") for n in ("mechanism", drive))  # type: ignore[return-value]
 
@@ -77,7 +76,6 @@ def _keep_single_port(scenario: Scenario, one: ChangedScenario) -> ChangedScenar
 
 
 def _add_waveform(one: ChangedScenario, scenario: Scenario) -> None:
-    """A waveform for a drive that has none."""
     drive = scenario.places.drive
     path = f"{drive}.waveform"
     if documents.find_entry(one.document, path) is None:
@@ -107,7 +105,6 @@ def change_source(one: ChangedScenario, scenario: Scenario, place: str, unit: st
 
 
 def _change_levels(one: ChangedScenario, path: str, unit: str) -> None:
-    """A waveform with levels in another unit; the rest of it stays."""
     old = documents.find_table(one.document, path)
     cls = WAVEFORMS[str(old[KIND])]
     if cls.unit not in (None, unit) or "times" in cls.declarations:
@@ -121,7 +118,6 @@ def _change_levels(one: ChangedScenario, path: str, unit: str) -> None:
 
 
 def _add_cooling(one: ChangedScenario) -> None:
-    """A heat-loss model, where there is none."""
     path = "environment.cooling"
     if documents.find_entry(one.document, path) is None:
         cls = COOLING[COOLING.typical]

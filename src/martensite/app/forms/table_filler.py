@@ -23,6 +23,10 @@ from martensite.scenario.components import component_class, is_members
 from martensite.signals.base import DRIVE
 
 KIND = "kind"
+PartClass = type[Parametrised]
+Kinds = Registry[Any] | None
+Entries = dict[str, tuple[Any, Declared]]
+"""Values by name, with their declarations."""
 
 
 @dataclass(frozen=True)
@@ -65,12 +69,7 @@ class TableFiller:
     missing: list[MissingNumber] = field(default_factory=list[MissingNumber])
 
     def table(
-        self,
-        cls: type[Parametrised],
-        registry: Registry[Any] | None,
-        old: JsonTable,
-        path: str,
-        was: type[Parametrised] | None = None,
+        self, cls: PartClass, registry: Kinds, old: JsonTable, path: str, was: PartClass | None = None
     ) -> JsonTable:
         """The table of a class from that of another one, or from its own, completed."""
         was = was or cls
@@ -90,11 +89,9 @@ class TableFiller:
                 made[name] = found
         return made
 
-    def _collect_entries(
-        self, old: JsonTable, was: type[Parametrised], registry: Registry[Any] | None
-    ) -> dict[str, tuple[Any, Declared]]:
+    def _collect_entries(self, old: JsonTable, was: PartClass, registry: Kinds) -> Entries:
         """Entries by name with their declarations, those of a component of the same sort too."""
-        found: dict[str, tuple[Any, Declared]] = {}
+        found: Entries = {}
         for name, declared in was.declarations.items():
             if name not in old:
                 continue
@@ -107,13 +104,7 @@ class TableFiller:
         return found
 
     def _fill_single(
-        self,
-        cls: type[Parametrised],
-        registry: Registry[Any] | None,
-        name: str,
-        declared: Declared,
-        old: dict[str, tuple[Any, Declared]],
-        path: str,
+        self, cls: PartClass, registry: Kinds, name: str, declared: Declared, old: Entries, path: str
     ) -> Any:
         """Value of a number, option or text; None if it can be left out."""
         if name in old and self._can_keep(declared, *old[name], path):
@@ -149,18 +140,7 @@ class TableFiller:
             return False
         return True
 
-    # ---------------------------------------------------------------- components
-
-    def _fill_part(
-        self,
-        cls: type[Parametrised],
-        registry: Registry[Any] | None,
-        name: str,
-        old: JsonTable,
-        path: str,
-        was: type[Parametrised],
-    ) -> Any:
-        """Table of a component; None if it can be left out."""
+    def _fill_part(self, cls: PartClass, registry: Kinds, name: str, old: JsonTable, path: str, was: PartClass) -> Any:
         declared = cls.declarations[name]
         before = was.declarations.get(name)
         given = old.get(name) if before is not None and _is_alike(before, declared) else None
@@ -170,9 +150,7 @@ class TableFiller:
             given = self._take_in(cls, registry, name, old, path, was)
         return self._fill_chosen(name, declared, given, path)
 
-    def _fill_known(
-        self, cls: type[Parametrised], registry: Registry[Any] | None, name: str, given: Any, path: str
-    ) -> Any:
+    def _fill_known(self, cls: PartClass, registry: Kinds, name: str, given: Any, path: str) -> Any:
         """A component whose class is known, or a row of numbers."""
         declared, inner = cls.declarations[name], component_class(cls, name)
         if inner is None or is_members(inner) or not isinstance(inner.declarations, dict):
@@ -182,7 +160,6 @@ class TableFiller:
         return self.table(inner, None, cast("JsonTable", given or {}), path) or None
 
     def _begin_row(self, declared: Declared, path: str) -> Any:
-        """Typical value of what is no single number, such as the samples of a table."""
         unit = self.unit(Leaf(path, Declared("parameter", "", None, DRIVE), None))
         typical = declared.typical_in(unit)
         if typical is None:
@@ -191,15 +168,8 @@ class TableFiller:
         return list(cast("tuple[Any, ...]", typical)) if isinstance(typical, tuple) else typical
 
     def _take_in(
-        self,
-        cls: type[Parametrised],
-        registry: Registry[Any],
-        name: str,
-        old: JsonTable,
-        path: str,
-        was: type[Parametrised],
+        self, cls: PartClass, registry: Registry[Any], name: str, old: JsonTable, path: str, was: PartClass
     ) -> Any:
-        """What was there becomes one of several, or what it had several of does."""
         inner = next((n for n, d in was.declarations.items() if d.registry is registry), None)
         if inner is not None and inner in old:
             return old[inner]
@@ -231,7 +201,6 @@ class TableFiller:
         return given if implied and given is not None else made
 
     def _find_meant(self, name: str, declared: Declared, full: JsonTable) -> JsonTable | None:
-        """The kind that a table names, or that is meant without one."""
         if KIND in full:
             return full
         if name == LAW and self.material is not None and self.material.law:
@@ -249,7 +218,6 @@ def read_kind(value: Any) -> JsonTable:
 
 
 def _is_alike(one: Declared, other: Declared) -> bool:
-    """Whether a component may stand where another one stood."""
     return one.kind == other.kind and one.registry is other.registry
 
 

@@ -1,34 +1,41 @@
-"""What the page is told while a fit runs: cost, numbers, and now and then the curves."""
+"""A fit as the page shows it: cost, numbers and curves while it runs; in the end all that was found."""
 
 from __future__ import annotations
 
+import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from threading import Event
 from typing import Any
 
-from martensite.app.identify.thinning import MOST_CORNERS
+from martensite.app.identify.followed_columns import embed_log
 from martensite.app.messages import JsonTable, Request
 from martensite.app.views.columns import (
+    MOST_CORNERS,
     choose_rows,
     describe_conversion,
     describe_difference,
     describe_display,
     round_digits,
 )
+from martensite.app.views.columns import MOST_CORNERS as FEW
 from martensite.base import units
 from martensite.fit.experiment import Experiment
-from martensite.fit.fit import Fit
+from martensite.fit.fit import ComparedOutput, Fit, list_compared
+from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
 from martensite.fit.free_parameters import is_nuisance
 from martensite.fit.problem import Problem
 from martensite.fit.search_monitor import SearchNote
+from martensite.scenario.exact_text import exact_text
 from martensite.search.free_numbers import FreeNumber
+from martensite.show.summaries.fit_tables import mark_parameter
 
 EVERY = 0.4
 """Seconds between two notes."""
 SHARE = 0.1
 """Of the time that may go into curves that are only shown."""
+DRAWN_ROWS = 800
 
 
 @dataclass
@@ -135,3 +142,79 @@ def describe_parameter(free: FreeNumber) -> JsonTable:
         "doc": free.doc,
         **how,
     }
+
+
+def describe_outcome(fit: Fit) -> JsonTable:
+    """All that is shown of a fit; numbers in SI."""
+    return {
+        "title": fit.scenario.title if fit.scenario else "",
+        "reason": fit.reason,
+        "method": fit.method,
+        "loss": fit.loss,
+        "cost": fit.cost,
+        "simulations": fit.simulations,
+        "jacobians": fit.jacobians,
+        "seconds": fit.seconds,
+        "parameters": [_describe_found(fit, free) for free in fit.problem.free],
+        "own": {name: value for one in fit.kept for name, value in one.numbers.items()},
+        "scores": [{**score.to_dict(), **describe_difference(score.output, score.unit)} for score in fit.scores],
+        "determined": fit.identifiability.determined,
+        "open": list(fit.identifiability.sentences),
+        "weak": [one.to_dict() for one in fit.identifiability.weak],
+        "uncertainty": list(fit.uncertainty.sentences),
+        "correlation": [list(row) for row in fit.uncertainty.correlation],
+        "whiteness": [one.sentence for one in fit.whiteness],
+        "predictions": describe_predictions(fit),
+        "warnings": list(dict.fromkeys([*fit.cautions, *_list_warnings(fit)])),
+        "notes": list(fit.notes),
+        "history": [list(fit.history[row]) for row in choose_rows(len(fit.history), FEW)],
+        "rows": [_list_curves(one) for one in list_compared(fit)],
+        "scenario": fitted_text(fit),
+    }
+
+
+def _list_warnings(fit: Fit) -> list[str]:
+    """Warnings but those that say what the data leave open, which is told by itself."""
+    told = {one.sentence for one in fit.identifiability.weak}
+    return [sentence for sentence in list_fit_warnings(fit) if sentence not in told]
+
+
+def _describe_found(fit: Fit, free: FreeNumber) -> JsonTable:
+    low, high = fit.uncertainty.widened(free.name)
+    known = math.isfinite(low) and math.isfinite(high)
+    return {
+        **describe_parameter(free),
+        "value": fit[free.name],
+        "interval": [low, high] if known else None,
+        "error": fit.uncertainty.errors[fit.problem.names.index(free.name)],
+        "mark": mark_parameter(fit, free.name),
+    }
+
+
+def _list_curves(one: ComparedOutput) -> JsonTable:
+    rows = choose_rows(len(one.times), DRAWN_ROWS)
+    return {
+        "record": one.record,
+        "output": one.output,
+        "long_name": one.description.long_name,
+        "times": [float(one.times[row]) for row in rows],
+        "measured": [round_digits(one.measured[row]) for row in rows],
+        "model": [round_digits(one.model[row]) for row in rows],
+        "held": [bool(one.held[row]) for row in rows],
+        **describe_display(one.output, one.description.unit),
+    }
+
+
+def fitted_text(fit: Fit) -> str:
+    """The scenario of the first record with the fitted numbers, and with its log in it."""
+    scenario, first = fit.scenario, fit.problem.experiments[0]
+    if scenario is None:
+        return ""
+    numbers: Mapping[str, str] = {
+        scenario.places.path(leaf.path): exact_text(fit[free.name], leaf.declared.unit, 9)
+        for free in fit.problem.free
+        if free.record in (None, first.name) and not is_nuisance(free.path)
+        for leaf in scenario.system.leaves()
+        if free.moves(leaf.path)
+    }
+    return embed_log(scenario, first.record, numbers)

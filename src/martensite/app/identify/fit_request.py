@@ -11,10 +11,9 @@ from __future__ import annotations
 
 from typing import Any, cast
 
-from martensite.app.documents import check_files
+from martensite.app.documents import build_packaged, check_files
 from martensite.app.identify.mapped_table import read_records
 from martensite.app.messages import BadMessageError, JsonTable, Request, require_entry
-from martensite.app.packaged_scenarios import build_packaged
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError, ParameterError
 from martensite.fit.fit_task import FitSearch, FitTask

@@ -9,8 +9,8 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
-from martensite.app.identify.thinning import find_corners
 from martensite.app.messages import JsonTable, Request
+from martensite.app.views.columns import find_corners
 from martensite.base import units
 from martensite.base.errors import ParameterError
 from martensite.base.files import toml_document
@@ -120,7 +120,6 @@ def embed_log(scenario: Scenario, log: Record, numbers: Mapping[str, str]) -> st
 
 
 def _list_corners(record: Record, column: str) -> JsonTable:
-    """A waveform through the corners of a column."""
     known = [(t, x) for t, x in zip(record.times, record[column], strict=True) if math.isfinite(x)]
     times, values = zip(*known, strict=True)
     rows, unit = find_corners(times, values), record.units[column]

@@ -82,7 +82,6 @@ def _read_cuts(request: Request) -> list[JsonTable]:
 
 
 def _read_columns(request: Request) -> list[tuple[int, str, str]]:
-    """Place, name and unit of every column that is used."""
     found = [_require_table(entry, "columns") for entry in require_entry(request, "columns", list)]
     columns = [
         (require_entry(x, "at", int), require_entry(x, "name", str).strip(), require_entry(x, "unit", str, "").strip())
@@ -122,7 +121,6 @@ def _check_places(headings: Mapping[int, str], count: int) -> None:
 
 
 def _read_arrays(path: Path, headings: Mapping[int, str], interval: float | None) -> Record:
-    """The record of a file that is no text; its columns in the order of the preview."""
     raw = read_raw(path)
     _check_places(headings, len(raw.columns))
     found: dict[str, list[float]] = {}
@@ -145,7 +143,6 @@ def _read_arrays(path: Path, headings: Mapping[int, str], interval: float | None
 
 
 def _cut_record(whole: Record, cut: Request) -> Record:
-    """The rows of a stretch of time, every so many of them."""
     times = whole.times
     first, last = (require_entry(cut, "from", float, times[0]), require_entry(cut, "to", float, times[-1]))
     every = require_entry(cut, "every", int, 1)

@@ -114,7 +114,6 @@ def _read_text(path: Path, separator: str) -> RawTable:
 
 
 def _name_separator(path: Path, asked: str, first: Sequence[str]) -> str:
-    """How the columns were told apart."""
     if asked != "auto":
         return asked
     with path.open("rb") as file:
@@ -142,7 +141,6 @@ def _describe_column(sheet: Sheet, place: int, heading: str) -> RawColumn:
 
 
 def _parse_number(parse: Callable[[str], float], cell: str) -> float | None:
-    """The number in a cell, NaN for a gap, None for something else."""
     try:
         number = parse(cell)
     except ValueError:
@@ -177,7 +175,6 @@ def _read_arrays(path: Path) -> RawTable:
 
 
 def _replace_infinite(column: RawColumn) -> RawColumn:
-    """A column with NaN for what is infinite."""
     rows = [k for k, number in enumerate(column.numbers) if math.isinf(number)]
     if not rows:
         return column

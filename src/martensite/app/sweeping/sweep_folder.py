@@ -17,8 +17,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
+from martensite.app.messages import JsonTable
 from martensite.app.uploads import is_key, make_key
-from martensite.base.errors import DataError
+from martensite.base.errors import DataError, MartensiteError
+from martensite.design.sweep.store import STATUS, Store
 
 STORES = "sweeps"
 LONGEST_SLUG = 40
@@ -117,3 +119,27 @@ def is_busy(path: Path) -> bool:
 def measure_bytes(path: Path) -> int:
     """Size of a store on disk [B]."""
     return sum(one.stat().st_size for one in path.rglob("*") if one.is_file())
+
+
+def summarise_store(key: str, path: Path) -> JsonTable:
+    """A line about a sweep: `state` is running, done, stopped or unreadable."""
+    told = {"key": key, "path": str(path), "bytes": measure_bytes(path), "made": path.stat().st_mtime}
+    try:
+        store = Store(path)
+        spec, runs = store.spec, int(store.group[STATUS].shape[0])
+        chunks, length = store.made(), int(spec["chunk"])
+        done = sum(min(length, runs - chunk * length) for chunk in chunks)
+    except (MartensiteError, KeyError, ValueError) as error:
+        lost = {"title": path.name, "over": [], "sample": "", "runs": 0, "done": 0}
+        return {**told, **lost, "state": "unreadable", "why": str(error)}
+    state = "done" if done == runs else "running" if is_busy(path) else "stopped"
+    return {
+        **told,
+        "title": spec["title"],
+        "over": spec["over"],
+        "sample": spec["sample"],
+        "runs": runs,
+        "done": done,
+        "state": state,
+        "why": "",
+    }

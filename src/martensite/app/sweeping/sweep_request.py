@@ -1,31 +1,44 @@
-"""What a request asks of a sweep, in the words that the command takes; and what is wrong with it.
+"""What a request asks of a sweep, in the words that the command takes; what is wrong with it; its time.
 
 {"text": TOML, "changes": {…}, "over": ["diameter=0.1..0.5 mm:9"], "sample": "grid",
  "measures": ["stroke"], "seed": 0, "step": "20 ms", "runtime": "c", "workers": 0}
+
+Runs march together in blocks (`martensite.simulate.variants`): a block costs the same however few
+runs are in it. A chunk takes about half a second, so that the picture moves and a cancel is heard.
 """
 
 from __future__ import annotations
 
+import re
+import shlex
+import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from martensite.app.messages import BadMessageError, Request, require_entry
 from martensite.base import units
 from martensite.base.errors import MartensiteError, ParameterError
+from martensite.design.backends.processes import count_cores
 from martensite.design.sampling.base import AbstractDesign, parse_sampling
 from martensite.design.sweep.api import SweepExecution
 from martensite.design.sweep.axes import SweepAxis, parse_axis
 from martensite.design.sweep.job import SweepRequest, build_plan
-from martensite.design.sweep.plan import SweepPlan
+from martensite.design.sweep.plan import CHUNK, SweepPlan
 from martensite.design.sweep.subject import build_course, list_targets
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.measures.base import parse_measure
+from martensite.simulate.variants import LANES
 
 T = TypeVar("T")
 MOST_RUNS = 1_000_000
 MOST_WORDS = 64
 LONGEST_ENTRY = 400
+CHUNK_TIME = 0.4
+"""Time that a chunk shall take [s]."""
+MOST_CHUNKS = 500
+_PLAIN = re.compile(r"^[\w./:=,-]+$")
+_QUOTABLE = re.compile(r"^[\w .,:;=+/()%^*·µΩ°±²³-]*$")
 
 
 def read_wanted(request: Request) -> SweepRequest:
@@ -160,3 +173,60 @@ def _check_axis(scenario: Scenario, one: SweepAxis, chosen: AbstractDesign | Non
     SweepPlan(course, (one,), parse_sampling("monte-carlo:1"), {"stroke": parse_measure("stroke")})
     if chosen is not None and chosen.registered_name == "grid":
         one.levels()
+
+
+@dataclass(frozen=True)
+class TimedBlock:
+    """A block of runs, and how long it took."""
+
+    runs: int
+    lanes: int
+    seconds: float
+
+    def total(self, size: int, workers: int) -> float:
+        """Time of so many runs on so many processes [s]."""
+        return -(-size // self.lanes) * self.seconds / max(workers or count_cores(), 1)
+
+
+def time_block(plan: SweepPlan) -> TimedBlock:
+    """Time one block of a plan; it is run twice, as the first one compiles."""
+    lanes = LANES.get(plan.course.runtime, CHUNK)
+    rows = range(min(lanes, plan.size))
+    plan.compute(rows if plan.course.runtime != "floats" else range(1))
+    begin = time.perf_counter()
+    plan.compute(rows)
+    return TimedBlock(len(rows), lanes, time.perf_counter() - begin)
+
+
+def choose_chunk(plan: SweepPlan) -> int:
+    """Runs in a chunk: whole blocks of about `ABOUT`, and no more chunks than are good."""
+    one = time_block(plan)
+    blocks = max(int(CHUNK_TIME / max(one.seconds, 1e-6)), 1)
+    usual = min(blocks * one.lanes, CHUNK)
+    least = -(-plan.size // MOST_CHUNKS)
+    return max(usual, -(-least // one.lanes) * one.lanes)
+
+
+def quote_words(words: str) -> str:
+    """Words as a shell takes them: in double quotes, which all shells know, where that is safe."""
+    if _PLAIN.match(words):
+        return words
+    return f'"{words}"' if _QUOTABLE.match(words) else shlex.quote(words)
+
+
+def write_command(name: str, asked: SweepRequest, workers: int = 0, step: str = "") -> str:
+    """`martensite sweep …` for a scenario that lies in the folder as `name`.toml."""
+    pieces = ["martensite sweep", quote_words(f"{name}.toml")]
+    pieces += [f"--over {quote_words(words)}" for words in asked.over]
+    if asked.sample != "grid":
+        pieces.append(f"--sample {quote_words(asked.sample)}")
+    pieces += [f"--output {quote_words(words)}" for words in asked.measures]
+    options = {
+        "seed": asked.seed or None,
+        "step": quote_words(step) if step else None,
+        "runtime": asked.runtime,
+        "workers": workers or None,
+        "chunk-size": asked.chunk if asked.chunk != CHUNK else None,
+    }
+    pieces += [f"--{option} {value}" for option, value in options.items() if value is not None]
+    return " ".join(pieces)

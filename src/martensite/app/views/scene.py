@@ -97,7 +97,6 @@ def _find_natural_length(element: AbstractElement) -> float:
 
 
 def _describe_shape(shape: DrawingShape, stands: bool, system: AbstractSystem, quantum: float) -> JsonTable:
-    """A shape without its places, unless it stands still."""
     found: JsonTable = {
         "name": shape.name,
         "kind": shape.kind,
@@ -111,7 +110,6 @@ def _describe_shape(shape: DrawingShape, stands: bool, system: AbstractSystem, q
 
 
 def _describe_element(element: AbstractElement) -> JsonTable:
-    """What an element is made of: diameters of wire and coil [m], and turns of the coil."""
     one = getattr(element, "one", None)
     if isinstance(one, AbstractElement):
         return _describe_element(one)
@@ -129,7 +127,6 @@ def _list_slack(force: Sequence[float], rows: Sequence[int]) -> list[int]:
 
 
 def _is_still(pictures: Sequence[Sequence[DrawingShape]], k: int) -> bool:
-    """Whether a shape is at the same place in all pictures."""
     points = pictures[0][k].points
     return all(shapes[k].points == points for shapes in pictures)
 
@@ -139,7 +136,6 @@ def _list_moving(shapes: Sequence[DrawingShape], still: Sequence[bool]) -> list[
 
 
 def _flatten_points(shapes: Sequence[DrawingShape], quantum: float) -> list[int]:
-    """Coordinates, one after the other."""
     share = 1.0 / quantum
     return [round(x * share) for shape in shapes for point in shape.points for x in point]
 
@@ -150,7 +146,6 @@ def _choose_quantum(size: float) -> float:
 
 
 def _find_bounds(pictures: Sequence[Sequence[DrawingShape]]) -> tuple[Point, Point]:
-    """Corners of a box that holds all points of all pictures."""
     columns = list(zip(*(p for shapes in pictures for s in shapes for p in s.points), strict=True))
     if not columns:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)

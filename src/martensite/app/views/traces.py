@@ -1,25 +1,29 @@
-"""Which columns are drawn together over time, and which over one another.
+"""Which columns are drawn together over time, and which over one another; and when there were alarms.
 
 A panel holds what belongs together: a coordinate with its reference and its readings, a
 temperature with the hottest place. Columns of an actuator stand under its port, all others
-under the port with the empty name.
+under the port with the empty name. Margins of alarms are those by which `martensite.simulate.alarms`
+judges, linear between samples.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
+from itertools import pairwise
 
 from martensite.actuators.assembly.outputs import OUTPUTS
 from martensite.app.messages import JsonTable
-from martensite.app.views.columns import choose_rows
+from martensite.app.views.columns import choose_rows, describe_column
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.names import MEASURED
+from martensite.control.loop.names import ALARM, MEASURED
 from martensite.control.observers.base import ESTIMATED
+from martensite.show.figures.bench_loops import find_alarmed_spans
 from martensite.show.figures.bench_loops import find_loops as controlled
 from martensite.show.figures.hysteresis import LOOPS, find_senses, split_runs
 from martensite.show.figures.labels import FRACTIONS
+from martensite.simulate.alarms import Alarm, farthest_changes, undelivered_margins
 from martensite.simulate.result import Result
 
 TOGETHER = {"hottest": "temperature", "oriented_fraction": "martensite_fraction", "heat_loss": "power"}
@@ -29,6 +33,11 @@ USUAL = ("temperature", "martensite_fraction", "stress", "drive")
 MOST_TURNS = 32
 """Most stretches of heating and cooling that are told apart."""
 Outside = Mapping[str, AbstractController]
+LEVELS = ("temperature", "stress")
+"""Kinds whose limit is a level of the column itself."""
+Span = tuple[float, float]
+MOST_SPANS = 400
+"""Spans that are told; what follows is one."""
 
 
 @dataclass
@@ -66,7 +75,6 @@ def list_panels(result: Result, outside: Outside | None = None) -> list[JsonTabl
 
 
 def _find_homes(result: Result, outside: Outside | None) -> dict[str, tuple[str, str, bool]]:
-    """Column -> port, key of its panel, and whether that is usual."""
     found = dict(_place_mechanism(result))
     for port, actuator in result.system.actuators().items():
         twice = actuator.source.sets_temperature
@@ -88,7 +96,6 @@ def _place_mechanism(result: Result) -> Iterator[tuple[str, tuple[str, str, bool
 
 
 def _place_bench(result: Result, outside: Outside | None) -> Iterator[tuple[str, str]]:
-    """References and readings stand with the truth, wanted signals with what the drive got."""
     if not isinstance(result.system, Bench):
         return
     plant = result.system.plant
@@ -155,3 +162,82 @@ def list_stretches(result: Result) -> dict[str, list[tuple[int, int, int]]]:
         own = split_runs(find_senses([column[i] for i in kept]))
         found[port] = own if len(own) <= MOST_TURNS else [(0, 0, len(kept) - 1)]
     return found
+
+
+def list_alarms(result: Result) -> list[JsonTable]:
+    """All alarms with panel, column, how it is shown, and spans [s]; then the supervisor's."""
+    found = [_describe_alarm(result, alarm) for alarm in result.alarms]
+    return [*found, *_list_supervised(result)]
+
+
+def _describe_alarm(result: Result, alarm: Alarm) -> JsonTable:
+    port = alarm.port or next(iter(result.system.actuators()))
+    column = result.system.label(port, alarm.quantity)
+    spans = list(_find_spans(result.times, list_margins(result, alarm, port)))
+    return {
+        **asdict(alarm),
+        "column": column,
+        "how": describe_column(result, column),
+        "panel": TOGETHER.get(alarm.quantity, alarm.quantity),
+        "spans": _limit_spans(spans),
+        "level": alarm.limit if alarm.kind in LEVELS else None,
+    }
+
+
+def list_margins(result: Result, alarm: Alarm, port: str) -> Sequence[float]:
+    """How far beyond its limit the quantity is at every sample."""
+    system = result.system
+    values = result.columns[system.label(port, alarm.quantity)]
+    if alarm.kind == "slack":
+        return [1.0 if value <= 0.0 else -1.0 for value in values]
+    if alarm.kind == "supply":
+        ohms = result.columns[system.label(port, "resistance")]
+        return undelivered_margins(system.actuators()[port].source, values, ohms)
+    judged = farthest_changes(values) if alarm.kind == "strain" else values
+    return [value - alarm.limit for value in judged]
+
+
+def _find_spans(times: Sequence[float], margins: Sequence[float]) -> Iterator[Span]:
+    """Spans in which a margin, linear between samples, is above zero."""
+    begin = times[0] if margins[0] > 0.0 else None
+    for (t0, m0), (t1, m1) in pairwise(zip(times, margins, strict=True)):
+        if (m0 > 0.0) == (m1 > 0.0):
+            continue
+        at = t0 + (t1 - t0) * m0 / (m0 - m1)
+        if begin is None:
+            begin = at
+        else:
+            yield begin, at
+            begin = None
+    if begin is not None:
+        yield begin, times[-1]
+
+
+def _limit_spans(spans: list[Span]) -> list[Span]:
+    return spans if len(spans) <= MOST_SPANS else [*spans[: MOST_SPANS - 1], (spans[MOST_SPANS - 1][0], spans[-1][1])]
+
+
+def _list_supervised(result: Result) -> Iterator[JsonTable]:
+    spans = find_alarmed_spans(result)
+    if not spans:
+        return
+    first, duration = spans[0][0], sum(end - begin for begin, end in spans)
+    yield {
+        "kind": "supervisor",
+        "quantity": ALARM,
+        "unit": "1",
+        "worst": 1.0,
+        "limit": 0.0,
+        "excess": 1.0,
+        "first": first,
+        "duration": duration,
+        "worst_time": first,
+        "port": "",
+        "sentence": f"Warning: the supervisor raised its alarm, first at t = {first:.4g} s, for "
+        f"{duration:.3g} s in all.",
+        "column": ALARM,
+        "panel": ALARM,
+        "how": describe_column(result, ALARM),
+        "spans": _limit_spans(spans),
+        "level": None,
+    }

@@ -7,14 +7,13 @@ fault comes between them. Times of an alarm of the supervisor are shaded in ever
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from martensite.base import units
-from martensite.control.controllers.base import AbstractController
 from martensite.control.observers.base import ESTIMATED
 from martensite.show.figures.bench_loops import (
     Loop,
@@ -29,7 +28,14 @@ from martensite.show.figures.bench_loops import (
 from martensite.show.figures.labels import choose_limits, describe_axis, enclose_values, read_column
 from martensite.show.figures.machine import choose_colours
 from martensite.show.figures.panels import WARNING_LINE, add_legend_above, add_panels, wrap_warnings, write_headline
-from martensite.show.figures.record_overlays import MeasuredRecord, check_records, draw_overlays, find_overlays
+from martensite.show.figures.record_overlays import (
+    MeasuredRecord,
+    Outside,
+    Records,
+    check_records,
+    draw_overlays,
+    find_overlays,
+)
 from martensite.show.figures.style import HEATING, INK, MEASURED, QUIET, make_figure, use_style
 from martensite.simulate.result import Result
 
@@ -56,12 +62,7 @@ class BenchPanel:
     draw: Callable[[Any], None]
 
 
-def plot_bench(
-    result: Result,
-    records: Iterable[MeasuredRecord] | None = None,
-    title: str | None = None,
-    outside: Mapping[str, AbstractController] | None = None,
-) -> Figure:
+def plot_bench(result: Result, records: Records = None, title: str | None = None, outside: Outside = None) -> Figure:
     """The figure of a run on a bench.
 
     Args:
@@ -98,9 +99,7 @@ def _make_figure(result: Result, panels: Sequence[BenchPanel], title: str | None
 
 
 def _finish_panel(axes: Any, result: Result, title: str) -> None:
-    """Title, time, shade of alarms and key of a panel."""
-    axes.set_title(title)
-    axes.set_xlim(result.times[0], result.times[-1])
+    axes.set(title=title, xlim=(result.times[0], result.times[-1]))
     axes.locator_params(axis="y", nbins=4)
     for k, (begin, end) in enumerate(find_alarmed_spans(result)):
         label = "alarm" if k == 0 else "_nolegend_"
@@ -108,13 +107,7 @@ def _finish_panel(axes: Any, result: Result, title: str) -> None:
     add_legend_above(axes)
 
 
-# -------------------------------------------------------------------- panels
-
-
-def _list_panels(
-    result: Result, records: Sequence[MeasuredRecord], outside: Mapping[str, AbstractController] | None
-) -> list[BenchPanel]:
-    """All panels, from top to bottom."""
+def _list_panels(result: Result, records: Sequence[MeasuredRecord], outside: Outside) -> list[BenchPanel]:
     found = find_loops(result, outside)
     panels = [_show_response(result, loop, records) for loop in found] or _show_outputs(result, records)
     panels += [_show_errors(result, group) for group in _group_by_unit(result, found)]
@@ -125,7 +118,6 @@ def _list_panels(
 
 
 def _show_response(result: Result, loop: Loop, records: Sequence[MeasuredRecord]) -> BenchPanel:
-    """What shall be, what is, and what is known of it."""
     how = describe_axis(result, loop.truth)
 
     def draw_panel(axes: Any) -> None:
@@ -137,8 +129,7 @@ def _show_response(result: Result, loop: Loop, records: Sequence[MeasuredRecord]
         axes.plot(result.times, truth, color=choose_colours(1)[0], label="response", zorder=2.2)
         axes.plot(result.times, reference, label="reference", zorder=2.3, **FOLLOWED)
         draw_overlays(axes, how, known)
-        axes.set_ylabel(how.label)
-        axes.set_ylim(*enclose_values(reference, truth, seen, *(one.values for one in known)))
+        axes.set(ylabel=how.label, ylim=enclose_values(reference, truth, seen, *(one.values for one in known)))
 
     return BenchPanel(how.long_name, draw_panel)
 
@@ -163,8 +154,6 @@ def _group_by_unit(result: Result, found: Sequence[Loop]) -> list[list[Loop]]:
 
 
 def _show_errors(result: Result, group: Sequence[Loop]) -> BenchPanel:
-    """Reference less response."""
-
     def draw_panel(axes: Any) -> None:
         errors = [compute_shown_error(result, loop) for loop in group]
         how = describe_axis(result, group[0].truth)
@@ -173,8 +162,7 @@ def _show_errors(result: Result, group: Sequence[Loop]) -> BenchPanel:
             label = size if len(group) == 1 else f"{loop.drive}: {size}"
             axes.plot(result.times, error, color=tint, label=label)
         axes.axhline(0.0, color=QUIET, linewidth=0.6, zorder=1.5)
-        axes.set_ylabel(f"$e$ [{how.difference_unit or '–'}]")
-        axes.set_ylim(*enclose_values(*errors))
+        axes.set(ylabel=f"$e$ [{how.difference_unit or '–'}]", ylim=enclose_values(*errors))
 
     return BenchPanel("reference less response", draw_panel)
 
@@ -239,7 +227,6 @@ def _show_estimate(result: Result, name: str) -> BenchPanel:
             axes.fill_between(result.times, found - wide, found + wide, **look)
         axes.plot(result.times, true, color=choose_colours(1)[0], label="true")
         axes.plot(result.times, found, label="estimated", **READ)
-        axes.set_ylabel(describe_axis(result, truth).label)
-        axes.set_ylim(*choose_limits(truth, true, found))
+        axes.set(ylabel=describe_axis(result, truth).label, ylim=choose_limits(truth, true, found))
 
     return BenchPanel(describe_axis(result, truth).long_name, draw_panel)

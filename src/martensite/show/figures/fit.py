@@ -1,6 +1,8 @@
-"""A fit beside what was measured: every record over time, and as a loop.
+"""A fit beside what was measured, record by record, over time and as a loop; and its residuals.
 
-What was kept back from the fit is tinted, and the model is drawn there in another colour.
+What was kept back from the fit is tinted, and the model is drawn there in another colour. Of the
+residuals the autocorrelation is drawn too, with the band that holds 95 % of the lags if they are
+white.
 """
 
 from __future__ import annotations
@@ -13,16 +15,27 @@ import numpy as np
 from martensite.actuators.mechanisms.base import Output
 from martensite.base import units
 from martensite.base.errors import InputError
+from martensite.base.formats import choose_difference_unit
 from martensite.fit.fit import HELD_OUT, TRAINING, ComparedOutput, list_compared
 from martensite.fit.fit_verdicts import format_error
 from martensite.show.figures.labels import QuantityAxis, enclose_values
-from martensite.show.figures.panels import add_colour_key, make_grid, pick_evenly, shorten_name
-from martensite.show.figures.style import QUIET, SIMULATED, use_style
+from martensite.show.figures.panels import (
+    add_colour_key,
+    add_panels,
+    draw_autocorrelation,
+    make_grid,
+    pick_evenly,
+    shorten_name,
+    write_headline,
+    write_title,
+)
+from martensite.show.figures.style import INK, QUIET, SIMULATED, make_figure, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from martensite.fit.fit import Fit
+    from martensite.search.whiteness import Whiteness
 
 HELD = "#a03c6e"
 """The model where it was not fitted."""
@@ -37,15 +50,14 @@ MOST = 12
 WARM = 1.0
 """Least range of a measured temperature [K] over which a loop is drawn."""
 TIME = QuantityAxis("time", "time", "t", "s", "s")
+MOST_RESIDUALS = 8
+"""Records and outputs drawn at most; of more, those spread evenly."""
+ROOM = 1.12
+"""Half the height of a panel over the largest residual."""
 
 
 def plot_fit(fit: Fit, title: str = "") -> Figure:
-    """Draw measured and modelled outputs of all records over time.
-
-    Args:
-        fit: a finished fit.
-        title: headline.
-    """
+    """Draw measured and modelled outputs of all records of a fit over time."""
     rows = pick_evenly(list_compared(fit), MOST)
     with use_style():
         figure, panels = make_grid(len(rows), title or "Measured and fitted")
@@ -59,10 +71,6 @@ def plot_fit(fit: Fit, title: str = "") -> Figure:
 
 def plot_fit_loops(fit: Fit, title: str = "") -> Figure:
     """Draw outputs over the measured temperature, or stress over strain, where both exist.
-
-    Args:
-        fit: a finished fit.
-        title: headline.
 
     Raises:
         InputError: no record holds both.
@@ -116,7 +124,6 @@ def _make_column_axis(column: str, unit: str) -> QuantityAxis:
 
 
 def _draw_panel(axes: Any, one: ComparedOutput, horizontal: QuantityAxis, x: Any, shown: QuantityAxis) -> None:
-    """Measured and modelled values over a quantity."""
     across, measured = horizontal.values(x), shown.values(one.measured)
     dots = {"marker": "o", "markersize": 2.6, "markeredgewidth": 0.0, "linestyle": "none"}
     line = {"linewidth": 2.6, "alpha": 0.75}
@@ -133,8 +140,7 @@ def _draw_panel(axes: Any, one: ComparedOutput, horizontal: QuantityAxis, x: Any
             low, high = max(first, float(one.times[0])), min(last, float(one.times[-1]))
             if low < high:
                 axes.axvspan(low, high, color=TINT, linewidth=0.0, zorder=0.4)
-    axes.set_xlabel(horizontal.label)
-    axes.set_ylabel(shown.label)
+    axes.set(xlabel=horizontal.label, ylabel=shown.label)
     _write_name(axes, one)
 
 
@@ -147,7 +153,6 @@ def _widen_rows(rows: Any) -> Any:
 
 
 def _write_name(axes: Any, one: ComparedOutput) -> None:
-    """The record above a panel, and below its name the errors."""
     axes.set_title(shorten_name(one.record), fontweight="bold", pad=14.0).set_parse_math(False)
     errors = [
         f"{format_error(one.output, one.rms(part), one.description.unit)}{word}"
@@ -182,3 +187,61 @@ def _write_key(figure: Figure, rows: Sequence[ComparedOutput]) -> None:
     if any(one.held.any() for one in rows):
         colours["model, not fitted to it: held out"] = HELD
     add_colour_key(figure, colours)
+
+
+def plot_fit_residuals(fit: Fit, title: str = "") -> Figure:
+    """Draw the residuals of every record and output, and their autocorrelation."""
+    rows = pick_evenly(list_compared(fit), MOST_RESIDUALS)
+    tests = {one.record: one for one in fit.whiteness}
+    with use_style():
+        figure = make_figure(9.2, 0.55 + 1.75 * len(rows))
+        write_headline(figure, title or "Residuals: modelled less measured")
+        room, gaps = (0.74, 0.14, 0.75, 0.48), (0.65, 0.67)
+        panels = add_panels(figure, len(rows), 2, room, gaps, width_ratios=(1.7, 1.0))
+        reach = _find_reach(rows)
+        for one, (left, right) in zip(rows, panels, strict=True):
+            last = one is rows[-1]
+            _draw_over_time(left, one, reach[one.output], last)
+            _draw_memory(right, tests.get(f"{one.record}, {one.output}"), last)
+        return figure
+
+
+def _find_reach(rows: list[ComparedOutput]) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for one in rows:
+        largest = float(np.nanmax(np.abs(one.residuals)))
+        found[one.output] = max(found.get(one.output, 0.0), largest)
+    return found
+
+
+def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) -> None:
+    shown = make_output_axis(one.output, one.description)
+    factor = _find_factor(shown)
+    axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
+    for part, colour in ((one.used, SIMULATED), (one.held, HELD)):
+        if part.any():
+            values = np.where(part, one.residuals, np.nan) / factor
+            axes.plot(one.times, values, color=colour, linewidth=0.9, zorder=2.0)
+    if one.held.any() and not one.used.any():
+        axes.set_facecolor(TINT)
+    axes.set(ylim=(-ROOM * reach / factor or -1.0, ROOM * reach / factor or 1.0))
+    axes.set(ylabel=f"{one.output} [{shown.difference_unit or '–'}]", xlabel=TIME.label if last else "")
+    held = " (held out)" if one.held.any() and not one.used.any() else ""
+    write_title(axes, shorten_name(one.record) + held, fontweight="bold", color=HELD if held else INK)
+
+
+def _find_factor(shown: QuantityAxis) -> float:
+    """SI per unit of a difference."""
+    return 0.01 if shown.shown == "%" else choose_difference_unit(shown.unit)[1]
+
+
+def _draw_memory(axes: Any, test: Whiteness | None, last: bool) -> None:
+    if test is None:
+        axes.set_axis_off()
+        return
+    draw_autocorrelation(axes, test)
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.set(xlabel="lag [samples]" if last else "", ylabel="autocorrelation")
+    verdict = "white" if test.white else "not white"
+    probability = "p < 0.0001" if test.p_value < 1e-4 else f"p = {test.p_value:.2g}"
+    write_title(axes, f"{verdict} ({probability})", color=QUIET, fontsize=8.0)

@@ -1,4 +1,4 @@
-"""What data tell of the parameters of a fit: correlations, least certain direction, the search."""
+"""What data tell of parameters: correlations, the least certain direction, likelihoods, the search."""
 
 from __future__ import annotations
 
@@ -8,14 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from martensite.base import units
+from martensite.base.errors import InputError
 from martensite.search.quantity_text import format_number
-from martensite.show.figures.panels import add_panels, shorten_name, write_headline, write_title
+from martensite.show.figures.labels import QuantityAxis
+from martensite.show.figures.panels import add_key, add_panels, make_grid, shorten_name, write_headline, write_title
 from martensite.show.figures.style import COOLING, FAINT, HEATING, INK, QUIET, SIMULATED, make_figure, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from martensite.fit.fit import Fit
+    from martensite.search.profile import Profile
 
 NUMBERED = 14
 """Parameters up to which correlations are printed as numbers."""
@@ -27,15 +31,13 @@ MOVERS = 8
 """Parameters of a direction that are drawn."""
 LEAST = 1e-3
 """Where singular values of 0 are drawn, below the smallest other one."""
+TOP = 2.4
+"""Height of a panel, in limits."""
+BAND = "#e8eef3"
 
 
 def plot_correlation(fit: Fit, title: str = "") -> Figure:
-    """Draw the correlations of the parameters, each pair once.
-
-    Args:
-        fit: a finished fit.
-        title: headline.
-    """
+    """Draw the correlations of the parameters of a fit, each pair once."""
     names, matrix = ([shorten_name(name) for name in fit.uncertainty.names], np.asarray(fit.uncertainty.correlation))
     count = len(names)
     cell = CELL if count <= NUMBERED else 0.26
@@ -66,10 +68,6 @@ def plot_singular_values(fit: Fit, title: str = "") -> Figure:
     Left, singular values of the Jacobian per search range over the noise: along a direction with
     a value of 1 the parameters are uncertain by the whole search range. Right, what moves in the
     least certain direction.
-
-    Args:
-        fit: a finished fit.
-        title: headline.
     """
     longer, moves, how = _find_weakest(fit)
     names = [shorten_name(name) for name in longer]
@@ -86,12 +84,7 @@ def plot_singular_values(fit: Fit, title: str = "") -> Figure:
 
 
 def plot_search(fit: Fit, title: str = "") -> Figure:
-    """Draw how the cost fell over the runs of the search.
-
-    Args:
-        fit: a finished fit.
-        title: headline.
-    """
+    """Draw how the cost fell over the runs of the search."""
     runs, costs = (np.asarray(column, float) for column in zip(*fit.history, strict=True))
     total = fit.simulations + fit.jacobians
     with use_style():
@@ -100,17 +93,12 @@ def plot_search(fit: Fit, title: str = "") -> Figure:
         write_headline(figure, title or "Search")
         axes.step([*runs, total], [*costs, costs[-1]], where="post", color=SIMULATED)
         axes.plot(runs, costs, "o", color=SIMULATED, markersize=3.2)
-        axes.set_yscale("log")
-        axes.set_xlim(0.0, 1.03 * total)
+        axes.set(yscale="log", xlim=(0.0, 1.03 * total))
         _set_decades(axes, costs)
-        axes.set_xlabel("runs of single records, with and without derivatives")
-        axes.set_ylabel("cost")
+        axes.set(xlabel="runs of single records, with and without derivatives", ylabel="cost")
         ended = f"{fit.method}: {fit.reason}; cost {format_number(fit.cost, 3)}"
         write_title(axes, ended, color=QUIET, fontsize=8.0)
         return figure
-
-
-# ---------------------------------------------------------------- correlations
 
 
 def _make_colour_map() -> Any:
@@ -120,7 +108,6 @@ def _make_colour_map() -> Any:
 
 
 def _draw_cells(axes: Any, matrix: Any, numbered: bool) -> None:
-    """Numbers in the cells; hatches where a correlation is not determined."""
     from matplotlib.patches import Rectangle
 
     count = len(matrix)
@@ -152,9 +139,6 @@ def _name_axes(axes: Any, names: Sequence[str]) -> None:
         spine.set_visible(False)
 
 
-# ---------------------------------------------------------------- directions
-
-
 def _draw_values(axes: Any, fit: Fit) -> None:
     """Singular values over the noise, those of 0 as open marks at the lower edge."""
     found = [1.0 / u if u else math.inf for u in fit.identifiability.uncertainties]
@@ -173,11 +157,9 @@ def _draw_values(axes: Any, fit: Fit) -> None:
         dots = {"color": SIMULATED, "markerfacecolor": fill, "markersize": 5.0, "zorder": 2.2}
         axes.plot(places[some], heights[some], "o", **dots)
     _set_decades(axes, np.asarray([bottom, 1.0, *heights]))
-    axes.set_ylim(bottom, 2.5 * max([*seen, 1.0]))
-    axes.set_xlim(0.4, len(found) + 0.6)
+    axes.set(ylim=(bottom, 2.5 * max([*seen, 1.0])), xlim=(0.4, len(found) + 0.6))
     axes.set_xticks(places if len(found) <= 16 else places[:: len(found) // 8])
-    axes.set_xlabel("direction of the parameters")
-    axes.set_ylabel("singular value / noise")
+    axes.set(xlabel="direction of the parameters", ylabel="singular value / noise")
     if 0.0 in found:
         write_title(axes, "open: 0, nothing is seen at all", color=QUIET, fontsize=8.0)
 
@@ -220,7 +202,81 @@ def _draw_direction(axes: Any, names: Sequence[str], moves: Sequence[float]) -> 
     for label in axes.get_yticklabels():
         label.set_parse_math(False)
     axes.tick_params(axis="y", length=0.0)
-    axes.set_ylim(max(len(names), 4) - 0.4, -0.6)
-    axes.set_xlim(min(0.0, 1.15 * min(moves)), 1.08)
+    axes.set(ylim=(max(len(names), 4) - 0.4, -0.6), xlim=(min(0.0, 1.15 * min(moves)), 1.08))
     axes.grid(False, axis="y")
     axes.set_xlabel("move, as a share of the search range")
+
+
+def plot_likelihood(profiles: Sequence[Profile], fit: Fit | None = None, title: str = "") -> Figure:
+    """Draw profile likelihoods, one panel for each parameter.
+
+    Args:
+        profiles: at least one.
+        fit: the fit that they start from; its parabola is drawn beside each.
+        title: headline.
+
+    Raises:
+        InputError: there is no profile.
+    """
+    if not profiles:
+        raise InputError("There is no profile likelihood to draw.")
+    with use_style():
+        figure, panels = make_grid(len(profiles), title or "Profile likelihoods")
+        for axes, one in zip(panels, profiles, strict=True):
+            _draw_panel(axes, one, fit)
+        add_key(figure, *panels[0].get_legend_handles_labels())
+        return figure
+
+
+def _draw_panel(axes: Any, one: Profile, fit: Fit | None) -> None:
+    shown = QuantityAxis(one.name, one.name, one.name, one.unit, units.choose_familiar_unit(one.value, one.unit))
+    at = shown.values([point.at for point in one.points])
+    excess = np.asarray([point.excess for point in one.points]) / one.limit
+    limit = {"color": HEATING, "linewidth": 1.0, "linestyle": (0, (4, 2)), "zorder": 1.4}
+    axes.axhline(1.0, label=f"{100.0 * one.level:g} % limit", **limit)
+    dots = {"color": SIMULATED, "marker": "o", "markersize": 3.2}
+    axes.plot(at, excess, linestyle="none", zorder=2.2, **dots)
+    curve = _interpolate_root(at, excess, shown.values([one.value])[0])
+    axes.plot(*curve, markevery=[], zorder=2.1, label="refitted", **dots)
+    seen = at[excess <= TOP]
+    low, high = float(seen.min()), float(seen.max())
+    room = 0.06 * (high - low) or 1.0
+    axes.set_xlim(low - room, high + room)
+    if fit is not None:
+        _draw_parabola(axes, one, fit, shown)
+    ends = shown.values([one.below.at, one.above.at])
+    axes.axvspan(*ends, color=BAND, linewidth=0.0, zorder=0.4)
+    axes.axvline(float(shown.values([one.value])[0]), color=QUIET, linewidth=0.8, zorder=1.3)
+    axes.set(ylim=(min(-0.08, 1.1 * float(excess.min())), TOP), xlabel=f"[{shown.label.partition('[')[2]}")
+    axes.set(ylabel="cost above the least / limit")
+    write_title(axes, one.name, fontweight="bold", color=INK)
+    write_title(axes, _describe_interval(one), loc="right", color=QUIET, fontsize=8.0)
+
+
+def _interpolate_root(at: Any, excess: Any, best: float) -> tuple[Any, Any]:
+    """A curve through the points of a profile, interpolated in its root: nearly straight."""
+    root = np.sign(at - best) * np.sqrt(np.maximum(excess, 0.0))
+    fine = np.linspace(at[0], at[-1], 401)
+    return fine, np.interp(fine, at, root) ** 2
+
+
+def _draw_parabola(axes: Any, one: Profile, fit: Fit, shown: QuantityAxis) -> None:
+    """What the Jacobian at the optimum says of the same, in the same units."""
+    unsure = fit.uncertainty
+    error = unsure.errors[unsure.names.index(one.name)]
+    if not 0.0 < error < math.inf:
+        return
+    factor, offset = units.find_conversion(shown.shown, shown.unit)
+    first, last = axes.get_xlim()
+    at = np.linspace(first, last, 201)
+    moved = (at * factor + offset - one.value) / error
+    curve = (moved * unsure.noise) ** 2 / one.limit
+    look = {"color": QUIET, "linewidth": 1.0, "linestyle": (0, (1, 1.4)), "zorder": 1.8}
+    axes.plot(at, np.where(curve <= TOP, curve, np.nan), label="from the Jacobian", **look)
+
+
+def _describe_interval(one: Profile) -> str:
+    sides = [end.reason != "limit" for end in (one.below, one.above)]
+    if all(sides):
+        return "open on both sides"
+    return "" if not any(sides) else f"open {'below' if sides[0] else 'above'}"

@@ -128,8 +128,7 @@ def draw_loop(axes: Any, result: Result, x: str, y: str, records: Sequence[Measu
             axes.plot(*_join_points(points, own), label=label, **line)
             _mark_longest(axes, points, own, colour)
     draw_start(axes, *points, label="start")
-    axes.set_xlabel(describe_axis(result, x).label)
-    axes.set_ylabel(describe_axis(result, y).label)
+    axes.set(xlabel=describe_axis(result, x).label, ylabel=describe_axis(result, y).label)
 
 
 def draw_strips(axes: Any, result: Result, *, named: bool = True) -> None:
@@ -207,7 +206,6 @@ def _write_above(axes: Any, x: float, points: float, text: str, **properties: An
 
 
 def _write_legend(axes: Any) -> None:
-    """Heating and cooling, above the axes on the left."""
     height = axes.get_position().height * axes.figure.get_figheight() * 72.0
     axes.legend(
         loc="lower left",

@@ -46,6 +46,11 @@ class QuantityAxis:
         return (np.asarray(column, dtype=np.float64) - offset) / factor
 
 
+TEMPERATURE = QuantityAxis("temperature", "temperature", "T", "K", "degC")
+STRESS = QuantityAxis("stress", "stress", "σ", "Pa", "MPa")
+STRAIN = QuantityAxis("strain", "strain", "ε", "1", "%")
+
+
 def describe_axis(result: Result, name: str) -> QuantityAxis:
     """How the column `name` of a result is shown; `time` is one too."""
     unit = result.unit(name)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.base.errors import InputError
-from martensite.show.figures.labels import QuantityAxis, enclose_values
+from martensite.show.figures.labels import STRAIN, STRESS, TEMPERATURE, QuantityAxis, enclose_values
 from martensite.show.figures.panels import (
     add_colour_key,
     add_panels,
@@ -25,7 +25,7 @@ from martensite.show.figures.panels import (
     share_limits,
     write_headline,
 )
-from martensite.show.figures.phase_diagram import ARROWS, STRESS, TEMPERATURE, draw_phase_diagram
+from martensite.show.figures.phase_diagram import ARROWS, draw_phase_diagram
 from martensite.show.figures.style import COOLING, HEATING, INK, SIMULATED, make_figure, use_style
 from martensite.simulate.path_stages import list_stages
 from martensite.simulate.point import PointResult
@@ -45,7 +45,7 @@ KINDS = {
 }
 """Colours of the legs of a single path."""
 AXES = {
-    "strain": QuantityAxis("strain", "strain", "ε", "1", "%"),
+    "strain": STRAIN,
     "stress": STRESS,
     "temperature": TEMPERATURE,
     "martensite": QuantityAxis("martensite", "martensite fraction", "ξ", "1", "1"),
@@ -81,7 +81,6 @@ def plot_point(
 
 
 def _draw_one(results: Sequence[PointResult], title: str | None) -> Figure:
-    """Four panels for one law."""
     figure = _make_figure(2, 2, 4.6, 3.1)
     (loop, diagram), (recovery, fraction) = add_panels(figure, 2, 2, ROOM, GAPS)
     draw_curves(loop, results, *LOOP)
@@ -94,7 +93,6 @@ def _draw_one(results: Sequence[PointResult], title: str | None) -> Figure:
 
 
 def _draw_beside(by_law: dict[Any, list[PointResult]], title: str | None, plane: tuple[str, str]) -> Figure:
-    """One column per law."""
     figure = _make_figure(3, len(by_law), COLUMN, ROW)
     panels = add_panels(figure, 3, len(by_law), ROOM, GAPS)
     for column, (law, results) in enumerate(by_law.items()):
@@ -119,8 +117,7 @@ def draw_curves(axes: Any, results: Sequence[PointResult], x: str, y: str) -> No
     """Draw one column over another, with an arrow on every leg that shows."""
     across, up = AXES[x], AXES[y]
     shown = [(across.values(r[x]), up.values(r[y])) for r in results]
-    axes.set_xlim(*enclose_values(*(s[0] for s in shown)))
-    axes.set_ylim(*enclose_values(*(s[1] for s in shown)))
+    axes.set(xlim=enclose_values(*(s[0] for s in shown)), ylim=enclose_values(*(s[1] for s in shown)))
     for result, colour, (horizontal, vertical) in zip(results, _choose_colours(results), shown, strict=True):
         for leg, (first, last, own) in enumerate(_split_legs(result, colour, alone=len(results) == 1)):
             a, b = horizontal[first : last + 1], vertical[first : last + 1]
@@ -140,11 +137,9 @@ def draw_fractions(axes: Any, results: Sequence[PointResult]) -> None:
             oriented = result.oriented[first : last + 1]
             axes.plot(x, oriented, ":", color=own, linewidth=1.6, zorder=2.3)
     most = max(len(result.legs) for result in results)
-    axes.set_xlim(0.0, most)
-    axes.set_ylim(min(-0.06, min(min(r.oriented) for r in results) - 0.06), 1.06)
+    axes.set(xlim=(0.0, most), ylim=(min(-0.06, min(min(r.oriented) for r in results) - 0.06), 1.06))
     axes.set_xticks(range(most + 1))
-    axes.set_xlabel("leg of the path")
-    axes.set_ylabel(f"{AXES['martensite'].label}, oriented dotted")
+    axes.set(xlabel="leg of the path", ylabel=f"{AXES['martensite'].label}, oriented dotted")
 
 
 def _split_legs(result: PointResult, colour: str, *, alone: bool) -> list[tuple[int, int, str]]:
@@ -157,7 +152,6 @@ def _split_legs(result: PointResult, colour: str, *, alone: bool) -> list[tuple[
 
 
 def _choose_leg_colours(results: Sequence[PointResult]) -> list[list[str]]:
-    """One colour per leg of each result."""
     alone = len(results) == 1
     return [
         [own for _, _, own in _split_legs(result, colour, alone=alone)]
@@ -172,7 +166,6 @@ def _choose_colours(results: Sequence[PointResult]) -> list[str]:
 
 
 def _make_legend(results: Sequence[PointResult]) -> dict[str, str]:
-    """Text -> colour."""
     if len(results) > 1:
         colours = _choose_colours(results)
         return {r.label or f"path {i + 1}": colours[i] for i, r in enumerate(results)}

@@ -69,7 +69,6 @@ def choose_width(i: int, count: int) -> float:
 
 
 def _group_outputs(result: Result) -> list[list[str]]:
-    """Outputs of the mechanism, those of one unit together."""
     found: dict[str, list[str]] = {}
     for name, (unit, _, _) in result.system.of_mechanism().items():
         found.setdefault(unit, []).append(name)
@@ -77,15 +76,12 @@ def _group_outputs(result: Result) -> list[list[str]]:
 
 
 def _draw_lines(axes: Any, result: Result, columns: Sequence[str], labels: Sequence[str], tints: Sequence[Any]) -> None:
-    """Columns of one unit over time."""
     shown = describe_axis(result, columns[0])
     for i, (name, label) in enumerate(zip(columns, labels, strict=True)):
         look = {"color": tints[i], "linewidth": choose_width(i, len(columns))}
         axes.plot(result.times, read_column(result, name), label=label, **look)
-    axes.set_title(_write_label(shown, len(columns)))
-    axes.set_ylabel(shown.label)
-    axes.set_xlim(result.times[0], result.times[-1])
-    axes.set_ylim(*choose_limits(columns[0], *(read_column(result, name) for name in columns)))
+    axes.set(title=_write_label(shown, len(columns)), ylabel=shown.label, xlim=(result.times[0], result.times[-1]))
+    axes.set(ylim=choose_limits(columns[0], *(read_column(result, name) for name in columns)))
     axes.locator_params(axis="y", nbins=4)
 
 
@@ -96,7 +92,6 @@ def _write_label(shown: QuantityAxis, count: int) -> str:
 
 
 def _draw_loops(axes: Any, result: Result, ports: Sequence[str], x: str, y: str) -> None:
-    """One quantity over another, for every actuator."""
     names = [(result.system.label(p, x), result.system.label(p, y)) for p in ports]
     for i, ((across, up), tint) in enumerate(zip(names, choose_colours(len(ports)), strict=True)):
         look = {"color": tint, "linewidth": choose_width(i, len(ports))}
@@ -110,7 +105,6 @@ def _draw_loops(axes: Any, result: Result, ports: Sequence[str], x: str, y: str)
 
 
 def _draw_path(axes: Any, result: Result) -> None:
-    """The first coordinate over the second, or over the temperature of the first element."""
     first, *others = result.system.of_mechanism()
     ports = list(result.system.actuators())
     across = others[0] if others or not ports else result.system.label(ports[0], "temperature")

@@ -1,28 +1,64 @@
-"""A model of blocks beside what was measured: over time with its band and error, and as a loop."""
+"""Models of blocks beside what was measured, and what their residuals still hold.
+
+Over time with the band and the error, and as a loop; the autocorrelation of every output with the
+band of white residuals; the correlation with every input and its square, with the bands of 95 %
+and 99 % for one lag and, dashed, the limit for all lags on one side together.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from martensite.base.formats import typeset_unit
+from martensite.identify.chains.correlations import LEVELS, Crossed
 from martensite.identify.chains.record_parts import find_rising
 from martensite.identify.chains.validation import Validation
+from martensite.search.whiteness import Whiteness
 from martensite.show.figures.fit import SEEN
 from martensite.show.figures.labels import enclose_values
-from martensite.show.figures.panels import add_legend_above, add_panels, share_limits, write_headline, write_title
-from martensite.show.figures.signal_labels import thin_line, write_signal_label
-from martensite.show.figures.style import COOLING, FAINT, HEATING, INK, QUIET, SIMULATED, make_figure, use_style
+from martensite.show.figures.panels import (
+    add_legend_above,
+    add_panels,
+    draw_autocorrelation,
+    make_panels,
+    share_limits,
+    write_headline,
+    write_title,
+)
+from martensite.show.figures.style import (
+    COOLING,
+    FAINT,
+    HEATING,
+    INK,
+    MEASURED,
+    QUIET,
+    SIMULATED,
+    make_figure,
+    use_style,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from martensite.identify.chains.stages import Identified
     from martensite.identify.chains.uncertainty import OutputBand
+    from martensite.signals.sampling.sampled import Sampled
 
 BAND = "#bcd3e2"
 """The band in which measurements should lie."""
 LOOPED = 20_000
 """Points of a loop at most."""
+SHADES = ("#c9d0d5", FAINT)
+"""Of the bands, narrow and wide."""
+MOST_CORNERS = 4000
+"""Points of a line beyond which it is drawn by its extremes."""
+MOST_PANELS = 6
+"""Records drawn at most."""
+MOST_POINTS = 4000
+"""Samples of a record drawn at most."""
 
 
 def plot_model(validation: Validation, band: OutputBand | None = None, title: str = "") -> Figure:
@@ -47,8 +83,7 @@ def plot_model(validation: Validation, band: OutputBand | None = None, title: st
         for k in range(outputs):
             _draw_output(panels[inputs + 2 * k], validation, k, band)
             _draw_error(panels[inputs + 2 * k + 1], validation, k, band)
-        panels[-1].set_xlabel("$t$ [s]")
-        panels[-1].set_xlim(record.times[0], record.times[-1])
+        panels[-1].set(xlabel="$t$ [s]", xlim=(record.times[0], record.times[-1]))
         figure.align_ylabels(panels)
         return figure
 
@@ -95,8 +130,7 @@ def _draw_output(axes: Any, validation: Validation, k: int, band: OutputBand | N
     axes.plot(times[places], measured[places], color=SEEN, linewidth=2.0, label="measured")
     places = thin_line(computed)
     axes.plot(times[places], computed[places], color=SIMULATED, linewidth=1.1, label="computed")
-    axes.set_ylabel(write_signal_label(name, record.units))
-    axes.set_ylim(*enclose_values(measured, computed))
+    axes.set(ylabel=write_signal_label(name, record.units), ylim=enclose_values(measured, computed))
     add_legend_above(axes)
     fit = validation.score(name).fit_percent
     words = f"{name}: fit {fit:.2f} % (NRMSE, free run)"
@@ -119,7 +153,6 @@ def _draw_error(axes: Any, validation: Validation, k: int, band: OutputBand | No
 
 
 def _draw_loop(axes: Any, validation: Validation, y: Any, number: int, k: int, words: str) -> None:
-    """One path in two colours, thin enough to see through."""
     record = validation.record
     step = max(1, len(record) // LOOPED)
     u, y = record.inputs[::step, number], y[::step]
@@ -130,3 +163,103 @@ def _draw_loop(axes: Any, validation: Validation, y: Any, number: int, k: int, w
     axes.set_xlabel(write_signal_label(record.input_names[number], record.units))
     axes.set_ylabel(write_signal_label(record.output_names[k], record.units))
     write_title(axes, words, fontweight="bold", color=INK)
+
+
+def plot_model_tests(validation: Validation, title: str = "") -> Figure:
+    """Draw the tests of the residuals of a chain on a record."""
+    outputs = validation.record.output_names
+    rows = [[one for one in validation.crossed if one.output == name] for name in outputs]
+    columns = 1 + max((len(row) for row in rows), default=0)
+    with use_style():
+        figure = make_figure(3.1 * max(columns, 2), 0.95 + 2.3 * len(outputs))
+        on = f"{validation.chain.name} on {validation.record.name}"
+        write_headline(figure, title or f"Residuals of {on}")
+        room = (0.7, 0.12, 0.65, 0.5)
+        panels = add_panels(figure, len(outputs), columns, room, (0.62, 0.75))
+        white = {one.record: one for one in validation.whiteness}
+        for name, (first, *others), row in zip(outputs, panels, rows, strict=True):
+            test = white.get(f"{validation.record.name}, {name}")
+            if test is None:
+                first.set_axis_off()
+            else:
+                _draw_memory(first, name, test)
+            for axes, one in zip(others, row, strict=False):
+                _draw_cross_correlation(axes, one)
+            for axes in others[len(row) :]:
+                axes.set_axis_off()
+        return figure
+
+
+def _draw_memory(axes: Any, output: str, test: Whiteness) -> None:
+    draw_autocorrelation(axes, test)
+    axes.set(xlabel="lag [samples]", ylabel="autocorrelation")
+    words = "white" if test.white else "not white"
+    write_title(axes, f"{output} with itself: {words}", color=INK, fontsize=8.0)
+
+
+def _draw_cross_correlation(axes: Any, one: Crossed) -> None:
+    lags = np.array(one.lags) * one.interval
+    for level, shade in zip(reversed(LEVELS), reversed(SHADES), strict=True):
+        band = one.band(level)
+        axes.axhspan(-band, band, color=shade, linewidth=0.0, zorder=0.6)
+    for sign in (-1.0, 1.0):
+        axes.axhline(sign * one.limit, color=QUIET, linewidth=0.8, linestyle=(0, (4, 3)), zorder=1.1)
+    axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
+    colour = SIMULATED if one.explained else HEATING
+    axes.vlines(lags, 0.0, one.values, color=colour, linewidth=1.6, zorder=2.0)
+    reach = 1.15 * max(one.limit, *(abs(value) for value in one.values))
+    axes.set(ylim=(-reach, reach), xlabel="lag [s]")
+    words = "nothing left" if one.explained else "something left"
+    signal = one.signal.replace("`", "")
+    write_title(axes, f"{one.output} with {signal}: {words}", color=INK, fontsize=8.0)
+
+
+def write_signal_label(name: str, units: Mapping[str, str]) -> str:
+    """Name and unit of a signal, such as position [mm]."""
+    unit = units.get(name, "")
+    return f"{name.replace('_', ' ')} [{typeset_unit(unit, '–')}]"
+
+
+def thin_line(values: Any, most: int = MOST_CORNERS) -> Any:
+    """Places of the values that a line needs: the extremes of equal stretches, or all."""
+    count = len(values)
+    if count <= most:
+        return np.arange(count)
+    size = -(-2 * count // most)
+    whole = count // size * size
+    rows = np.nan_to_num(np.asarray(values[:whole], dtype=float)).reshape(-1, size)
+    first = np.arange(len(rows)) * size
+    places = np.concatenate(
+        [first, first + np.argmin(rows, axis=1), first + np.argmax(rows, axis=1), np.arange(whole, count)]
+    )
+    return np.unique(places)
+
+
+def plot_identified(found: Identified, records: Sequence[Sampled], title: str = "") -> Figure:
+    """Draw the (last) output of a model, or of the series of its stages, beside the measured."""
+    shown = list(records)[:MOST_PANELS]
+    with use_style():
+        headline = title or f"{found.model.text()}, free run"
+        figure, grid = make_panels(7.5, 1.0 + 2.0 * len(shown), len(shown), 1, headline)
+        panels = grid[:, 0]
+        for panel, record in zip(panels, shown, strict=True):
+            _draw_free_run(panel, found, record)
+        panels[-1].set_xlabel("time [s]")
+        add_legend_above(panels[0])
+        return figure
+
+
+def _draw_free_run(panel: Any, found: Identified, record: Sampled) -> None:
+    from martensite.identify.chains.scores import fit_percent, free_run
+    from martensite.signals.sampling.resampling import select_signals
+
+    names = found.stages[-1].outputs
+    own = select_signals(record, found.model.input_names, names)
+    skip = found.options.skip
+    computed = free_run(found.model, own, found.options.start, skip)
+    fit = float(fit_percent(own.outputs, computed, skip)[-1])
+    kept = slice(None, None, max(len(own) // MOST_POINTS, 1))
+    times, unit = own.times[kept], own.units.get(names[-1], "1")
+    panel.plot(times, own.outputs[kept, -1], color=MEASURED[0], label="measured")
+    panel.plot(times, computed[kept, -1], color=SIMULATED, linewidth=1.0, label="free run")
+    panel.set(title=f"{record.name}: fit {fit:.1f} %", ylabel=f"{names[-1]} [{typeset_unit(unit, '–')}]")

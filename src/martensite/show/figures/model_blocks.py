@@ -67,12 +67,7 @@ def plot_linear_blocks(chain: Chain, title: str = "") -> Figure:
 
 
 def plot_linear(systems: list[tuple[str, LinearSystem]], title: str = "") -> Figure:
-    """Draw step response, gain and phase of linear systems, a row each.
-
-    Args:
-        systems: names and systems; of several inputs and outputs the first are drawn.
-        title: headline.
-    """
+    """Draw step response, gain and phase of named linear systems, a row each, of the first input and output."""
     with use_style():
         figure = make_figure(9.6, 0.85 + 2.1 * len(systems))
         write_headline(figure, title)
@@ -86,7 +81,6 @@ def plot_linear(systems: list[tuple[str, LinearSystem]], title: str = "") -> Fig
 
 
 def _isolate_block(chain: Chain, place: int) -> LinearSystem:
-    """One block as a linear system."""
     block = chain.blocks[place]
     own = Chain(
         (block,),
@@ -123,8 +117,7 @@ def _draw_step(axes: Any, name: str, linear: LinearSystem) -> None:
     duration = min(CONSTANTS * longest, MOST * linear.interval)
     times, y = linear.step_response(max(duration, 20.0 * linear.interval))
     axes.step(times, y[:, 0], where="post", color=SIMULATED)
-    axes.set_xlabel("$t$ [s]")
-    axes.set_ylabel("step response")
+    axes.set(xlabel="$t$ [s]", ylabel="step response")
     write_title(axes, name, fontweight="bold", color=INK)
 
 
@@ -138,6 +131,4 @@ def _draw_bode(gain: Any, phase: Any, linear: LinearSystem) -> None:
     gain.semilogx(f, 20.0 * np.log10(np.maximum(np.abs(response), 1e-300)), color=SIMULATED)
     phase.semilogx(f, np.degrees(np.unwrap(np.angle(response))), color=SIMULATED)
     for axes, words in ((gain, "gain [dB]"), (phase, "phase [°]")):
-        axes.set_xlabel("$f$ [Hz]")
-        axes.set_ylabel(words)
-        axes.set_xlim(low, half)
+        axes.set(xlabel="$f$ [Hz]", ylabel=words, xlim=(low, half))

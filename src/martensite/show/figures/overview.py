@@ -1,5 +1,7 @@
 """The standard figure of a result: time series on the left, hysteresis loops on the right.
 
+Of an element that differs along itself, temperature and fraction over time are maps beside it.
+
 Figures are made with matplotlib's objects alone, without pyplot: nothing global is touched,
 and no window or figure manager has to be closed.
 """
@@ -7,23 +9,41 @@ and no window or figure manager has to be closed.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from martensite.actuators.assembly import System
+import numpy as np
+
+from martensite.actuators.assembly import PROFILES, System
 from martensite.base import units
-from martensite.control.controllers.base import AbstractController
+from martensite.base.errors import InputError
+from martensite.base.formats import typeset_unit
 from martensite.control.loop.bench import Bench
 from martensite.show.figures.bench import plot_bench
-from martensite.show.figures.files import check_format, write_figure
 from martensite.show.figures.hysteresis import LOOPS, draw_loops
-from martensite.show.figures.labels import describe_axis
+from martensite.show.figures.labels import choose_limits, describe_axis, read_column, typeset_symbol
 from martensite.show.figures.machine import draw_machine
-from martensite.show.figures.panels import WARNING_LINE, add_panels, wrap_warnings, write_headline
-from martensite.show.figures.record_overlays import MeasuredRecord, check_records, draw_key
-from martensite.show.figures.style import make_figure, use_style
-from martensite.show.figures.timeseries import draw_timeseries, list_panels
+from martensite.show.figures.panels import (
+    WARNING_LINE,
+    add_colour_bar,
+    add_legend_above,
+    add_panels,
+    make_panels,
+    wrap_warnings,
+    write_headline,
+)
+from martensite.show.figures.record_overlays import (
+    MeasuredRecord,
+    Outside,
+    Records,
+    check_records,
+    draw_key,
+    draw_overlays,
+    find_overlays,
+    list_recorded,
+)
+from martensite.show.figures.style import SIMULATED, check_format, make_figure, use_style, write_figure
 from martensite.simulate.result import Result
 
 if TYPE_CHECKING:
@@ -33,14 +53,12 @@ WIDTH, PANEL_HEIGHT = 12.0, 1.22
 """Width of the figure and height of one panel over time [inch]."""
 HEAD, KEY, FOOT = 0.9, 0.22, 0.55
 """Room for title, key of records, and time axis [inch]."""
+PANELS = ("drive", "temperature", "martensite_fraction", "strain", "stress", "mechanism", "resistance")
+"""Quantities shown of every result, from top to bottom; all that the mechanism has for itself."""
+COLOURS = {"cell_temperature": "inferno", "cell_fraction": "cividis"}
 
 
-def plot_result(
-    result: Result,
-    records: Iterable[MeasuredRecord] | None = None,
-    title: str | None = None,
-    outside: Mapping[str, AbstractController] | None = None,
-) -> Figure:
+def plot_result(result: Result, records: Records = None, title: str | None = None, outside: Outside = None) -> Figure:
     """The standard figure: all quantities over time, and the loops ξ–T, ε–T, σ–ε.
 
     Of a run on a bench it is that of `plot_bench`.
@@ -72,9 +90,9 @@ def plot_result(
 def save_figure(
     result: Result,
     path: str | os.PathLike[str],
-    records: Iterable[MeasuredRecord] | None = None,
+    records: Records = None,
     title: str | None = None,
-    outside: Mapping[str, AbstractController] | None = None,
+    outside: Outside = None,
 ) -> None:
     """Write the standard figure as png, svg or pdf; the file is replaced whole or not at all.
 
@@ -107,7 +125,6 @@ def _make_figure(result: Result, records: Sequence[MeasuredRecord], title: str |
 
 
 def _draw_batch(result: Result, title: str | None) -> Figure:
-    """Every column over time, with a line per variant."""
     import matplotlib
 
     names = list(result.columns)
@@ -120,9 +137,7 @@ def _draw_batch(result: Result, title: str | None) -> Figure:
         lines = axes.plot(result.times, shown.values(result[name]).T, linewidth=1.0)
         for k, line in enumerate(lines):
             line.set_color(colours(k / max(len(lines) - 1, 1)))
-        axes.set_title(shown.long_name)
-        axes.set_ylabel(shown.label)
-        axes.set_xlim(result.times[0], result.times[-1])
+        axes.set(title=shown.long_name, ylabel=shown.label, xlim=(result.times[0], result.times[-1]))
     panels[-1].set_xlabel(describe_axis(result, "time").label)
     _write_text(figure, result, title)
     return figure
@@ -146,3 +161,80 @@ def _write_lead(result: Result) -> str:
         when = "" if result.status_time is None else f" at t = {result.status_time:.4g} s"
         parts.append(f"status {result.status.name.lower().replace('_', ' ')}{when}")
     return "  ·  ".join(parts)
+
+
+def list_panels(result: Result, records: Sequence[MeasuredRecord] = ()) -> list[str]:
+    """The quantities to show: the usual ones, and others that were measured.
+
+    A drive that prescribes the temperature is the temperature, and is not shown twice.
+    """
+    (actuator,) = result.system.actuators().values()
+    twice = actuator.source.sets_temperature
+    own = list(result.system.of_mechanism())
+    usual = [
+        shown
+        for name in PANELS
+        if not (twice and name == "drive")
+        for shown in (own if name == "mechanism" else [name])
+    ]
+    return usual + [name for name in list_recorded(result, records) if name not in usual]
+
+
+def draw_timeseries(
+    panels: Sequence[Any], result: Result, names: Sequence[str], records: Sequence[MeasuredRecord] = ()
+) -> None:
+    """Draw one quantity per axes, measured records over it; only the last names the time."""
+    for axes, name in zip(panels, names, strict=True):
+        draw_panel(axes, result, name, records)
+    panels[-1].set_xlabel(describe_axis(result, "time").label)
+
+
+def draw_panel(axes: Any, result: Result, name: str, records: Sequence[MeasuredRecord] = ()) -> None:
+    """Draw one quantity over time [s]."""
+    shown, values = describe_axis(result, name), read_column(result, name)
+    found = find_overlays(result, records, name)
+    axes.plot(result.times, values, color=SIMULATED, label="_simulated", zorder=2.2)
+    draw_overlays(axes, shown, found)
+    axes.set(title=shown.long_name, ylabel=shown.label, xlim=(result.times[0], result.times[-1]))
+    axes.set(ylim=choose_limits(name, values, *(overlay.values for overlay in found)))
+    axes.locator_params(axis="y", nbins=4)
+    add_legend_above(axes)
+
+
+def plot_profile(result: Result, title: str | None = None) -> Figure:
+    """Temperature and martensite fraction of every cell over time, as two maps.
+
+    Raises:
+        InputError: the element of the result is the same all over.
+    """
+    elements = [one.element for one in result.system.actuators().values()]
+    if not result.profiles:
+        names = ", ".join(f"`{element.registered_name}`" for element in elements) or "none"
+        raise InputError(
+            f"There is no profile to draw of the elements of this run ({names}). "
+            "A single `axial-wire` or `ribbon` has one."
+        )
+    with use_style():
+        headline = title or f"Profile of a simulated {elements[0].registered_name}"
+        shared = {"sharex": True, "sharey": True}
+        figure, (panels,) = make_panels(10.0, 3.6, 1, len(PROFILES), headline, **shared)
+        for panel, name in zip(panels, PROFILES, strict=True):
+            _draw_map(figure, panel, result, name)
+        panels[0].set_ylabel(f"{typeset_symbol('y')} [mm]")
+        return figure
+
+
+def _draw_map(figure: Any, panel: Any, result: Result, name: str) -> None:
+    unit, long_name, symbol = PROFILES[name]
+    shown = units.choose_readable_unit(unit)
+    factor, offset = units.find_conversion(shown, unit)
+    values = (np.asarray(result.profiles[name]) - offset) / factor
+    low, high = (0.0, 1.0) if unit == "1" else (None, None)
+    (actuator,) = result.system.actuators().values()
+    places = 1e3 * np.asarray(actuator.element.places())
+    look = {"cmap": COLOURS[name], "vmin": low, "vmax": high, "rasterized": True}
+    drawn = panel.pcolormesh(np.asarray(result.times), places, values, shading="nearest", **look)
+    label = f"{typeset_symbol(symbol)} [{typeset_unit(shown, '–')}]"
+    add_colour_bar(figure, drawn, panel, label)
+    panel.set(title=long_name, xlabel=f"{typeset_symbol('t')} [s]")
+    panel.grid(False)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from martensite.search.whiteness import Whiteness
 
 Row = TypeVar("Row")
+Room = tuple[float, float, float, float]
 LETTERS = 14.0
 """In an inch of a warning."""
 WARNING_LINE = 0.18
@@ -31,12 +32,7 @@ def pick_evenly(rows: Sequence[Row], most: int) -> list[Row]:
 
 
 def add_panels(
-    figure: Figure,
-    rows: int,
-    columns: int,
-    room: tuple[float, float, float, float],
-    gaps: tuple[float, float] = (0.7, 0.6),
-    **how: Any,
+    figure: Figure, rows: int, columns: int, room: Room, gaps: tuple[float, float] = (0.7, 0.6), **how: Any
 ) -> Any:
     """Panels of a figure at fixed distances from its edges, an array (rows, columns).
 
@@ -223,5 +219,4 @@ def draw_autocorrelation(axes: Any, test: Whiteness) -> None:
     axes.axhspan(-test.band, test.band, color=FAINT, linewidth=0.0, zorder=0.6)
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
     axes.vlines(lags, 0.0, test.autocorrelation, color=SIMULATED, linewidth=1.6, zorder=2.0)
-    axes.set_ylim(-1.08, 1.08)
-    axes.set_xlim(0.0, len(lags) + 1.0)
+    axes.set(ylim=(-1.08, 1.08), xlim=(0.0, len(lags) + 1.0))

@@ -21,15 +21,13 @@ from typing import Any
 import numpy as np
 
 from martensite.physics.laws.base import AbstractLaw
-from martensite.show.figures.labels import QuantityAxis, enclose_values, typeset_symbol
+from martensite.show.figures.labels import STRESS, TEMPERATURE, enclose_values, typeset_symbol
 from martensite.show.figures.panels import draw_arrow, draw_start
 from martensite.show.figures.style import COOLING, HEATING, QUIET
 from martensite.simulate.path_layout import TWINNED
 from martensite.simulate.point import PointResult
 from martensite.simulate.transformation_points import Marks, find_isobar, find_loaded
 
-TEMPERATURE = QuantityAxis("temperature", "temperature", "T", "K", "degC")
-STRESS = QuantityAxis("stress", "stress", "σ", "Pa", "MPa")
 BEGUN = 1e-5
 """Share of a transformation at which a line that is found by driving counts as passed."""
 ISOBARS = 7
@@ -109,7 +107,6 @@ def _shift_band(values: dict[str, float], highest: float, process: str, start: s
 
 
 def _find_detwinning(values: dict[str, float], highest: float, coldest: float) -> list[Band]:
-    """Detwinning and loading in one band with a kink at M_s, cooling, reverse."""
     M_s, M_f, C_M = values["M_s"], values["M_f"], values["C_M"]
     sigma_s, sigma_f = values["sigma_s"], values["sigma_f"]
     top = max(highest, sigma_f)
@@ -140,7 +137,6 @@ def find_driven_bands(law: AbstractLaw, stresses: Sequence[float], coldest: floa
 
 
 def _find_orientation(law: AbstractLaw, coldest: float, warmest: float) -> list[Band]:
-    """The band in which twinned martensite turns under stress; none if it does not."""
     temperatures = coldest, warmest
     ends = [[find_loaded(law, round(t, 6), TWINNED, share) for t in temperatures] for share in (BEGUN, 1.0 - BEGUN)]
     lines = [
@@ -149,9 +145,6 @@ def _find_orientation(law: AbstractLaw, coldest: float, warmest: float) -> list[
     ]
     whole = all(len(line.stress) == len(temperatures) for line in lines)
     return [Band("orientation", *lines)] if whole else []
-
-
-# ---------------------------------------------------------------- drawing
 
 
 def draw_phase_diagram(
@@ -175,8 +168,7 @@ def draw_phase_diagram(
     axes.set_xlim(*enclose_values(ends))
     lowest = min(min(r.stress) for r in results)
     low, high = STRESS.values([min(lowest, 0.0), highest])
-    axes.set_ylim(low - 0.03 * (high - low), high)
-    axes.set(xlabel=TEMPERATURE.label, ylabel=STRESS.label)
+    axes.set(ylim=(low - 0.03 * (high - low), high), xlabel=TEMPERATURE.label, ylabel=STRESS.label)
     for band in found:
         draw_band(axes, band)
     for result, colour in zip(results, colours, strict=True):
@@ -206,7 +198,6 @@ def draw_way(axes: Any, result: PointResult, colours: Sequence[str]) -> None:
 
 
 def _name_lines(axes: Any, found: Sequence[Band]) -> None:
-    """Write the name of each line where it leaves the axes, or at its middle."""
     (left, right), (_, top) = axes.get_xlim(), axes.get_ylim()
     taken: list[tuple[float, float]] = []
     for band in found:

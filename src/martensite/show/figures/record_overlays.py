@@ -13,6 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from martensite.base.errors import DataError
+from martensite.control.controllers.base import AbstractController
 from martensite.show.figures.labels import QuantityAxis, describe_axis
 from martensite.show.figures.panels import add_key, shorten_name
 from martensite.show.figures.style import MEASURED, SIMULATED
@@ -45,6 +46,11 @@ class MeasuredRecord(Protocol):
         ...
 
 
+Records = Iterable[MeasuredRecord] | None
+Outside = Mapping[str, AbstractController] | None
+"""Controllers that ran outside of a bench, by drive."""
+
+
 @dataclass(frozen=True)
 class Overlay:
     """One measured column over time, in the unit of its axis."""
@@ -57,7 +63,7 @@ class Overlay:
     """Line properties of its record."""
 
 
-def check_records(result: Result, records: Iterable[MeasuredRecord] | None) -> list[MeasuredRecord]:
+def check_records(result: Result, records: Records) -> list[MeasuredRecord]:
     """The records as a list, each known to hold times and something to compare.
 
     Raises:
@@ -142,7 +148,6 @@ def choose_look(record: MeasuredRecord, i: int) -> dict[str, Any]:
 
 
 def _describe_rms(shown: QuantityAxis, found: Sequence[Overlay]) -> str:
-    """The root mean square of all samples together, in words."""
     misfit = np.concatenate([overlay.misfit for overlay in found])
     if not misfit.size:
         return "no sample to compare"

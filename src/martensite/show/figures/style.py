@@ -1,15 +1,20 @@
-"""The look of all figures: calm, readable in print, safe for the colour-blind.
+"""The look of all figures: calm, readable in print, safe for the colour-blind; and their files.
 
 Colours are from the palette of Okabe and Ito. Heating is vermilion and cooling blue in every
-figure; the same two tints mark the transformation strips. The style holds inside `styled()`
-only and leaves the caller's matplotlib settings alone.
+figure; the same two tints mark the transformation strips. The style holds inside `use_style()`
+only and leaves the caller's matplotlib settings alone. The format of a file follows from its
+suffix, and the file appears whole.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from martensite.base.errors import DataError
+from martensite.base.files import replace_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,6 +63,7 @@ STYLE: dict[Any, Any] = {
     "savefig.facecolor": "white",
     "svg.hashsalt": "martensite",
 }
+FORMATS = ("png", "svg", "pdf")
 
 
 @contextmanager
@@ -77,3 +83,23 @@ def make_figure(width: float, height: float) -> Figure:
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
     return figure
+
+
+def check_format(path: Path) -> str:
+    """The format that the suffix names, or `DataError`."""
+    kind = path.suffix.lower().removeprefix(".")
+    if kind not in FORMATS:
+        allowed = ", ".join(f"`.{name}`" for name in FORMATS)
+        raise DataError(f"The figure `{path}` has no suffix that can be drawn; use {allowed}.")
+    return kind
+
+
+def write_figure(figure: Figure, path: Path) -> None:
+    """Write a figure as png, svg or pdf; the file is replaced whole or not at all.
+
+    Raises:
+        DataError: the suffix is another one, or the file cannot be written.
+    """
+    kind = check_format(path)
+    with replace_file(path) as part, use_style():
+        figure.savefig(part, format=kind)

@@ -36,10 +36,6 @@ EDGES = ("-", (0, (4, 2)), (0, (1, 1.5)))
 def plot_workspace(workspace: Workspace, title: str = "") -> Figure:
     """Draw the reachable set in the plane of both angles.
 
-    Args:
-        workspace: what `reachable_angles` found.
-        title: headline.
-
     Raises:
         InputError: nothing but the home posture is reachable.
     """
@@ -74,15 +70,10 @@ def _set_frame(axes: Any, workspace: Workspace) -> None:
         axes.set(**{f"{place}lim": (math.degrees(low - margin), math.degrees(high + margin))})
     axes.set_aspect("equal")
     axes.grid(False)
-    axes.set_xlabel("rotation about X, $α$ [°]")
-    axes.set_ylabel("rotation about Y, $β$ [°]")
-
-
-# ---------------------------------------------------------------- the set
+    axes.set(xlabel="rotation about X, $α$ [°]", ylabel="rotation about Y, $β$ [°]")
 
 
 def _draw_region(axes: Any, workspace: Workspace) -> Any:
-    """Fill the set and draw its edge; its outline as a path."""
     from matplotlib.path import Path
 
     alphas, betas = _refine_grid(workspace.alphas), _refine_grid(workspace.betas)
@@ -105,7 +96,6 @@ def _refine_grid(grid: list[float]) -> Any:
 
 
 def _outline_region(workspace: Workspace) -> Any:
-    """Points of the finer grid that are within one and a half coarse steps of the set."""
     wide = np.pad(np.asarray(workspace.reached), 1)
     rows = wide[:-2] | wide[1:-1] | wide[2:]
     near = rows[:, :-2] | rows[:, 1:-1] | rows[:, 2:]
@@ -126,7 +116,6 @@ def _compute_rooms(workspace: Workspace, alphas: Any, betas: Any) -> Any:
 
 
 def _draw_edge(axes: Any, workspace: Workspace, points: Any) -> list[int]:
-    """Draw a closed line in runs of one kind of limit; the kinds there are."""
     middles = np.radians(0.5 * (points[1:] + points[:-1]))
     kinds = _compute_rooms(workspace, *middles.T).argmin(axis=0)
     ends = [0, *(np.flatnonzero(np.diff(kinds)) + 1), len(kinds)]
@@ -139,9 +128,6 @@ def _draw_edge(axes: Any, workspace: Workspace, points: Any) -> list[int]:
 def _list_limits(workspace: Workspace) -> list[str]:
     short, long = (f"{1e3 * x:.4g} mm" for x in (workspace.legs.shortest, workspace.legs.longest))
     return [f"a leg at its shortest, {short}", f"a leg at its longest, {long}", "90°"]
-
-
-# ---------------------------------------------------------------- inside the set
 
 
 def _draw_contours(axes: Any, workspace: Workspace, outline: Any) -> None:
@@ -170,7 +156,6 @@ def _draw_contours(axes: Any, workspace: Workspace, outline: Any) -> None:
 
 
 def _find_crossings(x: Any, values: Any) -> list[float]:
-    """Where values along a line pass zero."""
     low, high = values[:-1], values[1:]
     return [
         float(x[i] + (x[i + 1] - x[i]) * low[i] / (low[i] - high[i]))
@@ -179,7 +164,6 @@ def _find_crossings(x: Any, values: Any) -> list[float]:
 
 
 def _draw_rays(axes: Any, workspace: Workspace) -> None:
-    """Curves of single legs, each with its name beyond its end."""
     from matplotlib.patheffects import withStroke
 
     halo = [withStroke(linewidth=2.0, foreground="white")]

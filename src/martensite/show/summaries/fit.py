@@ -18,11 +18,9 @@ from martensite.search.free_numbers import FreeNumber
 from martensite.search.profile import Profile
 from martensite.search.quantity_text import format_number, join_phrases, list_names
 from martensite.show.figures.fit import MOST as PANELS
-from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops
-from martensite.show.figures.fit_knowledge import plot_correlation, plot_search, plot_singular_values
-from martensite.show.figures.fit_likelihood import plot_likelihood
-from martensite.show.figures.fit_residuals import MOST as RESIDUALS
-from martensite.show.figures.fit_residuals import plot_fit_residuals
+from martensite.show.figures.fit import MOST_RESIDUALS as RESIDUALS
+from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops, plot_fit_residuals
+from martensite.show.figures.fit_knowledge import plot_correlation, plot_likelihood, plot_search, plot_singular_values
 from martensite.show.summaries import fit_tables
 
 if TYPE_CHECKING:
@@ -41,15 +39,7 @@ def summarise_fit(
     title: str = "",
     posterior: Posterior | None = None,
 ) -> Summary:
-    """Everything about a fit.
-
-    Args:
-        fit: a finished fit.
-        scenario: what it began with, if the fit does not know.
-        profiles: profile likelihoods of some parameters.
-        title: headline; made from the names of the records if left out.
-        posterior: samples of the parameters.
-    """
+    """Everything about a fit."""
     blocks = [
         _describe_verdict(fit),
         *_describe_parameters(fit),
@@ -67,14 +57,12 @@ def summarise_fit(
 
 
 def _make_title(fit: Fit) -> str:
-    """A headline from the law and the records."""
     names = [one.name for one in fit.problem.experiments]
     which = join_phrases(names) if len(names) <= MANY else f"{len(names)} records"
     return f"Fit of {_find_law(fit)[KIND]} to {which}"
 
 
 def _make_lead(fit: Fit) -> str:
-    """What was fitted to how much, in one line."""
     rows = list_compared(fit)
     fitted = sum(int(row.used.sum()) for row in rows)
     kept = sum(int(row.held.sum()) for row in rows)
@@ -85,7 +73,6 @@ def _make_lead(fit: Fit) -> str:
 
 
 def _list_pictures(fit: Fit, profiles: Sequence[Profile]) -> dict[str, tuple[DrawFit, str]]:
-    """Name of each figure that there is -> how to draw it, and its caption."""
     rows = len(list_compared(fit))
     found: dict[str, tuple[DrawFit, str]] = {
         "measured": (
@@ -121,7 +108,6 @@ def _list_pictures(fit: Fit, profiles: Sequence[Profile]) -> dict[str, tuple[Dra
 
 
 def _count_panels(count: int, most: int) -> str:
-    """That a figure leaves some records out, if it does."""
     return f" {most} of {count} are drawn." if count > most else ""
 
 
@@ -129,7 +115,6 @@ DrawFit = Callable[[Fit], "Figure"]
 
 
 def _show_picture(fit: Fit, name: str, profiles: Sequence[Profile] = ()) -> Iterator[Block]:
-    """A figure, if there is one of that name."""
     known = _list_pictures(fit, profiles)
     if name in known:
         draw, caption = known[name]
@@ -137,7 +122,6 @@ def _show_picture(fit: Fit, name: str, profiles: Sequence[Profile] = ()) -> Iter
 
 
 def _describe_verdict(fit: Fit) -> Block:
-    """What must be known before a number is used."""
     found = collect_warnings(fit)
     title = "Read this first" if found else "Nothing speaks against these numbers"
     return Notice(title, _typeset_sentences([*describe_predictions(fit), *found]), warning=bool(found))
@@ -180,7 +164,6 @@ def _describe_problem(fit: Fit, scenario: Scenario | None) -> Iterator[Block]:
 
 
 def _list_facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
-    """Scenario, material, law, and what residuals are measured by."""
     if scenario is not None:
         file = f" (`{scenario.path.name}`)" if scenario.path else ""
         yield f"Scenario: {scenario.title}{file}."
@@ -243,16 +226,12 @@ def _describe_search(fit: Fit) -> Iterator[Block]:
 
 
 def _typeset_sentences(sentences: Sequence[str]) -> list[str]:
-    """Sentences with degrees as they are printed."""
     return [re.sub(r"(?<= )degC\b", "°C", one) for one in sentences]
 
 
 def _find_law(fit: Fit) -> dict[str, Any]:
     actuators = fit.system().actuators()
     return law_words(next(iter(actuators.values())).element.law)
-
-
-# ---------------------------------------------------------------- numbers
 
 
 def _collect_numbers(fit: Fit) -> dict[str, Any]:

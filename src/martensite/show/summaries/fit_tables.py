@@ -106,7 +106,6 @@ def mark_parameter(fit: Fit, name: str) -> str:
 
 
 def _choose_decimals(interval: Interval, unit: str, spelling: str) -> int | None:
-    """Decimals that show two digits of half an interval; None if it has no ends."""
     half = 0.5 * (interval[1] - interval[0]) / units.find_conversion(spelling, unit)[0]
     if not 0.0 < half < math.inf:
         return None
@@ -114,7 +113,6 @@ def _choose_decimals(interval: Interval, unit: str, spelling: str) -> int | None
 
 
 def _write_number(value: float, unit: str, spelling: str, decimals: int | None) -> str:
-    """A number in a chosen unit."""
     read = units.from_si(value, spelling, unit)
     if decimals is None or decimals > 9:
         return f"{float(f'{read:.{DIGITS}g}'):.{DIGITS}g}"
@@ -163,7 +161,6 @@ def _write_error(score: Score) -> tuple[str, ...]:
 
 
 def _round_small(value: float, beside: float) -> float:
-    """Zero for what is nothing beside another number."""
     return 0.0 if abs(value) < 1e-6 * beside else value
 
 

@@ -6,7 +6,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
+from martensite.base.errors import DataError
+from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
+from martensite.identify.blocks.base import AbstractStatic
+from martensite.identify.chains.uncertainty import ChainUncertainty, measure_coverage
+from martensite.identify.chains.validation import Validation, compare_validations
+from martensite.search.quantity_text import format_number
+from martensite.show.figures.model import plot_model, plot_model_loop, plot_model_tests
+from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static_blocks
 
 if TYPE_CHECKING:
     from martensite.identify.chains.chain import Chain
@@ -22,15 +29,11 @@ MOST_NUMBERS = 12
 """Numbers of a chain that are shown."""
 SCORES = ("model", "used for", "record", "output", "fit [%]", "RMS error", "largest error")
 STRUCTURES = ("structure", "numbers", "estimation [%]", "chosen by [%]", "agreeing", "s", "fault")
+RECORD_SCORES = ("record", "output", "part", "fit [%]", "rms error", "largest error", "bias")
 
 
 def summarise_identified(found: Identified, records: Sequence[Sampled]) -> Summary:
-    """Everything about models in stages.
-
-    Args:
-        found: the models.
-        records: all that were read for them.
-    """
+    """Everything about models in stages."""
     blocks = [block for k in range(len(found.stages)) for block in _describe_stage(found, k)]
     warned = [Sentence(one, "caution") for one in collect_warnings(found, records)]
     return Summary("", [*blocks, *_describe_scores(found), *warned], _collect_numbers(found, records))
@@ -53,7 +56,6 @@ def _describe_stage(found: Identified, k: int) -> Iterator[Block]:
 
 
 def _describe_dynamics(chain: Chain) -> Iterator[Block]:
-    """What the numbers of blocks with memory mean."""
     rows = [
         (str(k), name, f"{value:.5g}", unit)
         for k, (block, theta) in enumerate(zip(chain.blocks, chain.split(), strict=True), start=1)
@@ -181,3 +183,76 @@ def _collect_candidate(one: StructureCandidate) -> dict[str, Any]:
         "seconds": one.seconds,
         "fault": one.fault,
     }
+
+
+def summarise_model(
+    validations: Sequence[Validation], uncertainty: ChainUncertainty | None = None, title: str = ""
+) -> Summary:
+    """How well a model does on one or several records; its uncertainty adds numbers and bands.
+
+    Raises:
+        DataError: there are no validations.
+    """
+    if not validations:
+        raise DataError("A report on a model needs at least one validation.")
+    chain = validations[0].chain
+    lead = f"`{chain.text()}` at {chain.interval:.6g} s. {compare_validations(validations)}"
+    blocks = list(_describe_model(chain, validations, uncertainty))
+    return Summary(title or f"Model {chain.name}", blocks, lead=lead)
+
+
+def _describe_model(chain: Chain, validations: Sequence[Validation], found: ChainUncertainty | None) -> Iterator[Block]:
+    yield Heading("Scores")
+    yield Sentence("All figures are those of free runs: no measured output enters.")
+    rows = [row for one in validations for row in _score_rows(one)]
+    yield DataTable(RECORD_SCORES, rows, right=(3, 4, 5, 6))
+    for k, one in enumerate(validations):
+        yield from _describe_record(k, one, found)
+    if found is not None:
+        yield from _describe_numbers(found)
+    yield Heading("Blocks")
+    if any(isinstance(block, AbstractStatic) for block in chain.blocks):
+        yield Picture(
+            "static",
+            lambda: plot_static_blocks(chain, validations[0].record),
+            "Static blocks over what reached them (shaded).",
+        )
+    if any(block.linear for block in chain.blocks):
+        yield Picture("linear", lambda: plot_linear_blocks(chain), "Linear blocks.")
+
+
+def _score_rows(one: Validation) -> Iterator[tuple[str, ...]]:
+    for score in one.scores:
+        unit = one.record.units.get(score.output, "")
+        sizes = (f"{format_number(v, 3)} {unit}".strip() for v in (score.rms, score.maximum, score.bias))
+        yield score.record, score.output, score.part, f"{score.fit_percent:.2f}", *sizes
+
+
+def _describe_record(k: int, one: Validation, found: ChainUncertainty | None) -> Iterator[Block]:
+    yield Heading(f"Record {one.record.name}")
+    faults = one.failures
+    title = "What it misses" if faults else "Nothing found"
+    yield Notice(title, faults or one.sentences[-2:-1], bool(faults))
+    worst = one.worst()
+    yield Sentence(
+        f"The worst tenth is from {format_number(worst.begin)} to {format_number(worst.end)} s, "
+        f"with an rms error of {format_number(worst.rms, 3)}."
+    )
+    band = None if found is None else found.band(one.record)
+    if band is not None:
+        held = measure_coverage(band, one.record, one.skip)
+        shares = ", ".join(f"{100.0 * share:.1f} %" for share in held)
+        yield Sentence(f"The band of 95 % holds {shares} of the samples.")
+    yield Picture(f"record{k}", lambda: plot_model(one, band), "Measured and computed, with the error.")
+    yield Picture(f"loop{k}", lambda: plot_model_loop(one), "Output over input.")
+    yield Picture(f"tests{k}", lambda: plot_model_tests(one), "Residuals with themselves and the inputs.")
+
+
+def _describe_numbers(found: ChainUncertainty) -> Iterator[Block]:
+    yield Heading("Numbers")
+    yield BulletList(found.sentences)
+    rows = [
+        (str(one.block), one.name, format_number(one.value), format_number(one.error, 2), one.unit)
+        for one in found.describe_numbers()
+    ]
+    yield DataTable(("block", "number", "value", "standard error", "unit"), rows, right=(2, 3))

@@ -1,16 +1,21 @@
-"""Registered parts: parameters of one with the works it rests on, and names of many."""
+"""Registered parts with their parameters, and materials with their sources: lists, and one in detail."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
 from typing import Any
 
 from martensite.base.formats import write_quantity
-from martensite.base.summary import Block, DataTable, Heading, Sentence
+from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.base.units import OF_READINGS
+from martensite.physics.materials.base import DOUBTFUL, Material
+from martensite.physics.materials.names import NAMES
 from martensite.scenario.citations import read_bibliography, read_title
 from martensite.signals.base import DRIVE
+
+NUMBERS = ("name", "value", "kind", "meaning", "source", "note")
 
 
 def describe_part(part: Mapping[str, Any]) -> Iterator[Block]:
@@ -46,3 +51,37 @@ def tabulate_parts(kind: str, rows: Sequence[Mapping[str, Any]]) -> DataTable:
         cells = [(row["name"], row["written"], row["summary"]) for row in rows]
         return DataTable((kind, "in a chain", "what it is"), cells)
     return DataTable((kind, "what it is"), [(row["name"], row["summary"]) for row in rows])
+
+
+def summarise_materials(found: Sequence[Material]) -> Summary:
+    """Materials with a line each."""
+    table = DataTable(("material", "what it is"), [(one.name, one.title) for one in found])
+    rows = [{"name": one.name, "title": one.title, "summary": one.summary} for one in found]
+    return Summary("", [table], rows)
+
+
+def summarise_material(material: Material) -> Summary:
+    """Everything about a material."""
+    blocks: list[Block] = [Sentence(f"Limits: {material.limits}")]
+    if material.law is not None:
+        options = [f"{name} = {word}" for name, word in material.law.items() if name != "kind"]
+        blocks.append(Sentence(f"Law: {', '.join([material.law['kind'], *options])}"))
+    rows = [
+        (
+            name,
+            n.text,
+            ("! " if n.kind in DOUBTFUL else "") + n.kind,
+            NAMES[name][1],
+            ", ".join(part for part in (material.sources[n.source].cite, n.where) if part),
+            n.note,
+        )
+        for name, n in material.values.items()
+    ]
+    blocks.append(DataTable(NUMBERS, rows))
+    if any(n.kind in DOUBTFUL for n in material.values.values()):
+        told = "! assumed or recalled: not measured on this material"
+        blocks.append(Sentence(told, "caution"))
+    sources = material.sources.values()
+    blocks += [Sentence(f"[{source.cite}] {source.text}") for source in sources]
+    title = f"{material.name}: {material.title}"
+    return Summary(title, blocks, asdict(material), material.summary)

@@ -1,4 +1,4 @@
-"""A run of a scenario: its result, and how far it is from records and from pulses."""
+"""A run of a scenario, and laws on a path: what came out, and how far it is from others."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.base.formats import typeset_unit, write_difference, write_quantity
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
+from martensite.simulate.path_stages import PathStage, list_stages, residual_strain
 
 if TYPE_CHECKING:
     from martensite.design.tuning.averaging import Averaging
     from martensite.scenario.compare import Agreement
+    from martensite.scenario.laws import ConfiguredLaw
     from martensite.scenario.scenario import Scenario
+    from martensite.simulate.point import PointResult
     from martensite.simulate.result import Result
 
 NOTHING = 1e-12
@@ -26,19 +29,13 @@ PEAKS = (
 )
 """Output, what is said of it, and which end."""
 COMPARED = ("computed - measured", "RMS", "largest", "at", "measured range")
+COLUMNS = ("path", "leg", "ξ", "transforms", "starts", "half", "ends", "strain", "stress")
 
 
 def summarise_run(
     scenario: Scenario, result: Result, agreements: Sequence[Agreement] = (), averaging: Averaging | None = None
 ) -> Summary:
-    """Everything about a run.
-
-    Args:
-        scenario: what was run.
-        result: what came out.
-        agreements: how far it is from the record it was compared with.
-        averaging: what it leaves out by averaging over pulses, if that was asked for.
-    """
+    """Everything about a run."""
     own = result.summary()
     warned = len(result.warnings)
     told, warnings = own.blocks[: len(own.blocks) - warned], own.blocks[len(own.blocks) - warned :]
@@ -68,7 +65,6 @@ def tabulate_key_results(result: Result) -> DataTable:
 
 
 def _list_strokes(result: Result) -> Iterator[tuple[str, str]]:
-    """How far each coordinate goes that is judged."""
     judged = {result.coordinate, *result.system.mechanism.convergence_scales()}
     for name, output in result.system.mechanism.outputs().items():
         if name in judged:
@@ -89,7 +85,6 @@ def _list_peaks(result: Result) -> Iterator[tuple[str, str]]:
 
 
 def _list_energies(result: Result) -> Iterator[tuple[str, str]]:
-    """Each energy at the end, and the efficiency; none where a temperature is prescribed."""
     from martensite.design.analysis.energy import find_ways, integrate_energies
 
     actuators = result.system.actuators().values()
@@ -136,7 +131,6 @@ def _describe_averaging(found: Averaging | None) -> Iterator[Block]:
 
 
 def _collect_averaging(found: Averaging | None) -> dict[str, Any] | None:
-    """What averaging leaves out, by name in SI."""
     if found is None:
         return None
     return {
@@ -146,3 +140,79 @@ def _collect_averaging(found: Averaging | None) -> dict[str, Any] | None:
         "estimate": found.estimate,
         "alarms": [asdict(alarm) for alarm in found.pulsed.result.alarms],
     }
+
+
+def summarise_laws(path: str, dressed: Sequence[ConfiguredLaw], results: Sequence[Sequence[PointResult]]) -> Summary:
+    """Everything about laws on the path of a name: what each did on the paths that it was given."""
+    pairs = list(zip(dressed, results, strict=True))
+    blocks = [block for one, own in pairs for block in _describe_law(path, one, own)]
+    return Summary("", blocks, {"path": path, "laws": [_collect_law(*pair) for pair in pairs]})
+
+
+def _describe_law(path: str, one: ConfiguredLaw, own: Sequence[PointResult]) -> Iterator[Block]:
+    source = "" if one.material is None else f", numbers of {one.material.name}"
+    yield Heading(f"{one.law.registered_name} on the path {path}{source}")
+    rows = [row for result in own for row in _list_rows(result)]
+    yield DataTable(COLUMNS, rows, right=(2, 4, 5, 6, 7, 8))
+    yield from (Sentence(_tell_rest(result)) for result in own)
+    yield from (Sentence(f"Caution: {caution}", "caution") for caution in one.cautions)
+    yield from (Sentence(words, "caution") for result in own for words in result.warnings)
+
+
+def _collect_law(one: ConfiguredLaw, own: Sequence[PointResult]) -> dict[str, Any]:
+    return {
+        "name": one.law.registered_name,
+        "material": None if one.material is None else one.material.name,
+        "cautions": one.cautions,
+        "paths": [_collect_path(result) for result in own],
+    }
+
+
+def _collect_path(result: PointResult) -> dict[str, Any]:
+    return {
+        "label": result.label,
+        "status": result.status.name,
+        "steps": result.steps,
+        "accuracy": result.accuracy,
+        "residual_strain": residual_strain(result),
+        "work": result.work,
+        "warnings": result.warnings,
+        "legs": [_describe_leg(stage) for stage in list_stages(result)],
+    }
+
+
+def _describe_leg(stage: PathStage) -> dict[str, Any]:
+    spots = None if stage.spots is None else [one._asdict() for one in stage.spots]
+    return asdict(stage) | {"spots": spots, "end": stage.end._asdict()}
+
+
+def _tell_rest(result: PointResult) -> str:
+    accuracy = "" if result.accuracy is None else f", accuracy {result.accuracy:.1e} of range"
+    return (
+        f"{result.label}: residual strain {100.0 * residual_strain(result):.3f} %, work "
+        f"{result.work / 1e6:.3f} MJ/m³ ({result.steps:,} steps{accuracy})"
+    )
+
+
+def _list_rows(result: PointResult) -> list[tuple[str, ...]]:
+    return [
+        (result.label if i == 0 else "", *_write_stage(i + 1, stage)) for i, stage in enumerate(list_stages(result))
+    ]
+
+
+def _write_stage(number: int, stage: PathStage) -> tuple[str, ...]:
+    spots = [_write_spot(stage, i) for i in range(3)]
+    change = f"{stage.martensite:+.3f}" if stage.process != "orientation" else "0"
+    strain, stress = f"{100.0 * stage.strain:.3f} %", f"{stage.end.stress / 1e6:.1f} MPa"
+    return f"{number} {stage.kind}", change, stage.process, *spots, strain, stress
+
+
+def _write_spot(stage: PathStage, i: int) -> str:
+    if stage.spots is None:
+        return ""
+    spot, parts = stage.spots[i], list[str]()
+    if "temperature" in stage.varies:
+        parts.append(f"{spot.temperature - 273.15:.1f} degC")
+    if "stress" in stage.varies:
+        parts.append(f"{spot.stress / 1e6:.1f} MPa")
+    return ", ".join(parts)

@@ -1,12 +1,15 @@
-"""Wires for a request: a table of them, and one of them in words."""
+"""Wires for a request: a table of them, one of them in words; and the model beside the maker's table."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from typing import Any
 
 from martensite.base.formats import write_percent
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.design.sizing.candidates import Candidate, Sizing
+from martensite.design.sizing.catalogue_check import CheckRow, RatioSpread, summarise_ratios
 from martensite.design.sizing.cycle import PulseCycle
 from martensite.design.sizing.request import WireRequest
 from martensite.physics.materials.base import DOUBTFUL, MaterialNumber, load_material
@@ -27,6 +30,19 @@ COLUMNS = (
     "cools\ns",
     "verdict",
 )
+CHECKED = (
+    "wire\nmm",
+    "alloy\n°C",
+    "1 s pulse\nmA",
+    "table\nmA",
+    "ratio",
+    "cools\ns",
+    "table\ns",
+    "ratio ",
+    "lost\nin 1 s",
+    "I²R t\n/stored",
+)
+DOUBT = "No number is fitted to a size. ! recalled: the original was not seen"
 
 
 def summarise_sizing(sizing: Sizing, chosen: int | None, *, every: bool = False) -> Summary:
@@ -48,7 +64,6 @@ def summarise_sizing(sizing: Sizing, chosen: int | None, *, every: bool = False)
 
 
 def _describe_candidates(sizing: Sizing, chosen: int | None, every: bool) -> Iterator[Block]:
-    """The wires that do, or all, or the nearest."""
     numbered = list(enumerate(sizing.candidates))
     good = [(i, found) for i, found in numbered if found.feasible]
     shown = numbered if every else good or numbered[:NEAREST]
@@ -195,3 +210,76 @@ def list_doubts(found: Candidate) -> list[str]:
     if found.recalled:
         lines.insert(0, f"Recalled cells of the catalogue: {', '.join(found.recalled)}.")
     return lines
+
+
+def summarise_check(rows: Sequence[CheckRow], stress: float, ambient: float) -> Summary:
+    """The model beside the maker's table, under a stress [Pa] in still air [K]."""
+    blocks = [
+        Sentence(write_conditions(stress, ambient)),
+        DataTable(CHECKED, [list_check_cells(row) for row in rows], right=range(2, len(CHECKED))),
+        *map(Sentence, list_spreads(rows)),
+        Sentence(DOUBT, "caution"),
+    ]
+    return Summary("", blocks, collect_check(rows, stress, ambient))
+
+
+def write_conditions(stress: float, ambient: float) -> str:
+    """Under which conditions [Pa, K] the model is set beside the table."""
+    return (
+        f"The model beside the maker's table: a weight of {stress / 1e6:.4g} MPa, still air of "
+        f"{ambient - 273.15:.4g} °C, vertical wire, the last 0.5 % of deformation not counted."
+    )
+
+
+def collect_check(rows: Sequence[CheckRow], stress: float, ambient: float) -> dict[str, Any]:
+    """Everything in SI."""
+    extra = ("current_ratio", "cooling_ratio")
+    return {
+        "stress": stress,
+        "ambient": ambient,
+        "rows": [asdict(row) | {name: getattr(row, name) for name in extra} for row in rows],
+        "spread": {alloy: _collect_spreads(rows, alloy) for alloy in _list_alloys(rows)},
+    }
+
+
+def _list_alloys(rows: Sequence[CheckRow]) -> list[str]:
+    return list(dict.fromkeys(row.alloy for row in rows))
+
+
+def _collect_spreads(rows: Sequence[CheckRow], alloy: str) -> dict[str, RatioSpread | None]:
+    own = [row for row in rows if row.alloy == alloy]
+    return {
+        "current": summarise_ratios([row.current_ratio for row in own]),
+        "cooling": summarise_ratios([row.cooling_ratio for row in own]),
+    }
+
+
+def list_spreads(rows: Sequence[CheckRow]) -> list[str]:
+    """How far the ratios are apart, for each alloy and number."""
+    return [
+        f"{alloy} °C, {name}: model/catalogue {found.least:.2f} to {found.most:.2f}, geometric mean {found.mean:.2f}"
+        for alloy in _list_alloys(rows)
+        for name, found in _collect_spreads(rows, alloy).items()
+        if found is not None
+    ]
+
+
+def list_check_cells(row: CheckRow) -> tuple[str, ...]:
+    """Its cells below `COLUMNS`."""
+    ratio = row.cooling_ratio
+    return (
+        strip_unit(row.size),
+        row.alloy,
+        f"{1e3 * row.current:.0f}",
+        _mark_cell(row.current_cell, 1e3),
+        f"{row.current_ratio:.2f}",
+        write_seconds(row.cooling),
+        _mark_cell(row.cooling_cell, 1.0),
+        "" if ratio is None else f"{ratio:.2f}",
+        write_percent(row.loss_share),
+        f"{row.stored_share:.2f}",
+    )
+
+
+def _mark_cell(cell: MaterialNumber, scale: float) -> str:
+    return ("! " if cell.kind in DOUBTFUL else "") + f"{scale * cell.value:.4g}"

@@ -24,7 +24,7 @@ class FingerCalibration(TableStudy):
 
     def figure(self, path: Path) -> None:
         """Write the figure, with as many starts as the claims."""
-        from martensite.show.figures.files import write_figure
+        from martensite.show.figures.style import write_figure
         from martensite_studies.finger_calibration.figure import draw_figure
 
         write_figure(draw_figure(self.printed, full=self.full), path)

@@ -1,46 +1,51 @@
-"""Tangents of isobaric cycles: the lines and points of each, and what they say over stress.
+"""Figures of laboratory tests: tangents of isobaric cycles, and a fitted film coefficient.
 
-Left, one panel per cycle: strain over temperature, the three lines of each branch, and where they
-meet. Right: stress over temperature with the lines of common slope and the strips between them,
-and the transformation strain over stress.
+Tangents: one panel per cycle with the three lines of each branch, and where they meet; beside them
+stress over temperature with the lines of common slope, and the transformation strain over stress.
+Film coefficient: the points and each form with the confidence band of its mean; beside them the
+same fluxes turned into h with other ambient temperatures.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.show.figures.labels import QuantityAxis, enclose_values, typeset_symbol
+from martensite.show.figures.labels import STRAIN, STRESS, TEMPERATURE, QuantityAxis, enclose_values, typeset_symbol
 from martensite.show.figures.panels import add_panels, pick_evenly, write_headline
-from martensite.show.figures.style import COOLING, HEATING, INK, QUIET, SIMULATED, make_figure, use_style
+from martensite.show.figures.style import COOLING, HEATING, INK, MEASURED, QUIET, SIMULATED, make_figure, use_style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from martensite.characterise.film_ambient import AtAmbient
+    from martensite.characterise.film_report import FilmReport
     from martensite.characterise.isobaric_cycles import CycleBranch
     from martensite.characterise.tangent_fit import Direction, TangentFit
     from martensite.characterise.tangent_lines import BranchTangents
     from martensite.characterise.tangent_points import TangentPoints
 
-TEMPERATURE = QuantityAxis("temperature", "temperature", "T", "K", "degC")
-STRESS = QuantityAxis("stress", "stress", "σ", "Pa", "MPa")
-STRAIN = QuantityAxis("strain", "strain", "ε", "1", "%")
 TRANSFORMATION = QuantityAxis("H", "transformation strain", "H", "1", "%")
 MOST_PANELS = 6
 """Cycles drawn at most; of more, those spread evenly over the stresses."""
 DOTS = 120
 """Rows of a branch up to which they are drawn as dots, too."""
 _MARKS = {"A_s": "o", "A_f": "s", "M_s": "s", "M_f": "o"}
+LOOKS: dict[str, tuple[str, Any]] = {
+    "constant": (MEASURED[0], (0, (1, 1.3))),
+    "linear": (SIMULATED, "-"),
+    "quadratic": (HEATING, (0, (5, 1.6))),
+    "h1=0": (MEASURED[2], (0, (4, 1.2, 1, 1.2))),
+}
+"""Form -> colour and dashes."""
+BANDED = ("linear", "quadratic")
+"""Forms whose band is drawn, if no single one was asked for."""
 
 
 def plot_tangents(found: TangentFit | TangentPoints, title: str = "") -> Figure:
-    """Draw the tangents of one cycle, or of cycles under several stresses with their fit.
-
-    Args:
-        found: what `tangent_fit` or `tangent_points` found.
-        title: headline.
-    """
+    """Draw the tangents of one cycle, or of cycles under several stresses with their fit."""
     from martensite.characterise.tangent_points import TangentPoints
 
     with use_style():
@@ -54,7 +59,6 @@ def plot_tangents(found: TangentFit | TangentPoints, title: str = "") -> Figure:
 
 
 def _draw_several(found: TangentFit) -> Figure:
-    """Panels of the cycles, and beside them what they say together."""
     shown = pick_evenly(found.levels, MOST_PANELS)
     columns = 1 if len(shown) < 3 else 2
     rows = -(-len(shown) // columns)
@@ -66,8 +70,7 @@ def _draw_several(found: TangentFit) -> Figure:
         _draw_cycle(axes, points)
         bottom, edge = k + columns >= len(shown), k % columns == 0
         axes.tick_params(labelbottom=bottom)
-        axes.set_xlabel(TEMPERATURE.label if bottom else "")
-        axes.set_ylabel(STRAIN.label if edge else "")
+        axes.set(xlabel=TEMPERATURE.label if bottom else "", ylabel=STRAIN.label if edge else "")
     for axes in cycles[len(shown) :]:
         axes.remove()
     room = (1.3 + wide, 0.17, 0.64, 0.5)
@@ -77,21 +80,14 @@ def _draw_several(found: TangentFit) -> Figure:
     return figure
 
 
-# ---------------------------------------------------------------- one cycle
-
-
 def _draw_cycle(axes: Any, points: TangentPoints) -> None:
-    """Strain over temperature with lines and points."""
     _draw_branch(axes, points.cycle.heating, points.heating, ("A_s", "A_f"), HEATING)
     _draw_branch(axes, points.cycle.cooling, points.cooling, ("M_f", "M_s"), COOLING)
     H = TRANSFORMATION.values([points.H])[0]
-    axes.set_title(f"{points.stress / 1e6:.3g} MPa:  $H$ = {H:.2f} %")
-    axes.set_xlabel(TEMPERATURE.label)
-    axes.set_ylabel(STRAIN.label)
+    axes.set(title=f"{points.stress / 1e6:.3g} MPa:  $H$ = {H:.2f} %", xlabel=TEMPERATURE.label, ylabel=STRAIN.label)
 
 
 def _draw_branch(axes: Any, rows: CycleBranch, found: BranchTangents, names: tuple[str, str], colour: str) -> None:
-    """One branch: its rows, the outer lines up to the transformation, and the steep one."""
     x, y = TEMPERATURE.values(rows.temperature), STRAIN.values(rows.strain)
     dots = {"marker": "o", "markersize": 1.8, "markeredgewidth": 0.0} if len(x) <= DOTS else {}
     axes.plot(x, y, color=colour, linewidth=0.8, alpha=0.55, zorder=1.8, **dots)
@@ -111,7 +107,6 @@ def _draw_branch(axes: Any, rows: CycleBranch, found: BranchTangents, names: tup
 
 
 def _mark_point(axes: Any, name: str, kelvin: float, strain: float, colour: str) -> None:
-    """A mark where two lines meet, named on the side away from the rows."""
     x, y = TEMPERATURE.values([kelvin])[0], STRAIN.values([strain])[0]
     look = {"markersize": 4.2, "markeredgecolor": "white", "markeredgewidth": 0.6}
     axes.plot([x], [y], _MARKS[name], color=colour, zorder=3.0, **look)
@@ -122,11 +117,7 @@ def _mark_point(axes: Any, name: str, kelvin: float, strain: float, colour: str)
     axes.annotate(typeset_symbol(name), (x, y), beside, **sides, **look)
 
 
-# ---------------------------------------------------------------- over stress
-
-
 def _draw_diagram(axes: Any, found: TangentFit) -> None:
-    """Stress over temperature: points, lines of common slope and their bands."""
     top = 1.12 * max(points.stress for points in found.levels)
     for one, colour in ((found.reverse, HEATING), (found.forward, COOLING)):
         _draw_lines(axes, found, one, top, colour)
@@ -137,10 +128,8 @@ def _draw_diagram(axes: Any, found: TangentFit) -> None:
             look = {"color": colour, "markerfacecolor": filled, "markersize": 4.4}
             axes.plot(x, y, _MARKS[name], linestyle="none", zorder=3.0, **look)
     low, high = axes.get_xlim()
-    axes.set_xlim(low - 0.05 * (high - low), high)
-    axes.set_ylim(0.0, STRESS.values([top])[0])
-    axes.set_xlabel(TEMPERATURE.label)
-    axes.set_ylabel(STRESS.label)
+    axes.set(xlim=(low - 0.05 * (high - low), high), ylim=(0.0, STRESS.values([top])[0]), xlabel=TEMPERATURE.label)
+    axes.set(ylabel=STRESS.label)
     slopes = (
         f"${symbol}$ = {one.slope / 1e6:.3g}{_describe_half(one)} MPa/K"
         for symbol, one in (("C_A", found.reverse), ("C_M", found.forward))
@@ -149,13 +138,11 @@ def _draw_diagram(axes: Any, found: TangentFit) -> None:
 
 
 def _describe_half(one: Direction) -> str:
-    """Half the interval of a slope, if there is one."""
     low, high = one.slope_interval()
     return f" ± {0.5e-6 * (high - low):.2g}" if np.isfinite(high - low) else ""
 
 
 def _draw_lines(axes: Any, found: TangentFit, one: Direction, top: float, colour: str) -> None:
-    """The two lines of one direction, filled between, each with its name."""
     stress = [0.0, top]
     sides = [TEMPERATURE.values([end.value + one.shift.value * s for s in stress]) for end in (one.start, one.finish)]
     y = STRESS.values(stress)
@@ -170,7 +157,6 @@ def _draw_lines(axes: Any, found: TangentFit, one: Direction, top: float, colour
 
 
 def _draw_strain(axes: Any, found: TangentFit) -> None:
-    """Transformation strain over stress, of both branches, and its fit."""
     stress = [points.stress for points in found.levels]
     x = STRESS.values(stress)
     for way, colour in (("heating", HEATING), ("cooling", COOLING)):
@@ -181,8 +167,72 @@ def _draw_strain(axes: Any, found: TangentFit) -> None:
     axes.plot(STRESS.values(at), fitted, color=SIMULATED, label=f"{found.strain.form} $H(σ)$")
     strokes = TRANSFORMATION.values([points.stroke for points in found.levels])
     axes.plot(x, strokes, "x", color=QUIET, markersize=4.0, label="stroke")
-    axes.set_xlim(0.0, STRESS.values([at[-1]])[0])
-    axes.set_ylim(0.0, enclose_values([0.0], strokes, fitted)[1])
-    axes.set_xlabel(STRESS.label)
-    axes.set_ylabel(TRANSFORMATION.label)
+    axes.set(xlim=(0.0, STRESS.values([at[-1]])[0]), ylim=(0.0, enclose_values([0.0], strokes, fitted)[1]))
+    axes.set(xlabel=STRESS.label, ylabel=TRANSFORMATION.label)
     axes.legend(loc="lower right", ncols=2)
+
+
+def plot_film(report: FilmReport, forms: Sequence[str] | None = None, title: str = "") -> Figure:
+    """Draw fits of a film coefficient, and its dependence on the ambient temperature.
+
+    Args:
+        report: what `judge_film` found.
+        forms: names of the forms to draw; all if left out.
+        title: headline.
+    """
+    shown = [form for form in report.fits if forms is None or form in forms]
+    ambient = report.ambient
+    with use_style():
+        figure = make_figure(10.5 if ambient else 6.0, 4.2)
+        write_headline(figure, title or "Film coefficient")
+        panels = add_panels(figure, 1, 2 if ambient else 1, (0.68, 0.14, 0.72, 0.5), (0.72, 0.0))
+        _draw_fits(panels[0, 0], report, shown)
+        if ambient is not None:
+            _draw_ambients(panels[0, 1], report, ambient.shifts)
+        return figure
+
+
+def _draw_fits(axes: Any, report: FilmReport, forms: Sequence[str]) -> None:
+    points = report.points
+    at = np.linspace(*_find_span(points.temperatures_degC), 101)
+    banded = forms if len(forms) == 1 else BANDED
+    top = max(points.h)
+    for form in forms:
+        fit, (colour, dashes) = report.fits[form], LOOKS[form]
+        line = np.asarray([fit.film(t) for t in at])
+        label = f"{form}: $R^2$ {fit.r_squared:.4f}, adjusted {fit.adjusted:.3f}"
+        axes.plot(at, line, color=colour, linestyle=dashes, label=label)
+        if form in banded and fit.linear.freedom:
+            half = np.asarray([fit.half_width(t, report.level) for t in at])
+            axes.fill_between(at, line - half, line + half, color=colour, alpha=0.13, linewidth=0.0)
+    dots = {"color": INK, "markersize": 5.0, "zorder": 4, "label": "points"}
+    axes.plot(points.temperatures_degC, points.h, "o", **dots)
+    axes.set(ylim=(0.0, 1.35 * top), title=f"fits; bands: {100 * report.level:g} % for the mean")
+    _name_form(axes)
+
+
+def _draw_ambients(axes: Any, report: FilmReport, shifts: Sequence[AtAmbient]) -> None:
+    at = np.asarray(_find_span(report.points.temperatures_degC))
+    for shift in shifts:
+        over = shift.points.ambient - report.points.ambient
+        colour = INK if over == 0.0 else HEATING if over > 0.0 else COOLING
+        shade = 1.0 if abs(over) < 2.0 else 0.55
+        axes.plot(at, [shift.line.film(t) for t in at], color=colour, alpha=shade, linewidth=1.0)
+        look = {"color": colour, "alpha": shade, "markersize": 4.0}
+        label = f"{shift.points.ambient:g} °C ({over:+g} K)"
+        axes.plot(shift.points.temperatures_degC, shift.points.h, "o", label=label, **look)
+    axes.set_title("the same powers with another ambient temperature; straight lines")
+    axes.set_ylim(0.0, 1.1 * max(max(shift.points.h) for shift in shifts))
+    axes.axhline(0.0, color=QUIET, linewidth=0.7)
+    _name_form(axes)
+
+
+def _find_span(temperatures: Sequence[float]) -> tuple[float, float]:
+    low, high = min(temperatures), max(temperatures)
+    margin = 0.06 * (high - low)
+    return low - margin, high + margin
+
+
+def _name_form(axes: Any) -> None:
+    axes.set(xlabel="$T$ [°C]", ylabel="$h$ [W/(m² K)]")
+    axes.legend(loc="lower left")

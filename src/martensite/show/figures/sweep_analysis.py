@@ -1,18 +1,20 @@
-"""The figure of a Pareto front: all runs, those that no other beats, and some of their designs."""
+"""Figures of what a sweep says: its Pareto front with some of the designs, and sensitivities."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 from string import ascii_uppercase
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from martensite.design.sweep.indices import SensitivityIndices
 from martensite.design.sweep.pareto import ParetoFront
 from martensite.design.sweep.table import SweepTable, shorten_names
-from martensite.show.figures.panels import write_suptitle
-from martensite.show.figures.style import FAINT, HEATING, INK, QUIET, make_figure, use_style
-from martensite.show.figures.sweep_labels import arrange_panels, label_column, write_sweep_title
+from martensite.show.figures.panels import make_panels, write_suptitle
+from martensite.show.figures.style import COOLING, FAINT, HEATING, INK, MEASURED, QUIET, make_figure, use_style
+from martensite.show.figures.sweep import arrange_panels, label_column, write_sweep_title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,6 +26,11 @@ MOST_POINTS = 20_000
 PANEL, CELL, TABLE = 3.6, 1.15, 1.9
 """Width of a panel, width of a column of the table, and height of the table [inch]."""
 MOST_PAIRS = 6
+COLOURS = {"first": COOLING, "total": HEATING, "delta": MEASURED[2], "rank slope": MEASURED[0]}
+"""Indices that are drawn, and how."""
+WIDTH, BAR, HEAD = 4.2, 0.19, 1.0
+MOST_BARS = 10
+"""Varied numbers in a panel, the most important."""
 
 
 def plot_pareto(found: SweepTable, front: ParetoFront, title: str = "") -> Figure:
@@ -67,7 +74,6 @@ def _choose_named(front: ParetoFront) -> list[int]:
 
 
 def _draw_pair(axes: Axes, found: SweepTable, front: ParetoFront, pair: tuple[int, int], named: list[int]) -> None:
-    """All runs and the front over two goals."""
     from matplotlib.patheffects import withStroke
 
     a, b = (front.goals[k] for k in pair)
@@ -90,7 +96,6 @@ def _draw_pair(axes: Axes, found: SweepTable, front: ParetoFront, pair: tuple[in
 
 
 def _tabulate_designs(figure: Any, found: SweepTable, front: ParetoFront, named: list[int]) -> None:
-    """A table of the designs that have a letter."""
     shown = front.columns(found)
     short = shorten_names(list(found.varied))
     axes = figure.subplots()
@@ -107,3 +112,53 @@ def _tabulate_designs(figure: Any, found: SweepTable, front: ParetoFront, named:
     for cell in table.get_celld().values():
         cell.set(edgecolor=FAINT)
         cell.get_text().set_parse_math(False)
+
+
+def plot_sensitivity(found: Sequence[SensitivityIndices], title: str = "") -> Figure:
+    """Draw what measures depend on, one panel for each, the most important number on top."""
+    rows, columns = arrange_panels(len(found))
+    kinds = [kind for kind in COLOURS if any(kind in one.indices for one in found)]
+    names = min(max(len(one.names) for one in found), MOST_BARS)
+    height = names * (BAR * len(kinds) + 0.12) + HEAD
+    with use_style():
+        width = WIDTH * max(columns, 1.2)
+        figure, panels = make_panels(width, rows * height + 0.4, rows, columns, title)
+        panels = panels.ravel()
+        for panel, one in zip(panels, found, strict=False):
+            _draw_bars(panel, one, kinds)
+        for panel in panels[len(found) :]:
+            panel.set_axis_off()
+        figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=len(kinds))
+    return figure
+
+
+def _draw_bars(axes: Axes, one: SensitivityIndices, kinds: list[str]) -> None:
+    order = one.order[:MOST_BARS]
+    names = shorten_names(list(one.names))
+    places = np.arange(len(order))
+    for k, kind in enumerate(kinds):
+        index = one.indices.get(kind)
+        if index is None:
+            continue
+        at = places + (k - 0.5 * (len(kinds) - 1)) * 0.8 / len(kinds)
+        values, wide = index.values[order], index.wide[order]
+        axes.barh(at, np.nan_to_num(values), 0.8 / len(kinds), color=COLOURS[kind], label=kind)
+        known = np.isfinite(wide) & np.isfinite(values)
+        axes.errorbar(values[known], at[known], xerr=wide[known], ls="", ecolor=INK, elinewidth=0.8, capsize=2)
+    axes.axvline(0.0, color=QUIET, linewidth=0.7)
+    axes.set_yticks(places, [names[one.names[k]] for k in order])
+    axes.invert_yaxis()
+    axes.set_xlim(*_find_ends(one))
+    axes.grid(visible=False, axis="y")
+    title = one.measure if one.deviation else f"{one.measure} (always the same)"
+    axes.set_title(title, fontweight="bold").set_parse_math(False)
+
+
+def _find_ends(one: SensitivityIndices) -> tuple[float, float]:
+    """Limits of the panel: 0 to 1, more where an interval of something drawn goes further."""
+    drawn = [index for kind, index in one.indices.items() if kind in COLOURS]
+    halves = [np.nan_to_num(index.wide) for index in drawn]
+    values = [np.nan_to_num(index.values) for index in drawn]
+    low = min(float(np.min(v - w)) for v, w in zip(values, halves, strict=True))
+    high = max(float(np.max(v + w)) for v, w in zip(values, halves, strict=True))
+    return 1.05 * min(low, -0.02), max(1.05, 1.02 * high)
