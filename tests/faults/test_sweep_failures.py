@@ -16,9 +16,8 @@ import numpy as np
 import pytest
 from sweep_cases import Doubling, Poison, arrays, ran, undisturbed, wanted, wire
 
-from martensite.base.errors import DataError, InputError
+from martensite.base.errors import DataError, InputError, StoppedError
 from martensite.base.status import Status
-from martensite.design.backends.base import StoppedError
 from martensite.design.backends.serial import Serial
 from martensite.design.sweep.api import SweepExecution, begin_sweep
 from martensite.design.sweep.failed_runs import MOST_LOST, keep_runs

@@ -14,10 +14,10 @@ from typing import Any
 import pytest
 from sweep_cases import Doubling, arrays, ran, undisturbed, wanted, wire
 
-from martensite.base.errors import InputError
+from martensite.base.errors import InputError, StoppedError
 from martensite.base.status import Status
 from martensite.design.backends import dask_cluster
-from martensite.design.backends.base import Report, StoppedError
+from martensite.design.backends.base import Report
 from martensite.design.backends.dask_cluster import DaskCluster
 from martensite.design.sweep.api import SweepExecution, begin_sweep
 

@@ -1,10 +1,10 @@
+from martensite.base.errors import StoppedError as StoppedError
 from martensite.design.analysis.energy import CycleEnergies as CycleEnergies
 from martensite.design.analysis.energy import compute_cycle_energies as compute_cycle_energies
 from martensite.design.analysis.frequency import FrequencyResponse as FrequencyResponse
 from martensite.design.analysis.frequency import measure_frequency_response as measure_frequency_response
 from martensite.design.analysis.speed import Speeds as Speeds
 from martensite.design.analysis.speed import compute_speeds as compute_speeds
-from martensite.design.backends.base import StoppedError as StoppedError
 from martensite.design.optimise.grid_scan import scan_designs as scan_designs
 from martensite.design.optimise.optimise import optimise_design as optimise_design
 from martensite.design.optimise.optimised_design import OptimisedDesign as OptimisedDesign

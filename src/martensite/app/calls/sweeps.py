@@ -19,8 +19,7 @@ from martensite.app.sweeping.sweep_progress import SweepProgress, name_statuses
 from martensite.app.sweeping.sweep_request import check_request, read_texts, read_wanted, read_workers, require_size
 from martensite.app.sweeping.timing import choose_chunk, time_block
 from martensite.app.worker import Desk
-from martensite.base.errors import DataError
-from martensite.design.backends.base import StoppedError
+from martensite.base.errors import DataError, StoppedError
 from martensite.design.backends.processes import count_cores
 from martensite.design.sweep.api import begin_sweep
 from martensite.design.sweep.indices import compute_sensitivity

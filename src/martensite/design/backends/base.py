@@ -11,13 +11,8 @@ from collections.abc import Generator, Iterable
 from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
-from martensite.base.errors import MartensiteError
 from martensite.base.registry import Registry
 from martensite.design.sweep.plan import SweepPiece
-
-
-class StoppedError(MartensiteError):
-    """A sweep stopped on the way; what was made is kept, and the sentence says how to go on."""
 
 
 @dataclass(frozen=True)

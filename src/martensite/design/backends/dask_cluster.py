@@ -19,8 +19,8 @@ from importlib import import_module
 from itertools import islice
 from typing import Any
 
-from martensite.base.errors import InputError
-from martensite.design.backends.base import BACKENDS, AbstractBackend, Job, Report, StoppedError
+from martensite.base.errors import InputError, StoppedError
+from martensite.design.backends.base import BACKENDS, AbstractBackend, Job, Report
 from martensite.design.backends.processes import count_cores, salvage_chunk
 
 PATIENCE = 10.0

@@ -21,7 +21,8 @@ from itertools import islice
 from multiprocessing import get_context, parent_process
 from threading import Thread
 
-from martensite.design.backends.base import BACKENDS, AbstractBackend, Job, Report, StoppedError
+from martensite.base.errors import StoppedError
+from martensite.design.backends.base import BACKENDS, AbstractBackend, Job, Report
 from martensite.design.sweep.failed_runs import keep_runs
 from martensite.design.sweep.plan import SweepPiece
 

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from martensite.base.errors import MartensiteError
-from martensite.design.backends.base import Job, StoppedError
+from martensite.base.errors import MartensiteError, StoppedError
+from martensite.design.backends.base import Job
 from martensite.design.sweep.plan import SweepPiece
 
 MOST_LOST = 32

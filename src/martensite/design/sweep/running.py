@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 
-from martensite.base.errors import ParameterError
-from martensite.design.backends.base import AbstractBackend, Job, Report, StoppedError
+from martensite.base.errors import ParameterError, StoppedError
+from martensite.design.backends.base import AbstractBackend, Job, Report
 
 
 @dataclass
