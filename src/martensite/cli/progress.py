@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-    from martensite.design.sweep.running import Progress as Swept
+    from martensite.design.sweep.api import Progress as Swept
     from martensite.fit.search_monitor import SearchNote, Tell
 
 

@@ -5,10 +5,10 @@ from martensite.design.analysis.frequency import FrequencyResponse as FrequencyR
 from martensite.design.analysis.frequency import measure_frequency_response as measure_frequency_response
 from martensite.design.analysis.speed import Speeds as Speeds
 from martensite.design.analysis.speed import compute_speeds as compute_speeds
-from martensite.design.optimise.grid_scan import scan_designs as scan_designs
 from martensite.design.optimise.optimise import optimise_design as optimise_design
 from martensite.design.optimise.optimised_design import OptimisedDesign as OptimisedDesign
 from martensite.design.optimise.search import DesignSearch as DesignSearch
+from martensite.design.optimise.search import scan_designs as scan_designs
 from martensite.design.rules.formulas import RULES as RULES
 from martensite.design.rules.formulas import FirstOrder as FirstOrder
 from martensite.design.rules.formulas import Integrating as Integrating
@@ -23,11 +23,11 @@ from martensite.design.rules.step_test import run_step_test as run_step_test
 from martensite.design.sizing.candidates import size_wire as size_wire
 from martensite.design.sizing.request import WireRequest as WireRequest
 from martensite.design.sweep.api import run_sweep as run_sweep
-from martensite.design.sweep.dataset import open_sweep as open_sweep
 from martensite.design.sweep.indices import SensitivityIndices as SensitivityIndices
 from martensite.design.sweep.indices import compute_sensitivity as compute_sensitivity
 from martensite.design.sweep.pareto import ParetoFront as ParetoFront
 from martensite.design.sweep.pareto import find_pareto_front as find_pareto_front
+from martensite.design.sweep.reading import open_sweep as open_sweep
 from martensite.design.sweep.reading import read_sweep as read_sweep
 from martensite.design.sweep.table import SweepTable as SweepTable
 from martensite.design.synthesis.inverse_hysteresis import IdentifiedHysteresis as IdentifiedHysteresis
@@ -50,10 +50,10 @@ from martensite.design.tuning.closed_loop import ControlledModel as ControlledMo
 from martensite.design.tuning.gain_search import TuningSearch as TuningSearch
 from martensite.design.tuning.goals import TuningGoal as TuningGoal
 from martensite.design.tuning.loop_runs import LoopRuns as LoopRuns
-from martensite.design.tuning.plant_comparison import compare_over_plants as compare_over_plants
+from martensite.design.tuning.measures import build_steps as build_steps
 from martensite.design.tuning.plant_spread import Plants as Plants
+from martensite.design.tuning.plant_spread import compare_over_plants as compare_over_plants
 from martensite.design.tuning.plant_spread import draw_plants as draw_plants
-from martensite.design.tuning.response import build_steps as build_steps
 from martensite.design.tuning.tuning import CostScale as CostScale
 from martensite.design.tuning.tuning import ModelTuning as ModelTuning
 from martensite.design.tuning.tuning import tune_model as tune_model

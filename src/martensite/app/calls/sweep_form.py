@@ -13,7 +13,7 @@ from martensite.base import units
 from martensite.base.errors import MartensiteError
 from martensite.base.parameters import Declared
 from martensite.design.backends.processes import count_cores
-from martensite.design.sampling.base import DESIGNS
+from martensite.design.sampling.samples import DESIGNS
 from martensite.design.sweep.job import MEASURES as USUAL
 from martensite.design.sweep.store import import_zarr
 from martensite.design.sweep.subject import list_targets, list_waveforms

@@ -14,9 +14,8 @@ from martensite.app.sweeping.sweep_drawing import SweepDrawing
 from martensite.app.worker import Desk
 from martensite.base.status import Status
 from martensite.design.backends.base import AbstractBackend, Job, Report
-from martensite.design.sweep.api import PlannedSweep
-from martensite.design.sweep.running import Progress
-from martensite.design.sweep.summary import count_statuses
+from martensite.design.sweep.api import PlannedSweep, Progress
+from martensite.design.sweep.reading import count_statuses
 
 LEAST_PAUSE = 0.3
 """Least time between two notes [s]."""

@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 from martensite.app.messages import BadMessageError, Request, require_entry
 from martensite.base import units
 from martensite.base.errors import MartensiteError, ParameterError
-from martensite.design.sampling.base import AbstractDesign, parse_sampling
+from martensite.design.sampling.samples import AbstractDesign, parse_sampling
 from martensite.design.sweep.api import SweepExecution
 from martensite.design.sweep.axes import SweepAxis, parse_axis
 from martensite.design.sweep.job import SweepRequest, build_plan

@@ -8,10 +8,10 @@ from typing import Any
 from martensite.base.formats import write_quantity
 from martensite.base.status import Status
 from martensite.base.summary import DataTable, Sentence, Summary
+from martensite.design.sweep.api import Progress
 from martensite.design.sweep.plan import ACCURACY, SweepPlan
-from martensite.design.sweep.running import Progress
+from martensite.design.sweep.reading import compute_spread, count_above, count_statuses
 from martensite.design.sweep.store import Store
-from martensite.design.sweep.summary import compute_spread, count_above, count_statuses
 
 NAMED = 5
 """Failed runs that are named."""
