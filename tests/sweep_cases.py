@@ -14,10 +14,9 @@ from thin_wire import THIN_WIRE
 
 from martensite.base.status import Status
 from martensite.design.backends.base import AbstractBackend, Report
-from martensite.design.sweep.api import SweepExecution, begin_sweep
-from martensite.design.sweep.job import SweepRequest
+from martensite.design.sweep.api import Progress, SweepExecution, begin_sweep, run_chunks
+from martensite.design.sweep.job import SweepJob, SweepRequest
 from martensite.design.sweep.plan import SweepPiece
-from martensite.design.sweep.running import Progress, run_chunks
 from martensite.scenario.scenario import Scenario, read_scenario
 
 WIRE = (
@@ -62,10 +61,10 @@ class Poison(ValueError):
 
 
 @dataclass(frozen=True)
-class Doubling:
+class Doubling(SweepJob):
     """A job whose runs double their number; some kill their process, some raise an error."""
 
-    folder: Path
+    spec: str = ""
     size: int = 24
     chunk: int = 4
     deadly: tuple[int, ...] = ()
@@ -86,7 +85,7 @@ class Doubling:
 
     def compute(self, rows: range) -> SweepPiece:
         if set(self.deadly) & set(rows):
-            mark = self.folder / "dead"
+            mark = self.path / "dead"
             if not (self.once and mark.exists()):
                 mark.touch()
                 os._exit(9)
@@ -103,12 +102,12 @@ class Doubling:
         return SweepPiece(numbers, {"double": found}, {}, np.full(len(rows), status, np.int8))
 
     def store(self, chunk: int, piece: SweepPiece, remarks: tuple[str, ...] = ()) -> Report:
-        np.save(self.folder / f"{chunk}.npy", piece.scalars["double"])
+        np.save(self.path / f"{chunk}.npy", piece.scalars["double"])
         return Report(chunk, dict(Counter(piece.status.tolist())), remarks=remarks)
 
     def stored(self) -> list[float]:
         """All numbers, in order."""
-        return np.concatenate([np.load(self.folder / f"{c}.npy") for c in self.chunks]).tolist()
+        return np.concatenate([np.load(self.path / f"{c}.npy") for c in self.chunks]).tolist()
 
     def expected(self) -> list[float]:
         """What undisturbed runs give, and NaN for lost ones."""

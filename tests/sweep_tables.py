@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from martensite.design.sampling.base import parse_sampling
+from martensite.design.sampling.samples import parse_sampling
 from martensite.design.sweep.axes import SweepAxis
 from martensite.design.sweep.table import SweepColumn, SweepTable
 from martensite.search.free_numbers import Target
@@ -43,7 +43,7 @@ def table(sample: str, axes: Sequence[SweepAxis] = ANGLES, seed: int = 1, **meas
         {one.target.name: SweepColumn(one.target.name, one.target.unit, v, one.log) for one, v in columns},
         {name: SweepColumn(name, "m", function(x)) for name, function in measures.items()},
         np.zeros(len(x), np.int8),
-        tuple(one.levels() for one in axes) if found.shape(axes) else None,
+        tuple(one.levels() for one in axes) if sample == "grid" else None,
     )
 
 

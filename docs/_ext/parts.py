@@ -17,7 +17,7 @@ from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
 from martensite.base.status import Status
 from martensite.design.backends.base import BACKENDS
-from martensite.design.sampling.base import DESIGNS
+from martensite.design.sampling.samples import DESIGNS
 from martensite.physics.materials.base import DOUBTFUL, Material, load_material, material_names
 from martensite.physics.materials.names import NAMES
 from martensite.scenario import catalogue

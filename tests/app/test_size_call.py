@@ -13,7 +13,7 @@ from martensite.app.messages import BadMessageError
 from martensite.app.worker import Desk
 from martensite.base.errors import InputError
 from martensite.design.sizing.candidates import judge_candidate, size_wire
-from martensite.design.sizing.margins import find_tightest, list_margins
+from martensite.design.sizing.remarks import find_tightest, list_margins
 from martensite.design.sizing.request import WireRequest
 from martensite.scenario.exact_text import convert_to_plain
 from martensite.scenario.scenario import read_scenario

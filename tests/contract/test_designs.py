@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from martensite.base.errors import InputError
-from martensite.design.sampling.base import DESIGNS, AbstractSample, parse_sampling
+from martensite.design.sampling.samples import DESIGNS, AbstractSample, parse_sampling
 from martensite.design.sweep.axes import SweepAxis, parse_axis
 from martensite.search.free_numbers import Target
 

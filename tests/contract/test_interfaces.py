@@ -15,7 +15,7 @@ from martensite.base.interfaces import require_methods
 from martensite.base.parameters import Parametrised, param
 from martensite.base.registry import Registry
 from martensite.design.backends.base import BACKENDS
-from martensite.design.sampling.base import DESIGNS
+from martensite.design.sampling.samples import DESIGNS
 from martensite.physics.kinetics.strips import AbstractStripLaw
 from martensite.physics.laws.base import LAWS
 from martensite.scenario.catalogue import list_registries

@@ -13,7 +13,7 @@ import pytest
 
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.pid import Gains
-from martensite.design.tuning.response import build_steps, measure_steps
+from martensite.design.tuning.measures import build_steps, measure_steps
 from martensite.kernels import floats
 from martensite.scenario import datasets
 from martensite.scenario.tables import read_table

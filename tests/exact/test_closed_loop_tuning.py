@@ -16,7 +16,7 @@ from scipy.signal import lfilter
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.pid import Gains, PidLaw
 from martensite.design.tuning.closed_loop import ControlledModel, Trajectory, compute_logarithms
-from martensite.design.tuning.response import StepResponse, build_steps
+from martensite.design.tuning.measures import StepResponse, build_steps
 from martensite.design.tuning.tuning import ModelTuning, compute_cost, tune_model
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.transfer_function import TransferFunction

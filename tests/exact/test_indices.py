@@ -13,7 +13,7 @@ import pytest
 from sweep_tables import ANGLES, ishigami, ishigami_indices, table, with_status, with_value
 
 from martensite.base.errors import DataError, InputError, UnknownNameError
-from martensite.design.sampling.base import parse_sampling
+from martensite.design.sampling.samples import parse_sampling
 from martensite.design.sweep.indices import SensitivityIndices, compute_sensitivity, estimate_block_indices
 from martensite.design.sweep.table import SweepTable
 from martensite.search.given_data_indices import (

@@ -16,7 +16,7 @@ from scipy.signal import lfilter
 
 from martensite.base.errors import InputError, ParameterError
 from martensite.control.controllers.pid import Gains, Pid, PidLaw, PidMemory, per_sample
-from martensite.design.tuning.response import build_steps, measure_steps
+from martensite.design.tuning.measures import build_steps, measure_steps
 from martensite.kernels import floats
 from martensite.physics.electrical.sources import PowerSource
 from martensite.signals.constant import Constant

@@ -16,11 +16,9 @@ from martensite.base.errors import InputError, ParameterError
 from martensite.design.sizing import catalogue_check
 from martensite.design.sizing.candidates import Candidate, judge_candidate, size_wire
 from martensite.design.sizing.cycle import find_crossing, find_current, simulate_pulse
-from martensite.design.sizing.request import WireRequest
+from martensite.design.sizing.request import WireRequest, choose_wiring
 from martensite.design.sizing.scenario import format_scenario
-from martensite.design.sizing.statics import compute_statics
-from martensite.design.sizing.strand import Strand
-from martensite.design.sizing.wiring import choose_wiring
+from martensite.design.sizing.statics import Strand, compute_statics
 from martensite.physics.materials.base import load_material
 from martensite.physics.materials.wires import load_wires
 from martensite.scenario.scenario import read_scenario

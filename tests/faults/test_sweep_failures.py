@@ -16,13 +16,11 @@ import numpy as np
 import pytest
 from sweep_cases import Doubling, Poison, arrays, ran, undisturbed, wanted, wire
 
-from martensite.base.errors import DataError, InputError
+from martensite.base.errors import DataError, InputError, StoppedError
 from martensite.base.status import Status
-from martensite.design.backends.base import StoppedError
-from martensite.design.backends.serial import Serial
-from martensite.design.sweep.api import SweepExecution, begin_sweep
-from martensite.design.sweep.failed_runs import MOST_LOST, keep_runs
-from martensite.design.sweep.running import Progress
+from martensite.design.backends.base import MOST_LOST, keep_runs
+from martensite.design.backends.processes import Serial
+from martensite.design.sweep.api import Progress, SweepExecution, begin_sweep
 from martensite.design.sweep.store import Store
 
 SERIAL = SweepExecution("serial")

@@ -18,13 +18,12 @@ from sweep_cases import OVER, WIRE, arrays, wanted, wire
 
 from martensite.base.errors import DataError, InputError
 from martensite.base.status import Status
+from martensite.design.sweep import reading
 from martensite.design.sweep import store as stores
-from martensite.design.sweep import summary
-from martensite.design.sweep.api import SweepExecution, begin_sweep, run_sweep
-from martensite.design.sweep.dataset import open_sweep
+from martensite.design.sweep.api import SweepExecution, begin_sweep, parse_share, run_sweep
 from martensite.design.sweep.job import MEASURES, SweepJob, SweepRequest, build_spec, prepare_plan
 from martensite.design.sweep.plan import SweepPiece, SweepPlan
-from martensite.design.sweep.running import parse_share
+from martensite.design.sweep.reading import open_sweep
 from martensite.design.sweep.store import Store, create_store
 from martensite.simulate.ensembles import Ensemble
 
@@ -365,11 +364,11 @@ def test_summaries_in_stretches_are_those_of_the_whole(tmp_path: Path, monkeypat
         store.write(chunk, rows, SweepPiece(made.values(rows), scalars, {}, status), names)
         kept += numbers[np.isfinite(numbers)].tolist()
     expected = min(kept), float(np.median(kept)), max(kept)
-    counts, first = summary.count_statuses(store, 2)
+    counts, first = reading.count_statuses(store, 2)
     monkeypatch.setattr(stores, "STRETCH", 90)
     assert len(list(store.stretches())) > 10
-    assert summary.compute_spread(store, "stroke") == expected
-    assert summary.count_statuses(store, 2) == (counts, first)
+    assert reading.compute_spread(store, "stroke") == expected
+    assert reading.count_statuses(store, 2) == (counts, first)
     assert (counts[0], counts[5]) == (len(kept), made.size - 41 - len(kept))
     assert len(first[5]) == 2
 

@@ -14,10 +14,10 @@ from typing import Any
 import pytest
 from sweep_cases import Doubling, arrays, ran, undisturbed, wanted, wire
 
-from martensite.base.errors import InputError
+from martensite.base.errors import InputError, StoppedError
 from martensite.base.status import Status
 from martensite.design.backends import dask_cluster
-from martensite.design.backends.base import Report, StoppedError
+from martensite.design.backends.base import Report
 from martensite.design.backends.dask_cluster import DaskCluster
 from martensite.design.sweep.api import SweepExecution, begin_sweep
 
@@ -47,7 +47,7 @@ class Counted(Doubling):
 
     def asked(self) -> Iterator[int]:
         for chunk in self.chunks:
-            (self.folder / "asked").write_text(str(chunk + 1))
+            (self.path / "asked").write_text(str(chunk + 1))
             yield chunk
 
 
@@ -64,7 +64,7 @@ class Hesitant(Doubling):
     """Fails at its first chunk the first time."""
 
     def __call__(self, chunk: int) -> Report:
-        mark = self.folder / "failed"
+        mark = self.path / "failed"
         if chunk == 0 and not mark.exists():
             mark.touch()
             raise OSError("the network was away")

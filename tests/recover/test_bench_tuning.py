@@ -17,13 +17,11 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
 from martensite.design.rules.rule_starts import convert_to_pid, gains_by_tests, run_loop_tests
 from martensite.design.tuning.bench_tuning import tune_bench
-from martensite.design.tuning.free_gains import build_free_gains
-from martensite.design.tuning.gain_search import TuningSearch
+from martensite.design.tuning.gain_search import TuningSearch, build_free_gains
 from martensite.design.tuning.goals import ERRORS, Cost, Course, TuningGoal
 from martensite.design.tuning.loop_runs import LoopRuns, Seen, find_judged_output
 from martensite.design.tuning.measures import measure_loop
-from martensite.design.tuning.plant_comparison import OverPlants, compare_over_plants
-from martensite.design.tuning.plant_spread import METHODS, draw_plants
+from martensite.design.tuning.plant_spread import METHODS, OverPlants, compare_over_plants, draw_plants
 
 GAINS = tuple(f"controllers.drive.{name}" for name in ("Kp", "Ki", "Kd"))
 SPREADS = {

@@ -14,12 +14,10 @@ from numpy.typing import NDArray
 from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.base.parameters import param
 from martensite.design.optimise.evaluate import DesignEvaluator
-from martensite.design.optimise.grid_scan import scan_designs
-from martensite.design.optimise.life import build_life_constraints
 from martensite.design.optimise.optimise import optimise_design
 from martensite.design.optimise.optimised_design import OptimisedDesign
-from martensite.design.optimise.question import read_question
-from martensite.design.optimise.search import DesignSearch
+from martensite.design.optimise.question import build_life_constraints, read_question
+from martensite.design.optimise.search import DesignSearch, scan_designs
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate

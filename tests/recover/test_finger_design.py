@@ -12,9 +12,9 @@ import pytest
 from design_cases import differences
 
 from martensite.design.optimise.evaluate import DesignEvaluator
-from martensite.design.optimise.grid_scan import scan_designs
 from martensite.design.optimise.optimise import optimise_design
 from martensite.design.optimise.question import read_question
+from martensite.design.optimise.search import scan_designs
 from martensite.scenario.scenario import load
 from martensite.simulate.waveform_levels import WaveformLevels
 

@@ -73,6 +73,10 @@ class SolveError(MartensiteError):
     """A simulation could not be completed; the sentence says where and what to try."""
 
 
+class StoppedError(MartensiteError):
+    """Something stopped on the way; what was made is kept, and the sentence says how to go on."""
+
+
 def suggest_name(name: str, valid: Iterable[str]) -> str:
     """Return 'Did you mean …?' for the nearest valid name, or the list of valid names."""
     names = sorted(valid)

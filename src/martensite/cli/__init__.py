@@ -1,13 +1,14 @@
 """Command line: one file per group of commands, and nothing heavy before it is needed.
 
-Every command takes `--json`, never prompts, and exits with 0, with 1 if something was
-started and failed, or with 2 on bad input. An error is one sentence on standard error.
+Every command takes `--json`, never prompts, and exits with 0, with 1 if something was started and
+failed, with 2 on bad input, or with 130 where it is interrupted. An error is one sentence on standard error.
 """
 
 from __future__ import annotations
 
 from importlib import import_module
 
+from martensite.base.interrupts import handle_signals
 from martensite.cli.app import app
 
 __all__ = ["app", "main"]
@@ -23,4 +24,5 @@ for _name in COMMANDS.split():
 
 def main() -> None:
     """Entry point of the `martensite` command."""
-    app(prog_name="martensite")
+    with handle_signals():
+        app(prog_name="martensite")

@@ -8,6 +8,7 @@ import typer
 from typer.core import TyperGroup
 
 from martensite.base.errors import MartensiteError
+from martensite.base.interrupts import rescue_answer
 
 GROUPS = {
     "Simulate": ("run", "check", "law", "demo", "study"),
@@ -47,9 +48,10 @@ class Commands(TyperGroup):
         return super().parse_args(ctx, [arg for arg in args if arg != "--debug"])
 
     def invoke(self, ctx: typer.Context) -> Any:
-        """Run a command; exit with 1 or 2 on an error."""
+        """Run a command; exit with 1 or 2 on an error, with 130 where it is interrupted."""
         try:
-            return super().invoke(ctx)
+            with rescue_answer(lambda: "Interrupted; no file was written."):
+                return super().invoke(ctx)
         except MartensiteError as error:
             if ctx.obj["debug"]:
                 raise
@@ -83,5 +85,5 @@ def read_options(
 ) -> None:
     """Simulate shape-memory-alloy actuators, and reproduce published results.
 
-    Exit codes: 0 success, 1 a run was started and failed, 2 bad input.
+    Exit codes: 0 success, 1 a run was started and failed, 2 bad input, 130 interrupted.
     """

@@ -108,7 +108,7 @@ class DesignOptions:
             )
             if self.grid is None:
                 return found
-            from martensite.design.optimise.grid_scan import scan_designs
+            from martensite.design.optimise.search import scan_designs
 
             watch = None if tell is None else partial(tell, "grid")
             compared = scan_designs(found.designs, self.grid, watch)

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import DataError
+from martensite.base.interrupts import hold_interrupts, rescue_answer
 from martensite.cli.options import FigureFile, Force, Json
 from martensite.show.figures.style import FORMATS
 
@@ -117,10 +118,16 @@ def open_parts(outputs: Outputs) -> Iterator[Outputs]:
     def part(path: Path | None) -> Path | None:
         return None if path is None else beside[path]
 
-    try:
-        yield Outputs(part(outputs.data), part(outputs.figure), part(outputs.profile))
-        for path, written in beside.items():
-            written.replace(path)
-    finally:
+    def clear() -> str:
         for written in beside.values():
             written.unlink(missing_ok=True)
+        return ""
+
+    try:
+        with rescue_answer(clear):
+            yield Outputs(part(outputs.data), part(outputs.figure), part(outputs.profile))
+            with hold_interrupts():
+                for path, written in beside.items():
+                    written.replace(path)
+    finally:
+        clear()

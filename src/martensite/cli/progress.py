@@ -10,7 +10,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from martensite.design.sweep.running import Progress as Swept
+    from martensite.design.sweep.api import Progress as Swept
     from martensite.fit.search_monitor import SearchNote, Tell
 
 

@@ -16,9 +16,9 @@ if TYPE_CHECKING:
     from martensite.design.rules.rule_starts import LoopTests
     from martensite.design.tuning.bench_tuning import TunedBench
     from martensite.design.tuning.loop_runs import LoopRuns
-    from martensite.design.tuning.plant_comparison import Ratio
-    from martensite.design.tuning.plant_spread import Plants
+    from martensite.design.tuning.plant_spread import Plants, Ratio
     from martensite.scenario.scenario import Scenario
+
 
 TRIED = 3
 """Starts by rules that a search is given: the best."""
@@ -222,7 +222,7 @@ def judge_others(runs: LoopRuns, found: TunedBench, others: Plants | None) -> Ra
     """ITAE after over before on plants that were not tuned on."""
     if others is None:
         return None
-    from martensite.design.tuning.plant_comparison import compare_over_plants
+    from martensite.design.tuning.plant_spread import compare_over_plants
 
     both = compare_over_plants(runs, {"before": found.before, "after": found.after}, others)
     return both.ratio("after", "before")

@@ -13,7 +13,7 @@ from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.parameters import REQUIRED, Declared
 from martensite.design.sizing.candidates import Candidate, size_wire
 from martensite.design.sizing.catalogue_check import AMBIENT, STRESS, check_catalogue
-from martensite.design.sizing.margins import Margin, find_tightest, list_margins
+from martensite.design.sizing.remarks import Margin, find_tightest, list_margins
 from martensite.design.sizing.request import ALLOYS, WireRequest
 from martensite.design.sizing.scenario import format_scenario
 from martensite.physics.materials.wires import WireCatalogue, load_wires

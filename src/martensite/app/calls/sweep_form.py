@@ -19,7 +19,7 @@ from martensite.base.errors import InputError, MartensiteError, suggest_name
 from martensite.base.parameters import Declared
 from martensite.base.status import Status
 from martensite.design.backends.processes import count_cores
-from martensite.design.sampling.base import DESIGNS
+from martensite.design.sampling.samples import DESIGNS
 from martensite.design.sweep.job import MEASURES as USUAL
 from martensite.design.sweep.reading import read_sweep
 from martensite.design.sweep.store import import_zarr

@@ -23,16 +23,14 @@ from martensite.app.sweeping.sweep_request import (
     write_command,
 )
 from martensite.app.worker import Desk
-from martensite.base.errors import DataError
-from martensite.design.backends.base import StoppedError
+from martensite.base.errors import DataError, StoppedError
 from martensite.design.backends.processes import count_cores
 from martensite.design.sweep.api import begin_sweep
 from martensite.design.sweep.indices import compute_sensitivity
 from martensite.design.sweep.job import SweepRequest, build_plan, prepare_plan
 from martensite.design.sweep.pareto import find_pareto_front
-from martensite.design.sweep.reading import read_sweep
+from martensite.design.sweep.reading import count_statuses, read_sweep
 from martensite.design.sweep.store import Store, import_zarr
-from martensite.design.sweep.summary import count_statuses
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario
 

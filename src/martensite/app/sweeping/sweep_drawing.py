@@ -21,12 +21,10 @@ from martensite.app.views.columns import describe_conversion, round_digits
 from martensite.app.worker import Desk
 from martensite.base.status import Status
 from martensite.design.backends.base import AbstractBackend, Job, Report
-from martensite.design.sweep.api import PlannedSweep
+from martensite.design.sweep.api import PlannedSweep, Progress
 from martensite.design.sweep.axes import SweepAxis
-from martensite.design.sweep.reading import read_axes, read_levels
-from martensite.design.sweep.running import Progress
+from martensite.design.sweep.reading import count_statuses, read_axes, read_levels
 from martensite.design.sweep.store import STATUS, Store
-from martensite.design.sweep.summary import count_statuses
 from martensite.design.sweep.table import SweepColumn, shorten_names
 
 MOST_DRAWN = 20_000

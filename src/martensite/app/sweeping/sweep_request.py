@@ -20,7 +20,7 @@ from martensite.app.messages import BadMessageError, Request, require_entry
 from martensite.base import units
 from martensite.base.errors import MartensiteError, ParameterError
 from martensite.design.backends.processes import count_cores
-from martensite.design.sampling.base import AbstractDesign, parse_sampling
+from martensite.design.sampling.samples import AbstractDesign, parse_sampling
 from martensite.design.sweep.api import SweepExecution
 from martensite.design.sweep.axes import SweepAxis, parse_axis
 from martensite.design.sweep.job import SweepRequest, build_plan

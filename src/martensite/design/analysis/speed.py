@@ -17,7 +17,7 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
 from martensite.design.analysis.driven_lanes import DrivenLanes, require_positive
-from martensite.design.tuning.response import RISE
+from martensite.design.tuning.measures import RISE
 from martensite.signals.sampling.sampled import Numbers
 
 SAMPLES = 400

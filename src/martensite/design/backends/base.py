@@ -2,22 +2,25 @@
 
 A job makes a chunk and puts it where it belongs; a report is small. A backend loses nothing: what a
 worker takes with it when it dies is made again, or reported as lost.
+
+A run may raise an error that nobody has thought of, or take its process with it: its chunk is halved until such
+runs are found, which are reported as lost, and the others are kept. So many in a chunk are no matter of some
+numbers, and stop the sweep.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Generator, Iterable
+from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass, field
-from typing import ClassVar, Protocol
+from typing import TYPE_CHECKING, ClassVar
 
-from martensite.base.errors import MartensiteError
+from martensite.base.errors import MartensiteError, StoppedError
 from martensite.base.registry import Registry
 from martensite.design.sweep.plan import SweepPiece
 
-
-class StoppedError(MartensiteError):
-    """A sweep stopped on the way; what was made is kept, and the sentence says how to go on."""
+if TYPE_CHECKING:
+    from martensite.design.sweep.job import SweepJob
 
 
 @dataclass(frozen=True)
@@ -33,37 +36,13 @@ class Report:
     """Sentences on what went wrong on the way."""
 
 
-class Job(Protocol):
-    """Makes chunks; it can be sent to another process."""
-
-    def __call__(self, chunk: int) -> Report:
-        """Make a chunk and store it."""
-        ...
-
-    def rows(self, chunk: int) -> range:
-        """The runs of a chunk."""
-        ...
-
-    def compute(self, rows: range) -> SweepPiece:
-        """Make some runs."""
-        ...
-
-    def lost(self, rows: range) -> SweepPiece:
-        """What stands for runs that cannot be made."""
-        ...
-
-    def store(self, chunk: int, piece: SweepPiece, remarks: tuple[str, ...] = ()) -> Report:
-        """Store a chunk."""
-        ...
-
-
 class AbstractBackend(ABC):
     """Who runs chunks."""
 
     registered_name: ClassVar[str] = ""
 
     @abstractmethod
-    def run(self, job: Job, chunks: Iterable[int]) -> Generator[Report]:
+    def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
         """Make chunks, in any order; stop at an error that the next chunk would meet as well.
 
         Raises:
@@ -72,3 +51,59 @@ class AbstractBackend(ABC):
 
 
 BACKENDS: Registry[AbstractBackend] = Registry("backend", "martensite.design.backends")
+
+
+MOST_LOST = 32
+"""Lost runs from which on it is given up."""
+NAMED = 5
+
+
+def keep_runs(
+    job: SweepJob, chunk: int, attempt: Callable[[range], SweepPiece], begin: str = ""
+) -> tuple[SweepPiece, tuple[str, ...]]:
+    """What can be kept of a chunk, and sentences on what cannot.
+
+    Args:
+        job: says what stands for a lost run.
+        chunk: its number.
+        attempt: makes some runs, or raises.
+        begin: what happened before; a sentence that is said in any case.
+
+    Raises:
+        StoppedError: too many runs are lost.
+        MartensiteError: raised on purpose by an attempt, and passed on.
+    """
+    lost: dict[int, str] = {}
+
+    def halved(rows: range) -> list[SweepPiece]:
+        try:
+            return [attempt(rows)]
+        except MartensiteError:
+            raise
+        except Exception as error:
+            if len(rows) == 1:
+                lost[rows.start] = f"{type(error).__name__}: {error}"
+                _give_up(chunk, lost)
+                return [job.lost(rows)]
+        middle = (rows.start + rows.stop) // 2
+        return halved(range(rows.start, middle)) + halved(range(middle, rows.stop))
+
+    pieces = halved(job.rows(chunk))
+    remarks = [begin] if begin else []
+    if lost:
+        reason = next(iter(lost.values())).rstrip(".")
+        remarks.append(f"Lost: run {_name_run(lost)} ({reason}). The others of its chunk were made.")
+    return SweepPiece.joined(pieces), tuple(remarks)
+
+
+def _name_run(lost: dict[int, str]) -> str:
+    return ", ".join(map(str, list(lost)[:NAMED])) + (" …" if len(lost) > NAMED else "")
+
+
+def _give_up(chunk: int, lost: dict[int, str]) -> None:
+    if len(lost) >= MOST_LOST:
+        raise StoppedError(
+            f"{MOST_LOST} runs of chunk {chunk} are lost (run {_name_run(lost)}), the first by "
+            f"{next(iter(lost.values())).rstrip('.')}. That is no matter of some numbers: try one "
+            "alone by `martensite run`. Chunks that were made are kept."
+        )

@@ -17,11 +17,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import islice
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from martensite.base.errors import InputError
-from martensite.design.backends.base import BACKENDS, AbstractBackend, Job, Report, StoppedError
+from martensite.base.errors import InputError, StoppedError
+from martensite.design.backends.base import BACKENDS, AbstractBackend, Report
 from martensite.design.backends.processes import count_cores, salvage_chunk
+
+if TYPE_CHECKING:
+    from martensite.design.sweep.job import SweepJob
 
 PATIENCE = 10.0
 """How long a scheduler may take to answer [s]."""
@@ -49,7 +52,7 @@ class DaskCluster(AbstractBackend):
                 "leave out `--workers` or `--scheduler`."
             )
 
-    def run(self, job: Job, chunks: Iterable[int]) -> Generator[Report]:
+    def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
         """Make chunks as tasks; reports come in the order in which they end.
 
         Raises:
@@ -61,7 +64,7 @@ class DaskCluster(AbstractBackend):
             yield from _collect_reports(dask, client, job, iter(chunks))
 
 
-def _collect_reports(dask: Any, client: Any, job: Job, waiting: Iterator[int]) -> Iterator[Report]:
+def _collect_reports(dask: Any, client: Any, job: SweepJob, waiting: Iterator[int]) -> Iterator[Report]:
     under_way: dict[Any, int] = {}
     run = os.urandom(4).hex()
     try:
@@ -80,7 +83,7 @@ def _collect_reports(dask: Any, client: Any, job: Job, waiting: Iterator[int]) -
         client.cancel(list(under_way))
 
 
-def _build_report(dask: Any, future: Any, job: Job, chunk: int) -> Report:
+def _build_report(dask: Any, future: Any, job: SweepJob, chunk: int) -> Report:
     """The report of a task that has ended."""
     try:
         return future.result()

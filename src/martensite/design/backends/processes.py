@@ -1,10 +1,9 @@
-"""Chunks over the cores of this machine, one process each (Python's process pool).
+"""Chunks on this machine: one after another in this process, or over its cores (Python's process pool).
 
-A process that dies takes its chunks with it. They are made again, each in a process of its own; a
-chunk that kills its process once more is halved until the runs that do it are found
-(`martensite.design.sweep.failed_runs`). Ctrl-C is heard by this process alone: chunks under way are
-finished,
-the others are left for later. When this process is killed, the others end as well.
+A process that dies takes its chunks with it. They are made again, each in a process of its own; a chunk that kills
+its process once more is halved until the runs that do it are found. Ctrl-C is heard by this process alone, and ends
+the others: a chunk counts when all of it is written, so those under way are left for later. When this process is
+killed, the others end as well.
 """
 
 from __future__ import annotations
@@ -20,10 +19,25 @@ from functools import partial
 from itertools import islice
 from multiprocessing import get_context, parent_process
 from threading import Thread
+from typing import TYPE_CHECKING
 
-from martensite.design.backends.base import BACKENDS, AbstractBackend, Job, Report, StoppedError
-from martensite.design.sweep.failed_runs import keep_runs
+from martensite.base.errors import StoppedError
+from martensite.design.backends.base import BACKENDS, AbstractBackend, Report, keep_runs
 from martensite.design.sweep.plan import SweepPiece
+
+if TYPE_CHECKING:
+    from martensite.design.sweep.job import SweepJob
+
+
+@BACKENDS.register("serial")
+class Serial(AbstractBackend):
+    """This process alone."""
+
+    def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
+        """One chunk after another."""
+        for chunk in chunks:
+            yield job(chunk)
+
 
 START = "spawn"
 """A forked process would inherit the threads of JAX, half of them."""
@@ -42,7 +56,7 @@ class Processes(AbstractBackend):
         """Number of processes."""
         return self.workers or count_cores()
 
-    def run(self, job: Job, chunks: Iterable[int]) -> Generator[Report]:
+    def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
         """Two chunks per process are under way at a time."""
         waiting, broken = iter(chunks), list[int]()
         while True:
@@ -53,7 +67,7 @@ class Processes(AbstractBackend):
                 yield salvage_chunk(job, chunk)
             broken.clear()
 
-    def _pool(self, job: Job, waiting: Iterator[int], broken: list[int]) -> Iterator[Report]:
+    def _pool(self, job: SweepJob, waiting: Iterator[int], broken: list[int]) -> Iterator[Report]:
         """Reports of chunks until there are no more, or a process has died; then what it had."""
         with _open_pool(self.count) as pool:
             under_way: dict[Future[Report], int] = {}
@@ -83,7 +97,7 @@ def count_cores() -> int:
     return os.cpu_count() or 1
 
 
-def salvage_chunk(job: Job, chunk: int) -> Report:
+def salvage_chunk(job: SweepJob, chunk: int) -> Report:
     """Make a chunk whose process has died, keeping every run that can be made.
 
     Raises:
@@ -94,7 +108,7 @@ def salvage_chunk(job: Job, chunk: int) -> Report:
     return replace(job.store(chunk, piece), remarks=remarks)
 
 
-def _run_alone(job: Job, rows: range) -> SweepPiece:
+def _run_alone(job: SweepJob, rows: range) -> SweepPiece:
     """Make some runs in a process of their own."""
     with _open_pool(1) as pool:
         try:

@@ -16,13 +16,22 @@ import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
-from martensite.design.optimise.active_constraints import find_multipliers
 from martensite.design.optimise.evaluate import DesignEvaluator, Numbers, apply_numbers
-from martensite.design.optimise.integer_variables import round_design
-from martensite.design.optimise.life import build_life_constraints, describe_life
-from martensite.design.optimise.optimised_design import OptimisedDesign, ReportedMeasure, RoundedDesign
-from martensite.design.optimise.question import DesignAim, DesignQuestion, read_aim, read_question
-from martensite.design.optimise.search import DesignSearch, search_designs, start_search
+from martensite.design.optimise.optimised_design import (
+    OptimisedDesign,
+    ReportedMeasure,
+    RoundedDesign,
+    find_multipliers,
+)
+from martensite.design.optimise.question import (
+    DesignAim,
+    DesignQuestion,
+    build_life_constraints,
+    describe_life,
+    read_aim,
+    read_question,
+)
+from martensite.design.optimise.search import DesignSearch, round_design, search_designs, start_search
 from martensite.search.box_search import FEASIBLE_VIOLATION, BoxPoint, SearchMark, Tell
 from martensite.simulate.api import longest_step
 from martensite.simulate.drive_waveforms import Waveforms

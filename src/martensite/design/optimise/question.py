@@ -7,14 +7,27 @@
 A goal, and the left side of a constraint, is a measure of a run (`martensite.simulate.measures`) or
 a free number itself. With several cases, such as a cold and a warm room, the goal is the mean over
 them, and constraints must hold in each.
+
+Life of a design: it stays within the limits that its elements declare, with a margin,
+
+    max(stress)      <= (1 - m) stress_limit
+    stroke(strain)   <= (1 - m) strain_limit
+    max(hottest)     <= T_a + (1 - m) (temperature_limit - T_a)
+
+m is the margin and T_a the ambient temperature. The limits are those of the material, each with its
+source there: a working stress such as the 172 MPa of the maker of Flexinol, a largest strain, a
+highest temperature. There is no law of fatigue here, since none with a source is at hand: no number
+of cycles follows from a design that keeps these limits.
 """
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from martensite.actuators.assembly import Actuator
 from martensite.base import units
 from martensite.base.errors import ParameterError, UnitError, suggest_name
 from martensite.design.optimise.targets import find_alike, list_targets, read_design_number
@@ -184,3 +197,61 @@ def _read_case(text: str, known: Sequence[Target], freed: Sequence[FreeNumber]) 
             except UnitError as error:
                 raise UnitError(f"Case `{text}`: {error}") from None
     return found
+
+
+# ---------------------------------------------------------------- limits of the elements
+
+
+NOTE = "limit of the element"
+
+
+def build_life_constraints(
+    steering: WaveformLevels, freed: Sequence[FreeNumber], margin: float = 0.0
+) -> list[Constraint]:
+    """What keeps every element within its limits.
+
+    Args:
+        steering: the system.
+        freed: its free numbers.
+        margin: share of every limit that is left, 0 to below 1.
+
+    Raises:
+        ParameterError: the margin is none, or no element declares a limit.
+    """
+    if not 0.0 <= margin < 1.0:
+        raise ParameterError(f"A margin of life must be at least 0 and below 1, but is {margin}.")
+    system, found = steering.system, list[Constraint]()
+    for port, one in system.actuators().items():
+        for form, name, limit in _list_limits(one, margin):
+            aim = read_aim(form.format(system.label(port, name)), steering, freed)
+            found.append(Constraint(aim, True, limit, NOTE))
+    if not found:
+        raise ParameterError(
+            "No element declares a limit, so nothing is known of its life; give it some, such as "
+            'stress_limit = "172 MPa" in `limits` of the element, or constrain the stress itself.'
+        )
+    return found
+
+
+def _list_limits(one: Actuator, margin: float) -> Iterator[tuple[str, str, float]]:
+    """Measure, output and limit [SI] of everything that is limited."""
+    limits, ambient = one.element.limits, one.environment.temperature
+    above = ambient + (1.0 - margin) * (limits.temperature_limit - ambient)
+    rows = (
+        ("max({})", "stress", (1.0 - margin) * limits.stress_limit),
+        ("stroke({})", "strain", (1.0 - margin) * limits.strain_limit),
+        ("max({})", "hottest", above),
+    )
+    for form, name, limit in rows:
+        if math.isfinite(limit):
+            yield form, name, limit
+
+
+def describe_life(constraints: Sequence[Constraint], margin: float) -> str:
+    """What is claimed of the life, and what is not."""
+    kept = ", ".join(f"{one.words}" for one in constraints)
+    left = f" with {100.0 * margin:.3g} % to spare" if margin else ""
+    return (
+        f"Life: the limits that the elements declare are kept{left} ({kept}). No law of fatigue is "
+        "known here, so this is no number of cycles."
+    )

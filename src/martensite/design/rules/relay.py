@@ -40,9 +40,9 @@ from martensite.design.rules.formulas import FORMS, IdealGains
 from martensite.design.tuning.loop_runs import find_loop
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
+from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
 
-Numbers = NDArray[np.float64]
 CYCLES = 6
 """Cycles that are wanted; the last but those of coming up are counted."""
 SKIPPED = 3

@@ -1,5 +1,6 @@
-"""Samples of the unit cube, any stretch of which is reached without making the others.
+"""Grids, and samples of the unit cube, any stretch of which is reached without making the others.
 
+    grid               every combination of the levels of all axes; the last axis varies fastest
     monte-carlo        independent random numbers (PCG64)
     latin-hypercube    every axis is cut into as many strata as there are runs, and each is met once
                        (McKay, Beckman and Conover (1979)); the order of the strata of every axis is
@@ -16,18 +17,117 @@ best.
 
 from __future__ import annotations
 
+import math
 import warnings
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError
-from martensite.design.sampling.base import DESIGNS, MOST_RUNS, AbstractSample
+from martensite.base.registry import Registry
 from martensite.design.sweep.axes import Numbers, SweepAxis
+
+MOST_RUNS = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class AbstractDesign(ABC):
+    """Runs of a sweep."""
+
+    registered_name: ClassVar[str] = ""
+    count: int | None = None
+    """How many samples are asked for; None on a grid."""
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Raise `ParameterError` for a seed that cannot be."""
+        if self.seed < 0:
+            raise ParameterError(f"A seed is 0 or above, but is {self.seed}.")
+
+    @abstractmethod
+    def size(self, axes: Sequence[SweepAxis]) -> int:
+        """Number of runs."""
+
+    @abstractmethod
+    def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
+        """Numbers of some runs from `first` on, (count, axes), in SI."""
+
+
+class AbstractSample(AbstractDesign):
+    """A sample of the unit cube, put on the axes by their quantiles."""
+
+    def __post_init__(self) -> None:
+        """Raise `ParameterError` unless it is known how many."""
+        super().__post_init__()
+        if self.count is None or not 1 <= self.count <= MOST_RUNS:
+            raise ParameterError(
+                f"`{self.registered_name}` needs how many runs, such as `{self.registered_name}:1024`."
+            )
+
+    def size(self, axes: Sequence[SweepAxis]) -> int:
+        """As many as are asked for."""
+        return self.count or 0
+
+    @abstractmethod
+    def cube(self, width: int, first: int, count: int) -> Numbers:
+        """Points in the unit cube, (count, width)."""
+
+    def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
+        """The quantiles of points in the unit cube."""
+        points = self.cube(len(axes), first, count)
+        return np.stack([one.quantile(points[:, k]) for k, one in enumerate(axes)], axis=1)
+
+
+DESIGNS: Registry[AbstractDesign] = Registry("sample", "martensite.design.sampling")
+
+
+def parse_sampling(words: str, seed: int = 0) -> AbstractDesign:
+    """The design that words such as `grid` or `sobol:1024` name.
+
+    Raises:
+        InputError: there is none of that name, or its number is none.
+    """
+    name, colon, count = words.partition(":")
+    if colon and not count.strip().isdecimal():
+        raise ParameterError(f"`{words}` must end with a number of runs, such as `{name}:1024`.")
+    return DESIGNS[name.strip()](int(count) if colon else None, seed)
+
+
+@DESIGNS.register("grid")
+class Grid(AbstractDesign):
+    """All combinations."""
+
+    def __post_init__(self) -> None:
+        """Raise `ParameterError` if a number of runs is given: levels decide."""
+        super().__post_init__()
+        if self.count is not None:
+            raise ParameterError(
+                "A grid has as many runs as its axes have combinations of levels; write their "
+                "levels behind each axis, such as `diameter=0.1..0.5 mm:9`."
+            )
+
+    def shape(self, axes: Sequence[SweepAxis]) -> tuple[int, ...]:
+        """Levels of each axis."""
+        return tuple(len(one.levels()) for one in axes)
+
+    def size(self, axes: Sequence[SweepAxis]) -> int:
+        """The product of all levels."""
+        found = math.prod(self.shape(axes))
+        if found > MOST_RUNS:
+            raise ParameterError(f"This grid has {found:,} runs; at most {MOST_RUNS:,} are allowed.")
+        return found
+
+    def values(self, axes: Sequence[SweepAxis], first: int, count: int) -> Numbers:
+        """Levels by their places on the grid."""
+        places = np.unravel_index(np.arange(first, first + count), self.shape(axes))
+        return np.stack([one.levels()[k] for one, k in zip(axes, places, strict=True)], axis=1)
+
 
 TINY = 2.0**-54
 MOST_STRATA = 20_000_000

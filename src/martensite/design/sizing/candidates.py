@@ -16,10 +16,8 @@ from typing import Any
 from martensite.actuators.assembly import System
 from martensite.design.sizing import remarks
 from martensite.design.sizing.cycle import PulseCycle, find_current, find_hottest, find_reach_time, simulate_cycle
-from martensite.design.sizing.request import WireRequest
-from martensite.design.sizing.statics import Statics, compute_statics
-from martensite.design.sizing.strand import list_alloy_numbers
-from martensite.design.sizing.wiring import Wiring, choose_wiring
+from martensite.design.sizing.request import WireRequest, Wiring, choose_wiring
+from martensite.design.sizing.statics import Statics, compute_statics, list_alloy_numbers
 from martensite.physics.materials.base import DOUBTFUL
 from martensite.physics.materials.wires import WireCatalogue, WireSize, load_wires
 

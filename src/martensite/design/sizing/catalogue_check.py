@@ -25,7 +25,7 @@ from martensite.actuators.mechanisms.dead_weight import DeadWeight
 from martensite.base.errors import SolveError
 from martensite.design.sizing.cycle import STEPS, find_current, simulate_cooling
 from martensite.design.sizing.request import ALLOYS
-from martensite.design.sizing.strand import Strand, list_alloy_numbers
+from martensite.design.sizing.statics import Strand, list_alloy_numbers
 from martensite.physics.materials.wires import GRAVITY, Cell, WireCatalogue, WireSize, load_wires
 from martensite.signals.step import Step
 from martensite.simulate.api import simulate

@@ -1,14 +1,27 @@
-"""What is said about a candidate: why it does not do, what to beware of, how long it lasts."""
+"""What is said about a candidate: why it does not do, what to beware of, how long it lasts, what it has to spare.
+
+    stress, strain     of what the request allows; strain of what the wire can give, too
+    temperature        (T - T_a)/(T_limit - T_a), at the hottest
+    cycle              heating and cooling of a period
+    voltage, current   of the supply
+    strands            of the most that are allowed
+
+A share of such a limit above 1 is one that is not kept.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from martensite.design.sizing.cycle import RETURNED, PulseCycle
-from martensite.design.sizing.request import WireRequest
+from martensite.design.sizing.request import WireRequest, Wiring
 from martensite.design.sizing.statics import Statics
-from martensite.design.sizing.wiring import Wiring
+
+if TYPE_CHECKING:
+    from martensite.design.sizing.candidates import Candidate
 
 COLD_MARGIN = 10.0
 """Margin of M_f above the ambient [K] below which the return is called slow and uncertain."""
@@ -131,3 +144,55 @@ def _format_celsius(kelvin: float) -> str:
 
 def _format_megapascal(pascal: float) -> str:
     return f"{pascal / 1e6:.4g} MPa"
+
+
+# ---------------------------------------------------------------- margins
+
+
+@dataclass(frozen=True)
+class Margin:
+    """One limit and what is used of it; both in `unit`, and best read in `shown`."""
+
+    name: str
+    used: float
+    limit: float
+    unit: str
+    shown: str
+    chosen: bool = False
+    """True for what the sizing itself puts to its limit: the strain."""
+
+    @property
+    def share(self) -> float:
+        """Used over limit."""
+        return self.used / self.limit
+
+
+def list_margins(request: WireRequest, found: Candidate) -> list[Margin]:
+    """The limits of a candidate: those of its statics, and of its cycle if it was simulated."""
+    static = found.statics
+    return [
+        Margin("stress", static.hot_stress, request.stress, "Pa", "MPa"),
+        Margin("strain", static.strain, request.strain, "1", "%", chosen=True),
+        Margin("strain of what the wire gives", static.strain, static.reachable, "1", "%", chosen=True),
+        *_list_cycle_margins(request, found),
+        Margin("strands", float(static.count), request.strands, "1", "1"),
+    ]
+
+
+def _list_cycle_margins(request: WireRequest, found: Candidate) -> Iterator[Margin]:
+    cycle, drive = found.cycle, found.drive
+    if cycle is None or drive is None:
+        return
+    hottest = max(cycle.hottest, cycle.running or 0.0)
+    limit = found.temperature_limit
+    yield Margin("temperature above the ambient", hottest - request.ambient, limit - request.ambient, "K", "K")
+    if cycle.fastest is not None:
+        yield Margin("time of a cycle", 1.0 / cycle.fastest, request.period, "s", "s")
+    yield Margin("voltage", drive.voltage, request.supply, "V", "V")
+    if math.isfinite(request.current_limit):
+        yield Margin("current", drive.current, request.current_limit, "A", "A")
+
+
+def find_tightest(found: list[Margin]) -> Margin:
+    """The limit of which most is used, apart from what is put to its limit by choice."""
+    return max((margin for margin in found if not margin.chosen), key=lambda margin: margin.share)

@@ -15,17 +15,16 @@ import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from martensite.base import units
 from martensite.base.errors import ParameterError, UnitError, suggest_name
 from martensite.base.parameters import find_paths
 from martensite.search.free_numbers import Target, is_bare, parse_range
+from martensite.signals.sampling.sampled import Numbers
 
-Numbers: TypeAlias = NDArray[np.float64]
 MOST_LEVELS = 10_000_000
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _NORMAL = re.compile(rf"^(.*?)\s*(?:\+-|\+/-|±)\s*({_NUMBER})\s*(.*)$")

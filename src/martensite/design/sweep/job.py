@@ -13,12 +13,11 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from martensite.base.errors import InputError, MartensiteError, require_known
+from martensite.base.errors import InputError, MartensiteError, StoppedError, require_known
 from martensite.base.registry import import_modules
-from martensite.design.backends.base import Report, StoppedError
-from martensite.design.sampling.base import parse_sampling
+from martensite.design.backends.base import Report, keep_runs
+from martensite.design.sampling.samples import parse_sampling
 from martensite.design.sweep.axes import parse_axis
-from martensite.design.sweep.failed_runs import keep_runs
 from martensite.design.sweep.plan import CHUNK, SweepPiece, SweepPlan, SweepTrace
 from martensite.design.sweep.store import Store, list_differences
 from martensite.design.sweep.subject import build_course, list_targets, list_waveforms

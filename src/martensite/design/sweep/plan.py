@@ -16,7 +16,7 @@ import numpy as np
 from martensite.base.errors import MartensiteError, ParameterError
 from martensite.base.parameters import Parametrised, describe_structure
 from martensite.base.status import Status
-from martensite.design.sampling.base import AbstractDesign
+from martensite.design.sampling.samples import AbstractDesign
 from martensite.design.sweep.axes import SweepAxis
 from martensite.simulate.ensembles import Ensemble, Numbers
 from martensite.simulate.measures.base import AbstractMeasure, judge_runs, list_needed

@@ -30,9 +30,8 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.errors import DataError, InputError
+from martensite.base.errors import DataError, InputError, StoppedError
 from martensite.base.status import Status
-from martensite.design.backends.base import StoppedError
 from martensite.design.sweep.plan import DETAILS, SweepPiece, SweepPlan
 
 RUN, CHUNK, MADE, STATUS = "run", "chunk", "made", "status"

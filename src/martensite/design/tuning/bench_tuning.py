@@ -16,8 +16,7 @@ import numpy as np
 
 from martensite.base.errors import SolveError
 from martensite.control.loop.bench import Bench
-from martensite.design.tuning.free_gains import build_free_gains
-from martensite.design.tuning.gain_search import GainCosts, TuningSearch, search_gains
+from martensite.design.tuning.gain_search import GainCosts, TuningSearch, build_free_gains, search_gains
 from martensite.design.tuning.goals import Cost, Course, Numbers, TuningGoal
 from martensite.design.tuning.loop_runs import LoopRuns, Seen
 from martensite.design.tuning.measures import Measures, measure_loop

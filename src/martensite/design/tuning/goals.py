@@ -26,12 +26,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.design.tuning.loop_runs import Seen
+from martensite.signals.sampling.sampled import Numbers
 
-Numbers = NDArray[np.float64]
 ERRORS = ("itae", "iae", "ise")
 STEP, SMOOTH, ORDER = 0.05, 1e-3, 8.0
 

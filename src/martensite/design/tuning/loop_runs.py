@@ -15,7 +15,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.control.loop.bench import Bench
@@ -24,9 +23,8 @@ from martensite.control.loop.run import noise_waveforms, reference_waveforms
 from martensite.control.observers.base import ESTIMATED
 from martensite.search.batch_runner import BatchRunner
 from martensite.signals.base import AbstractWaveform
+from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.drive_waveforms import grid_of
-
-Numbers = NDArray[np.float64]
 
 
 class Seen(NamedTuple):

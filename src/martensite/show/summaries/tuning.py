@@ -21,7 +21,7 @@ from martensite.scenario.overrides import as_toml, change_document
 if TYPE_CHECKING:
     from martensite.design.rules.rule_starts import LoopTests
     from martensite.design.tuning.bench_tuning import TunedBench
-    from martensite.design.tuning.plant_comparison import Ratio
+    from martensite.design.tuning.plant_spread import Ratio
     from martensite.scenario.scenario import Scenario
 
 HEAD = ("", "before", "after")

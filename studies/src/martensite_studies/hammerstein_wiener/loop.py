@@ -12,7 +12,7 @@ import numpy as np
 from martensite.control.controllers.pid import Gains, PidLaw
 from martensite.control.sensors.base import Numbers
 from martensite.design.tuning.closed_loop import Trajectory
-from martensite.design.tuning.response import build_steps
+from martensite.design.tuning.measures import build_steps
 from martensite.design.tuning.tuning import ModelTuning
 from martensite.kernels import floats
 from martensite_studies.hammerstein_wiener.bench import INTERVAL, ReferenceBench, RunningBench

@@ -9,7 +9,7 @@ import numpy as np
 
 from martensite.control.controllers.pid import Gains
 from martensite.design.tuning.closed_loop import ControlledModel, Trajectory
-from martensite.design.tuning.response import StepResponse, measure_steps
+from martensite.design.tuning.measures import StepResponse, measure_steps
 from martensite.design.tuning.tuning import TunedGains, tune_model
 from martensite.identify.chains.chain import Chain
 from martensite_studies.hammerstein_wiener import loop, models
