@@ -20,9 +20,10 @@ from martensite.app.messages import JsonTable
 from martensite.app.views.columns import describe_conversion, round_digits
 from martensite.app.worker import Desk
 from martensite.base.status import Status
-from martensite.design.backends.base import AbstractBackend, Job, Report
+from martensite.design.backends.base import AbstractBackend, Report
 from martensite.design.sweep.api import PlannedSweep, Progress
 from martensite.design.sweep.axes import SweepAxis
+from martensite.design.sweep.job import SweepJob
 from martensite.design.sweep.reading import count_statuses, read_axes, read_levels
 from martensite.design.sweep.store import STATUS, Store
 from martensite.design.sweep.table import SweepColumn, shorten_names
@@ -161,7 +162,7 @@ class ReportingBackend(AbstractBackend):
     fresh: list[int]
     """Chunks made since the last note."""
 
-    def run(self, job: Job, chunks: Iterable[int]) -> Generator[Report]:
+    def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
         """As the other does it."""
         with closing(self.inner.run(job, chunks)) as reports:
             for report in reports:
