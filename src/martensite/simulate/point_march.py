@@ -9,12 +9,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 from martensite.base.status import Status
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
 from martensite.simulate.march import SOLVED, classify_step
+from martensite.simulate.marching import Row
 
 if TYPE_CHECKING:
     from martensite.simulate.point_native import NativeRider
@@ -29,43 +30,37 @@ class PathSection(NamedTuple):
 
     control: str
     """`stress` or `strain`."""
-    target: float | None
+    end: float | None
     """Stress [Pa] or strain [-] at the end; None holds what is there."""
     first: float
     last: float
     """Temperatures at its two ends [K]."""
     duration: float
     samples: int
+    begin: float = math.nan
+    """Stress [Pa] or strain [-] at the start, which the march finds."""
 
+    def start(self, row: Row, imposed: float | None) -> PathSection:
+        """With both ends known: a slack point is longer than the strain imposed on it."""
+        begin = row[STRESS]
+        if self.control == "strain":
+            begin = row[STRAIN] if imposed is None else imposed
+        return self._replace(begin=begin, end=begin if self.end is None else self.end)
 
-class RampSection(NamedTuple):
-    """A section whose prescribed quantity is known at both ends, in equal steps."""
-
-    control: str
-    begin: float
-    end: float
-    first: float
-    last: float
-    dt: float
-    samples: int
-    finer: int
-    """Steps between samples."""
-
-    def at(self, k: int) -> tuple[float, float]:
-        """Prescribed quantity and temperature after k steps; exact at the end."""
-        n = self.samples * self.finer
-        if k == n:
-            return self.end, self.last
-        share = k / n
-        return (self.begin + share * (self.end - self.begin), self.first + share * (self.last - self.first))
+    def at(self, share: float) -> tuple[float, float]:
+        """Prescribed quantity and temperature at a share of the way; exact at the end."""
+        end = self.begin if self.end is None else self.end
+        if share == 1.0:
+            return end, self.last
+        return self.begin + share * (end - self.begin), self.first + share * (self.last - self.first)
 
 
 class Ridden(NamedTuple):
     """What a march along one section returns."""
 
-    memory: tuple[float, ...]
+    memory: Row
     """With the row that follows it."""
-    rows: list[tuple[float, ...]]
+    rows: list[Row]
     residual: float
     step: int
     """The first step with this residual."""
@@ -75,7 +70,7 @@ class Ridden(NamedTuple):
 class PointTrack:
     """Rows at the samples, and how the steps ended."""
 
-    rows: list[tuple[float, ...]]
+    rows: list[Row]
     """As `compiled_law.ROW`."""
     status: Status
     residual: float
@@ -124,32 +119,23 @@ def march_point(drive: PathDriver, finer: int) -> PointTrack:
     state = rider.start(*drive.fractions, drive.stress, drive.temperature)
     rows = [state[size:]]
     worst, leg, when = 0.0, 0, 0.0
-    clock, imposed = 0.0, None
-    for number, section in enumerate(drive.sections):
-        ramp = _start_section(section, finer, rows[-1], imposed)
-        imposed = ramp.end if section.control == "strain" else None
+    clock, imposed = 0.0, cast("float | None", None)
+    for number, leg_section in enumerate(drive.sections):
+        section = leg_section.start(rows[-1], imposed)
+        imposed = section.end if section.control == "strain" else None
         try:
-            ridden = rider.ride(state[:size], ramp)
+            ridden = rider.ride(state[:size], section, finer)
         except ArithmeticError:  # a division by zero or an overflow
             return PointTrack(rows, Status.NOT_FINITE, math.inf, number, clock, 0)
         if not ridden.residual <= worst:
-            worst, leg, when = ridden.residual, number, clock + ramp.dt * ridden.step
+            dt = section.duration / (section.samples * finer)
+            worst, leg, when = ridden.residual, number, clock + dt * ridden.step
         rows += ridden.rows
         state = ridden.memory
         clock += section.duration
     finite = all(math.isfinite(value) for row in rows for value in row)
     status = classify_step(worst, 0.0) if finite else Status.NOT_FINITE
     return PointTrack(rows, status, worst, leg, when, finer * drive.samples)
-
-
-def _start_section(section: PathSection, finer: int, row: tuple[float, ...], imposed: float | None) -> RampSection:
-    """Where a section begins: a slack point is longer than the strain imposed on it."""
-    begin = row[STRESS]
-    if section.control == "strain":
-        begin = row[STRAIN] if imposed is None else imposed
-    end = begin if section.target is None else section.target
-    dt = section.duration / (section.samples * finer)
-    return RampSection(section.control, begin, end, section.first, section.last, dt, section.samples, finer)
 
 
 class FloatRider:
@@ -160,13 +146,13 @@ class FloatRider:
         self._size = compiled.size
         self._functions = compiled.program.bind_floats(*compiled.values(drive.law))
 
-    def start(self, *numbers: float) -> tuple[float, ...]:
+    def start(self, *numbers: float) -> Row:
         """Memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
         return self._functions["init"](*numbers)
 
     def _carefully(
-        self, state: tuple[float, ...], begin: tuple[float, float], end: tuple[float, float], dt: float, splits: int
-    ) -> tuple[float, ...]:
+        self, state: Row, begin: tuple[float, float], end: tuple[float, float], dt: float, splits: int
+    ) -> Row:
         """A strain-driven step; in two halves where it stays unsolved."""
         after = self._functions["strain_step"](*state, *end, dt)
         if after[-1] <= SOLVED or splits == 0:
@@ -176,20 +162,21 @@ class FloatRider:
         last = self._carefully(first[: self._size], middle, end, 0.5 * dt, splits - 1)
         return (*last[:-1], max(first[-1], last[-1]))
 
-    def ride(self, memory: tuple[float, ...], ramp: RampSection) -> Ridden:
-        """Along one section."""
-        step, size, dt = self._functions[f"{ramp.control}_step"], self._size, ramp.dt
-        rows: list[tuple[float, ...]] = []
+    def ride(self, memory: Row, section: PathSection, finer: int) -> Ridden:
+        """Along one section, in so many steps between samples."""
+        step, size, count = self._functions[f"{section.control}_step"], self._size, section.samples * finer
+        dt = section.duration / count
+        rows: list[Row] = []
         worst, where = 0.0, 0
         state = memory
-        for k in range(1, ramp.samples * ramp.finer + 1):
-            given = ramp.at(k)
+        for k in range(1, count + 1):
+            given = section.at(k / count)
             after = step(*state, *given, dt)
             if not after[-1] <= SOLVED:
-                after = self._carefully(state, ramp.at(k - 1), given, dt, SPLITS)
+                after = self._carefully(state, section.at((k - 1) / count), given, dt, SPLITS)
             if not after[-1] <= worst:
                 worst, where = after[-1], k - 1
             state = after[:size]
-            if k % ramp.finer == 0:
+            if k % finer == 0:
                 rows.append(after[size:])
         return Ridden((*state, *rows[-1]), rows, worst, where)

@@ -8,7 +8,8 @@ from martensite.kernels.compiled_program import CompiledProgram
 from martensite.kernels.compiler import call_compiled
 from martensite.physics.laws.base import AbstractLaw
 from martensite.simulate.compiled_law import ROW, CompiledLaw
-from martensite.simulate.point_march import RampSection, Ridden
+from martensite.simulate.marching import Row
+from martensite.simulate.point_march import PathSection, Ridden
 
 _RIDE = """
 void ride(long samples, long finer, const double *restrict c, const double *restrict ramp,
@@ -60,13 +61,14 @@ class NativeRider:
         self._load("stress_step").bind("init", given, found)()
         return tuple(found.tolist())
 
-    def ride(self, memory: tuple[float, ...], ramp: RampSection) -> Ridden:
-        """Along one section."""
+    def ride(self, memory: Row, section: PathSection, finer: int) -> Ridden:
+        """Along one section, in so many steps between samples."""
         state, worst = np.array(memory, float), np.empty(1)
-        rows, where = np.empty((ramp.samples, len(ROW))), np.empty(1, np.int_)
-        line = np.array([ramp.begin, ramp.end, ramp.first, ramp.last, ramp.dt], float)
-        program = self._load(f"{ramp.control}_step")
+        rows, where = np.empty((section.samples, len(ROW))), np.empty(1, np.int_)
+        dt = section.duration / (section.samples * finer)
+        line = np.array([section.begin, section.end, section.first, section.last, dt], float)
+        program = self._load(f"{section.control}_step")
         arrays = (program.constants, line, state, rows, worst, where)
-        call_compiled(program.library.ride, ramp.samples, ramp.finer, *arrays)
+        call_compiled(program.library.ride, section.samples, finer, *arrays)
         found = [tuple(row) for row in rows.tolist()]
         return Ridden((*state.tolist(), *found[-1]), found, float(worst[0]), int(where[0]))
