@@ -46,7 +46,6 @@ class FixedMarch(AbstractMarch):
             reader.forget(end)
 
     def _step(self, begin: float, length: float, end: float) -> None:
-        """One step."""
         inputs = list[float]()
         for reader, width in zip(self.readers, self.plan.compiled.widths, strict=True):
             brought = reader.moments(begin, end) if width > 1 else reader.before(end)
