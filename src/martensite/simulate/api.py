@@ -9,11 +9,10 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.status import Status
 from martensite.kernels import floats
-from martensite.simulate.accuracy import bound_error, march_to
+from martensite.simulate.accuracy import RunEngine, Tell, bound_error, march_to
 from martensite.simulate.alarms import add_warnings
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
-from martensite.simulate.engines import RunEngine, Tell
 from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import TimeGrid, cut_steps
 from martensite.simulate.ledger import balance_heat, balance_work

@@ -21,11 +21,11 @@ from martensite.signals.moments import Moments
 from martensite.signals.reader import Reader
 from martensite.simulate.alarms import add_warnings
 from martensite.simulate.api import first_step
+from martensite.simulate.closed_loop import whole_periods
 from martensite.simulate.compiled import bind_march, compile_march, feed_step
 from martensite.simulate.drive_waveforms import arrange_waveforms
 from martensite.simulate.envelope import describe_exit, envelope_of
 from martensite.simulate.grid import MOST_STEPS, just_after
-from martensite.simulate.loop_plan import whole_periods
 from martensite.simulate.march import Border, FloatWalk
 from martensite.simulate.marching import Marched
 from martensite.simulate.result import Result

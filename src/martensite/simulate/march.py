@@ -1,4 +1,4 @@
-"""The march on plain floats: for single runs, in a process that needs no numpy."""
+"""The march on given steps, on plain floats: for single runs, in a process that needs no numpy."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from itertools import islice
 from typing import Any, cast
 
 from martensite.base.status import Status
-from martensite.simulate.compiled import CompiledMarch, Functions
+from martensite.signals.moments import Moments
+from martensite.simulate.compiled import CompiledMarch, Functions, feed_step
 from martensite.simulate.grid import TimeGrid
-from martensite.simulate.marching import Exit, Marched, Row, RunLimits
+from martensite.simulate.marching import HAIR, AbstractMarch, Exit, Marched, Row, RunLimits
 
 SOLVED = 1e-8
 COARSE = 0.2
@@ -90,6 +91,54 @@ class FloatWalk:
         finite = all(math.isfinite(value) for row in rows for value in row)
         status = self.worst if finite else Status.NOT_FINITE
         return Marched(list(rows), (), status, time_of(self.worst_step), steps=self.steps)
+
+
+class FixedMarch(AbstractMarch):
+    """A run on steps of at most `MarchPlan.step`: equal ones between samples and edges of the drives.
+
+    Nothing is estimated and nothing repeated; a step that crosses much of a transformation makes the
+    status LONG_STEP.
+    """
+
+    def advance(self) -> None:
+        """Go on to the next sample or edge."""
+        plan = self.plan
+        step = plan.step or plan.times[-1]
+        begin, sample = self.time, plan.times[self.sample]
+        hair = 1e-12 * self.duration
+        edges = (e for r in self.readers for e in r.edges(begin + hair, sample - hair))
+        end = min(edges, default=sample)
+        count = max(1, math.ceil((end - begin) / step - HAIR))
+        length = (end - begin) / count
+        for k in range(count):
+            here = begin + k * length
+            self._step(here, length, end if k + 1 == count else here + length)
+            if self.found.status.failed:
+                return
+        self.time = end
+        if end == sample:
+            signals = self.signals(sample)
+            self.found.rows.append(self.functions["observe"](*self.state, *signals))
+            self.sample += 1
+        for reader in self.readers:
+            reader.forget(end)
+
+    def _step(self, begin: float, length: float, end: float) -> None:
+        inputs = list[float]()
+        for reader, width in zip(self.readers, self.plan.compiled.widths, strict=True):
+            brought = reader.moments(begin, end) if width > 1 else reader.before(end)
+            inputs += feed_step(brought) if isinstance(brought, Moments) else (brought,)
+        after = self.functions["step"](*self.state, *inputs, length)
+        residual, crossing, ripple = after[self.size :]
+        found, self.state = self.found, after[: self.size]
+        found.steps += 1
+        found.longest, found.ripple = max(found.longest, length), max(found.ripple, ripple)
+        found.residual = max(found.residual, residual)
+        status = classify_step(residual, crossing)
+        if status > found.status:
+            found.status, found.time = status, begin
+        self.time = begin
+        self.see(self.functions["judge"](*self.state, *self.signals(end, before=True)))
 
 
 def classify_step(residual: float, crossing: float) -> Status:

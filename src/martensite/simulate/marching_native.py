@@ -173,8 +173,9 @@ class MarchRows:
         if not found.failed and not np.isfinite(rows[:reached]).all():
             found = Status.NOT_FINITE
         kept = [tuple(row) for row in rows[:reached].tolist()]
-        place, steps, rejected = map(int, (place, steps, rejected))
-        return Marched(kept, ranges, found, end, place, value, steps, rejected, *more[:5], accounts, self.ends)
+        made = Marched(kept, ranges, found, end, int(place), value, int(steps), int(rejected), *more[:5])
+        made.accounts, made.ends = accounts, self.ends
+        return made
 
 
 def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> MarchRows:
