@@ -14,7 +14,7 @@ from typing import Any
 from benchmarks.engines import available
 from benchmarks.peers import simcoon_path, sma_react_path
 from martensite.kernels.compiler import FLAGS, WIDE, find_compiler
-from martensite.simulate.devices import devices_of
+from martensite.simulate.arrays import devices_of
 
 PACKAGES = ("martensite", "numpy", "scipy", "jax", "diffrax", "scikit-sundae", "zarr")
 VERSION = "from importlib.metadata import version; print(version('simcoon'))"

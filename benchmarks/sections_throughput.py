@@ -26,7 +26,7 @@ from benchmarks.roofline import peaks, work
 from benchmarks.sections import Options, section
 from benchmarks.throughput_once import PIECE
 from benchmarks.throughput_runs import Case, Kept
-from martensite.simulate.devices import devices_of
+from martensite.simulate.arrays import devices_of
 
 SIMD = "C lanes"
 RTOLS = ("rtol 1e-5", "rtol 1e-6")

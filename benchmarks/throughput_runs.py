@@ -20,9 +20,8 @@ from benchmarks.problem_a import Wire, parameter_sets
 from benchmarks.process import ROOT
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.scenario.scenario import load
-from martensite.simulate.arrays import build_schedule, jitted_march
+from martensite.simulate.arrays import build_schedule, chunk_for, devices_of, jitted_march, march_chunks
 from martensite.simulate.compiled import CompiledMarch, compile_march
-from martensite.simulate.devices import chunk_for, devices_of, march_chunks
 from martensite.simulate.drive_waveforms import grid_of
 from martensite.simulate.grid import TimeGrid
 from martensite.simulate.native import march_lanes

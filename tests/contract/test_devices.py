@@ -14,8 +14,8 @@ from builders import problem_a
 
 import martensite as ms
 from martensite.base.errors import ParameterError
+from martensite.simulate.arrays import AHEAD, WIDE_CHUNK, chunk_for, devices_of, march_chunks
 from martensite.simulate.batch import simulate_batch
-from martensite.simulate.devices import AHEAD, WIDE_CHUNK, chunk_for, devices_of, march_chunks
 
 TWICE: Any = 2.0
 """Stands for the steps of a march that only multiplies."""
@@ -24,7 +24,7 @@ import hashlib, json
 from builders import problem_a
 import martensite as ms
 from martensite.simulate.batch import simulate_batch
-from martensite.simulate.devices import devices_of
+from martensite.simulate.arrays import devices_of
 
 def said(devices):
     over = {"h0": [80.0, 90.0, 100.0, 110.0, 120.0]}

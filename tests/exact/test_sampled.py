@@ -12,7 +12,7 @@ import pytest
 from martensite.base.errors import DataError
 from martensite.signals.records import Record
 from martensite.signals.sampling.periods import average_periods
-from martensite.signals.sampling.regular_grid import from_record, pieces_of_record, to_record
+from martensite.signals.sampling.regular_grid import from_record
 from martensite.signals.sampling.resampling import collect_experiments, resample_record, select_signals, split_record
 from martensite.signals.sampling.sampled import Sampled
 from martensite.signals.sampling.trends import find_trend, remove_trend
@@ -102,25 +102,6 @@ def test_missing_cells() -> None:
     nothing = table(times, duty=times, position=[nan] * 5)
     with pytest.raises(DataError, match=r"Output `position` .* missing throughout"):
         from_record(nothing, ["duty"], ["position"])
-
-
-def test_pieces_are_cut_where_inputs_are_missing() -> None:
-    duty = [0.1] * 20 + [float("nan")] * 10 + [0.2] * 15
-    times = [float(k) for k in range(45)]
-    parts = pieces_of_record(table(times, duty=duty, position=times), ["duty"], ["position"], 3.0)
-    assert [len(part) for part in parts] == [20, 15]
-    assert [part.start for part in parts] == [0.0, 30.0]
-    assert parts[1].inputs[:, 0].tolist() == [0.2] * 15
-    assert len({part.name for part in parts}) == 2
-
-
-def test_there_and_back() -> None:
-    times = [0.25 * k for k in range(30)]
-    given = table(times, duty=[0.01 * k for k in range(30)], position=[1e-4 * k * k for k in range(30)])
-    back = to_record(from_record(given, ["duty"], ["position"], units={"duty": "%"}))
-    assert back.units == given.units
-    for name, column in given.columns.items():
-        assert back[name] == pytest.approx(column)
 
 
 def test_what_a_table_must_hold() -> None:

@@ -81,7 +81,6 @@ def _write_call(name: str, method: Any) -> str:
 
 
 def _read_purpose(method: Any) -> str:
-    """The first line of the docstring."""
     return (method.__doc__ or "").strip().partition("\n")[0].rstrip(".")
 
 

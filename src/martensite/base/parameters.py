@@ -172,7 +172,6 @@ class Leaf:
 
 
 def _convert_texts(owner: str, name: str, value: Any) -> str | tuple[str, ...]:
-    """A text, or texts as a tuple."""
     if isinstance(value, str):
         return value
     found: tuple[Any, ...] = tuple(cast("Any", value)) if isinstance(value, list | tuple) else (0,)

@@ -121,7 +121,6 @@ class Registry(Generic[T]):
 
 
 def _is_own(cls: type[Any]) -> bool:
-    """Whether a class belongs to this package."""
     return cls.__module__.partition(".")[0] == __name__.partition(".")[0]
 
 
@@ -137,7 +136,6 @@ def _find_file(cls: type[Any]) -> str | None:
 
 
 def _describe_place(cls: type[Any]) -> str:
-    """A class and where it is defined."""
     return f"`{cls.__qualname__}` in {_find_file(cls) or f'`{cls.__module__}`'}"
 
 

@@ -118,7 +118,6 @@ class Summary:
         return "\n".join(self.format_lines())
 
     def _repr_html_(self) -> str:
-        """For a notebook."""
         from importlib import import_module
 
         return import_module("martensite.show.html").render_fragment(self)

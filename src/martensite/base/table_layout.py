@@ -37,7 +37,6 @@ class _Column:
 
 
 def _wrap_cell(text: str, width: int) -> list[str]:
-    """The lines of a cell or a heading."""
     lines = (wrap(line, max(width, 1), break_long_words=False, break_on_hyphens=False) for line in text.split("\n"))
     return [part for found in lines for part in found or [""]]
 

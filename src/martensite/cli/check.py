@@ -25,8 +25,8 @@ from martensite.cli.options import (
 if TYPE_CHECKING:
     from martensite.base.parameters import Leaf
     from martensite.scenario.scenario import Scenario
-    from martensite.simulate.end_states import EndState
     from martensite.simulate.result import Result
+    from martensite.simulate.trial_runs import EndState
     from martensite.testing import Conformance
 
 LEVELS = ("lowest", "highest")
@@ -67,7 +67,7 @@ def _describe_report(report: dict[str, Any]) -> Iterator[Block]:
 
 def _find_ends(scenario: Scenario) -> dict[str, Any]:
     """Where drives that are held lead, and the sentence of a run that leaves the envelope."""
-    from martensite.simulate.end_states import find_end_states, leaves_envelope
+    from martensite.simulate.trial_runs import find_end_states, leaves_envelope
 
     if scenario.bench is not None:
         return {"end_states": [], "leaves": ""}

@@ -44,7 +44,7 @@ def halve_step(experiment: Experiment) -> Experiment:
 
 
 def _find_step(experiment: Experiment, tolerance: float) -> tuple[Experiment, list[str]]:
-    from martensite.simulate.equal_steps import find_step
+    from martensite.simulate.trial_runs import find_step
 
     duration = float(experiment.times[-1] + experiment.lead)
     found = find_step(experiment.system, experiment.waveform, duration, tolerance)

@@ -97,7 +97,6 @@ def call_compiled(function: Any, *arguments: Any) -> None:
 
 
 def _build_command(more: tuple[str, ...]) -> tuple[str, ...]:
-    """The compiler and its flags."""
     cc = find_compiler()
     if cc is None:
         raise MartensiteError(
@@ -109,7 +108,6 @@ def _build_command(more: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _kept_as(command: Sequence[str], source: str) -> Path:
-    """Where a library is kept."""
     text = " ".join((*command, _describe_machine(), source))
     return cache_folder() / "c" / f"{hashlib.sha256(text.encode()).hexdigest()[:24]}.so"
 

@@ -203,7 +203,6 @@ class Graph:
         return sorted(found)
 
     def _join_dependencies(self, indices: Iterable[int]) -> int:
-        """All that some nodes depend on."""
         depends = 0
         for index in indices:
             depends |= self.depends[index]

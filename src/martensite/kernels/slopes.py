@@ -182,7 +182,6 @@ class TangentWalk:
         return self._duals.apply(operation, read)
 
     def _take_result(self, index: int, level: _Level) -> Any:
-        """One result of a loop."""
         graph, detail = self._graph, self._graph.details[index]
         place, row = detail if graph.operations[index] == "item" else (detail, 0)
         return level.loops[graph.arguments[index][0]][place][row]
@@ -264,7 +263,6 @@ class TangentWalk:
         return [*(value for value, _ in pairs), *(s for _, s in pairs if s is not None)], has
 
     def _write_body(self, bit: int, known: dict[int, Any], outputs: Iterable[int]) -> list[Any]:
-        """The results of the body of a loop for known inputs."""
         self._levels.append(_Level(bit, known))
         try:
             return [self._read(index) for index in outputs]

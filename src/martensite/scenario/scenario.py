@@ -190,7 +190,7 @@ class Scenario:
 
     def equal_step(self) -> float:
         """The longest of equal steps with which a run is within the tolerance [s]."""
-        from martensite.simulate.equal_steps import find_step
+        from martensite.simulate.trial_runs import find_step
 
         case = self.system, self.waveform, self.duration
         return find_step(*case, self.tolerance, self.samples).step

@@ -209,8 +209,6 @@ class _Sum:
 
 
 class _Swing:
-    """A tone in an interval."""
-
     def __init__(self, tone: Tone, begin: float, end: float) -> None:
         self.tone = tone
         half, middle = 0.5 * (end - begin), 0.5 * (begin + end)
@@ -242,7 +240,6 @@ def compute_leaning_mean(x: float) -> float:
 
 
 def _center_parabola(segment: Segment, middle: float) -> tuple[float, float, float]:
-    """A parabola about the middle of an interval."""
     along = middle - segment.start
     return (
         segment.level + (segment.slope + segment.bend * along) * along,
@@ -252,7 +249,6 @@ def _center_parabola(segment: Segment, middle: float) -> tuple[float, float, flo
 
 
 def _average_product(tone: Tone, begin: float, end: float, d0: float, d1: float, d2: float) -> float:
-    """Mean of a parabola times a tone."""
     half, middle = 0.5 * (end - begin), 0.5 * (begin + end)
     angle, x = tone.rate * middle + tone.phase, tone.rate * half
     s0, s1 = compute_sinc(x), half * compute_leaning_mean(x)

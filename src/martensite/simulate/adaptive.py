@@ -243,7 +243,6 @@ class AdaptiveMarch(AbstractMarch):
         return tuple(found)
 
     def _try_step(self, length: float, halves: Sequence[Row]) -> StepTrial:
-        """Make a step in two ways, and compare."""
         plan = self.plan
         solve = self._solve_rosenbrock if plan.order == 4 else self._solve_halves
         one, two, whole, residual = solve(length, halves)
@@ -398,7 +397,6 @@ class AdaptiveMarch(AbstractMarch):
         self.found.accounts = tuple(self.ledger.accounts)
 
     def _accept(self, trial: StepTrial, most: float, planned: float) -> None:
-        """Go on to the end of a step."""
         self._keep_ledger(trial)
         found, length, end = self.found, trial.length, self.time + trial.length
         if self.duration - end < SHORTEST * self.duration:
@@ -437,13 +435,11 @@ class AdaptiveMarch(AbstractMarch):
     # ---------------------------------------------------------------- samples
 
     def _reach_ends(self, trial: StepTrial) -> list[Node]:
-        """Middle and end of a step."""
         half, end = self.time + 0.5 * trial.length, self.time + trial.length
         middle = self.functions["judge"](*trial.half, *self.signals(half))
         return [Node(half, trial.half, middle), Node(end, trial.full, trial.seen)]
 
     def _keep_samples(self, end: float, trial: StepTrial, nodes: Sequence[Node]) -> None:
-        """Outputs at the samples within a step."""
         observe, times = self.functions["observe"], self.plan.times
         hair = HAIR * trial.length
         smooth: bool | None = None

@@ -18,9 +18,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from martensite.actuators.assembly import AbstractSystem, Actuator
+from martensite.base.status import Status
 from martensite.physics.electrical.base import AbstractSource
+from martensite.physics.laws.base import AbstractLaw
+
+if TYPE_CHECKING:
+    from martensite.simulate.result import Result
 
 Columns = Mapping[str, Sequence[float]]
 FRACTIONS = ("martensite_fraction", "oriented_fraction")
@@ -34,6 +40,8 @@ CYCLE = 0.5
 """Martensite fraction that a cycle loses and regains."""
 RETURNED = 0.01
 """Martensite fraction that may be missing after a cycle."""
+NEAR = 0.8
+"""Share of a stress from which a law is doubtful, from which on it is said."""
 LOADED_ALIKE = 0.2
 """Difference of two stresses, as a share of the larger, under which orientation is compared."""
 
@@ -113,7 +121,6 @@ def alarms_of(system: AbstractSystem, times: Sequence[float], columns: Columns) 
 
 
 def _at_port(alarm: Alarm, port: str) -> Alarm:
-    """The alarm with the name of the port that it is about."""
     sentence = alarm.sentence.replace("Warning: ", f"Warning: `{port}`: ", 1)
     return replace(alarm, port=port, sentence=sentence)
 
@@ -136,7 +143,6 @@ def _of_actuator(actuator: Actuator, times: Sequence[float], columns: Columns) -
 def _make_alarm(
     times: Sequence[float], when: Excursion, what: tuple[str, str, str], worst: float, limit: float, sentence: str
 ) -> Alarm:
-    """An alarm about `what`: kind, quantity and unit."""
     return Alarm(*what, worst, limit, abs(worst - limit), when.first, when.duration, times[when.worst], sentence)
 
 
@@ -255,3 +261,28 @@ def undelivered_margins(source: AbstractSource, drive: Sequence[float], resistan
     """How far each demand is beyond what the source can deliver, in its unit."""
     reached = (source.reach(ohms) for ohms in resistance)
     return [max(u - reach.most, reach.least - u) - ROUNDING * abs(u) for u, reach in zip(drive, reached, strict=True)]
+
+
+def add_warnings(result: Result, columns: Columns | None = None) -> Result:
+    """Note alarms and warnings in a result; judged on other columns than its own if given."""
+    result.alarms.extend(alarms_of(result.system, result.times, columns or result.columns))
+    result.warnings.extend(alarm.sentence for alarm in result.alarms)
+    if result.status is Status.LONG_STEP:
+        result.warnings.append(f"Warning: {result.status.sentence}")
+    result.warnings.extend(_describe_doubts(result, columns or result.columns))
+    return result
+
+
+def _describe_doubts(result: Result, columns: Columns) -> list[str]:
+    """Of laws that the stress brings near to where they are doubtful."""
+    found: list[str] = []
+    for port, one in result.system.actuators().items():
+        law, name = one.element.law, result.system.label(port, "stress")
+        doubt = law.doubt() if isinstance(law, AbstractLaw) else None
+        if doubt is None or name not in columns:
+            continue
+        most = max(map(abs, columns[name]))
+        if most > NEAR * doubt.stress:
+            words = f"Caution: {doubt.sentence} The stress comes to {most / 1e6:.4g} MPa."
+            found.append(words)
+    return list(dict.fromkeys(found))

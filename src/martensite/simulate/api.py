@@ -9,17 +9,16 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.status import Status
 from martensite.kernels import floats
-from martensite.simulate.accuracy import bound_error, march_to
-from martensite.simulate.balance import balance_heat, balance_work
+from martensite.simulate.accuracy import RunEngine, Tell, bound_error, march_to
+from martensite.simulate.alarms import add_warnings
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
-from martensite.simulate.engines import RunEngine, Tell
 from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
-from martensite.simulate.grid import TimeGrid, cut_steps, steps_through
-from martensite.simulate.march import Border, Track, march_floats
+from martensite.simulate.grid import TimeGrid, cut_steps
+from martensite.simulate.ledger import balance_heat, balance_work
+from martensite.simulate.march import Border, march_floats
 from martensite.simulate.marching import Marched, MarchPlan
 from martensite.simulate.result import Result, profiles_of
-from martensite.simulate.warnings import add_warnings
 
 RUNTIMES = ("auto", "floats", "c", "jax")
 
@@ -104,15 +103,11 @@ def simulate(
 
 def _on_jax(engine: RunEngine, plan: MarchPlan, found: Marched, accuracy: float | None) -> tuple[Marched, float | None]:
     """The same run on JAX: on steps that an error control found elsewhere, or the given ones."""
-    from martensite.simulate.batch import march_jax
+    from martensite.simulate.arrays import march_jax
 
     at_end = [width == 1 for width in plan.compiled.widths]
     edges = (e for w in plan.waveforms for e in w.edges(plan.times[-1]))
-    steps = (
-        steps_through([*found.ends, *edges], plan.times)
-        if plan.step is None
-        else cut_steps(set(edges), plan.times, plan.step)
-    )
+    steps = cut_steps({*found.ends, *edges}, plan.times, plan.step or math.inf)
     track = march_jax(plan.compiled, engine.values, steps.grid(plan.waveforms, at_end)).require()
     engine.used = "JAX"
     if accuracy is not None:
@@ -126,41 +121,31 @@ def _on_jax(engine: RunEngine, plan: MarchPlan, found: Marched, accuracy: float 
 def _in_discrete_time(
     system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, runtime: str
 ) -> Result:
-    """A run in the steps of the system."""
     compiled, interval = compile_march(system), system.sample_time()
     grid = grid_of(system, waveform, duration, samples, interval)
-    track = _march_grid(system, compiled, grid, runtime).require()
-    found = Marched(
-        [tuple(row) for row in track.rows],
-        (),
-        track.status,
-        track.status_time or 0.0,
-        track.place,
-        track.value,
-        steps=len(grid.lengths),
-        longest=grid.longest,
-    )
+    found = _march_grid(system, compiled, grid, runtime).require()
+    found.steps, found.longest = len(grid.lengths), grid.longest
     plan = MarchPlan(compiled, (), grid.times, 0.0, interval, envelope_of(system))
     used = {"c": "C", "jax": "JAX"}.get(runtime, "floats")
     return _build_result(system, waveform, plan, found, None, used)
 
 
-def _march_grid(system: AbstractSystem, compiled: CompiledMarch, grid: TimeGrid, runtime: str) -> Track:
+def _march_grid(system: AbstractSystem, compiled: CompiledMarch, grid: TimeGrid, runtime: str) -> Marched:
     """A run on given steps; on floats if it fails elsewhere, since these say when, and where."""
-    track: Track | None = None
+    found: Marched | None = None
     limits = envelope_of(system)
     if runtime == "c":
         from martensite.simulate.native import march_c
 
-        track = march_c(compiled, compiled.values(system), grid, limits)
+        found = march_c(compiled, compiled.values(system), grid, limits)
     if runtime == "jax":
-        from martensite.simulate.batch import march_jax
+        from martensite.simulate.arrays import march_jax
 
-        track = march_jax(compiled, compiled.values(system), grid, limits)
-    if track is None or track.status.failed:
+        found = march_jax(compiled, compiled.values(system), grid, limits)
+    if found is None or found.status.failed:
         functions, size = bind_march(system)
-        track = march_floats(functions, size, grid, Border(compiled, functions, limits))
-    return track
+        found = march_floats(functions, size, grid, Border(compiled, functions, limits))
+    return found
 
 
 def first_step(system: AbstractSystem, duration: float, samples: int) -> float:
@@ -187,13 +172,9 @@ def longest_step(system: AbstractSystem) -> float:
 def _build_result(
     system: AbstractSystem, waveform: Waveforms, plan: MarchPlan, found: Marched, accuracy: float | None, runtime: str
 ) -> Result:
-    """What is returned, with its warnings."""
     leaves = found.status is Status.OUT_OF_ENVELOPE
-    when = found.time if found.status is not Status.OK else None
-    if not leaves:
-        Track(found.rows, found.status, when).require()
     names = list(system.outputs())
-    rows = list(rows_inside(system, found.rows)) if leaves else found.rows
+    rows = list(rows_inside(system, found.require().rows)) if leaves else found.require().rows
     columns = {name: [row[i] for row in rows] for i, name in enumerate(names)}
     result = Result(
         system,
@@ -201,7 +182,7 @@ def _build_result(
         list(plan.times[: len(rows)]),
         columns,
         found.status,
-        when,
+        found.status_time,
         found.steps,
         found.longest,
         accuracy,

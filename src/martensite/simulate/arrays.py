@@ -2,21 +2,35 @@
 
 Parameters, drive and step lengths are data: changing them never recompiles. Intervals with
 fewer steps than the longest are padded with steps of no length, which keep the state.
+
+Chunks of a batch are dealt out in turn to the devices of JAX (processor cores, a GPU, or several) and
+run side by side, the results are fetched in order. Some chunks are always under way, so that no device
+waits for the host; no more than a few are, so that memory does not grow with the number of variants. A
+chunk is computed by the same program on every device of a kind: which device has it changes nothing.
+
+JAX sees a processor as one device unless it is told otherwise before it starts, by the environment
+variable `XLA_FLAGS=--xla_force_host_platform_device_count=<cores>`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from martensite.base.errors import ParameterError
 from martensite.kernels.jax_setup import WIDE_VECTORS, jax_namespace, make_storing_namespace
 from martensite.simulate.compiled import CompiledMarch
-from martensite.simulate.grid import TimeGrid
-from martensite.simulate.lane_grid import LaneGrid
-from martensite.simulate.marching import RunLimits
+from martensite.simulate.envelope import envelope_of
+from martensite.simulate.grid import LaneGrid, TimeGrid
+from martensite.simulate.march import judge_table
+from martensite.simulate.marching import Marched, RunLimits
+
+if TYPE_CHECKING:
+    from martensite.simulate.variants import Numbers, Values, VariantSetup
 
 
 class ArrayGrid(NamedTuple):
@@ -160,3 +174,116 @@ def jitted_jacobian(compiled: CompiledMarch, outputs: tuple[int, ...], wrt: tupl
         return value, jacobian, residual
 
     return jax.jit(directions, compiler_options=WIDE_VECTORS)
+
+
+def march_jax(
+    compiled: CompiledMarch, values: Sequence[float], grid: TimeGrid, limits: RunLimits | None = None
+) -> Marched:
+    """One run on JAX, with every output."""
+    plan, padded = build_schedule(grid, limits=limits)
+    rows = jitted_march(compiled, tuple(range(len(compiled.outputs))), padded)(values, plan)
+    table = np.stack([np.asarray(column) for column in rows.outputs], axis=1)
+    return judge_table(table, *map(float, rows.reports[:2]), left=float(rows.left))
+
+
+# ---------------------------------------------------------------- many runs on many devices
+
+CHUNKS = {"cpu": 256}
+"""Variants marched together by kind of device: on a processor the state stays in its cache."""
+WIDE_CHUNK = 32_768
+"""The same on a device with thousands of lanes, which needs many variants to be busy."""
+AHEAD = 2
+"""Chunks under way on every device."""
+
+
+def devices_of(count: int | None = None) -> list[Any]:
+    """The first `count` devices of JAX, or all of them.
+
+    Raises:
+        ParameterError: there are not as many.
+    """
+    found = list(jax_namespace().jax.devices())
+    if count is None:
+        return found
+    if not 1 <= count <= len(found):
+        kinds = f"{len(found)} device{'s' if len(found) > 1 else ''} of kind {found[0].platform}"
+        raise ParameterError(f"The batch is to run on {count} devices, but JAX has {kinds}.")
+    return found[:count]
+
+
+def chunk_for(devices: Sequence[Any]) -> int:
+    """Variants marched together on devices of this kind, if nothing else is said."""
+    return CHUNKS.get(devices[0].platform, WIDE_CHUNK)
+
+
+def march_chunks(
+    run: Callable[[Any, ArrayGrid], BatchRows], chunks: Iterable[Sequence[Any]], plan: ArrayGrid, devices: Sequence[Any]
+) -> Iterator[BatchRows]:
+    """March chunk after chunk, each on the next device, and fetch what they give, in order.
+
+    Args:
+        run: a jitted march, see `martensite.simulate.arrays.jitted_march`.
+        chunks: parameter values of each chunk, made when a device is about to take it.
+        plan: the steps.
+        devices: the devices that share the chunks.
+
+    Yields:
+        The rows of every chunk, as arrays of numpy.
+    """
+    jax = jax_namespace().jax
+    plans = [jax.device_put(plan, device) for device in devices]
+    under_way: deque[BatchRows] = deque()
+    for k, values in enumerate(chunks):
+        if len(under_way) == AHEAD * len(devices):
+            yield jax.device_get(under_way.popleft())
+        place = k % len(devices)
+        under_way.append(run(jax.device_put(list(values), devices[place]), plans[place]))
+    while under_way:
+        yield jax.device_get(under_way.popleft())
+
+
+def march_on_jax(
+    course: VariantSetup, values: Values, grid: TimeGrid | LaneGrid, runs: int
+) -> tuple[list[Numbers], Numbers, Numbers]:
+    """Columns (runs, samples), reports (3, runs), and when runs left the envelope (runs,).
+
+    Chunks go over the devices in the order of the runs, and the last is filled up; variants of a
+    waveform stay together on the first device.
+    """
+    devices = devices_of(course.devices)
+    size = course.chunk or -(-runs // len(devices))
+    if isinstance(grid, LaneGrid):
+        devices, size = devices[:1], runs
+    schedule, padded = build_schedule(grid, course.precision, envelope_of(course.system))
+    table = [np.asarray(v, course.precision) for v in course.table(values)]
+    chunks = ([_cut_chunk(v, first, size) if v.ndim else v for v in table] for first in range(0, runs, size))
+    run = jitted_march(course.compiled, course.places, padded)
+    pieces = list(march_chunks(run, chunks, schedule, devices))
+
+    columns = [
+        np.concatenate([_by_run(piece.outputs[i], size) for piece in pieces])[:runs] for i in range(len(course.outputs))
+    ]
+    reports = [
+        np.concatenate([np.broadcast_to(np.asarray(r), size) for r in each])[:runs]
+        for each in zip(*((*piece.reports, piece.left) for piece in pieces), strict=True)
+    ]
+    *worst, left = (np.asarray(report, np.float64) for report in reports)
+    return columns, np.stack(worst), left
+
+
+def count_block(devices: int | None) -> int:
+    """Runs that march together on so many devices of JAX, on all that it has if None."""
+    taken = devices_of(devices)
+    return chunk_for(taken) * len(taken)
+
+
+def _cut_chunk(column: Any, first: int, size: int) -> Any:
+    """A piece of a column, filled up by its last number."""
+    piece = column[first : first + size]
+    return np.pad(piece, (0, size - len(piece)), mode="edge")
+
+
+def _by_run(column: Any, runs: int) -> Numbers:
+    """A column (samples, runs) by run; one that is the same for all is repeated."""
+    found: Numbers = np.asarray(column, np.float64)
+    return np.broadcast_to(found if found.ndim == 2 else found[:, None], (len(found), runs)).T

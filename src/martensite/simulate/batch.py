@@ -10,24 +10,20 @@ from typing import Any, cast
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, ParameterError, SolveError, UnknownNameError, suggest_name
+from martensite.base.errors import InputError, ParameterError, SolveError, require_known
 from martensite.base.status import Status
 from martensite.kernels.compiler import find_compiler
 from martensite.kernels.jax_setup import has_jax
 from martensite.simulate.api import RUNTIMES, check_run
-from martensite.simulate.arrays import build_schedule, jitted_jacobian, jitted_march
+from martensite.simulate.arrays import build_schedule, chunk_for, devices_of, jitted_jacobian
 from martensite.simulate.compiled import CompiledMarch, compile_march
-from martensite.simulate.devices import chunk_for, devices_of
 from martensite.simulate.drive_waveforms import Waveforms, by_name, grid_of
 from martensite.simulate.ensembles import Ensemble
 from martensite.simulate.grid import TimeGrid
-from martensite.simulate.march import Track, classify_step, track_of
-from martensite.simulate.marching import RunLimits
+from martensite.simulate.march import classify_step
 from martensite.simulate.native_slopes import march_slopes
 from martensite.simulate.result import Result, Variants
 from martensite.simulate.variants import VariantSetup
-
-PRECISIONS = ("float64", "float32")
 
 
 @dataclass(frozen=True)
@@ -89,7 +85,9 @@ def simulate_batch(
         InputError: unknown parameter or output, value out of range, unequal lengths, or an argument
             that does not fit the runtime.
     """
-    _check_batch(system, duration, tolerance, step, samples, runtime, precision, devices)
+    check_run(duration, tolerance, step, samples)
+    if devices is not None and devices < 1:
+        raise ParameterError(f"Argument `devices` must be at least 1, but is {devices}.")
     varied = _convert_varied(system, over)
     chosen = _choose_runtime(runtime, step)
     _find_indices(compile_march(system), outputs)
@@ -144,35 +142,12 @@ def _build_result(
 
 def _choose_runtime(asked: str, step: float | None) -> str:
     """What is meant by `auto`."""
+    require_known("runtime", asked, RUNTIMES)
     if asked != "auto":
         return asked
     if find_compiler() is not None:
         return "c"
     return "jax" if step is not None and has_jax() else "floats"
-
-
-def _check_batch(
-    system: AbstractSystem,
-    duration: float,
-    tolerance: float,
-    step: float | None,
-    samples: int,
-    runtime: str,
-    precision: str,
-    devices: int | None,
-) -> None:
-    """Raise where an argument of a batch is wrong."""
-    check_run(duration, tolerance, step, samples)
-    if devices is not None and devices < 1:
-        raise ParameterError(f"Argument `devices` must be at least 1, but is {devices}.")
-    if runtime not in RUNTIMES:
-        raise ParameterError(f"No runtime named `{runtime}`. {suggest_name(runtime, RUNTIMES)}")
-    if precision not in PRECISIONS:
-        raise InputError(f"Argument `precision` must be float64 or float32, but is `{precision}`.")
-    if runtime == "jax" and step is None and not system.sample_time():
-        raise InputError("A batch on JAX runs on equal steps; give the longest one as `step`, or take `auto`.")
-    if precision != "float64" and _choose_runtime(runtime, step) != "jax":
-        raise InputError('Argument `precision` may be float32 on JAX only: give a `step` and `runtime="jax"`.')
 
 
 def compute_sensitivity(
@@ -236,27 +211,15 @@ def _differentiate_in_c(
 def _differentiate_on_jax(
     compiled: CompiledMarch, values: Sequence[float], rows: Sequence[int], grid: TimeGrid, place: int
 ) -> tuple[Any, Any, float]:
-    """The same on JAX."""
     plan, padded = build_schedule(grid, "float64")
     run = jitted_jacobian(compiled, (place,), tuple(rows), padded)
     column, slopes, residual = (np.asarray(a) for a in run(np.asarray(values), plan))
     return column, slopes, float(residual)
 
 
-def march_jax(
-    compiled: CompiledMarch, values: Sequence[float], grid: TimeGrid, limits: RunLimits | None = None
-) -> Track:
-    """One run on JAX, with every output."""
-    plan, padded = build_schedule(grid, limits=limits)
-    rows = jitted_march(compiled, tuple(range(len(compiled.outputs))), padded)(values, plan)
-    table = np.stack([np.asarray(column) for column in rows.outputs], axis=1)
-    return track_of(table, *map(float, rows.reports), left=float(rows.left))
-
-
 def _find_indices(compiled: CompiledMarch, outputs: Sequence[str]) -> tuple[int, ...]:
     for name in outputs:
-        if name not in compiled.outputs:
-            raise UnknownNameError("output", name, compiled.outputs)
+        require_known("output", name, compiled.outputs)
     return tuple(compiled.outputs.index(name) for name in outputs)
 
 

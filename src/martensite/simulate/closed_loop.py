@@ -15,26 +15,94 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from martensite.actuators.assembly import System
-from martensite.base.errors import InputError, SolveError
+from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.base.status import Status
-from martensite.signals.base import AbstractDrive
+from martensite.signals.base import AbstractDrive, AbstractWaveform
+from martensite.signals.carrier import Carrier, limit_duty
+from martensite.signals.held import Held
+from martensite.simulate.alarms import add_warnings
 from martensite.simulate.api import first_step
 from martensite.simulate.compiled import bind_system
 from martensite.simulate.envelope import Envelope, describe_exit
 from martensite.simulate.grid import MOST_STEPS
-from martensite.simulate.loop_plan import LoopPlan, check_loop, whole_periods
-from martensite.simulate.march import Track, WorstStep, check_track
-from martensite.simulate.marching import Exit
+from martensite.simulate.march import FloatWalk
+from martensite.simulate.marching import Marched, Row
 from martensite.simulate.result import Result
-from martensite.simulate.warnings import add_warnings
 
 ELECTRICAL = ("drive", "resistance", "current", "voltage", "power")
 """Outputs that are measured while the source is on."""
-Row = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class LoopPlan:
+    """Everything about a loop but its numbers of iterations."""
+
+    system: System
+    drive: AbstractDrive
+    periods: int
+    period: float
+    pulses: bool
+    shortest: float
+    """Shortest pulse or gap [s]."""
+    probe: float
+    step: float
+    """Longest step [s]."""
+
+    def start(self, k: int) -> float:
+        """Start of a period [s], just as waveforms reckon it."""
+        return k / (1.0 / self.period)
+
+    def pieces(self, signal: float) -> list[tuple[float, float]]:
+        """Signal and length [s] of what a period consists of."""
+        if not self.pulses:
+            return [(signal, self.period)]
+        share = limit_duty(signal, self.shortest / self.period)
+        both = (1.0, share * self.period), (0.0, (1.0 - share) * self.period)
+        return [(level, length) for level, length in both if length > 0.0]
+
+    def waveform(self, signals: Sequence[float]) -> AbstractWaveform:
+        """What was played, as a waveform."""
+        frequency = 1.0 / self.period
+        held = Held(values=tuple(signals), frequency=frequency)
+        if not self.pulses:
+            return held
+        return Carrier(duty=held, frequency=frequency, shortest=self.shortest)
+
+
+def whole_periods(duration: float, period: float) -> int:
+    """The number of periods of a run.
+
+    Raises:
+        ParameterError: the duration is no whole number of periods.
+    """
+    for name, value in (("duration", duration), ("period", period)):
+        if not 0.0 < value < math.inf:
+            raise ParameterError(f"Argument `{name}` must be above 0 s, but is {value}.")
+    periods = round(duration / period)
+    if periods < 1 or abs(periods * period - duration) > 1e-9 * duration:
+        raise ParameterError(
+            f"Argument `duration` must be a whole number of periods of {period:.6g} s, but is {duration:.6g} s."
+        )
+    return periods
+
+
+def check_loop(system: System, pulses: bool, shortest: float, period: float, step: float | None) -> None:
+    """Raise `InputError` if system and arguments do not fit each other."""
+    source = system.source
+    if source.sets_temperature:
+        raise InputError("A loop needs a drive that heats; `temperature` sets it instead.")
+    if pulses and source.unit != "1":
+        raise InputError(f"Pulses need a drive that is a switch, `pwm-voltage`, but it is `{source.registered_name}`.")
+    if shortest and not (pulses and 0.0 < shortest <= 0.5 * period):
+        raise ParameterError(
+            f"Argument `shortest` must be at most half a period, and is for pulses only, but is {shortest} s."
+        )
+    if step is not None and not 0.0 < step < math.inf:
+        raise ParameterError(f"Argument `step` must be above 0 s, but is {step}.")
 
 
 @dataclass(frozen=True)
@@ -97,56 +165,42 @@ def simulate_loop(
     return walk.loop(walk.run().require())
 
 
-@dataclass
 class _Walk:
-    """One march through all periods."""
-
-    plan: LoopPlan
-    rows: list[Row] = field(default_factory=list[Row])
-    ends: list[Row] = field(default_factory=list[Row])
-    sums: list[list[float]] = field(default_factory=list[list[float]])
-    signals: list[float] = field(default_factory=list[float])
-    watch: WorstStep = field(default_factory=WorstStep)
-    times: list[float] = field(default_factory=list[float])
-    """Start of every step [s]."""
-    longest: float = 0.0
-    gone: Exit | None = None
-    """Where the envelope was left, and when [s]."""
-    left: float = 0.0
-
-    def __post_init__(self) -> None:
-        functions, self.size = bind_system(self.plan.system)
-        self.advance: Callable[..., Row] = functions["step"]
+    def __init__(self, plan: LoopPlan) -> None:
+        functions, size = bind_system(plan.system)
+        self.plan, self.walk = plan, FloatWalk(functions, size, (plan.probe,))
         self.observe: Callable[..., Row] = functions["observe"]
-        self.names = tuple(self.plan.system.outputs())
-        self.envelope = Envelope(self.plan.system)
-        self.state: Row = functions["init"](self.plan.probe)
-        self.switched: Row = self.observe(*self.state, self.plan.probe)
+        self.names = tuple(plan.system.outputs())
+        self.envelope = Envelope(plan.system)
+        self.rows: list[Row] = []
+        self.ends: list[Row] = []
+        self.sums: list[list[float]] = []
+        self.signals: list[float] = []
+        self.times: list[float] = []
+        """Start of every step [s]."""
+        self.longest = self.left = 0.0
+        self.switched: Row = self.observe(*self.walk.state, plan.probe)
         """Outputs when the source was last on."""
 
-    def run(self) -> Track:
-        """All periods; failures are a status."""
+    def run(self) -> Marched:
+        """All periods; failures are a status, and of a period that leaves the envelope only the start is kept."""
         memory: Any = self.plan.drive.init()
         try:
             for k in range(self.plan.periods):
                 memory = self._period(self.plan.start(k), memory)
-                if self.gone is not None and not self.watch.worst.failed:
-                    return self._cut_at_stop(self.gone)
-            last = self.plan.pieces(self.signals[-1])[0][0]
-            self.rows.append(self.observe(*self.state, last))
+                if self.walk.gone is not None:
+                    whole = len(self.rows) - 1
+                    self.ends, self.sums = self.ends[:whole], self.sums[:whole]
+                    break
+            else:
+                last = self.plan.pieces(self.signals[-1])[0][0]
+                self.rows.append(self.observe(*self.walk.state, last))
         except ArithmeticError:  # a division by zero or an overflow
-            self.watch.note(math.inf, 0.0, max(len(self.times) - 1, 0))
-        noted = self.times if self.watch.worst is not Status.OK else []
-        return check_track(self.rows, self.watch.worst, noted[self.watch.step] if noted else None)
-
-    def _cut_at_stop(self, gone: Exit) -> Track:
-        """A run that left the envelope; of the last period only the start is kept."""
-        whole = len(self.rows) - 1
-        self.ends, self.sums = self.ends[:whole], self.sums[:whole]
-        return Track(self.rows, Status.OUT_OF_ENVELOPE, self.left, gone.place, gone.value)
+            self.walk.note(math.inf, 0.0)
+        return self.walk.finish(self.rows, lambda k: self.times[k] if k < len(self.times) else self.left)
 
     def _period(self, time: float, memory: Any) -> Any:
-        seen = self.observe(*self.state, self.switched[0])
+        seen = self.observe(*self.walk.state, self.switched[0])
         found = dict(zip(self.names, seen, strict=False))  # a profile comes after
         found |= {name: self.switched[self.names.index(name)] for name in ELECTRICAL}
         signal, memory = self.plan.drive(time, found, memory)
@@ -154,12 +208,12 @@ class _Walk:
             raise SolveError(f"The drive answered with {signal} at t = {time:.6g} s.")
         self.signals.append(signal)
         pieces = self.plan.pieces(signal)
-        self.rows.append(self.observe(*self.state, pieces[0][0]))
+        self.rows.append(self.observe(*self.walk.state, pieces[0][0]))
         self.sums.append([0.0] * len(self.rows[-1]))
         for number, (level, length) in enumerate(pieces):
             end = self._piece(time, level, length)
             time += length
-            if self.gone is not None:
+            if self.walk.gone is not None:
                 break
             if number == 0:
                 on = level != 0.0 or not self.plan.pulses
@@ -173,22 +227,19 @@ class _Walk:
         dt = length / steps
         self.longest = max(self.longest, dt)
         half, sums = 0.5 * dt / self.plan.period, self.sums[-1]
-        before = self.observe(*self.state, level)
+        before = self.observe(*self.walk.state, level)
         for k in range(steps):
             self.times.append(time + k * dt)
-            after = self.advance(*self.state, level, dt)
-            self.state = after[: self.size]
-            self.watch.note(after[self.size], after[self.size + 1], len(self.times) - 1)
-            row = self.observe(*self.state, level)
+            self.left = time + (k + 1) * dt
+            self.walk.advance((level,), dt)
+            row = self.observe(*self.walk.state, level)
             sums[:] = [s + half * (a + b) for s, a, b in zip(sums, before, row, strict=True)]
             before = row
-            gone = self.envelope.find_exit(row)
-            if gone is not None and math.isfinite(gone.value):
-                self.gone, self.left = gone, time + (k + 1) * dt
+            if self.walk.stops(self.envelope.find_exit(row, finite=True)):
                 break
         return before
 
-    def loop(self, found: Track) -> LoopResult:
+    def loop(self, found: Marched) -> LoopResult:
         """What was found, with its alarms."""
         plan, count = self.plan, len(self.times)
         times = [plan.start(k) for k in range(len(found.rows))]
@@ -204,8 +255,7 @@ class _Walk:
         )
         ends = self._columns(self.ends)
         if found.status is Status.OUT_OF_ENVELOPE:
-            when = found.status_time or 0.0
-            result.warnings.append(describe_exit(plan.system, when, found.place, found.value))
+            result.warnings.append(describe_exit(plan.system, found.time, found.place, found.value))
         add_warnings(result, self._add_peaks(result.columns, ends))
         return LoopResult(result, plan.period, self.signals, ends, self._columns(self.sums))
 

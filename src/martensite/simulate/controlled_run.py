@@ -19,15 +19,16 @@ from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
 from martensite.signals.moments import Moments
 from martensite.signals.reader import Reader
+from martensite.simulate.alarms import add_warnings
 from martensite.simulate.api import first_step
+from martensite.simulate.closed_loop import whole_periods
 from martensite.simulate.compiled import bind_march, compile_march, feed_step
 from martensite.simulate.drive_waveforms import arrange_waveforms
 from martensite.simulate.envelope import describe_exit, envelope_of
 from martensite.simulate.grid import MOST_STEPS, just_after
-from martensite.simulate.loop_plan import whole_periods
-from martensite.simulate.march import Border, Track, WorstStep, check_track
+from martensite.simulate.march import Border, FloatWalk
+from martensite.simulate.marching import Marched
 from martensite.simulate.result import Result
-from martensite.simulate.warnings import add_warnings
 
 Drives = Mapping[str, AbstractDrive]
 
@@ -97,17 +98,11 @@ class _Plan:
 
 
 class _ControlledWalk:
-    """One march through all periods."""
-
     def __init__(self, plan: _Plan) -> None:
-        functions, self.size = bind_march(plan.system)
+        functions, size = bind_march(plan.system)
         compiled = compile_march(plan.system)
-        self.widths = compiled.widths
+        self.plan, self.widths, self.observe = plan, compiled.widths, functions["observe"]
         self.border = Border(compiled, functions, envelope_of(plan.system))
-        self.steps = 0
-        """Steps taken."""
-        self.plan, self.watch = plan, WorstStep()
-        self.step, self.observe = functions["step"], functions["observe"]
         self.names = tuple(plan.system.outputs())
         discrete = plan.system.sample_time() > 0.0
         self.shares = [just_after(drive.ahead) for drive in plan.system.drives()]
@@ -118,46 +113,36 @@ class _ControlledWalk:
         self.rows: list[tuple[float, ...]] = []
         self.signals: list[tuple[float, ...]] = []
         self.now = self._signals(0.0, {})
-        self.state = functions["init"](*self.now)
+        self.walk = FloatWalk(functions, size, self.now)
 
-    def run(self, tell: Callable[[float], None] | None) -> Track:
+    def run(self, tell: Callable[[float], None] | None) -> Marched:
         """All periods; failures are a status."""
-        plan = self.plan
-        k = 0
+        plan, walk = self.plan, self.walk
         try:
             for k in range(plan.periods):
                 self._period(k)
-                if self.border.place >= 0 and not self.watch.worst.failed:
-                    return self._cut_at_stop()
+                if walk.gone is not None:
+                    break
                 if tell is not None:
                     tell((k + 1) / plan.periods)
-            self.rows.append(self.observe(*self.state, *self.now))
+            else:
+                self.rows.append(self.observe(*walk.state, *self.now))
         except ArithmeticError:  # a division by zero or an overflow
-            self.watch.note(math.inf, 0.0, k * plan.pieces)
-        when = self.watch.step * plan.period / plan.pieces
-        return check_track(self.rows, self.watch.worst, when)
-
-    def _cut_at_stop(self) -> Track:
-        """A run that left the envelope."""
-        when = self.steps * self.plan.period / self.plan.pieces
-        border = self.border
-        return Track(self.rows, Status.OUT_OF_ENVELOPE, when, border.place, border.value)
+            walk.note(math.inf, 0.0)
+        return walk.finish(self.rows, lambda k: k * plan.period / plan.pieces)
 
     def _period(self, k: int) -> None:
-        plan, time = self.plan, k * self.plan.period
-        seen = self.observe(*self.state, *self.now)
+        plan, walk, time = self.plan, self.walk, k * self.plan.period
+        seen = self.observe(*walk.state, *self.now)
         self.now = self._signals(time, dict(zip(self.names, seen, strict=False)))
         self.signals.append(self.now)
         if k % plan.every == 0:
-            self.rows.append(self.observe(*self.state, *self.now))
+            self.rows.append(self.observe(*walk.state, *self.now))
         dt = plan.period / plan.pieces
         for piece in range(plan.pieces):
             brought = self._collect_inputs(time + piece * dt, dt)
-            after = self.step(*self.state, *brought, dt)
-            self.state = after[: self.size]
-            self.watch.note(after[self.size], after[self.size + 1], k * plan.pieces + piece)
-            self.steps += 1
-            if self.border.is_passed(self.state, self.border.signals(brought)):
+            walk.advance(brought, dt)
+            if walk.stops(self.border.find_exit(walk.state, brought)):
                 return
         self.now = tuple(
             drive.value(time + plan.period) if isinstance(drive, AbstractWaveform) else held
@@ -191,7 +176,7 @@ class _ControlledWalk:
                 found += feed_step(Moments.constant(held)) if heats else (held,)
         return tuple(found)
 
-    def result(self, found: Track) -> Result:
+    def result(self, found: Marched) -> Result:
         """What was found, with its alarms."""
         plan = self.plan
         times = [k * plan.every * plan.period for k in range(len(found.rows))]
@@ -202,9 +187,8 @@ class _ControlledWalk:
             held = Held(values=tuple(s[i] for s in self.signals), frequency=1.0 / plan.period)
             played[declared.name] = drive if isinstance(drive, AbstractWaveform) else held
         result = Result(
-            plan.system, played, times, columns, found.status, found.status_time, self.steps, plan.period / plan.pieces
+            plan.system, played, times, columns, found.status, found.status_time, found.steps, plan.period / plan.pieces
         )
         if found.status is Status.OUT_OF_ENVELOPE:
-            when = found.status_time or 0.0
-            result.warnings.append(describe_exit(plan.system, when, found.place, found.value))
+            result.warnings.append(describe_exit(plan.system, found.time, found.place, found.value))
         return add_warnings(result)

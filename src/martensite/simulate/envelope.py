@@ -51,9 +51,9 @@ class Envelope:
         self.places = [names.index(system.label(port, name)) for port in ports for name in ENVELOPE]
         self.limits = envelope_of(system)
 
-    def find_exit(self, row: Row) -> Exit | None:
+    def find_exit(self, row: Row, finite: bool = False) -> Exit | None:
         """Where a row of outputs is outside; None if it is not."""
-        return self.limits.find_exit([row[place] for place in self.places])
+        return self.limits.find_exit([row[place] for place in self.places], finite)
 
 
 def rows_inside(system: AbstractSystem, rows: Iterable[Row]) -> Iterator[Row]:

@@ -1,4 +1,4 @@
-/* The march on given steps, as in martensite/simulate/fixed.py: equal ones between samples and edges of
+/* The march on given steps, as in martensite/simulate/march.py: equal ones between samples and edges of
    the drives. Before this text stand martensite/simulate/marching.c with what it asks for, and the
    kernel k_step. */
 

@@ -8,12 +8,17 @@ the parabolas through start, middle and end of a step,
 exact for any two of them, and so for every straight line between force and way. A power is
 integrated by Simpson's rule. `ledger.c` does the same.
 
+From them follow two balances of a run, of its heat and of the work of its elements, each with a
+residual of its own: the heat balance that a step solves leaves mechanical work out, and a sum of both
+would be that of the heat, which is some hundred times larger.
+
 Source: Simpson's rule for F dx/dt, textbook.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
 from martensite.actuators.assembly.ledger import ACCOUNTS, EXCHANGED
@@ -21,6 +26,21 @@ from martensite.actuators.assembly.ledger import ACCOUNTS, EXCHANGED
 SIXTH = 1.0 / 6.0
 TURNED_OVER = tuple(ACCOUNTS.index(name) for name in ("work", "outside"))
 """Accounts whose work, whichever way it goes, is what is exchanged."""
+LEAST_HEAT = 1e-9
+"""Heat [J] below which there is nothing to balance."""
+LEAST_WORK = 1e-12
+"""Work [J] below which there is nothing to balance."""
+ROUNDING, NONE = 1e-12, "0 J"
+"""Share of an energy that is none, and how that is said."""
+WORDS = {
+    "springs": "into springs",
+    "gravity": "into weight",
+    "kinetic": "into motion",
+    "magnetic": "into a winding",
+    "dissipated": "dissipated",
+    "outside": "given to the outside",
+}
+"""Where work goes, in words."""
 
 
 class Book(NamedTuple):
@@ -76,3 +96,123 @@ def integrate_effort(forces: Sequence[float], ways: Sequence[float]) -> float:
     (a, b, c), (x, y, z) = forces, ways
     first, middle, last = 4.0 * (y - x) - (z - x), z - x, 3.0 * (z - x) - 4.0 * (y - x)
     return SIXTH * (a * first + 4.0 * b * middle + c * last)
+
+
+# ---------------------------------------------------------------- balances of a run
+
+
+@dataclass(frozen=True)
+class HeatBalance:
+    """Where the heat of a run went; over all elements that are heated, in J."""
+
+    put_in: float
+    """By the drives."""
+    lost: float
+    """To the surroundings."""
+    sensible: float
+    """More in the end than in the beginning, by temperature."""
+    latent: float
+    """More in the end than in the beginning, by transformation."""
+
+    @property
+    def stored(self) -> float:
+        """Sensible and latent heat, more than in the beginning [J]."""
+        return self.sensible + self.latent
+
+    @property
+    def residual(self) -> float | None:
+        """What is not accounted for, as a share of the largest of in, lost and stored.
+
+        None if there is less than `LEAST_HEAT`.
+        """
+        most = max(abs(self.put_in), abs(self.lost), abs(self.stored))
+        missing = abs(self.put_in - self.lost - self.stored)
+        return missing / most if most > LEAST_HEAT else None
+
+    def __str__(self) -> str:
+        """In a line."""
+        most = max(abs(self.put_in), abs(self.lost))
+        held = (_tell_energy(x, most) for x in (self.stored, self.sensible, self.latent))
+        stored, sensible, latent = held
+        return (
+            f"heat: {self.put_in:.4g} J put in, {self.lost:.4g} J to the surroundings, "
+            f"{stored} stored ({sensible} sensible, {latent} latent); "
+            f"{_describe_residual(self.residual)}"
+        )
+
+    def as_dict(self) -> dict[str, float | None]:
+        """All its numbers, by name."""
+        own = {"put_in": self.put_in, "lost": self.lost, "stored": self.stored}
+        return own | {"sensible": self.sensible, "latent": self.latent, "residual": self.residual}
+
+
+@dataclass(frozen=True)
+class WorkBalance:
+    """Where the work of the elements of a run went, in J; what is held as it changed in the run."""
+
+    work: float
+    """Of the elements on what they pull, less what they took back."""
+    springs: float
+    """Elastic energy of the mechanism: springs, end stops, beams."""
+    gravity: float
+    kinetic: float
+    magnetic: float
+    """Of the winding of a motor."""
+    dissipated: float
+    """By damping, by friction, and in the winding of a motor."""
+    outside: float
+    """Given to what prescribes a force, a travel or a voltage; less than 0 where that drives."""
+    exchanged: float
+    """What elements and outside gave and took, whichever way it went: of this is the residual."""
+    elastic: float | None = None
+    """Elastic energy in the elements, no part of the balance; None if one does not say."""
+
+    @property
+    def converted(self) -> float | None:
+        """Work and elastic energy that transformation and thermal expansion brought [J]."""
+        return None if self.elastic is None else self.work + self.elastic
+
+    @property
+    def residual(self) -> float | None:
+        """What is not accounted for, as a share of what was exchanged; None if that is nothing."""
+        held = self.springs + self.gravity + self.kinetic + self.magnetic
+        missing = abs(self.work - held - self.dissipated - self.outside)
+        most = max(self.exchanged, abs(held), abs(self.dissipated))
+        return missing / most if most > LEAST_WORK else None
+
+    def __str__(self) -> str:
+        """In a line; what is nothing is left out."""
+        most = self.exchanged
+        told = {name: _tell_energy(getattr(self, name), most) for name in vars(self)}
+        where = [f"{told[name]} {words}" for name, words in WORDS.items() if told[name] != NONE]
+        within = [] if self.elastic is None else [f"{told['elastic']} elastic in the elements"]
+        parts = ", ".join([f"{told['work']} by the elements", *where])
+        beside = ", ".join([f"{most:.3g} J exchanged", *within])
+        return f"work: {parts}; {beside}; {_describe_residual(self.residual)}"
+
+    def as_dict(self) -> dict[str, float | None]:
+        """All its numbers, by name."""
+        return vars(self) | {"converted": self.converted, "residual": self.residual}
+
+
+def balance_heat(put_in: float, lost: float, accounts: Sequence[float]) -> HeatBalance:
+    """The heat balance of a run from what came in and was lost, and its accounts [J]."""
+    own = dict(zip(ACCOUNTS, accounts, strict=True))
+    return HeatBalance(put_in, lost, own["sensible"], own["latent"])
+
+
+def balance_work(book: Book, accounts: Sequence[float]) -> WorkBalance:
+    """The balance of the work of a run from its accounts [J]."""
+    own = dict(zip(ACCOUNTS, accounts, strict=True))
+    known = ACCOUNTS.index("elastic") in book.held
+    found = WorkBalance(**{one.name: own[one.name] for one in fields(WorkBalance)})
+    return found if known else replace(found, elastic=None)
+
+
+def _tell_energy(value: float | None, most: float) -> str:
+    """An energy [J] in words; nothing if it is but the rounding of the most that it is part of."""
+    return NONE if value is None or not abs(value) > ROUNDING * most else f"{value:.3g} J"
+
+
+def _describe_residual(residual: float | None) -> str:
+    return "nothing to balance" if residual is None else f"{residual:.1e} of it not accounted for"

@@ -1,76 +1,42 @@
-"""The march on plain floats: for single runs, in a process that needs no numpy."""
+"""The march on given steps, on plain floats: for single runs, in a process that needs no numpy."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Sequence
+from itertools import islice
+from typing import Any, cast
 
-from martensite.base.errors import SolveError
 from martensite.base.status import Status
-from martensite.simulate.compiled import CompiledMarch, Functions
+from martensite.signals.moments import Moments
+from martensite.simulate.compiled import CompiledMarch, Functions, feed_step
 from martensite.simulate.grid import TimeGrid
-from martensite.simulate.marching import RunLimits
+from martensite.simulate.marching import HAIR, AbstractMarch, Exit, Marched, Row, RunLimits
 
 SOLVED = 1e-8
 COARSE = 0.2
 
 
-@dataclass(frozen=True)
-class Track:
-    """What one march returns: rows of outputs at the samples, and how its steps ended."""
-
-    rows: Sequence[Sequence[float]]
-    status: Status
-    status_time: float | None
-    """Start of the first step with this status [s], or where it left the envelope; None where it
-    was not recorded."""
-    place: int = -1
-    """Which limit of the envelope was passed; -1 if none, or if that was not recorded."""
-    value: float = 0.0
-    """What came there, in SI."""
-
-    def require(self) -> Track:
-        """Return this track, or raise `SolveError` if it cannot be trusted."""
-        if self.status.failed and self.status is not Status.OUT_OF_ENVELOPE:
-            when = "during the run" if self.status_time is None else f"{self.status_time:.6g} s"
-            raise SolveError(
-                f"The coupled step of law, heat and mechanism failed at t = {when}. {self.status.sentence}"
-            )
-        return self
-
-
-def march_floats(functions: Functions, size: int, grid: TimeGrid, border: Border | None = None) -> Track:
+def march_floats(functions: Functions, size: int, grid: TimeGrid, border: Border | None = None) -> Marched:
     """Advance through the grid with traced float functions; failures are a status.
 
     It stops where it comes to the border of the envelope, if there is one.
     """
-    step, observe = functions["step"], functions["observe"]
-    state = functions["init"](*grid.sampled[0])
-    rows = [observe(*state, *grid.sampled[0])]
-    watch = WorstStep()
-    k = 0
+    walk, observe = FloatWalk(functions, size, grid.sampled[0]), functions["observe"]
+    rows = [observe(*walk.state, *grid.sampled[0])]
+    steps = zip(grid.drives, grid.lengths, strict=True)
     try:
         for count, drives in zip(grid.counts, grid.sampled[1:], strict=True):
-            for u, dt in zip(grid.drives[k : k + count], grid.lengths[k : k + count], strict=True):
-                after = step(*state, *u, dt)
-                state = after[:size]
-                watch.note(after[size], after[size + 1], k)
-                k += 1
-                if border is not None and border.is_passed(state, border.signals(u)):
-                    return _stop_track(rows, watch, border, math.fsum(grid.lengths[:k]))
-            rows.append(observe(*state, *drives))
+            for u, dt in islice(steps, count):
+                walk.advance(u, dt)
+                if border is not None and walk.stops(border.find_exit(walk.state, u)):
+                    break
+            if walk.gone is not None:
+                break
+            rows.append(observe(*walk.state, *drives))
     except ArithmeticError:  # a division by zero or an overflow
-        watch.note(math.inf, 0.0, k)
-    return check_track(rows, watch.worst, math.fsum(grid.lengths[: watch.step]))
-
-
-def _stop_track(rows: Sequence[tuple[float, ...]], watch: WorstStep, border: Border, time: float) -> Track:
-    """A track that ended at a border; one that had failed before is not to be trusted either."""
-    if watch.worst.failed:
-        return check_track(rows, watch.worst, time)
-    return Track(list(rows), Status.OUT_OF_ENVELOPE, time, border.place, border.value)
+        walk.note(math.inf, 0.0)
+    return walk.finish(rows, lambda k: math.fsum(grid.lengths[:k]))
 
 
 class Border:
@@ -79,37 +45,100 @@ class Border:
     def __init__(self, compiled: CompiledMarch, functions: Functions, limits: RunLimits) -> None:
         self.judge, self.limits = functions["judge"], limits
         self.first, self.places = len(compiled.convergence_scales), compiled.signals_in_step()
-        self.place, self.value = -1, 0.0
 
-    def signals(self, inputs: Sequence[float]) -> list[float]:
-        """The signals of a step from its inputs."""
-        return [inputs[place] for place in self.places]
-
-    def is_passed(self, state: Sequence[float], signals: Sequence[float]) -> bool:
-        """Whether a state is outside; where it is, and how far, is kept."""
-        seen = self.judge(*state, *signals)[self.first :]
-        rows = zip(self.limits.low, seen, self.limits.high, strict=False)
-        for place, (low, value, high) in enumerate(rows):
-            if math.isfinite(value) and not low <= value <= high:
-                self.place, self.value = place, value
-                return True
-        return False
+    def find_exit(self, state: Row, inputs: Sequence[float]) -> Exit | None:
+        """Where a state under the inputs of a step is outside; None if it is not."""
+        seen = self.judge(*state, *(inputs[place] for place in self.places))
+        return self.limits.find_exit(seen[self.first :], finite=True)
 
 
-class WorstStep:
-    """Remembers the worst step and where it was."""
+class FloatWalk:
+    """Steps of a system on plain floats from rest, of which the worst is remembered."""
 
-    def __init__(self) -> None:
-        self.worst = Status.OK
-        self.step = 0
+    def __init__(self, functions: Functions, size: int, signals: Sequence[float]) -> None:
+        self.step, self.size = functions["step"], size
+        self.state: Row = functions["init"](*signals)
+        self.steps, self.gone = 0, cast("Exit | None", None)
+        self.worst, self.worst_step = Status.OK, 0
 
-    def note(self, residual: float, crossing: float, step: int) -> None:
-        """Classify a step if its report is suspicious; called for every step."""
-        if residual <= SOLVED and crossing <= COARSE:
-            return
+    def advance(self, inputs: Sequence[float], dt: float) -> None:
+        """One step of dt [s], under signals or what drives bring."""
+        size = self.size
+        after = self.step(*self.state, *inputs, dt)
+        self.state = after[:size]
+        if not (after[size] <= SOLVED and after[size + 1] <= COARSE):
+            self.note(after[size], after[size + 1])
+        self.steps += 1
+
+    def note(self, residual: float, crossing: float) -> None:
+        """Classify a step by its report."""
         status = classify_step(residual, crossing)
         if status > self.worst:
-            self.worst, self.step = status, step
+            self.worst, self.worst_step = status, self.steps
+
+    def stops(self, gone: Exit | None) -> bool:
+        """Whether the envelope is left, and the walk with it."""
+        self.gone = gone
+        return gone is not None
+
+    def finish(self, rows: Sequence[Row], time_of: Callable[[int], float]) -> Marched:
+        """What the walk did, from its rows and when a step begins [s].
+
+        One that had failed before it left the envelope is not to be trusted either.
+        """
+        if self.gone is not None and not self.worst.failed:
+            return Marched(list(rows), (), Status.OUT_OF_ENVELOPE, time_of(self.steps), *self.gone, self.steps)
+        finite = all(math.isfinite(value) for row in rows for value in row)
+        status = self.worst if finite else Status.NOT_FINITE
+        return Marched(list(rows), (), status, time_of(self.worst_step), steps=self.steps)
+
+
+class FixedMarch(AbstractMarch):
+    """A run on steps of at most `MarchPlan.step`: equal ones between samples and edges of the drives.
+
+    Nothing is estimated and nothing repeated; a step that crosses much of a transformation makes the
+    status LONG_STEP.
+    """
+
+    def advance(self) -> None:
+        """Go on to the next sample or edge."""
+        plan = self.plan
+        step = plan.step or plan.times[-1]
+        begin, sample = self.time, plan.times[self.sample]
+        hair = 1e-12 * self.duration
+        edges = (e for r in self.readers for e in r.edges(begin + hair, sample - hair))
+        end = min(edges, default=sample)
+        count = max(1, math.ceil((end - begin) / step - HAIR))
+        length = (end - begin) / count
+        for k in range(count):
+            here = begin + k * length
+            self._step(here, length, end if k + 1 == count else here + length)
+            if self.found.status.failed:
+                return
+        self.time = end
+        if end == sample:
+            signals = self.signals(sample)
+            self.found.rows.append(self.functions["observe"](*self.state, *signals))
+            self.sample += 1
+        for reader in self.readers:
+            reader.forget(end)
+
+    def _step(self, begin: float, length: float, end: float) -> None:
+        inputs = list[float]()
+        for reader, width in zip(self.readers, self.plan.compiled.widths, strict=True):
+            brought = reader.moments(begin, end) if width > 1 else reader.before(end)
+            inputs += feed_step(brought) if isinstance(brought, Moments) else (brought,)
+        after = self.functions["step"](*self.state, *inputs, length)
+        residual, crossing, ripple = after[self.size :]
+        found, self.state = self.found, after[: self.size]
+        found.steps += 1
+        found.longest, found.ripple = max(found.longest, length), max(found.ripple, ripple)
+        found.residual = max(found.residual, residual)
+        status = classify_step(residual, crossing)
+        if status > found.status:
+            found.status, found.time = status, begin
+        self.time = begin
+        self.see(self.functions["judge"](*self.state, *self.signals(end, before=True)))
 
 
 def classify_step(residual: float, crossing: float) -> Status:
@@ -121,21 +150,15 @@ def classify_step(residual: float, crossing: float) -> Status:
     return Status.LONG_STEP if crossing > COARSE else Status.OK
 
 
-def check_track(rows: Sequence[tuple[float, ...]], status: Status, time: float | None = None) -> Track:
-    """A track whose rows have been checked for numbers that are none."""
-    finite = all(math.isfinite(value) for row in rows for value in row)
-    return Track(list(rows), status if finite else Status.NOT_FINITE, time)
-
-
-def track_of(table: Any, residual: float, crossing: float, ripple: float, left: float = math.inf) -> Track:
-    """A track whose rows are an array (samples, outputs), from its worst reports.
+def judge_table(table: Any, residual: float, crossing: float, left: float = math.inf) -> Marched:
+    """What a run did whose rows are an array (samples, outputs), from its worst reports.
 
     One that `left` the envelope at a time [s] has that status, unless it had failed before.
     """
     import numpy as np
 
     if left < math.inf and not classify_step(residual, crossing).failed:
-        return Track([], Status.OUT_OF_ENVELOPE, left)
+        return Marched([], (), Status.OUT_OF_ENVELOPE, left)
     finite = bool(np.isfinite(table).all())
     status = classify_step(residual, crossing) if finite else Status.NOT_FINITE
-    return Track(table.tolist(), status, None)
+    return Marched(table.tolist(), (), status, math.nan)

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from martensite.actuators.assembly.ledger import ACCOUNTS
+from martensite.base.errors import SolveError
 from martensite.base.status import Status
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.reader import Reader
@@ -26,11 +27,12 @@ class RunLimits(NamedTuple):
     high: tuple[float, ...]
     """One pair for each of `CompiledMarch.envelope`."""
 
-    def find_exit(self, values: Sequence[float]) -> Exit | None:
-        """The first of some values that is outside, or no number; None if there is none."""
-        rows = zip(self.low, values, self.high, strict=True)
-        outside = (Exit(k, v) for k, (low, v, high) in enumerate(rows) if not low <= v <= high)
-        return next(outside, None)
+    def find_exit(self, values: Sequence[float], finite: bool = False) -> Exit | None:
+        """The first of some values that is outside; or no number, unless only `finite` ones count."""
+        for place, (low, value, high) in enumerate(zip(self.low, values, self.high, strict=False)):
+            if not low <= value <= high and (not finite or math.isfinite(value)):
+                return Exit(place, value)
+        return None
 
 
 class Exit(NamedTuple):
@@ -83,7 +85,7 @@ class Marched:
     """Of the judged outputs, over all steps."""
     status: Status = Status.OK
     time: float = 0.0
-    """Where it ended [s], or where the step of its status began."""
+    """Where it ended [s], or where the step of its status began; NaN where that was not recorded."""
     place: int = -1
     """Which limit of the envelope was passed; -1 if none."""
     value: float = 0.0
@@ -103,6 +105,18 @@ class Marched:
     """Energies [J], see `assembly.ledger.ACCOUNTS`: more held than in the beginning, or work."""
     ends: list[float] = field(default_factory=list[float])
     """Ends of the steps [s], if they were to be kept."""
+
+    @property
+    def status_time(self) -> float | None:
+        """When its status came about [s]; None for none, or where that was not recorded."""
+        return None if self.status is Status.OK or math.isnan(self.time) else self.time
+
+    def require(self) -> Marched:
+        """Return it, or raise `SolveError` if it cannot be trusted."""
+        if self.status.failed and self.status is not Status.OUT_OF_ENVELOPE:
+            when = "during the run" if self.status_time is None else f"at t = {self.status_time:.6g} s"
+            raise SolveError(f"The coupled step of law, heat and mechanism failed {when}. {self.status.sentence}")
+        return self
 
 
 class AbstractMarch:
@@ -154,8 +168,7 @@ class AbstractMarch:
     def check_envelope(self) -> None:
         """Stop where the envelope is left."""
         found, limits = self.found, self.plan.limits
-        values = self.seen[self.convergence_scales : self.convergence_scales + len(limits.low)]
-        gone = limits.find_exit(values)
+        gone = limits.find_exit(self.seen[self.convergence_scales :])
         if gone is not None and not found.status.failed:
             finite = math.isfinite(gone.value)
             found.status = Status.OUT_OF_ENVELOPE if finite else Status.NOT_FINITE

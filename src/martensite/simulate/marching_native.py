@@ -166,32 +166,16 @@ class MarchRows:
     def take_run(self, run: int, times: Sequence[float]) -> Marched:
         """One of them."""
         numbers = self.numbers[run].tolist()
-        status, end, place, value, steps, rejected, longest, ripple, residual, *more = numbers
-        put_in, lost, *more = more
-        accounts, ranges = tuple(more[: len(ACCOUNTS)]), tuple(more[len(ACCOUNTS) :])
-        rows = self.outputs[run]
-        found = Status(int(status))
-        stopped = bisect_right(times, end)
-        reached = stopped if found.failed else len(times)
+        status, end, place, value, steps, rejected, *more = numbers
+        accounts, ranges = tuple(more[5 : 5 + len(ACCOUNTS)]), tuple(more[5 + len(ACCOUNTS) :])
+        rows, found = self.outputs[run], Status(int(status))
+        reached = bisect_right(times, end) if found.failed else len(times)
         if not found.failed and not np.isfinite(rows[:reached]).all():
             found = Status.NOT_FINITE
-        return Marched(
-            [tuple(row) for row in rows[:reached].tolist()],
-            ranges,
-            found,
-            end,
-            int(place),
-            value,
-            int(steps),
-            int(rejected),
-            longest,
-            ripple,
-            residual,
-            put_in,
-            lost,
-            accounts,
-            self.ends,
-        )
+        kept = [tuple(row) for row in rows[:reached].tolist()]
+        made = Marched(kept, ranges, found, end, int(place), value, int(steps), int(rejected), *more[:5])
+        made.accounts, made.ends = accounts, self.ends
+        return made
 
 
 def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> MarchRows:
@@ -208,8 +192,6 @@ def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> Marc
 
 
 class _Marching:
-    """A march under way."""
-
     def __init__(self, runs: Runs) -> None:
         plan, compiled = runs.plan, runs.plan.compiled
         self.runs, self.plan = runs, plan
@@ -302,7 +284,6 @@ class _Marching:
         return self.library.time_of(block), self.library.run_of(block)
 
     def _done(self) -> float:
-        """Share that is done."""
         now, first = self._where()
         runs = min(self.runs.lanes, self.runs.count - first)
         return (first + runs * now / self.plan.times[-1]) / self.runs.count

@@ -14,10 +14,9 @@ from martensite.kernels.compiler import call_compiled, load_library
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.program import Function
 from martensite.simulate.compiled import CompiledMarch
-from martensite.simulate.grid import TimeGrid
-from martensite.simulate.lane_grid import LaneGrid
-from martensite.simulate.march import Track, track_of
-from martensite.simulate.marching import RunLimits
+from martensite.simulate.grid import LaneGrid, TimeGrid
+from martensite.simulate.march import judge_table
+from martensite.simulate.marching import Marched, RunLimits
 
 _MARCH = """
 void march(long lanes, long intervals, const double *restrict p, const double *restrict first,
@@ -186,8 +185,10 @@ def spread_limits(limits: Any, runs: int) -> Any:
     return np.ascontiguousarray(np.broadcast_to(given, (*given.shape[:2], runs)))
 
 
-def march_c(compiled: CompiledMarch, values: Sequence[float], grid: TimeGrid, limits: RunLimits | None = None) -> Track:
+def march_c(
+    compiled: CompiledMarch, values: Sequence[float], grid: TimeGrid, limits: RunLimits | None = None
+) -> Marched:
     """One run on the C runtime."""
     places = range(len(compiled.outputs))
     rows, worst, left = march_inside(compiled, values, grid, 1, places, limits)
-    return track_of(rows[:, :, 0], *worst[:, 0].tolist(), left=float(left[0]))
+    return judge_table(rows[:, :, 0], *worst[:2, 0].tolist(), left=float(left[0]))

@@ -9,19 +9,46 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, cast
 
 from martensite.base.status import Status
+from martensite.kernels.compiler import call_compiled
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
 from martensite.simulate.march import SOLVED, classify_step
+from martensite.simulate.marching import Row
 
 if TYPE_CHECKING:
-    from martensite.simulate.point_native import NativeRider
+    from martensite.kernels.compiled_program import CompiledProgram
 
 SPLITS = 4
 """How often a step that stays unsolved is halved, on floats."""
 STRAIN, STRESS = ROW.index("strain"), ROW.index("stress")
+_RIDE = """
+void ride(long samples, long finer, const double *restrict c, const double *restrict ramp,
+          double *restrict memory, double *restrict rows, double *restrict worst,
+          long *restrict where) {{
+    double x[{inputs}], y[{results}];
+    const long n = samples * finer;
+    memcpy(x, memory, sizeof(double) * {size});
+    worst[0] = 0.0;
+    where[0] = 0;
+    for (long k = 1; k <= n; k++) {{
+        const double share = (double)k / (double)n;
+        x[{size}] = k == n ? ramp[1] : ramp[0] + share * (ramp[1] - ramp[0]);
+        x[{size} + 1] = k == n ? ramp[3] : ramp[2] + share * (ramp[3] - ramp[2]);
+        x[{size} + 2] = ramp[4];
+        k_{step}(1, c, x, y);
+        memcpy(x, y, sizeof(double) * {size});
+        if (!(y[{results} - 1] <= worst[0])) {{ worst[0] = y[{results} - 1]; where[0] = k - 1; }}
+        if (k % finer == 0) {{
+            memcpy(rows, y + {size}, sizeof(double) * {row});
+            rows += {row};
+        }}
+    }}
+    memcpy(memory, x, sizeof(double) * {size});
+}}
+"""
 
 
 class PathSection(NamedTuple):
@@ -29,43 +56,37 @@ class PathSection(NamedTuple):
 
     control: str
     """`stress` or `strain`."""
-    target: float | None
+    end: float | None
     """Stress [Pa] or strain [-] at the end; None holds what is there."""
     first: float
     last: float
     """Temperatures at its two ends [K]."""
     duration: float
     samples: int
+    begin: float = math.nan
+    """Stress [Pa] or strain [-] at the start, which the march finds."""
 
+    def start(self, row: Row, imposed: float | None) -> PathSection:
+        """With both ends known: a slack point is longer than the strain imposed on it."""
+        begin = row[STRESS]
+        if self.control == "strain":
+            begin = row[STRAIN] if imposed is None else imposed
+        return self._replace(begin=begin, end=begin if self.end is None else self.end)
 
-class RampSection(NamedTuple):
-    """A section whose prescribed quantity is known at both ends, in equal steps."""
-
-    control: str
-    begin: float
-    end: float
-    first: float
-    last: float
-    dt: float
-    samples: int
-    finer: int
-    """Steps between samples."""
-
-    def at(self, k: int) -> tuple[float, float]:
-        """Prescribed quantity and temperature after k steps; exact at the end."""
-        n = self.samples * self.finer
-        if k == n:
-            return self.end, self.last
-        share = k / n
-        return (self.begin + share * (self.end - self.begin), self.first + share * (self.last - self.first))
+    def at(self, share: float) -> tuple[float, float]:
+        """Prescribed quantity and temperature at a share of the way; exact at the end."""
+        end = self.begin if self.end is None else self.end
+        if share == 1.0:
+            return end, self.last
+        return self.begin + share * (end - self.begin), self.first + share * (self.last - self.first)
 
 
 class Ridden(NamedTuple):
     """What a march along one section returns."""
 
-    memory: tuple[float, ...]
+    memory: Row
     """With the row that follows it."""
-    rows: list[tuple[float, ...]]
+    rows: list[Row]
     residual: float
     step: int
     """The first step with this residual."""
@@ -75,7 +96,7 @@ class Ridden(NamedTuple):
 class PointTrack:
     """Rows at the samples, and how the steps ended."""
 
-    rows: list[tuple[float, ...]]
+    rows: list[Row]
     """As `compiled_law.ROW`."""
     status: Status
     residual: float
@@ -106,8 +127,6 @@ class PathDriver:
     def rider(self) -> FloatRider | NativeRider:
         """The runtime, with the parameters bound."""
         if self.runtime == "c":
-            from martensite.simulate.point_native import NativeRider
-
             return NativeRider(self.compiled, self.law)
         return FloatRider(self)
 
@@ -124,32 +143,23 @@ def march_point(drive: PathDriver, finer: int) -> PointTrack:
     state = rider.start(*drive.fractions, drive.stress, drive.temperature)
     rows = [state[size:]]
     worst, leg, when = 0.0, 0, 0.0
-    clock, imposed = 0.0, None
-    for number, section in enumerate(drive.sections):
-        ramp = _start_section(section, finer, rows[-1], imposed)
-        imposed = ramp.end if section.control == "strain" else None
+    clock, imposed = 0.0, cast("float | None", None)
+    for number, leg_section in enumerate(drive.sections):
+        section = leg_section.start(rows[-1], imposed)
+        imposed = section.end if section.control == "strain" else None
         try:
-            ridden = rider.ride(state[:size], ramp)
+            ridden = rider.ride(state[:size], section, finer)
         except ArithmeticError:  # a division by zero or an overflow
             return PointTrack(rows, Status.NOT_FINITE, math.inf, number, clock, 0)
         if not ridden.residual <= worst:
-            worst, leg, when = ridden.residual, number, clock + ramp.dt * ridden.step
+            dt = section.duration / (section.samples * finer)
+            worst, leg, when = ridden.residual, number, clock + dt * ridden.step
         rows += ridden.rows
         state = ridden.memory
         clock += section.duration
     finite = all(math.isfinite(value) for row in rows for value in row)
     status = classify_step(worst, 0.0) if finite else Status.NOT_FINITE
     return PointTrack(rows, status, worst, leg, when, finer * drive.samples)
-
-
-def _start_section(section: PathSection, finer: int, row: tuple[float, ...], imposed: float | None) -> RampSection:
-    """Where a section begins: a slack point is longer than the strain imposed on it."""
-    begin = row[STRESS]
-    if section.control == "strain":
-        begin = row[STRAIN] if imposed is None else imposed
-    end = begin if section.target is None else section.target
-    dt = section.duration / (section.samples * finer)
-    return RampSection(section.control, begin, end, section.first, section.last, dt, section.samples, finer)
 
 
 class FloatRider:
@@ -160,13 +170,13 @@ class FloatRider:
         self._size = compiled.size
         self._functions = compiled.program.bind_floats(*compiled.values(drive.law))
 
-    def start(self, *numbers: float) -> tuple[float, ...]:
+    def start(self, *numbers: float) -> Row:
         """Memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
         return self._functions["init"](*numbers)
 
     def _carefully(
-        self, state: tuple[float, ...], begin: tuple[float, float], end: tuple[float, float], dt: float, splits: int
-    ) -> tuple[float, ...]:
+        self, state: Row, begin: tuple[float, float], end: tuple[float, float], dt: float, splits: int
+    ) -> Row:
         """A strain-driven step; in two halves where it stays unsolved."""
         after = self._functions["strain_step"](*state, *end, dt)
         if after[-1] <= SOLVED or splits == 0:
@@ -176,20 +186,65 @@ class FloatRider:
         last = self._carefully(first[: self._size], middle, end, 0.5 * dt, splits - 1)
         return (*last[:-1], max(first[-1], last[-1]))
 
-    def ride(self, memory: tuple[float, ...], ramp: RampSection) -> Ridden:
-        """Along one section."""
-        step, size, dt = self._functions[f"{ramp.control}_step"], self._size, ramp.dt
-        rows: list[tuple[float, ...]] = []
+    def ride(self, memory: Row, section: PathSection, finer: int) -> Ridden:
+        """Along one section, in so many steps between samples."""
+        step, size, count = self._functions[f"{section.control}_step"], self._size, section.samples * finer
+        dt = section.duration / count
+        rows: list[Row] = []
         worst, where = 0.0, 0
         state = memory
-        for k in range(1, ramp.samples * ramp.finer + 1):
-            given = ramp.at(k)
+        for k in range(1, count + 1):
+            given = section.at(k / count)
             after = step(*state, *given, dt)
             if not after[-1] <= SOLVED:
-                after = self._carefully(state, ramp.at(k - 1), given, dt, SPLITS)
+                after = self._carefully(state, section.at((k - 1) / count), given, dt, SPLITS)
             if not after[-1] <= worst:
                 worst, where = after[-1], k - 1
             state = after[:size]
-            if k % ramp.finer == 0:
+            if k % finer == 0:
                 rows.append(after[size:])
         return Ridden((*state, *rows[-1]), rows, worst, where)
+
+
+class NativeRider:
+    """Traced functions in C."""
+
+    def __init__(self, compiled: CompiledLaw, law: AbstractLaw) -> None:
+        import numpy as np
+
+        self._compiled = compiled
+        self._table = np.array([*compiled.values(law), 0.0], float)[:, None]
+        self._programs: dict[str, CompiledProgram] = {}
+
+    def _load(self, step: str) -> CompiledProgram:
+        """One library per kind of step: compiling what is not used takes seconds."""
+        if step in self._programs:
+            return self._programs[step]
+        from martensite.kernels.compiled_program import CompiledProgram
+
+        size = self._compiled.size
+        added = _RIDE.format(inputs=max(size + 3, 4), results=size + len(ROW), size=size, row=len(ROW), step=step)
+        made = CompiledProgram(self._compiled.program, ("init", step), self._table, added)
+        return self._programs.setdefault(step, made)
+
+    def start(self, *numbers: float) -> tuple[float, ...]:
+        """Memory and row at ξ [-], ξ_S [-], stress [Pa], temperature [K]."""
+        import numpy as np
+
+        found, given = np.empty(self._compiled.size + len(ROW)), np.array(numbers, float)
+        self._load("stress_step").bind("init", given, found)()
+        return tuple(found.tolist())
+
+    def ride(self, memory: Row, section: PathSection, finer: int) -> Ridden:
+        """Along one section, in so many steps between samples."""
+        import numpy as np
+
+        state, worst = np.array(memory, float), np.empty(1)
+        rows, where = np.empty((section.samples, len(ROW))), np.empty(1, np.int_)
+        dt = section.duration / (section.samples * finer)
+        line = np.array([section.begin, section.end, section.first, section.last, dt], float)
+        program = self._load(f"{section.control}_step")
+        arrays = (program.constants, line, state, rows, worst, where)
+        call_compiled(program.library.ride, section.samples, finer, *arrays)
+        found = [tuple(row) for row in rows.tolist()]
+        return Ridden((*state.tolist(), *found[-1]), found, float(worst[0]), int(where[0]))

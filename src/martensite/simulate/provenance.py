@@ -41,7 +41,6 @@ def _list_foreign(things: Iterable[Any]) -> Iterator[type[Parametrised]]:
 
 
 def _name_part(cls: type[Parametrised]) -> str:
-    """What a foreign part is called."""
     return cls.registered_name or cls.__name__
 
 

@@ -62,7 +62,6 @@ def _check_objects(part: Parametrised, values: Mapping[str, Any]) -> list[bool]:
 
 
 def _find_holder(part: Parametrised, path: str) -> Parametrised:
-    """What has the number at a path."""
     for name in path.split(".")[:-1]:
         part = part.__dict__[name]
     return part

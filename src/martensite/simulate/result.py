@@ -20,7 +20,7 @@ from martensite.base.lazy import import_extra
 from martensite.base.status import Status
 from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.simulate.alarms import Alarm
-from martensite.simulate.balance import HeatBalance, WorkBalance
+from martensite.simulate.ledger import HeatBalance, WorkBalance
 from martensite.simulate.provenance import NOT_TRIED, tell_conformance
 
 if TYPE_CHECKING:
@@ -226,11 +226,9 @@ class Result:
         return "\n".join([*lines[:LINES], *more, shorten(f"columns: time, {columns}", 100)])
 
     def _repr_html_(self) -> str:
-        """For a notebook."""
         return import_module("martensite.show.html").render_fragment(self.summary())
 
     def _write_ends(self, name: str) -> list[str]:
-        """Lowest and highest value of a column in a readable unit."""
         return [write_quantity(end, self.unit(name)) for end in self._ends(name)]
 
     def _ends(self, name: str) -> tuple[float, float]:

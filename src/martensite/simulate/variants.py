@@ -16,26 +16,28 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import ParameterError, suggest_name
+from martensite.base.errors import ParameterError, require_known
 from martensite.base.status import Status
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import first_step
-from martensite.simulate.compiled import CompiledMarch, compile_march
+from martensite.simulate.arrays import count_block, march_on_jax
+from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import arrange_waveforms, grid_of
 from martensite.simulate.ensembles import Ensemble, Flags, Numbers, march_in_lanes, march_one_by_one
 from martensite.simulate.envelope import envelope_of, varied_stops
-from martensite.simulate.grid import Steps, TimeGrid, cut_steps
-from martensite.simulate.lane_grid import LaneGrid, lane_grid
+from martensite.simulate.grid import LaneGrid, Steps, TimeGrid, cut_steps, lane_grid
+from martensite.simulate.march import Border, march_floats
 from martensite.simulate.marching import MarchPlan
 from martensite.simulate.marching_native import Runs
+from martensite.simulate.native import march_inside
 from martensite.simulate.refusals import find_refused
 
 Places: TypeAlias = NDArray[np.intp]
@@ -43,13 +45,21 @@ Values: TypeAlias = Mapping[str, Numbers]
 """Path of a parameter -> one number per run."""
 OnSteps: TypeAlias = tuple[list[Numbers], Numbers, Numbers]
 """Columns (runs, samples), reports (3, runs), and when runs left the envelope [s], (runs,)."""
-RUNTIMES = ("c", "jax", "floats")
+RUNTIMES, PRECISIONS = ("c", "jax", "floats"), ("float64", "float32")
 LANES = {"c": 64, "floats": 16}
 """Runs that march together on given steps; on JAX as many as suit its devices."""
 TOGETHER = 256
 """Runs with an error control that are made before others are begun: samples are held twice."""
 CLOCKS = 64
 """Sets of edges whose steps are kept."""
+REPORTS = {
+    Status.OK: (0.0, 0.0, 0.0),
+    Status.LONG_STEP: (0.0, 1.0, 0.0),
+    Status.UNSOLVED: (1.0, 0.0, 0.0),
+    Status.OUT_OF_ENVELOPE: (0.0, 0.0, 0.0),
+}
+"""Worst reports that stand for a status."""
+BROKEN = (np.inf, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,16 +88,17 @@ class VariantSetup:
     """Devices of JAX, or threads of C, that share the runs; all if None."""
 
     def __post_init__(self) -> None:
-        """Raise `ParameterError` for a runtime or a precision that there is not."""
-        if self.runtime not in RUNTIMES:
-            raise ParameterError(f"No runtime named `{self.runtime}`. {suggest_name(self.runtime, RUNTIMES)}")
-        single = self.precision == "float32"
-        if self.precision != "float64" and not (single and self.runtime == "jax"):
+        """Raise `InputError` for a runtime or a precision that there is not."""
+        require_known("runtime", self.runtime, RUNTIMES)
+        if self.precision not in PRECISIONS:
+            raise ParameterError(f"Argument `precision` must be float64 or float32, but is `{self.precision}`.")
+        if self.precision != "float64" and self.runtime != "jax":
             raise ParameterError(
-                f"The precision must be float64, or float32 on JAX, but is `{self.precision}` on `{self.runtime}`."
+                f"Argument `precision` may be float32 on JAX only, but the runtime is `{self.runtime}`; "
+                'give a `step` and `runtime="jax"`.'
             )
         if self.runtime == "jax" and self.controlled:
-            raise ParameterError("Runs on JAX need a `step`, for they have no error control.")
+            raise ParameterError("A batch on JAX runs on equal steps; give the longest one as `step`, or take `auto`.")
 
     def run(self, values: Values, signals: Mapping[str, Values] | None = None) -> Ensemble:
         """Run variants.
@@ -185,10 +196,7 @@ class VariantSetup:
     # ---------------------------------------------------------------- runs on given steps
 
     def _together(self) -> int:
-        """How many runs march together."""
         if self.lanes is None and self.runtime == "jax":
-            from martensite.simulate.variants_jax import count_block
-
             return count_block(self.devices)
         return self.lanes or LANES[self.runtime]
 
@@ -243,29 +251,35 @@ class VariantSetup:
     @cached_property
     def engine(self) -> Callable[[Values, TimeGrid | LaneGrid, int], OnSteps]:
         """What marches on given steps, from (values, grid, runs)."""
-        if self.runtime == "c":
-            return self._march_c
         if self.runtime == "jax":
-            return self._march_jax
-        return self._march_floats
+            return partial(march_on_jax, self)
+        return self._march_c if self.runtime == "c" else self._march_floats
 
     def _march_c(self, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
-        from martensite.simulate.native import march_inside
-
         limits = self._limits(values, runs)
         limits = np.array(envelope_of(self.system), float) if limits is None else limits
         rows, worst, left = march_inside(self.compiled, self.table(values), grid, runs, self.places, limits)
         return [rows[:, k].T for k in range(len(self.outputs))], worst, left
 
-    def _march_jax(self, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
-        from martensite.simulate.variants_jax import march_on_jax
-
-        return march_on_jax(self, values, grid, runs)
-
     def _march_floats(self, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
-        from martensite.simulate.variants_floats import march_on_steps
-
-        return march_on_steps(self, values, grid, runs)
+        """One after another, for machines without a compiler; a failed run has a report above the limit."""
+        columns = np.full((len(self.outputs), runs, self.samples), np.nan)
+        reports, left = np.zeros((3, runs)), np.full(runs, np.inf)
+        for run in range(runs):
+            system = self.system.rebuilt({path: float(v[run]) for path, v in values.items()})
+            try:
+                functions, size = bind_march(system)
+                border = Border(self.compiled, functions, envelope_of(system))
+                found = march_floats(functions, size, grid if isinstance(grid, TimeGrid) else grid.lane(run), border)
+            except ArithmeticError:  # what follows from parameters alone is no number
+                reports[:, run] = BROKEN
+                continue
+            reports[:, run] = REPORTS.get(found.status, BROKEN)
+            if found.status is Status.OUT_OF_ENVELOPE:
+                left[run] = found.time
+            rows = np.asarray(found.rows)[:, list(self.places)].T
+            columns[:, run, : rows.shape[1]] = rows
+        return list(columns), reports, left
 
     def _grid(self, signals: Mapping[str, Values], rows: Places) -> TimeGrid | LaneGrid:
         """The steps of all, or of every lane where waveforms vary."""
@@ -304,7 +318,6 @@ class VariantSetup:
         return {}
 
     def _waveforms(self, signals: Mapping[str, Values], row: int) -> dict[str, AbstractWaveform]:
-        """The waveforms of one run."""
         varied = {
             name: self.waveforms[name].with_values({p: float(v[row]) for p, v in table.items()})
             for name, table in signals.items()
@@ -312,7 +325,6 @@ class VariantSetup:
         return {**self.waveforms, **varied}
 
     def _list_refused(self, signals: Mapping[str, Values], count: int) -> Flags:
-        """Runs whose waveforms are refused."""
         found = np.zeros(count, np.bool_)
         for name, table in signals.items():
             found |= find_refused(self.waveforms[name], table, count)

@@ -16,14 +16,14 @@ end.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from martensite.actuators.assembly import AbstractSystem, Actuator, Feed
+from martensite.actuators.assembly import AbstractSystem, Feed
 from martensite.actuators.assembly.base import DriveSignal
-from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Output
+from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import REQUIRED, Declared, Parametrised, part
 from martensite.kernels.namespace import Namespace, Scalar
@@ -91,6 +91,15 @@ def pair_name(first: int, second: int) -> str:
     return f"q{second} with {'the rest' if first < 0 else f'q{first}'}"
 
 
+def hand_on(name: str) -> Callable[..., Any]:
+    """A method that the driven system answers."""
+
+    def answer(self: WaveformLevelSystem, *values: Any) -> Any:
+        return getattr(self.system, name)(*values)
+
+    return answer
+
+
 class WaveformLevelSystem(AbstractSystem, init=False):
     """A system whose signals are put together from fixed ones and levels."""
 
@@ -108,37 +117,14 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         """That of the system."""
         return self.system.mechanism
 
-    def sample_time(self) -> float:
-        """As of the system [s]."""
-        return self.system.sample_time()
-
-    def actuators(self) -> dict[str, Actuator]:
-        """Those of the system."""
-        return self.system.actuators()
-
-    def label(self, port: str, name: str) -> str:
-        """As of the system."""
-        return self.system.label(port, name)
-
-    def drive_at(self, port: str) -> str:
-        """As of the system."""
-        return self.system.drive_at(port)
-
-    def convergence_scales(self) -> dict[str, float]:
-        """As of the system."""
-        return self.system.convergence_scales()
-
-    def description(self) -> str:
-        """As of the system."""
-        return self.system.description()
-
-    def outputs(self) -> dict[str, Output]:
-        """Those of the system."""
-        return self.system.outputs()
-
-    def profile(self, state: Any) -> list[Column]:
-        """As of the system."""
-        return self.system.profile(state)
+    sample_time = hand_on("sample_time")
+    actuators = hand_on("actuators")
+    label = hand_on("label")
+    drive_at = hand_on("drive_at")
+    convergence_scales = hand_on("convergence_scales")
+    description = hand_on("description")
+    outputs = hand_on("outputs")
+    profile = hand_on("profile")
 
     def drives(self) -> list[DriveSignal]:
         """Those of the system, for what does not move, one for each level, and one for pairs."""

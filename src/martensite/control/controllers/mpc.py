@@ -38,8 +38,7 @@ from martensite.kernels import floats
 from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.signals.base import DRIVE, AbstractWaveform
 from martensite.simulate.api import steps_in
-from martensite.simulate.lanes import Lanes
-from martensite.simulate.lanes_native import Numbers
+from martensite.simulate.lanes import Lanes, Numbers
 
 
 class Planned(NamedTuple):

@@ -29,8 +29,7 @@ import numpy as np
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, param, part
 from martensite.base.units import DIFFERENCE
-from martensite.simulate.lanes import Lanes
-from martensite.simulate.lanes_native import Numbers
+from martensite.simulate.lanes import Lanes, Numbers
 from martensite.simulate.march import SOLVED
 
 KELVIN, MEGAPASCAL = 1.0, 1e6

@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
 from martensite.simulate.api import longest_step
-from martensite.simulate.lanes import Lanes
-from martensite.simulate.lanes_native import Numbers
+from martensite.simulate.lanes import Lanes, Numbers
 
 FIRST, DOUBLINGS = 64, 8
 """Steps of the first look, and how often it is made twice as long."""

@@ -1,4 +1,4 @@
-"""Measured tables as records at equal intervals, and back.
+"""Measured tables as records at equal intervals.
 
 A table whose times lie on a grid (each within a quarter of an interval) is taken row by row; rows
 that are missing on the grid are samples without outputs. Any other table is brought onto a grid:
@@ -79,65 +79,9 @@ def from_record(
     return resample_record(found, interval)
 
 
-def pieces_of_record(
-    record: Record,
-    inputs: Sequence[str],
-    outputs: Sequence[str],
-    longest: float,
-    interval: float | None = None,
-    units: Mapping[str, str] | None = None,
-) -> tuple[Sampled, ...]:
-    """The same, cut where inputs are missing or rows are apart for longer than some time [s].
-
-    Pieces of one row are left out.
-
-    Raises:
-        DataError: as `from_record`; or there is no piece of two rows.
-    """
-    known = np.ones(len(record), bool)
-    for name in inputs:
-        known &= np.isfinite(np.asarray(record[name]))
-    rows = np.flatnonzero(known)
-    times = np.asarray(record.times)[rows]
-    ends = np.flatnonzero(np.diff(times) > longest) + 1
-    parts = [part for part in np.split(rows, ends) if len(part) > 1]
-    if not parts:
-        raise DataError(f"Record `{record.name}` has no two rows with inputs within {longest:g} s.")
-    step = interval
-    if step is None:
-        step = min(_find_grid(np.asarray(record.times)[p[0] : p[-1] + 1], None).interval for p in parts)
-    return tuple(
-        from_record(_select_rows(record, part, k, len(parts)), inputs, outputs, step, units)
-        for k, part in enumerate(parts, start=1)
-    )
-
-
-def to_record(sampled: Sampled) -> Record:
-    """A record at equal intervals as a table in SI."""
-    columns, names = {"time": [float(t) for t in sampled.times]}, {"time": "s"}
-    signals = [
-        *zip(sampled.input_names, sampled.inputs.T, strict=True),
-        *zip(sampled.output_names, sampled.outputs.T, strict=True),
-    ]
-    for name, column in signals:
-        spelling = sampled.units.get(name, "1")
-        unit = unit_table.EVERYDAY.get(spelling, (spelling, 1.0, 0.0))[0]
-        factor, offset = unit_table.find_conversion(spelling, unit)
-        columns[name] = [float(value) for value in column * factor + offset]
-        names[name] = unit
-    return Record(sampled.name, columns, names)
-
-
-def _select_rows(record: Record, part: Numbers, number: int, count: int) -> Record:
-    kept = slice(int(part[0]), int(part[-1]) + 1)
-    name = record.name if count == 1 else f"{record.name} ({number})"
-    return replace(record, name=name, columns={n: c[kept] for n, c in record.columns.items()})
-
-
 def _list_columns(
     record: Record, names: Sequence[str], units: Mapping[str, str]
 ) -> tuple[dict[str, str], dict[str, Numbers]]:
-    """Units and columns by name."""
     unknown = next((name for name in units if name not in record.columns), None)
     if unknown is not None:
         raise DataError(

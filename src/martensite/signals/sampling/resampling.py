@@ -175,7 +175,6 @@ def select_signals(record: Sampled, inputs: Sequence[str], outputs: Sequence[str
 
 
 def _bridge_gaps(record: str, name: str, column: Numbers, remarks: list[str]) -> Numbers:
-    """A column without gaps."""
     known = np.isfinite(column)
     missing = int(len(column) - known.sum())
     if not missing:

@@ -118,12 +118,10 @@ class ColumnCrossings:
 
 
 def _take_sample(samples: Numbers, place: Places) -> Numbers:
-    """One sample of every column and run."""
     return np.take_along_axis(samples, place[:, None], axis=1)[:, 0]
 
 
 def _add_sample(samples: Numbers, place: Places, more: Numbers) -> None:
-    """Add to one sample of every column and run."""
     np.put_along_axis(samples, place[:, None], (_take_sample(samples, place) + more)[:, None], axis=1)
 
 

@@ -1,13 +1,17 @@
-"""Largest and smallest samples, and what lies between them."""
+"""Largest and smallest samples and what lies between them; what is seen at a time, or at the end."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
 from martensite.base.units import DEGREES
+from martensite.kernels.namespace import Scalar
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, Numbers
 
 
@@ -69,3 +73,45 @@ def _mark_sample(seen: Numbers, place: Callable[..., Any]) -> Numbers:
     found = np.zeros(seen.shape).reshape(-1, seen.shape[2])
     found[place(seen.reshape(found.shape), axis=0), np.arange(seen.shape[2])] = 1.0
     return found.reshape(seen.shape)
+
+
+@MEASURES.register("at")
+class At(AbstractMeasure):
+    """Value at a time, between samples on a straight line; of several elements the largest."""
+
+    time: Scalar = param("s", "when; the end if not given", low=0.0, default=math.inf)
+
+    def unit(self, unit: str) -> str:
+        """That of the output."""
+        return unit
+
+    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+        """y(t)."""
+        return np.einsum("csr,csr->cr", self._shares(times, seen), seen).max(axis=0)
+
+    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
+        """The shares of both neighbours, in the column that is largest."""
+        shares = self._shares(times, seen)
+        largest = np.einsum("csr,csr->cr", shares, seen).argmax(axis=0)
+        return shares * (np.arange(len(seen))[:, None] == largest)[:, None, :]
+
+    def _shares(self, times: Numbers, seen: Numbers) -> Numbers:
+        when = min(self.time, float(times[-1])) if math.isinf(self.time) else self.time
+        if when > times[-1] * (1.0 + 1e-12):
+            raise ParameterError(
+                f"`{self.registered_name}` looks at {when:.6g} s, but the run ends at {times[-1]:.6g} s."
+            )
+        found = np.maximum(1.0 - np.abs(times - when) / _measure_gaps(times, when), 0.0)
+        return np.broadcast_to(found[None, :, None], seen.shape)
+
+
+@MEASURES.register("final")
+class Final(At):
+    """Value at the end."""
+
+
+def _measure_gaps(times: Numbers, when: float) -> float:
+    """Length of the interval in which a time is [s]."""
+    last = len(times) - 1
+    place = min(max(int(np.searchsorted(times, when, side="right")), 1), last)
+    return float(times[place] - times[place - 1])

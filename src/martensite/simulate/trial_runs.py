@@ -1,20 +1,26 @@
-"""Where a system comes to rest under drives that are held: what a scenario can lead to at most.
+"""Runs that are tried: to where a scenario can lead at most, and to the step that it needs.
 
-Every drive goes from its first level to the lowest, or the highest, of its waveform and is held
-there until nothing changes. A scenario whose drives stay there long enough ends there; one of short
-pulses does not, which only its run can tell.
+A system comes to rest under drives that are held: every drive goes from its first level to the lowest,
+or the highest, of its waveform and is held there until nothing changes. A scenario whose drives stay
+there long enough ends there; one of short pulses does not, which only its run can tell.
+
+Fits and exported models run on equal steps: those do not change with the parameters, so that what is
+computed on them is as smooth as the model is, and differentiates exactly. They are halved until a run
+on them agrees with one that has an error control.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import SolveError
 from martensite.base.status import Status
 from martensite.signals.table import Table
-from martensite.simulate.api import longest_step, simulate
+from martensite.simulate.api import first_step, longest_step, simulate
 from martensite.simulate.drive_waveforms import Waveforms, by_name
 from martensite.simulate.result import Result
 
@@ -24,6 +30,8 @@ ROUGH = 1e-2
 """Tolerance of a run to rest."""
 TRIED = 5.0
 """CPU time [s] for which a run is tried."""
+HALVINGS = 12
+HALVED = 0.5
 
 
 @dataclass(frozen=True)
@@ -75,3 +83,47 @@ def leaves_envelope(system: AbstractSystem, waveform: Waveforms, duration: float
     except SolveError:
         return ""
     return result.warnings[0] if result.status is Status.OUT_OF_ENVELOPE else ""
+
+
+class EqualStep(NamedTuple):
+    """A longest step, and what a run on it is off by."""
+
+    step: float
+    """[s]"""
+    apart: float
+    """Largest difference of what is judged, as a share of its range."""
+
+
+def find_step(
+    system: AbstractSystem, waveform: Waveforms, duration: float, tolerance: float, samples: int = 1001
+) -> EqualStep:
+    """The longest step [s] of a row of halved ones with which a run is within a tolerance.
+
+    Args:
+        system: what is run.
+        waveform: its drive, or drives by name.
+        duration: length of the run [s].
+        tolerance: accepted difference, as a share of range.
+        samples: at which runs are compared.
+
+    Raises:
+        SolveError: the run fails.
+    """
+    meant = simulate(system, waveform, duration, tolerance=HALVED * tolerance, samples=samples)
+    step, apart = first_step(system, duration, 2), math.inf
+    for _ in range(HALVINGS):
+        found = simulate(system, waveform, duration, step=step, samples=samples)
+        apart = _compare_runs(system, found, meant)
+        if apart <= tolerance:
+            break
+        step *= HALVED
+    return EqualStep(step, apart)
+
+
+def _compare_runs(system: AbstractSystem, found: Result, meant: Result) -> float:
+    """Largest difference of what is judged, as a share of its range."""
+    shares: list[float] = []
+    for name, least in system.convergence_scales().items():
+        pairs = zip(found.columns[name], meant.columns[name], strict=False)
+        shares.append(max(abs(a - b) for a, b in pairs) / max(meant.range(name), least))
+    return max(shares, default=0.0)
