@@ -44,7 +44,7 @@ def c(
     No allocation, no library but libm; in double the results are those of `run`, bit for bit.
     Operations are counted at worst: what is not chosen in a step is not computed.
     """
-    from martensite.base.files import replace_file
+    from martensite.base.files import make_folder, replace_together, write_file
     from martensite.export.c_names import checked_identifier, make_identifier
     from martensite.show.terminal import print_summary
 
@@ -53,10 +53,10 @@ def c(
     name = checked_identifier(name or make_identifier(source.file.stem))
     files = _check_files(out, name, force)
     core, example = _make_core(source.load(), name, part, precision)
-    out.mkdir(exist_ok=True)
-    core.write(out)
-    with replace_file(files[-1]) as written:
-        written.write_text(example, encoding="utf-8", newline="\n")
+    make_folder(out)
+    with replace_together():
+        core.write(out)
+        write_file(files[-1], example)
     print_summary(_summarise_core(core, part), json, files)
 
 

@@ -64,7 +64,7 @@ def mujoco(
     put there by the driver, by `martensite.export.bridge_of`, or by a `MujocoBridge`
     with the forces printed.
     """
-    from martensite.base.files import replace_file
+    from martensite.base.files import replace_together, write_file
     from martensite.export.mjcf import to_mjcf
     from martensite.export.mjcf_snippet import to_mjcf_snippet
     from martensite.show.terminal import print_summary
@@ -78,9 +78,9 @@ def mujoco(
         driver = out.with_name(f"{source.file.stem}_driver.py") if driver == HERE else driver
         Outputs(driver, None).check(force, data=(".py",))
         texts[driver] = _write_driver(loaded, driver, None if snippet else out, source.modules or [])
-    for path, text in texts.items():
-        with replace_file(path) as part:
-            part.write_text(text, encoding="utf-8")
+    with replace_together():
+        for path, text in texts.items():
+            write_file(path, text)
     print_summary(_summarise_model(loaded), json, texts)
 
 

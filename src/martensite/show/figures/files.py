@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import DataError
-from martensite.base.files import replace_file
+from martensite.base.files import write_file
 from martensite.show.figures.style import use_style
 
 if TYPE_CHECKING:
@@ -31,5 +32,7 @@ def write_figure(figure: Figure, path: Path) -> None:
         DataError: the suffix is another one, or the file cannot be written.
     """
     kind = check_format(path)
-    with replace_file(path) as part, use_style():
-        figure.savefig(part, format=kind)
+    drawn = io.BytesIO()  # a PDF that is not finished breaks down in its own way
+    with use_style():
+        figure.savefig(drawn, format=kind)
+    write_file(path, drawn.getbuffer())
