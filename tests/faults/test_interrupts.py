@@ -195,9 +195,9 @@ def test_blocks_around_are_asked_where_one_has_nothing_to_say() -> None:
 @pytest.mark.parametrize("work", [SLEEPING, DEAF], ids=["sleeping", "deaf"])
 def test_no_part_of_a_file_is_left(tmp_path: Path, work: str) -> None:
     writing = f"""
-    from martensite.cli.outputs import Outputs, open_parts
-    with open_parts(Outputs(Path("x.nc"), None)) as files:
-        files.data.touch()
+    from martensite.base.files import replace_file, replace_together
+    with replace_together(), replace_file(Path("x.nc")) as part:
+        part.touch()
         {work}"""
     assert begin(tmp_path, writing).end(signal.SIGTERM) == (130, SENTENCE)
     assert [one.name for one in tmp_path.iterdir()] == ["kept"]

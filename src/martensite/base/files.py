@@ -7,30 +7,135 @@ import sys
 import tomllib
 from collections.abc import Generator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
 from martensite.base.errors import DataError, suggest_name
+from martensite.base.interrupts import hold_interrupts, rescue_answer
+
+_unfinished: dict[Path, int] = {}
+"""Files that have not taken their places yet -> the process that writes them."""
+_held: ContextVar[dict[Path, Path] | None] = ContextVar("_held", default=None)
+"""Of files that are written together, those that are complete -> their places."""
 
 
 @contextmanager
 def replace_file(path: Path) -> Generator[Path]:
     """A new file beside `path` that takes its place once it is complete.
 
+    What there is of it is removed if anything fails, and where the process is told to end (SIGTERM).
+
     Raises:
         DataError: the folder does not exist or the file cannot be written.
     """
-    if not path.parent.is_dir():
-        raise DataError(f"The folder of `{path}` does not exist; create it first.")
-    part = path.with_name(f".{path.name}.{os.urandom(4).hex()}.part")
     try:
-        yield part
-        part.replace(path)
+        if not path.parent.is_dir():
+            raise DataError(f"The folder of `{path}` does not exist; create it first.")
+    except OSError as error:  # a name that is too long
+        raise _describe_failure(path, error) from None
+    part, held = path.with_name(f".{path.name[:40]}.{os.urandom(4).hex()}.part"), _held.get()
+    _unfinished[part] = os.getpid()
+    try:
+        with _catch_termination(), rescue_answer(lambda: _remove_part(part) or ""):
+            yield part
+            if held is None:
+                part.replace(path)
+            else:
+                held[part] = path
     except OSError as error:
-        reason = error.strerror or error
-        raise DataError(f"The file `{path}` could not be written: {reason}.") from error
+        raise _describe_failure(path, error) from error
     finally:
-        part.unlink(missing_ok=True)
+        if held is None or part not in held:
+            _remove_part(part)
+
+
+@contextmanager
+def replace_together() -> Generator[None]:
+    """Files that are written in this block take their places when it ends, or none of them does.
+
+    Raises:
+        DataError: a file cannot be written.
+    """
+    held: dict[Path, Path] = {}
+    token = _held.set(held)
+
+    def remove_parts() -> str:
+        for part in held:
+            _remove_part(part)
+        return ""
+
+    try:
+        with _catch_termination(), rescue_answer(remove_parts):
+            yield
+            with hold_interrupts():
+                for part, path in held.items():
+                    try:
+                        part.replace(path)
+                    except OSError as error:
+                        raise _describe_failure(path, error) from error
+    finally:
+        _held.reset(token)
+        remove_parts()
+
+
+def write_file(path: str | os.PathLike[str], content: str | bytes | memoryview) -> None:
+    """Write a file, text in UTF-8 with its lines as they are; it is replaced whole or not at all.
+
+    Raises:
+        DataError: the folder does not exist or the file cannot be written.
+    """
+    with replace_file(Path(path)) as part:
+        part.write_bytes(content.encode() if isinstance(content, str) else content)
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder, with those that it is in, if it is not there.
+
+    Raises:
+        DataError: it cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise DataError(f"Cannot make the folder `{path}`: {error.strerror}.") from None
+
+
+def _describe_failure(path: Path, error: OSError) -> DataError:
+    return DataError(f"The file `{path}` could not be written: {error.strerror or error}.")
+
+
+def _remove_part(part: Path) -> None:
+    _unfinished.pop(part, None)
+    part.unlink(missing_ok=True)
+
+
+@contextmanager
+def _catch_termination() -> Generator[None]:
+    """A block in which SIGTERM removes unfinished files before it ends the process.
+
+    Where a program answers the signal in a way of its own it stays so: an exception removes them too.
+    """
+    import signal
+    import threading
+
+    main = threading.current_thread() is threading.main_thread()
+    if not main or signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
+        yield
+        return
+
+    def end_process(number: int, frame: object) -> None:
+        for part, writer in _unfinished.items():
+            if writer == os.getpid():  # a copy of this process has them in its table as well
+                part.unlink(missing_ok=True)
+        signal.signal(number, signal.SIG_DFL)
+        os.kill(os.getpid(), number)
+
+    signal.signal(signal.SIGTERM, end_process)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
 
 
 MOST_TEXT = 2**26

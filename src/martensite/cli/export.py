@@ -54,7 +54,7 @@ def c(
     No allocation, no library but libm; in double the results are those of `run`, bit for bit.
     Operations are counted at worst: what is not chosen in a step is not computed.
     """
-    from martensite.base.files import replace_file
+    from martensite.base.files import make_folder, replace_together, write_file
     from martensite.export.c_names import checked_identifier, make_identifier
     from martensite.show.terminal import print_summary
 
@@ -63,10 +63,10 @@ def c(
     name = checked_identifier(name or make_identifier(source.file.stem))
     files = _check_files(out, name, force)
     core, example = _make_core(source.load(), name, part, precision)
-    out.mkdir(exist_ok=True)
-    core.write(out)
-    with replace_file(files[-1]) as written:
-        written.write_text(example, encoding="utf-8", newline="\n")
+    make_folder(out)
+    with replace_together():
+        core.write(out)
+        write_file(files[-1], example)
     print_summary(_summarise_core(core, part), json, files)
 
 
@@ -257,7 +257,7 @@ def mujoco(
     put there by the driver, by `martensite.export.bridge_of`, or by a `MujocoBridge`
     with the forces printed.
     """
-    from martensite.base.files import replace_file
+    from martensite.base.files import replace_together, write_file
     from martensite.export.mjcf import to_mjcf
     from martensite.export.mjcf_snippet import to_mjcf_snippet
     from martensite.show.terminal import print_summary
@@ -271,9 +271,9 @@ def mujoco(
         driver = out.with_name(f"{source.file.stem}_driver.py") if driver == HERE else driver
         Outputs(driver, None).check(force, data=(".py",))
         texts[driver] = _write_driver(loaded, driver, None if snippet else out, source.modules or [])
-    for path, text in texts.items():
-        with replace_file(path) as part:
-            part.write_text(text, encoding="utf-8")
+    with replace_together():
+        for path, text in texts.items():
+            write_file(path, text)
     print_summary(_summarise_model(loaded), json, texts)
 
 

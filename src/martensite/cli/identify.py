@@ -11,9 +11,10 @@ import typer
 from typer import Argument, Option
 
 from martensite.base.errors import InputError, suggest_name
+from martensite.base.files import replace_together
 from martensite.cli.app import app
 from martensite.cli.options import Imports, Text, Texts, import_modules, read_positive, read_quantity, spread_options
-from martensite.cli.outputs import AnswerOptions, Outputs, open_parts
+from martensite.cli.outputs import AnswerOptions, Outputs
 from martensite.cli.progress import show_share, show_spinner
 
 if TYPE_CHECKING:
@@ -207,14 +208,14 @@ def identify(
 def _write_files(found: Identified, outputs: Outputs, records: Sequence[Sampled]) -> list[Path]:
     """Write model and figure; the files that were written."""
     written = outputs.paths()
-    with open_parts(outputs) as files:
-        if files.data is not None:
-            _save_model(found, files.data)
-        if files.figure is not None:
+    with replace_together():
+        if outputs.data is not None:
+            _save_model(found, outputs.data)
+        if outputs.figure is not None:
             from martensite.show.figures.model import plot_identified
             from martensite.show.figures.style import write_figure
 
-            write_figure(plot_identified(found, records), files.figure)
+            write_figure(plot_identified(found, records), outputs.figure)
     if outputs.data is not None and len(found.estimates) > 1:
         for k, one in enumerate(found.estimates, start=1):
             from martensite.scenario.model_files import model_provenance, write_model

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 from typer import Argument, Option
 
 from martensite.base.errors import ParameterError, UnitError, UnknownNameError
+from martensite.base.files import replace_together
 from martensite.cli.app import app
 from martensite.cli.options import Imports, Text, Texts, import_modules, spread_options
-from martensite.cli.outputs import AnswerOptions, open_parts
+from martensite.cli.outputs import AnswerOptions
 
 if TYPE_CHECKING:
     from martensite.simulate.path_layout import Choices, PathRates
@@ -75,12 +76,12 @@ def law(
         for one, courses in zip(dressed, laid, strict=True)
     ]
     every = [result for own in results for result in own]
-    with open_parts(outputs) as files:
-        if files.data is not None:
-            write_points(every, files.data)
-        if files.figure is not None:
+    with replace_together():
+        if outputs.data is not None:
+            write_points(every, outputs.data)
+        if outputs.figure is not None:
             title = f"{path}: {', '.join(names)}"
-            write_figure(plot_point(every, title=title, plane=plane), files.figure)
+            write_figure(plot_point(every, title=title, plane=plane), outputs.figure)
     print_summary(summarise_laws(path, dressed, results), answer.json, outputs.paths())
 
 

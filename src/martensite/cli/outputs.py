@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import DataError
-from martensite.base.interrupts import hold_interrupts, rescue_answer
+from martensite.base.files import replace_together, write_file
 from martensite.cli.options import FigureFile, Force, Json
 from martensite.show.figures.style import FORMATS
 
@@ -69,11 +68,11 @@ class Outputs:
         """Write the text that is wanted, and the figure."""
         from martensite.show.figures.style import write_figure
 
-        with open_parts(self) as files:
-            if files.data is not None and text is not None:
-                files.data.write_text(text(), encoding="utf-8", newline="\n")
-            if files.figure is not None and draw is not None:
-                write_figure(draw(), files.figure)
+        with replace_together():
+            if self.data is not None and text is not None:
+                write_file(self.data, text())
+            if self.figure is not None and draw is not None:
+                write_figure(draw(), self.figure)
 
 
 @dataclass(frozen=True)
@@ -107,27 +106,3 @@ def check_absent(path: Path, force: bool, option: str = "--force") -> None:
     """Raise `DataError` if a file is there and must not be replaced."""
     if path.exists() and not force:
         raise DataError(f"`{path}` is there already; use {option} to replace it, or write to another file.")
-
-
-@contextmanager
-def open_parts(outputs: Outputs) -> Iterator[Outputs]:
-    """Names to write to; the files take their places together once all are complete."""
-    mark = os.getpid()
-    beside = {p: p.with_name(f".{p.stem}.{mark}{p.suffix}") for p in outputs.paths()}
-
-    def part(path: Path | None) -> Path | None:
-        return None if path is None else beside[path]
-
-    def clear() -> str:
-        for written in beside.values():
-            written.unlink(missing_ok=True)
-        return ""
-
-    try:
-        with rescue_answer(clear):
-            yield Outputs(part(outputs.data), part(outputs.figure), part(outputs.profile))
-            with hold_interrupts():
-                for path, written in beside.items():
-                    written.replace(path)
-    finally:
-        clear()

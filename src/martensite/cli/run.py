@@ -11,6 +11,7 @@ import typer
 from typer import Option
 
 from martensite.base.errors import InputError
+from martensite.base.files import replace_together
 from martensite.cli.app import app
 from martensite.cli.options import (
     Force,
@@ -24,7 +25,7 @@ from martensite.cli.options import (
     refuse_idle,
     spread_options,
 )
-from martensite.cli.outputs import Outputs, open_parts
+from martensite.cli.outputs import Outputs
 from martensite.cli.progress import show_run, show_spinner
 
 if TYPE_CHECKING:
@@ -164,8 +165,8 @@ def run_scenario(
     result = options.run(scenario, quiet=quiet)
     averaging = None if pulses is None else _make_pulses(scenario, pulses)
     agreements = _compare_record(result, record, options.compare is None and log is not None)
-    with show_spinner("writing"), open_parts(outputs) as files:
-        _write_files(files, scenario, result, record)
+    with show_spinner("writing"), replace_together():
+        _write_files(outputs, scenario, result, record)
     from martensite.show.summaries.run import summarise_run
 
     return result, summarise_run(scenario, result, agreements, averaging)

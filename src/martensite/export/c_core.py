@@ -16,7 +16,7 @@ from typing import Any
 
 from martensite.actuators.assembly import PROFILES, AbstractSystem
 from martensite.base.errors import ParameterError
-from martensite.base.files import replace_file
+from martensite.base.files import write_file
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE, ALARM, JITTER, NOISE, list_readings, list_references, reference_units
 from martensite.control.loop.names import list_estimates as estimate_outputs
@@ -75,8 +75,7 @@ class CCore:
         found: list[Path] = []
         for name, text in self.files.items():
             found.append(Path(folder) / name)
-            with replace_file(found[-1]) as part:
-                part.write_text(text, encoding="utf-8", newline="\n")
+            write_file(found[-1], text)
         return found
 
 

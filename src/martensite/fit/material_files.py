@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import DataError
-from martensite.base.files import replace_file
+from martensite.base.files import write_file
 from martensite.fit.fit import find_covered_range, list_compared
 from martensite.fit.fit_provenance import PACKAGE, build_provenance, describe_program, list_published
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
@@ -66,8 +66,7 @@ def write_material(
         raise DataError(f"A material file ends in .toml, but this is `{path}`.")
     numbers = MaterialNumbers(fit, scenario or fit.scenario, port, digits)
     text = format_material(numbers, title, cite)
-    with replace_file(path) as part:
-        part.write_text(text, encoding="utf-8")
+    write_file(path, text)
 
 
 def format_material(numbers: MaterialNumbers, title: str = "", cite: str = "") -> str:

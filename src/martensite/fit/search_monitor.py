@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from martensite.base.errors import DataError
-from martensite.base.files import replace_file
+from martensite.base.files import write_file
 from martensite.fit.problem import Evaluation, Problem
 
 EVERY = 2.0
@@ -101,8 +101,7 @@ class SearchMonitor:
             return
         self._written = time.monotonic()
         document = {"problem": identify_problem(self.problem), "values": self.best, "done": self.done}
-        with replace_file(self.path) as part:
-            part.write_text(json.dumps(document), encoding="utf-8")
+        write_file(self.path, json.dumps(document))
 
     def resume(self) -> None:
         """Take up the state of an earlier search of the same problem, if there is one.

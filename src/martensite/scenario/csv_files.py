@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from martensite.base import units
-from martensite.base.files import replace_file
+from martensite.base.files import replace_file, write_file
 from martensite.simulate.point import PointResult
 from martensite.simulate.result import Result
 
@@ -70,5 +70,4 @@ def write_points(results: Sequence[PointResult], path: Path) -> None:
         for row in zip(*columns, strict=True):
             cells = [f"{value:.9g}" for value in row]
             lines.append(",".join([str(i), *cells] if several else cells))
-    with replace_file(path) as part:
-        part.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_file(path, "\n".join(lines) + "\n")

@@ -19,7 +19,7 @@ from urllib.error import HTTPError
 from urllib.request import urlopen
 
 from martensite.base.errors import DataError, require_known
-from martensite.base.files import cache_folder, replace_file
+from martensite.base.files import cache_folder, make_folder, write_file
 from martensite.scenario.layout import Layout
 
 VARIABLE = "MARTENSITE_DATA"
@@ -208,9 +208,5 @@ def _describe_reason(error: Exception) -> str:
 
 
 def _store_file(path: Path, content: bytes) -> None:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise DataError(f"Cannot make the folder `{path.parent}`: {error.strerror}.") from None
-    with replace_file(path) as part:
-        part.write_bytes(content)
+    make_folder(path.parent)
+    write_file(path, content)

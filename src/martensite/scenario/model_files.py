@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from martensite.base.errors import DataError, InputError, MartensiteError
-from martensite.base.files import read_text_file, replace_file
+from martensite.base.files import read_text_file, write_file
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.scores import compute_rms, fit_percent
@@ -51,8 +51,7 @@ def write_model(chain: Chain, path: str | Path, provenance: Mapping[str, Any] | 
     if path.suffix.lower() != ".json":
         raise DataError(f"A model file ends in .json, but this is `{path}`.")
     text = model_text(chain, provenance)
-    with replace_file(path) as part:
-        part.write_text(text, encoding="utf-8")
+    write_file(path, text)
 
 
 def model_text(chain: Chain, provenance: Mapping[str, Any] | None = None) -> str:

@@ -24,7 +24,7 @@ import numpy as np
 
 from martensite.actuators.assembly import OUTPUTS, PROFILES
 from martensite.base.errors import DataError, UnknownNameError
-from martensite.base.files import replace_file
+from martensite.base.files import write_file
 from martensite.base.lazy import import_extra
 from martensite.physics.materials.base import Material
 from martensite.simulate.result import Result, Variants
@@ -133,8 +133,7 @@ def save_result(
             kind = h5netcdf.core.h5py.string_dtype() if variable.values.dtype == object else None
             written = file.create_variable(name, variable.dims, data=variable.values, dtype=kind)
             written.attrs.update(variable.attrs)
-    with replace_file(Path(path)) as part:
-        part.write_bytes(whole.getbuffer())
+    write_file(path, whole.getbuffer())
 
 
 def open_result(path: str | os.PathLike[str]) -> LabelledData:

@@ -27,7 +27,7 @@ import numpy as np
 
 from martensite.base import units as unit_table
 from martensite.base.errors import DataError, suggest_name
-from martensite.base.files import replace_file
+from martensite.base.files import write_file
 from martensite.base.lazy import import_extra
 from martensite.scenario.layout import CLOCK, IGNORED, read_headings
 from martensite.scenario.tables import PREFIX, read_table
@@ -130,8 +130,7 @@ def write_sampled(record: Sampled, path: str | Path) -> None:
     lines = [",".join(f"{name} [{spelled.get(name, '1')}]" for name in names)]
     table = np.column_stack([record.times, record.inputs, record.outputs])
     lines += [",".join("" if math.isnan(v) else f"{v:.9g}" for v in row) for row in table]
-    with replace_file(Path(path)) as part:
-        part.write_text("\n".join([*lines, ""]), encoding="utf-8")
+    write_file(path, "\n".join([*lines, ""]))
 
 
 def _read_text(path: str | Path, interval: float | None) -> Record:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import quote
 
 from martensite.base.errors import DataError
-from martensite.base.files import replace_file
+from martensite.base.files import make_folder, replace_together, write_file
 from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
 from martensite.fit.fit_provenance import describe_program
 from martensite.show.figures.style import write_figure
@@ -80,10 +80,11 @@ def write_page(summary: Summary, path: str | Path) -> list[Path]:
     """
     path, by = check_page_path(path), f"Written by {describe_program()}."
     if path.suffix.lower() in HTML:
-        _write_text(path, render_page(summary, by))
+        write_file(path, render_page(summary, by))
     else:
-        _write_figures(summary, path)
-        _write_text(path, render_markdown(summary, by, find_figure_folder(path).name))
+        with replace_together():
+            _write_figures(summary, path)
+            write_file(path, render_markdown(summary, by, find_figure_folder(path).name))
     return list_page_files(summary, path)
 
 
@@ -116,19 +117,12 @@ def find_figure_folder(path: Path) -> Path:
 
 
 def _write_figures(summary: Summary, path: Path) -> None:
+    """Write all pictures of a summary into its folder, which is made if there is any."""
     folder = find_figure_folder(path)
-    try:
-        folder.mkdir(exist_ok=True)
-    except OSError as error:
-        raise DataError(f"Cannot make the folder `{folder}`: {error.strerror}.") from None
     for block in summary.blocks:
         if isinstance(block, Picture):
+            make_folder(folder)
             write_figure(block.draw(), folder / f"{block.name}.png")
-
-
-def _write_text(path: Path, text: str) -> None:
-    with replace_file(path) as part:
-        part.write_text(text, encoding="utf-8")
 
 
 def render_markdown(summary: Summary, by: str, folder: str) -> str:

@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 import martensite
 import martensite_studies
 from martensite.base.errors import DataError
-from martensite.base.files import cache_folder, replace_file
+from martensite.base.files import cache_folder, write_file
 from martensite.scenario.examples import EXAMPLES
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -61,8 +61,7 @@ def _store_result(result: Any, path: Path) -> None:
         others = sorted(path.parent.parent.iterdir(), key=lambda one: one.stat().st_mtime)
         for old in others[:-PROGRAMS]:
             shutil.rmtree(old, ignore_errors=True)
-    with replace_file(path) as part:
-        part.write_bytes(pickle.dumps(result))
+    write_file(path, pickle.dumps(result))
 
 
 def find_program_folder() -> Path:

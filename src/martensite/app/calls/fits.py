@@ -15,6 +15,7 @@ from martensite.app.messages import BadMessageError, JsonTable, Request, require
 from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError, SolveError
+from martensite.base.files import write_file
 from martensite.fit.fit import Fit
 from martensite.fit.fit_task import ArrangedFit
 from martensite.fit.material_files import write_material
@@ -82,7 +83,7 @@ def _keep_fit(request: Request, fit: Fit, desk: Desk, state: str) -> str:
     key, path = UploadFolder(desk.folder).place("fit.json")
     ended = {name: getattr(fit, name) for name in ENDED}
     noted = {"request": {**request, "state": None, "finish": False}, "state": state}
-    path.write_text(json.dumps({**noted, "ended": ended}), encoding="utf-8")
+    write_file(path, json.dumps({**noted, "ended": ended}))
     return key
 
 

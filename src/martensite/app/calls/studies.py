@@ -18,7 +18,7 @@ from martensite.app.messages import JsonTable, Request, require_entry, write_mes
 from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base.errors import DataError
-from martensite.base.files import replace_file
+from martensite.base.files import write_file
 from martensite.scenario.citations import format_reference
 from martensite.scenario.datasets import describe_dataset, is_here
 from martensite.studies.base import AbstractStudy, Verdict, load_study, study_names
@@ -84,8 +84,7 @@ def write_results(study: AbstractStudy, folder: Path, results: Request) -> None:
     """Keep results until the version or the data are others."""
     place = _locate_results(study, folder)
     place.parent.mkdir(exist_ok=True)
-    with replace_file(place) as part:
-        part.write_bytes(write_message(results))
+    write_file(place, write_message(results))
 
 
 def list_studies(request: Request, desk: Desk) -> JsonTable:

@@ -16,6 +16,7 @@ from martensite.app.uploads import UploadFolder
 from martensite.app.worker import Desk
 from martensite.base import units
 from martensite.base.errors import InputError, MartensiteError, suggest_name
+from martensite.base.files import replace_file
 from martensite.base.parameters import Declared
 from martensite.base.status import Status
 from martensite.design.backends.processes import count_cores
@@ -131,7 +132,7 @@ def write_csv(store: Path, path: Path) -> None:
     """One row per run that is made, numbers in SI, units in the heads; failed ones are empty."""
     table = read_sweep(store)
     columns = {**table.varied, **table.measures}
-    with path.open("w", encoding="utf-8", newline="") as file:
+    with replace_file(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         heads = [f"{name} [{one.unit}]" for name, one in columns.items()]
         writer.writerow(["run", "status", *map(escape_formula, heads)])
@@ -151,11 +152,11 @@ def escape_formula(text: str) -> str:
     return f"'{text}" if text.startswith(FORMULA) else text
 
 
-def _write_zip(store: Path, path: Path) -> None:
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as made:
+def write_zip(store: Path, path: Path) -> None:
+    with replace_file(path) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_STORED) as made:
         for one in sorted(store.rglob("*")):
             if one.is_file():
                 made.write(one, f"{store.name}/{one.relative_to(store).as_posix()}")
 
 
-KINDS = {"csv": (".csv", write_csv), "zarr": (".zarr.zip", _write_zip)}
+KINDS = {"csv": (".csv", write_csv), "zarr": (".zarr.zip", write_zip)}

@@ -8,6 +8,7 @@ archive: times in it are fixed, and its GUID (instantiation token) is a hash of 
 from __future__ import annotations
 
 import hashlib
+import io
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,7 +16,7 @@ from pathlib import Path
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, suggest_name
-from martensite.base.files import replace_file
+from martensite.base.files import write_file
 from martensite.export.c_names import checked_identifier, make_identifier
 from martensite.export.fmu.binaries import TARGETS, build_library, checked_targets
 from martensite.export.fmu.description import build_description, write_description
@@ -92,8 +93,7 @@ def to_fmu(
         content[_locate_library(fmi, target, called)] = build_library(texts, target)
     content |= {f"sources/{file}": text for file, text in texts.items()}
     content |= _write_beside(fmi, plan)
-    with replace_file(path) as part:
-        _zip_files(content, part)
+    write_file(path, _zip_files(content))
     discrete = plan.period > 0.0
     return Fmu(path, fmi, called, token, plan.step, discrete, shown, tuple(targets))
 
@@ -117,10 +117,12 @@ def _make_token(texts: Sequence[str]) -> str:
     return "{" + "-".join(digest[a:b] for a, b in _GROUPS) + "}"
 
 
-def _zip_files(files: Mapping[str, str | bytes], path: Path) -> None:
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+def _zip_files(files: Mapping[str, str | bytes]) -> bytes:
+    whole = io.BytesIO()
+    with zipfile.ZipFile(whole, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in files.items():
             entry = zipfile.ZipInfo(name, _EPOCH)
             entry.external_attr = 0o644 << 16
             entry.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(entry, content)
+    return whole.getvalue()

@@ -8,13 +8,14 @@ suffix, and the file appears whole.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import DataError
-from martensite.base.files import replace_file
+from martensite.base.files import write_file
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -101,5 +102,7 @@ def write_figure(figure: Figure, path: Path) -> None:
         DataError: the suffix is another one, or the file cannot be written.
     """
     kind = check_format(path)
-    with replace_file(path) as part, use_style():
-        figure.savefig(part, format=kind)
+    drawn = io.BytesIO()  # a PDF that is not finished breaks down in its own way
+    with use_style():
+        figure.savefig(drawn, format=kind)
+    write_file(path, drawn.getbuffer())
