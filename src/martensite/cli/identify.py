@@ -15,7 +15,7 @@ from martensite.cli.app import app
 from martensite.cli.identify_columns import choose_columns
 from martensite.cli.options import Imports, Text, Texts, import_modules, read_positive, read_quantity, spread_options
 from martensite.cli.outputs import AnswerOptions, Outputs, open_parts
-from martensite.cli.progress import show_share, show_spinner
+from martensite.cli.progress import end_on_signals, show_share, show_spinner
 
 if TYPE_CHECKING:
     from martensite.identify.chains.estimate import Options
@@ -60,13 +60,19 @@ class IdentifyOptions:
     starts: Annotated[int, Option(min=1, help="Searches from different starts.")] = 12
     seed: Annotated[int, Option(min=0, help="Of the random starts.")] = 0
     skip: Annotated[Text, Option(help='Time at the start of every log that does not count, e.g. "2 s".')] = None
-    initial: Annotated[str, Option(help="State at the first row: rest, zero, or estimate.")] = "rest"
+    initial: Annotated[
+        str,
+        Option(
+            help="State at the first row: rest, zero, estimate, or auto, which tests whether a log begins at rest and "
+            "estimates the state of those that do not."
+        ),
+    ] = "auto"
     anchor: Annotated[
         float | None,
         Option(
             min=0.0,
             help="Weight of the rest before the input first changes, as a share of all rows "
-            "[default: 0.1 where --initial is rest, else 0].",
+            "[default: 0.1 for logs that begin at rest, else 0].",
         ),
     ] = None
     ridge: Annotated[float, Option(min=0.0, help="Pull of free numbers to their start, e.g. 1e-6.")] = 0.0
@@ -134,11 +140,12 @@ class IdentifyOptions:
     def choose_search(self, interval: float) -> Options:
         """How stages are estimated at a sample time."""
         from martensite.identify.chains.estimate import Options
+        from martensite.identify.chains.goals import AUTO
         from martensite.identify.chains.residuals import STARTS
 
-        if self.initial not in STARTS:
-            raise InputError(f"Option `--initial` is `{self.initial}`. {suggest_name(self.initial, STARTS)}")
-        rest = ANCHOR if self.initial == "rest" else 0.0
+        if self.initial not in (*STARTS, AUTO):
+            raise InputError(f"Option `--initial` is `{self.initial}`. {suggest_name(self.initial, (*STARTS, AUTO))}")
+        rest = ANCHOR if self.initial in ("rest", AUTO) else 0.0
         seconds = read_quantity("skip", self.skip, "s") or 0.0
         return Options(
             starts=self.starts,
@@ -188,7 +195,7 @@ def identify(
     from martensite.show.terminal import print_summary
 
     ended: list[str] = []
-    with show_share("identifying") as bar:
+    with end_on_signals(), show_share("identifying") as bar:
 
         def tell(text: str, share: float) -> None:
             if INTERRUPTED in text:

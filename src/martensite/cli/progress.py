@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,6 +13,20 @@ if TYPE_CHECKING:
 
     from martensite.design.sweep.running import Progress as Swept
     from martensite.fit.search_monitor import SearchNote, Tell
+
+
+@contextmanager
+def end_on_signals() -> Iterator[None]:
+    """SIGTERM ends what is computed as Ctrl-C does: the best so far is kept."""
+
+    def interrupt(number: int, frame: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, interrupt)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 @contextmanager
