@@ -117,16 +117,21 @@ class IdentifyOptions:
         for logs in (fitted, self.validate or (), self.other or ()):
             group: list[Sampled] = []
             for log in logs:
-                record = self._read_record(log, outputs, interval)
-                interval = record.interval
-                group.append(record)
+                group += self._read_record(log, outputs, interval)
+                interval = group[-1].interval
             groups.append(group)
         return tuple(groups)
 
-    def _read_record(self, log: str, outputs: Sequence[str], interval: float | None) -> Sampled:
-        from martensite.scenario.sampled_files import read_sampled
+    def _read_record(self, log: str, outputs: Sequence[str], interval: float | None) -> Sequence[Sampled]:
+        from martensite.scenario.sampled_files import read_pieces
 
-        return read_sampled(log, self.inputs or [], outputs, interval, self._read_units())
+        both = set(self.inputs or ()) & set(outputs)
+        if both:
+            raise InputError(
+                f"Column `{min(both)}` is given as input and as output; a column says nothing about itself, so name "
+                "another one."
+            )
+        return read_pieces(log, self.inputs or [], outputs, interval, self._read_units())
 
     def _read_units(self) -> dict[str, str]:
         found: dict[str, str] = {}

@@ -19,6 +19,7 @@ from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.decimation import MIDDLE, coarsen_records
+from martensite.identify.chains.fences import fence_chain
 from martensite.identify.chains.goals import (
     AUTO,
     Goal,
@@ -173,7 +174,7 @@ class _Estimation:
             found, wanted = whiten_chain(chain, found, wanted, self.options)
             chain = chain.with_theta(found.theta[: len(chain.theta)])
         states = ResidualSquares(chain.engine, wanted).initial(found.theta)[: len(self.records)]
-        chain = keep_starts(chain, self.records, goal.starts, states)
+        chain = keep_starts(fence_chain(chain, self.records, states), self.records, goal.starts, states)
         remarks = (*self.remarks, *(self._test_rest(chain) if complete else ()))
         return ChainEstimate(
             chain, self.records, wanted, found, tuple(fits), tuple(coarse), self.options, complete, remarks

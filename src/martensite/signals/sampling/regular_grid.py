@@ -25,6 +25,8 @@ CLOSE = 0.25
 """How far, in intervals, a row may be from its place on a grid."""
 SAME = 1e-4
 """Relative difference of intervals that is one of printed times."""
+FEWEST = 20
+"""Rows that a piece between two gaps must have."""
 APART = 3.0
 """Rows further apart than so many usual distances are a gap, over which nothing is known."""
 
@@ -110,6 +112,44 @@ def pieces_of_record(
         from_record(_select_rows(record, part, k, len(parts)), inputs, outputs, step, units)
         for k, part in enumerate(parts, start=1)
     )
+
+
+def split_at_gaps(
+    record: Record,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    interval: float | None = None,
+    units: Mapping[str, str] | None = None,
+) -> tuple[Sampled, ...]:
+    """A table as records without gaps in their inputs, as a model cannot be run over what is not known.
+
+    A gap is longer than three usual distances of rows, and what is between two of them a record of its own, with
+    an initial state of its own. Tables of irregular times, whose inputs are held from row to row, stay whole.
+
+    Raises:
+        DataError: as `from_record`.
+    """
+    times = np.asarray(record.times)
+    if len(times) < 2 or out_of_order(record.times) is not None:
+        return (from_record(record, inputs, outputs, interval, units),)
+    known = np.all(np.isfinite([np.asarray(record[name], dtype=float) for name in inputs]), axis=0)
+    rows = np.flatnonzero(known)
+    usual = float(np.median(np.diff(times)))
+    gaps = np.diff(times[rows]) > (APART + 0.5) * usual
+    if not gaps.any() or _find_grid(times, None).places is None:
+        return (from_record(record, inputs, outputs, interval, units),)
+    parts = pieces_of_record(record, inputs, outputs, (APART + 0.5) * usual, interval, units)
+    long = [part for part in parts if len(part) >= FEWEST]
+    if not long:
+        return (from_record(record, inputs, outputs, interval, units),)
+    missing = float(np.diff(times[rows])[gaps].sum())
+    said = (
+        f"Inputs are missing for {missing:.4g} s in {int(gaps.sum())} gaps; the record is split there into "
+        f"{len(long)} of their own"
+    )
+    short = len(parts) - len(long)
+    said += f", {short} shorter than {FEWEST} rows left out." if short else "."
+    return (replace(long[0], remarks=(said, *long[0].remarks)), *long[1:])
 
 
 def to_record(sampled: Sampled) -> Record:
