@@ -19,6 +19,7 @@ from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.decimation import MIDDLE, coarsen_records
+from martensite.identify.chains.doubts import describe_copies, describe_exchange
 from martensite.identify.chains.fences import fence_chain
 from martensite.identify.chains.goals import (
     AUTO,
@@ -170,14 +171,16 @@ class _Estimation:
         found, chain, goal = last.found, last.chain, self.goal
         wanted = tuple(build_aims(self.records, self.options, goal.starts))
         complete = not goal.halt.is_set()
+        self.remarks += describe_copies(self.records)
         if self.options.noise and complete:
             found, wanted = whiten_chain(chain, found, wanted, self.options)
             chain = chain.with_theta(found.theta[: len(chain.theta)])
         states = ResidualSquares(chain.engine, wanted).initial(found.theta)[: len(self.records)]
         chain = keep_starts(fence_chain(chain, self.records, states), self.records, goal.starts, states)
-        remarks = (*self.remarks, *(self._test_rest(chain) if complete else ()))
+        if complete:
+            self.remarks += [*self._test_rest(chain), *describe_exchange(self.records, fits[0])]
         return ChainEstimate(
-            chain, self.records, wanted, found, tuple(fits), tuple(coarse), self.options, complete, remarks
+            chain, self.records, wanted, found, tuple(fits), tuple(coarse), self.options, complete, tuple(self.remarks)
         )
 
     def _search_starts(self) -> list[SearchEnd]:

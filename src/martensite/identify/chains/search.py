@@ -19,6 +19,7 @@ import numpy as np
 from martensite.base.errors import InputError, SolveError
 from martensite.identify.chains.chain import build_untrained
 from martensite.identify.chains.chain_text import expand_pattern, parse_chain
+from martensite.identify.chains.doubts import describe_stillness
 from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
 from martensite.identify.chains.goals import AUTO, check_informative, check_records
 from martensite.identify.chains.scores import fit_percent, free_run, mean_fit, score_chain
@@ -69,6 +70,8 @@ class Searched:
     """What the candidates were chosen by, as words."""
     complete: bool = True
     """False if it was interrupted."""
+    remarks: tuple[str, ...] = ()
+    """What is doubtful about the choice, a sentence each."""
 
     @property
     def found(self) -> ChainEstimate:
@@ -123,7 +126,8 @@ def search_structures(
         complete = False
         if not done:
             raise
-    return _decide_next(done, validation, complete)
+    found = _decide_next(done, validation, complete)
+    return found if validation else replace(found, remarks=tuple(describe_stillness(records, FOLDS)))
 
 
 def _decide_next(done: Sequence[StructureCandidate], validation: Sequence[Sampled], complete: bool) -> Searched:

@@ -132,6 +132,7 @@ def collect_warnings(found: Identified, records: Sequence[Sampled]) -> list[str]
                 f"`{one.chain.text()}`: only {few} ended within 0.1 point of the best, so that "
                 "it may be a poor optimum; give more --starts."
             )
+    said += [remark for searched in found.searches if searched is not None for remark in searched.remarks]
     roles = {score.role for score in found.scores}
     if "validation" not in roles and "other" not in roles:
         said.append(

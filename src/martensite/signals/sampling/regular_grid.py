@@ -144,7 +144,7 @@ def split_at_gaps(
         return (from_record(record, inputs, outputs, interval, units),)
     missing = float(np.diff(times[rows])[gaps].sum())
     said = (
-        f"Inputs are missing for {missing:.4g} s in {int(gaps.sum())} gaps; the record is split there into "
+        f"Inputs are missing for {missing:.4g} s in {int(gaps.sum())} gap{'s' * (gaps.sum() > 1)}; the record is split there into "
         f"{len(long)} of their own"
     )
     short = len(parts) - len(long)
