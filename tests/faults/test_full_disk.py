@@ -18,7 +18,7 @@ from command import Command
 from fences import ROOT
 
 import martensite as ms
-from martensite.app.calls import sweep_export
+from martensite.app.calls import sweep_form
 from martensite.base.errors import DataError
 from martensite.base.files import replace_together, write_file
 from martensite.base.summary import Sentence, Summary
@@ -99,7 +99,7 @@ def test_a_copy_of_a_store_too(tmp_path: Path, full: None) -> None:
     (tmp_path / "a.zarr").mkdir()
     (tmp_path / "a.zarr" / "c").write_bytes(bytes(400))
     with pytest.raises(DataError, match=r"a\.zip` could not be written: File too large"):
-        sweep_export.write_zip(tmp_path / "a.zarr", tmp_path / "a.zip")
+        sweep_form.write_zip(tmp_path / "a.zarr", tmp_path / "a.zip")
     assert [one.name for one in tmp_path.iterdir()] == ["a.zarr"]
 
 

@@ -60,13 +60,19 @@ class IdentifyOptions:
     starts: Annotated[int, Option(min=1, help="Searches from different starts.")] = 12
     seed: Annotated[int, Option(min=0, help="Of the random starts.")] = 0
     skip: Annotated[Text, Option(help='Time at the start of every log that does not count, e.g. "2 s".')] = None
-    initial: Annotated[str, Option(help="State at the first row: rest, zero, or estimate.")] = "rest"
+    initial: Annotated[
+        str,
+        Option(
+            help="State at the first row: rest, zero, estimate, or auto, which tests whether a log begins at rest and "
+            "estimates the state of those that do not."
+        ),
+    ] = "auto"
     anchor: Annotated[
         float | None,
         Option(
             min=0.0,
             help="Weight of the rest before the input first changes, as a share of all rows "
-            "[default: 0.1 where --initial is rest, else 0].",
+            "[default: 0.1 for logs that begin at rest, else 0].",
         ),
     ] = None
     ridge: Annotated[float, Option(min=0.0, help="Pull of free numbers to their start, e.g. 1e-6.")] = 0.0
@@ -111,16 +117,21 @@ class IdentifyOptions:
         for logs in (fitted, self.validate or (), self.other or ()):
             group: list[Sampled] = []
             for log in logs:
-                record = self._read_record(log, outputs, interval)
-                interval = record.interval
-                group.append(record)
+                group += self._read_record(log, outputs, interval)
+                interval = group[-1].interval
             groups.append(group)
         return tuple(groups)
 
-    def _read_record(self, log: str, outputs: Sequence[str], interval: float | None) -> Sampled:
-        from martensite.scenario.sampled_files import read_sampled
+    def _read_record(self, log: str, outputs: Sequence[str], interval: float | None) -> Sequence[Sampled]:
+        from martensite.scenario.sampled_files import read_pieces
 
-        return read_sampled(log, self.inputs or [], outputs, interval, self._read_units())
+        both = set(self.inputs or ()) & set(outputs)
+        if both:
+            raise InputError(
+                f"Column `{min(both)}` is given as input and as output; a column says nothing about itself, so name "
+                "another one."
+            )
+        return read_pieces(log, self.inputs or [], outputs, interval, self._read_units())
 
     def _read_units(self) -> dict[str, str]:
         found: dict[str, str] = {}
@@ -134,11 +145,12 @@ class IdentifyOptions:
     def choose_search(self, interval: float) -> Options:
         """How stages are estimated at a sample time."""
         from martensite.identify.chains.estimate import Options
+        from martensite.identify.chains.goals import AUTO
         from martensite.identify.chains.residuals import STARTS
 
-        if self.initial not in STARTS:
-            raise InputError(f"Option `--initial` is `{self.initial}`. {suggest_name(self.initial, STARTS)}")
-        rest = ANCHOR if self.initial == "rest" else 0.0
+        if self.initial not in (*STARTS, AUTO):
+            raise InputError(f"Option `--initial` is `{self.initial}`. {suggest_name(self.initial, (*STARTS, AUTO))}")
+        rest = ANCHOR if self.initial in ("rest", AUTO) else 0.0
         seconds = read_quantity("skip", self.skip, "s") or 0.0
         return Options(
             starts=self.starts,

@@ -1,13 +1,13 @@
 """Models of blocks as files: JSON, with every number written so that it reads back the same.
 
 A file holds the blocks with their structure and fixed numbers, the free numbers of each by name,
-sample time, names and units of the signals, and whatever is said of where the model came from.
+sample time, names and units of the signals, the ranges that these had, the state in which every fitted
+record begins, and whatever is said of where the model came from.
 It holds data alone: reading it runs no code, and a block is only ever one that is registered.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 import math
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ import numpy as np
 from martensite.base.errors import DataError, InputError, MartensiteError
 from martensite.base.files import read_text_file, write_file
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock
-from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.chain import Chain, RecordStart
 from martensite.identify.chains.scores import compute_rms, fit_percent
 from martensite.signals.sampling.sampled import Sampled
 
@@ -72,6 +72,8 @@ def model_text(chain: Chain, provenance: Mapping[str, Any] | None = None) -> str
             block_table(block) | {"numbers": _name_numbers(block, theta)}
             for block, theta in zip(chain.blocks, chain.split(), strict=True)
         ],
+        "ranges": {name: list(ends) for name, ends in chain.ranges.items()},
+        "record_starts": {key: one._asdict() for key, one in chain.starts.items()},
         "provenance": dict(provenance or {}),
         "written_by": _describe_program(),
     }
@@ -123,24 +125,14 @@ def model_provenance(found: ChainEstimate) -> dict[str, Any]:
     }
 
 
-def hash_record(record: Sampled) -> str:
-    """SHA-256 over sample time, names and numbers of a record, these as little-endian doubles."""
-    total = hashlib.sha256()
-    names = "\0".join([*record.input_names, "", *record.output_names])
-    total.update(f"{record.interval!r}\0{names}\0".encode())
-    for array in (record.inputs, record.outputs):
-        total.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
-    return total.hexdigest()
-
-
 def _describe_record(found: ChainEstimate, record: Sampled) -> dict[str, Any]:
-    computed = found.chain.simulate(record)
+    computed = found.chain.simulate(record)  # as it began at the fit
     fits = fit_percent(record.outputs, computed, found.options.skip)
     errors = compute_rms(record.outputs, computed, found.options.skip)
     return {
         "name": record.name,
         "samples": len(record),
-        "sha256_of_numbers": hash_record(record),
+        "sha256_of_numbers": record.hash,
         "fit_percent": dict(zip(record.output_names, map(float, fits), strict=True)),
         "rms": dict(zip(record.output_names, map(float, errors), strict=True)),
     }
@@ -210,7 +202,14 @@ def _read_chain(document: dict[str, Any]) -> Chain:
         {str(k): str(v) for k, v in dict(document["units"]).items()},
         None if taps is None else _read_taps(taps, blocks),
         str(document["name"]),
+        {str(key): _read_start(one) for key, one in dict(document.get("record_starts", {})).items()},
+        {str(key): (float(low), float(high)) for key, (low, high) in dict(document.get("ranges", {})).items()},
     )
+
+
+def _read_start(table: Mapping[str, Any]) -> RecordStart:
+    state = tuple(_require_finite(value, "a state of `record_starts`") for value in table["state"])
+    return RecordStart(str(table["name"]), str(table["kind"]), state)
 
 
 def _read_taps(taps: Any, blocks: list[AbstractBlock]) -> tuple[tuple[int, int], ...]:

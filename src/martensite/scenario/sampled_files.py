@@ -32,7 +32,7 @@ from martensite.base.lazy import import_extra
 from martensite.scenario.layout import CLOCK, IGNORED, read_headings
 from martensite.scenario.tables import PREFIX, read_table
 from martensite.signals.records import Record, out_of_order
-from martensite.signals.sampling.regular_grid import from_record
+from martensite.signals.sampling.regular_grid import from_record, split_at_gaps
 from martensite.signals.sampling.sampled import Sampled
 
 TEXT = (".csv", ".txt", ".tsv", ".dat")
@@ -62,6 +62,18 @@ def read_sampled(
     """
     record = read_log(path, (*inputs, *outputs), interval, units or {})
     return from_record(record, inputs, outputs, interval, units)
+
+
+def read_pieces(
+    path: str | Path,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    interval: float | None = None,
+    units: Mapping[str, str] | None = None,
+) -> tuple[Sampled, ...]:
+    """Read a log as `read_sampled` does, split where its inputs have gaps (`regular_grid.split_at_gaps`)."""
+    record = read_log(path, (*inputs, *outputs), interval, units or {})
+    return split_at_gaps(record, inputs, outputs, interval, units)
 
 
 def read_log(path: str | Path, names: Sequence[str], interval: float | None, units: Mapping[str, str]) -> Record:

@@ -153,6 +153,7 @@ def escape_formula(text: str) -> str:
 
 
 def write_zip(store: Path, path: Path) -> None:
+    """The store as it is, in a folder; its chunks are compressed already."""
     with replace_file(path) as part, zipfile.ZipFile(part, "w", zipfile.ZIP_STORED) as made:
         for one in sorted(store.rglob("*")):
             if one.is_file():

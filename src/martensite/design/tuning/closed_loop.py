@@ -24,6 +24,7 @@ from martensite.control.controllers.pid import Gains, PidLaw, PidMemory
 from martensite.identify.blocks.base import AbstractBlock, Column, Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.engine import ChainEngine
+from martensite.identify.chains.linearise import check_static_curve
 from martensite.kernels.namespace import Namespace, Scalar
 
 KEPT = 4
@@ -167,6 +168,7 @@ class ControlledModel:
         if not -len(taps) <= measured < len(taps):
             raise ParameterError(f"The model has {len(taps)} outputs; there is no {measured}.")
         self.chain, law = chain, law or PidLaw()
+        self._measured, self._zeroed = measured, zeroed
         parts = zip(chain.blocks, chain.split(), strict=True)
         values = [float(v) for block, own in parts for v in (*own, *block.given())]
         block = ClosedLoop(
@@ -176,6 +178,11 @@ class ControlledModel:
             idle = np.full((1, 1), law.idle)
             block = block.with_given([*values, float(chain.simulate(idle)[0, measured])])
         self.block, self.engine = block, ChainEngine([block], chain.interval, compiled=compiled)
+
+    def check_static_curve(self, targets: Sequence[float]) -> None:
+        """Raise `ParameterError` if the model is at rest where its records never were, or is to be driven there."""
+        wanted = targets if self._zeroed else ()
+        check_static_curve(self.chain, self.block.law.idle, wanted, self._measured)
 
     def run(self, gains: Gains, reference: Numbers) -> Trajectory:
         """A run from rest, for gains of one sign or 0."""

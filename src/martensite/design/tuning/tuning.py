@@ -57,6 +57,8 @@ class ModelTuning:
     starts: Sequence[tuple[float, float, float]] = STARTS
     evaluations: int = 600
     """Of all starts together."""
+    beyond_data: bool = False
+    """Whether a model is tuned on that rests where its records never were."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,8 +122,11 @@ def tune_model(
         watch: called with a sentence and the share that is done.
 
     Raises:
-        ParameterError: there is no start, or none of them gives a run that is finite.
+        ParameterError: there is no start, or none of them gives a run that is finite; or the model is at rest
+            where its records never were (`linearise.check_static_curve`).
     """
+    if not tuning.beyond_data:
+        model.check_static_curve([level for level, _ in tuning.levels])
     reference = build_steps(tuning.levels, model.chain.interval)
     unit = tuning.scale.signal / tuning.scale.output
     count = 0

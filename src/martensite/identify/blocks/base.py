@@ -42,6 +42,8 @@ class AbstractBlock(Parametrised):
     """True if it is a linear dynamic system."""
     bounded: ClassVar[bool] = True
     """False if some free numbers make it grow without bound."""
+    fenced: ClassVar[bool] = False
+    """True if its nonlinear terms must not be taken further than in the records; see `fence_in`."""
 
     def check(self) -> None:
         """Raise `ParameterError` unless the numbers in the text of the block are whole."""
@@ -80,6 +82,16 @@ class AbstractBlock(Parametrised):
 
     def adapt_to(self, x: Numbers, dt: float) -> Self:
         """The block with its fixed numbers set for an input of shape (samples, inputs)."""
+        return self
+
+    def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
+        """The block whose nonlinear terms go no further than in records; itself if they are bounded as they are.
+
+        Args:
+            theta: its free numbers.
+            states: those that it had in the records, shape (samples, states).
+            dt: sample time [s].
+        """
         return self
 
     def start(self) -> Numbers:

@@ -9,7 +9,9 @@ blocks in series give what this gives: a resonance that moves with the amplitude
 The input comes through B(q) u = u + Σ_k β_k ∇^k u/s^k, ∇u = u - u₋, which spans all numerators of
 as many coefficients; without feed-through it is that of the sample before. c and h are middle and
 half width of the range of the input; s = √d₂ of the last section (p of a first-order one) is its
-frequency times the sample time, so the numbers keep their size at every sample time.
+frequency times the sample time, so the numbers keep their size at every sample time. In a fitted model r and δ
+are limited to 1.5 times what they were in the records and φ to as much as that power of 1.5 which is its degree
+(`fence_in`): it is bounded for bounded inputs.
 
 Source: the structure of Paduart et al. 2010 with one nonlinearity in feedback; the oscillator of
 the benchmark "Silverbox" (Wigren & Schoukens 2013) is one of second order and degree 3.
@@ -18,6 +20,7 @@ the benchmark "Silverbox" (Wigren & Schoukens 2013) is one of second order and d
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Self
 
 import numpy as np
 
@@ -29,24 +32,35 @@ from martensite.identify.operators import sections
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
+BEYOND = 1.5
+"""How far beyond the largest output and change of the records terms grow, over these."""
+LEAST = 1e-3
+"""Least limit, over half the range of the input."""
+WIDE = 1e300
+"""No limit of what is fed back."""
 NEWTON = 25
 """Iterations in which the output at rest is found."""
 
 
 @BLOCKS.register("feedback")
 class Feedback(AbstractRanged):
-    """One input, one output. The linear part is stable; the whole may grow without bound.
+    """One input, one output. The linear part is stable; the whole may grow without bound before it is fenced in.
 
     Unit gain at rest where φ = 0. A fit refuses numbers with which a record grows beyond floats.
     """
 
     short = "fb"
     shape = ("order", "degree", "past")
+    fixed = ("low", "high", "fence_output", "fence_change", "fence_fed")
     bounded = False
+    fenced = True
 
     order: float = param("1", "number of poles of the linear part", low=1.0, high=8.0, default=2.0)
     degree: float = param("1", "highest degree of what is fed back", low=2.0, high=9.0, default=3.0)
     past: float = param("1", "outputs fed back: 1, or 2 samples back", low=1.0, high=2.0, default=2.0)
+    fence_output: float = param("1", "limit of r in what is fed back", above=0.0, default=WIDE)
+    fence_change: float = param("1", "limit of δ in what is fed back", above=0.0, default=WIDE)
+    fence_fed: float = param("1", "limit of φ as a whole", above=0.0, default=WIDE)
     feedthrough: str = option("whether the input acts within the sample", "yes", "no", default="yes")
 
     def powers(self) -> list[tuple[int, int]]:
@@ -75,16 +89,42 @@ class Feedback(AbstractRanged):
 
     def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
         """The output y with y + h φ(r, 0) = u."""
-        order, half = int(self.order), self.half
-        u, middle = x[0], self.middle
+        order, u = int(self.order), x[0]
         own = theta[order + self._zeros :]
         fed = [(i, c) for (i, j), c in zip(self.powers(), own, strict=True) if j == 0]
         root = xp.detach(u)
         held = [(i, xp.detach(c)) for i, c in fed]
         for _ in range(NEWTON):
-            root = root + _step_towards(xp, held, root, xp.detach(u), middle, half, half)
-        y = xp.implicit_root(root, root + _step_towards(xp, fed, root, u, middle, half, 1e300))
+            root = root + self._step_towards(xp, held, root, xp.detach(u), self.half)
+        y = xp.implicit_root(root, root + self._step_towards(xp, fed, root, u, 1e300))
+        r = (root - self.middle) / self.half
+        y = xp.where(xp.abs(r) < self.fence_output, y, u - self.half * self._sum_terms(xp, theta, r, 0.0))
         return [u] * order + sections.rest_cascade(order, y) + [y] * self._earlier
+
+    def _step_towards(self, xp: Namespace, fed: list[tuple[int, Scalar]], y: Scalar, u: Scalar, most: Scalar) -> Scalar:
+        """Newton's step towards y + h φ(r, 0) = u, `most` at a time."""
+        r = (y - self.middle) / self.half
+        value, slope = y - u, 1.0
+        for power, c in fed:
+            value = value + self.half * c * _raise_power(r, power)
+            slope = slope + c * power * _raise_power(r, power - 1)
+        steep = xp.where(slope > 0.1, slope, xp.where(slope < -0.1, slope, 0.1))
+        return xp.clip(-value / xp.detach(steep), -most, most)
+
+    def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
+        """Output and change limited to a half more than the largest that they had, and all terms together."""
+        order = int(self.order)
+        size = self._size(floats, list(map(float, theta[:order])), dt)
+        place = order if order == 1 else 2 * order - 2
+        r = (states[:, place] - self.middle) / self.half
+        change = states[:, place] - states[:, -1] if order == 1 else states[:, place + 1]
+        d = change / (size * self.half) if self.past > 1.5 else np.zeros(len(r))
+        terms = zip(self.powers(), theta[order + self._zeros :], strict=True)
+        fed = sum(c * r**i * d**j for (i, j), c in terms)
+        output, moved, whole = (max(float(np.max(np.abs(one))), LEAST) for one in (r, d, fed))
+        return self.with_parts(
+            fence_output=BEYOND * output, fence_change=BEYOND * moved, fence_fed=BEYOND**self.degree * whole
+        )
 
     def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
         """What is fed back comes from the samples before: nothing is to be solved."""
@@ -94,13 +134,20 @@ class Feedback(AbstractRanged):
         size = self._size(xp, poles, dt)
         before = held[0] if order == 1 else held[-2]
         change = held[0] - state[-1] if order == 1 else held[-1]
-        r, d = (before - self.middle) / half, change / (half * size)
-        z = _shape_inputs([x[0], *past] if self.feedthrough == "yes" else past, zeros, size)
-        for (i, j), c in zip(self.powers(), theta[order + self._zeros :], strict=True):
-            z = z - half * c * _raise_power(r, i) * _raise_power(d, j)
+        fed = self._sum_terms(xp, theta, (before - self.middle) / half, change / (half * size))
+        z = _shape_inputs([x[0], *past] if self.feedthrough == "yes" else past, zeros, size) - half * fed
         made = sections.step_cascade(xp, order, poles, held, z, dt)
         after = [x[0], *past[:-1], *made.state, *([before] * self._earlier)]
         return (made.signals[0],), after
+
+    def _sum_terms(self, xp: Namespace, theta: Column, r: Scalar, d: Scalar) -> Scalar:
+        """φ, within the fences."""
+        r = xp.clip(r, -self.fence_output, self.fence_output)
+        d = xp.clip(d, -self.fence_change, self.fence_change)
+        fed: Scalar = 0.0
+        for (i, j), c in zip(self.powers(), theta[int(self.order) + self._zeros :], strict=True):
+            fed = fed + c * _raise_power(r, i) * _raise_power(d, j)
+        return xp.clip(fed, -self.fence_fed, self.fence_fed)
 
     def _size(self, xp: Namespace, poles: list[Scalar], dt: Scalar) -> Scalar:
         """Change per sample, over the amplitude, at the frequency of the last section."""
@@ -196,16 +243,3 @@ def _shape_inputs(inputs: list[Scalar], weights: Column, size: Scalar) -> Scalar
         scale = scale * size
         total = total + weight * differences[0] / scale
     return total
-
-
-def _step_towards(
-    xp: Namespace, fed: list[tuple[int, Scalar]], y: Scalar, u: Scalar, middle: Scalar, half: Scalar, most: Scalar
-) -> Scalar:
-    """Newton's step towards y + h φ(r, 0) = u, `most` at a time."""
-    r = (y - middle) / half
-    value, slope = y - u, 1.0
-    for power, c in fed:
-        value = value + half * c * _raise_power(r, power)
-        slope = slope + c * power * _raise_power(r, power - 1)
-    steep = xp.where(slope > 0.1, slope, xp.where(slope < -0.1, slope, 0.1))
-    return xp.clip(-value / xp.detach(steep), -most, most)

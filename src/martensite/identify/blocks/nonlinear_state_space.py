@@ -6,8 +6,9 @@ Polynomial nonlinear state space: a stable linear system with nonlinear terms in
 
 A, B, C are those of the linear block (`state_space`), so that without nonlinear terms this is the
 best linear approximation. The monomials are of the states before the sample and of the input, on
-the scale of the range of the input, (v - c)/(h g) and Δ/(h g √d₂), u as (u - c)/h, and limited to
-1.5 times that range: what they feed back is bounded, and so is the whole, whatever E and F are.
+the scale of the range of the input, (v - c)/(h g) and Δ/(h g √d₂), u as (u - c)/h, and limited:
+to 1.5 times the reach during a search, then each state to where it was in the records (`fence_in`). What is fed
+back is then bounded, and no larger than what the records show; outside of them the linear system goes on alone.
 c and h are middle and half width of the range of the input; g is the reach of the states beyond
 it, as that of a resonance. The general block where nothing is known of where the nonlinearity
 sits; it has many numbers, so keep order and degree low.
@@ -19,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import combinations_with_replacement
+from typing import Self
 
 import numpy as np
 
@@ -66,9 +68,11 @@ def _compute_newton_step(xp: Namespace, held: Map, state: Column, fixed: Column,
 
 
 FARTHEST = 1.5
-"""Limit of what enters a monomial, in half widths of the range."""
+"""Limit of what enters a monomial, in half widths of the range of the input or of the reach of the states."""
 USUAL = 3.0
 """Size of usual nonlinear terms; the weak pull to 0 tames those that records do not tell."""
+BEYOND = 1.05
+"""How far beyond the largest state of the records a state counts, over that."""
 LEAST = 1e-3
 """Least reach of the states."""
 
@@ -79,8 +83,9 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
 
     short = "nlss"
     shape = ("order", "degree", "outs", "nk")
-    fixed = ("low", "high", "reach")
+    fixed = ("low", "high", "reach", "fence1", "fence2", "fence3", "fence4", "fence5", "fence6")
     linear = False
+    fenced = True
 
     order: float = param("1", "number of states", low=1.0, high=6.0, default=2.0)
     degree: float = param("1", "highest degree of a monomial", low=2.0, high=5.0, default=3.0, typical=2.0)
@@ -89,6 +94,13 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
     input_terms: str = option("whether the input enters the monomials beside the states", "yes", "no", default="yes")
     output_terms: str = option("whether monomials enter the outputs as well", "yes", "no", default="yes")
     reach: float = param("1", "range of the states over that of the input", above=0.0, default=1.0)
+
+    fence1: float = param("1", "limit of the first state in monomials, over its reach", above=0.0, default=FARTHEST)
+    fence2: float = param("1", "the same of the second state", above=0.0, default=FARTHEST)
+    fence3: float = param("1", "the same of the third state", above=0.0, default=FARTHEST)
+    fence4: float = param("1", "the same of the fourth state", above=0.0, default=FARTHEST)
+    fence5: float = param("1", "the same of the fifth state", above=0.0, default=FARTHEST)
+    fence6: float = param("1", "the same of the sixth state", above=0.0, default=FARTHEST)
 
     def monomials(self) -> list[tuple[int, ...]]:
         """The variables that each is a product of: states from 0 on, then the input."""
@@ -110,8 +122,14 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
 
     def _products(self, xp: Namespace, poles: Column, held: Column, u: Scalar, dt: Scalar) -> list[Scalar]:
         """h φ."""
-        half, middle = self.half, self.middle
-        wide = half * self.reach
+        states = zip(self._scale_states(xp, poles, held, dt), self.given()[3:], strict=False)
+        limited = [xp.clip(r, -fence, fence) for r, fence in states]
+        limited.append(xp.clip((u - self.middle) / self.half, -FARTHEST, FARTHEST))
+        return [self.half * _multiply_values(limited, monomial) for monomial in self.monomials()]
+
+    def _scale_states(self, xp: Namespace, poles: Column, held: Column, dt: Scalar) -> list[Scalar]:
+        """The states on the scale of their reach: 1 is the largest of the linear system at the fit."""
+        wide = self.half * self.reach
         scaled: list[Scalar] = []
         for k, value in enumerate(held):
             away = k - int(self.order) % 2
@@ -119,10 +137,15 @@ class NonlinearStateSpace(AbstractRanged, StateSpace):
                 d2 = sections.second_order(xp, poles[k - 1], poles[k], dt).d2
                 scaled.append(value / (wide * xp.sqrt(d2)))
             else:
-                scaled.append((value - middle) / wide)
-        scaled.append((u - middle) / half)
-        limited = [xp.clip(r, -FARTHEST, FARTHEST) for r in scaled]
-        return [half * _multiply_values(limited, monomial) for monomial in self.monomials()]
+                scaled.append((value - self.middle) / wide)
+        return scaled
+
+    def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
+        """Every state limited to the largest that it had, and a little more."""
+        poles = [float(p) for p in theta[: int(self.order)]]
+        held = self._scale_states(floats, poles, list(states[:, int(self.nk) :].T), dt)
+        largest = [BEYOND * float(np.max(np.abs(one))) for one in held]
+        return self.with_parts(**{f"fence{k}": min(max(one, LEAST), FARTHEST) for k, one in enumerate(largest, 1)})
 
     def _feed_states(self, theta: Column, u: Scalar, products: Column) -> list[Scalar]:
         """B u + h E φ: what enters every state."""

@@ -89,6 +89,18 @@ class SideBySide(AbstractBlock):
         columns = self.split(x.T, lambda block: block.inputs)
         return self.with_parts(blocks=tuple(block.adapt_to(own.T, dt) for block, own in columns))
 
+    @property
+    def fenced(self) -> bool:  # type: ignore[override]
+        """Whether one of the blocks is."""
+        return any(block.fenced for block in self.blocks)
+
+    def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
+        """Every block by its own states."""
+        own = self.split(theta, lambda block: len(block.numbers()))
+        held = self.split(states.T, lambda block: block.states())
+        both = zip(own, held, strict=True)
+        return self.with_parts(blocks=tuple(b.fence_in(numbers, seen.T, dt) for (b, numbers), (_, seen) in both))
+
     def start(self) -> Numbers:
         """Of all blocks."""
         return np.concatenate([np.zeros(0), *(block.start() for block in self.blocks)])

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,6 +14,17 @@ from martensite.identify.blocks.base import AbstractBlock, Numbers
 from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.native_source import Taps
 from martensite.signals.sampling.sampled import Sampled
+
+
+class RecordStart(NamedTuple):
+    """How a record begins that a chain was fitted to."""
+
+    name: str
+    """Of the record."""
+    kind: str
+    """`rest` under its first inputs, `zero`, or `estimate`: with the state that was found with the model."""
+    state: tuple[float, ...] = ()
+    """State at the first sample, if it was estimated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +47,10 @@ class Chain:
     taps: Taps | None = None
     """Outputs as (block, its output); by default those of the last block."""
     name: str = "model"
+    starts: Mapping[str, RecordStart] = field(default_factory=dict[str, RecordStart])
+    """How the records begin that it was fitted to, by their hashes (`Sampled.hash`)."""
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    """Least and greatest value that every signal had in these records; empty if they are not known."""
 
     def __post_init__(self) -> None:
         if not self.blocks:
@@ -77,14 +93,30 @@ class Chain:
         """The same blocks with other numbers."""
         return replace(self, theta=np.array(theta, dtype=float))
 
+    def with_records(self, starts: Mapping[str, RecordStart], ranges: Mapping[str, tuple[float, float]]) -> Chain:
+        """The same chain with what it keeps of the records that it was fitted to."""
+        return replace(self, starts=starts, ranges=ranges)
+
     def simulate(self, inputs: Numbers | Sampled, state: Numbers | None = None) -> Numbers:
-        """Outputs (samples, outputs) of a free run; from rest under the first input.
+        """Outputs (samples, outputs) of a free run.
+
+        It begins with a state that is given, or as a record that the chain was fitted to began at the fit; else
+        at rest under the first input. See `record_starts.find_start` for other records.
 
         Raises:
             InputError: the inputs do not fit, in number or in sample time.
         """
         u = self._checked(inputs)
+        if state is None and isinstance(inputs, Sampled) and self.starts:
+            known = self.starts.get(inputs.hash)
+            state = None if known is None else self.restore_state(known)
         return self.engine.simulate(self.theta, u, None if state is None else state.copy())
+
+    def restore_state(self, known: RecordStart) -> Numbers | None:
+        """State at the first sample of a record that the chain was fitted to; None for rest."""
+        if known.kind == "rest":
+            return None
+        return np.array(known.state) if known.state else np.zeros(self.engine.plan.states)
 
     def _checked(self, inputs: Numbers | Sampled) -> Numbers:
         if isinstance(inputs, Sampled):
@@ -129,6 +161,7 @@ class Chain:
             {**self.units, **other.units},
             taps,
             f"{self.name} | {other.name}",
+            ranges={**other.ranges, **self.ranges},
         )
 
 

@@ -10,7 +10,7 @@ side by side, each on signals of its own: `[poly2 & unit]`. Capitals and blanks 
 
 Patterns of structures: `poly{1..3} | oe({2..3},3,1) | {pwl,sigmoid}{5,10}`.
 
-Braces hold alternatives, separated by commas; `a..b` stands for the whole numbers from a to b.
+Braces hold alternatives, separated by commas, `{gpi(6,8),pi(10)}`; `a..b` stands for the whole numbers from a to b.
 Every choice is combined with every other, in the order in which they are written.
 """
 
@@ -144,6 +144,8 @@ def _drop_offset(block: AbstractBlock, after: list[bool]) -> tuple[AbstractBlock
 MOST = 500
 """Structures of one pattern."""
 _BRACES = re.compile(r"\{([^{}]*)\}")
+_COMMA = re.compile(r",(?![^()]*\))")
+"""A comma outside of round brackets, as in `gpi(6,8),pi(10)`."""
 _RANGE = re.compile(r"\s*(\d+)\s*\.\.\s*(\d+)\s*")
 
 
@@ -167,7 +169,7 @@ def expand_pattern(pattern: str) -> list[str]:
 
 def _list_choices(inner: str, pattern: str) -> list[str]:
     found: list[str] = []
-    for word in inner.split(","):
+    for word in _COMMA.split(inner):
         ends = _RANGE.fullmatch(word)
         if ends is None:
             found.append(word.strip())

@@ -6,9 +6,10 @@ of these ends at the full rate. Records without so many samples skip a level.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
+from threading import Event
 from typing import NamedTuple
 
 import numpy as np
@@ -18,25 +19,33 @@ from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.decimation import MIDDLE, coarsen_records
-from martensite.identify.chains.goals import Options as Options
+from martensite.identify.chains.doubts import describe_copies, describe_exchange
+from martensite.identify.chains.fences import fence_chain
 from martensite.identify.chains.goals import (
+    AUTO,
+    Goal,
     build_aims,
     check_enough,
     check_informative,
     check_records,
-    squares_of,
     whiten_chain,
 )
-from martensite.identify.chains.residuals import RecordResidual, ResidualSquares, settle_states
-from martensite.identify.chains.scores import fit_percent, free_run
+from martensite.identify.chains.goals import Options as Options
+from martensite.identify.chains.record_starts import find_start, keep_starts, shows_rest
+from martensite.identify.chains.residuals import HaltedSearchError, RecordResidual, ResidualSquares, settle_states
+from martensite.identify.chains.scores import fit_percent
 from martensite.identify.chains.starts import begin_from_chain, list_informed_starts
-from martensite.search.levenberg_marquardt import Found, minimise_cost
+from martensite.search.levenberg_marquardt import Found, Numbers, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
 
 INTERRUPTED = "interrupted"
 """What `watch` is told when Ctrl-C ended a search early; the best so far is kept."""
 ALIKE = 0.1
 """Points of fit within which two searches found the same."""
+PROBES = 3
+"""Best searches from rest that are gone on with from other initial states."""
+DOUBT = 0.9
+"""Squared error with other initial states, over that from rest, below which a record does not begin at rest."""
 Tell = Callable[[str, float], None]
 
 
@@ -55,6 +64,10 @@ class ChainEstimate:
     coarse: tuple[float, ...]
     """Relative costs at the ends of the first searches, best first."""
     options: Options = field(default_factory=Options)
+    complete: bool = True
+    """False if it was interrupted: the best until then, which no further search has refined."""
+    remarks: tuple[str, ...] = ()
+    """What is doubtful, a sentence each."""
 
     @property
     def agreeing(self) -> int:
@@ -101,28 +114,7 @@ def estimate_chain(
     _check_signals(made, records[0])
     chain = build_untrained(made, max(records, key=len))
     check_enough(chain, records, options.skip)
-    tell = watch or (lambda text, share: None)
-    thin, middle = coarsen_records(records), coarsen_records(records, MIDDLE)
-    first = _search_thin(chain, thin, _thin_options(options, thin, records), tell)
-    best = [end.chain for end in first[: max(options.refined, 1)]]
-    own = _thin_options(options, middle, records)
-    refined = _refine_all(best, middle, own, _tell_searches(tell, "refined", 0.5, 0.9))
-    if not refined:
-        raise SolveError(
-            f"No search for `{chain.text()}` gave a model that can be simulated; try more "
-            "starts, fewer units or a lower order."
-        )
-    last = _finish_search(refined, middle, records, options)
-    tell("full rate", 1.0)
-    wanted = tuple(build_aims(records, options))
-    found, chain = last.found, last.chain
-    if options.noise:
-        found, wanted = whiten_chain(chain, found, wanted, options)
-        chain = chain.with_theta(found.theta[: len(chain.theta)])
-    fits = (_compute_fit(end.chain, middle, own) for end in refined)
-    return ChainEstimate(
-        chain, records, wanted, found, tuple(sorted(fits, reverse=True)), tuple(end.cost for end in first), options
-    )
+    return _Estimation(chain, records, options, watch or (lambda text, share: None)).run()
 
 
 def _check_signals(blocks: Sequence[AbstractBlock], record: Sampled) -> None:
@@ -141,95 +133,247 @@ def _check_signals(blocks: Sequence[AbstractBlock], record: Sampled) -> None:
 
 def refine_chain(chain: Chain, records: Sequence[Sampled], options: Options) -> Found:
     """The nearest minimum from the numbers of a chain, at the full rate."""
-    squares = squares_of(chain, records, options)
+    squares = Goal.begin(options, records).squares(chain, records)
     return minimise_cost(squares, squares.extend_parameters(chain.theta), options.iterations)
 
 
-def _thin_options(options: Options, thin: Sequence[Sampled], records: Sequence[Sampled]) -> Options:
-    """The options for thinner records: as long a start that does not count."""
-    return replace(options, skip=round(options.skip * records[0].interval / thin[0].interval))
+class _Estimation:
+    """The searches of one estimation; what is best so far stays when one is interrupted."""
+
+    def __init__(self, chain: Chain, records: tuple[Sampled, ...], options: Options, tell: Tell) -> None:
+        self.chain, self.records, self.options, self.tell = chain, records, options, tell
+        self.thin, self.middle = coarsen_records(records), coarsen_records(records, MIDDLE)
+        self.goal = Goal.begin(options, records)
+        self.remarks: list[str] = []
+
+    def run(self) -> ChainEstimate:
+        """Many starts on thin records, the best of them refined, the best of these at the full rate."""
+        first = self._search_starts()
+        refined, level = first, self.thin
+        if not self.goal.halt.is_set():
+            try:
+                best = [end.chain for end in first[: max(self.options.refined, 1)]]
+                own = self._goal_for(self.middle)
+                refined, level = _refine_all(best, self.middle, own, self._share("refined", 0.5, 0.9)), self.middle
+            except KeyboardInterrupt:
+                self._halt()
+        if not refined:
+            raise SolveError(
+                f"No search for `{self.chain.text()}` gave a model that can be simulated; try more "
+                "starts, fewer units or a lower order."
+            )
+        last = self._finish(refined, level)
+        self.tell("full rate", 1.0)
+        fits = [_compute_fit(end, level, self._goal_for(level)) for end in refined]
+        return self._describe(last, sorted(fits, reverse=True), [end.cost for end in first])
+
+    def _describe(self, last: SearchEnd, fits: Sequence[float], coarse: Sequence[float]) -> ChainEstimate:
+        found, chain, goal = last.found, last.chain, self.goal
+        wanted = tuple(build_aims(self.records, self.options, goal.starts))
+        complete = not goal.halt.is_set()
+        self.remarks += describe_copies(self.records)
+        if self.options.noise and complete:
+            found, wanted = whiten_chain(chain, found, wanted, self.options)
+            chain = chain.with_theta(found.theta[: len(chain.theta)])
+        states = ResidualSquares(chain.engine, wanted).initial(found.theta)[: len(self.records)]
+        chain = keep_starts(fence_chain(chain, self.records, states), self.records, goal.starts, states)
+        if complete:
+            self.remarks += [*self._test_rest(chain), *describe_exchange(self.records, fits[0])]
+        return ChainEstimate(
+            chain, self.records, wanted, found, tuple(fits), tuple(coarse), self.options, complete, tuple(self.remarks)
+        )
+
+    def _search_starts(self) -> list[SearchEnd]:
+        """Ends of first searches, best first, with what they tell of how the records begin."""
+        ends = self._search_thin(self.goal, ())
+        doubted = [self.options.start == AUTO and not shows_rest(record) for record in self.records]
+        if not any(doubted) or not ends or self.goal.halt.is_set() or not self.chain.engine.plan.states:
+            return ends
+        try:
+            return self._leave_rest(ends, doubted)
+        except KeyboardInterrupt:
+            self._halt()
+            return ends
+
+    def _leave_rest(self, ends: list[SearchEnd], doubted: Sequence[bool]) -> list[SearchEnd]:
+        """The ends from rest, or better ones with initial states that are estimated."""
+        starts = tuple("estimate" if doubt else "rest" for doubt in doubted)
+        free = replace(self.goal, starts=starts)
+        best = [end.chain for end in ends[:PROBES]]
+        probes = _refine_all(best, self.thin, self._goal_for(self.thin, free, 2), self._share("state", 0.4, 0.45))
+        rested = min(self._bare_cost(end, self.goal) for end in ends[:PROBES])
+        if not probes or min(self._bare_cost(end, free) for end in probes) > DOUBT * rested:
+            return ends
+        self.goal = free
+        more = [] if free.halt.is_set() else self._search_thin(free, [end.chain for end in probes])
+        found = sorted([*probes, *more], key=lambda end: end.cost)
+        squares = self._goal_for(self.thin, free).bare_squares(found[0].chain, self.thin)
+        self.goal = replace(free, starts=_find_rested(squares, found[0].found.theta))
+        return found
+
+    def _bare_cost(self, end: SearchEnd, goal: Goal) -> float:
+        return self._goal_for(self.thin, goal).bare_squares(end.chain, self.thin).value(end.found.theta)
+
+    def _goal_for(self, level: Sequence[Sampled], goal: Goal | None = None, shorter: int = 1) -> Goal:
+        """The goal on thinner records: as long a start that does not count, perhaps fewer steps."""
+        goal = goal or self.goal
+        skip = round(goal.options.skip * self.records[0].interval / level[0].interval)
+        steps = max(goal.options.iterations // shorter, 1)
+        return replace(goal, options=replace(goal.options, skip=skip, iterations=steps))
+
+    def _search_thin(self, goal: Goal, besides: Sequence[Chain]) -> list[SearchEnd]:
+        """Ends of first searches over thin records, from given chains and from others."""
+        options, records = goal.options, self.thin
+        slow = replace(self.chain, interval=records[0].interval)
+        given = [begin_from_chain(slow, one, records) for one in options.begin]
+        rng = np.random.default_rng(options.seed)
+        start = "estimate" if "estimate" in goal.starts else goal.starts[0]
+        begin = [*given, *besides, *list_informed_starts(slow, records, rng, options.starts, start)]
+        return _refine_all(begin, records, self._goal_for(records, goal, 2), self._share("start", 0.0, 0.5))
+
+    def _share(self, word: str, low: float, high: float) -> Callable[[int, int], None]:
+        """What tells how many searches have ended of how many; none is an interruption."""
+
+        def told(count: int, of: int) -> None:
+            if count:
+                self.tell(f"{word} {count} of {of}", low + (high - low) * count / of)
+            else:
+                self.tell(INTERRUPTED, high)
+
+        return told
+
+    def _halt(self) -> None:
+        self.goal.halt.set()
+        self.tell(INTERRUPTED, 1.0)
+
+    def _finish(self, refined: Sequence[SearchEnd], level: Sequence[Sampled]) -> SearchEnd:
+        """The end of the best search at the full rate.
+
+        Raises:
+            SolveError: no model that was found on thinner records can be simulated there.
+        """
+        records, goal = self.records, self.goal
+        if all(a is b for a, b in zip(level, records, strict=True)):
+            return refined[0]
+        full = [replace(end.chain, interval=records[0].interval) for end in refined]
+        if goal.halt.is_set():
+            return _stop_at(full[0], records, goal)
+        try:
+            best = min(full, key=lambda chain: _compute_cost(chain, records, goal))
+            (last,) = _refine_all([best], records, self._goal_for(records, None, 4), self._share("full", 0.9, 1.0)) or (
+                None,
+            )
+        except KeyboardInterrupt:
+            self._halt()
+            return _stop_at(full[0], records, goal)
+        if last is None:
+            raise SolveError(
+                f"`{best.text()}` fits thinner records, but cannot be simulated at the full rate; "
+                "thin the records or lower the order."
+            )
+        return last
+
+    def _test_rest(self, chain: Chain) -> Iterator[str]:
+        """Sentences on records that are not at rest where they were taken to be."""
+        for record, start in zip(self.records, self.goal.starts, strict=True):
+            if start == "rest" and self.options.start == "rest" and not shows_rest(record):
+                other = find_start(replace(chain, starts={}), record, AUTO, self.options.skip)
+                if other.state is not None:
+                    yield (
+                        f"`{record.name}` does not begin at rest: with another state than rest its first samples "
+                        "are repeated much better; estimate it (--initial auto or estimate)."
+                    )
 
 
-def _search_thin(chain: Chain, records: Sequence[Sampled], options: Options, tell: Tell) -> list[SearchEnd]:
-    """Ends of first searches over thin records, from given chains and from others."""
-    slow = replace(chain, interval=records[0].interval)
-    given = [begin_from_chain(slow, one, records) for one in options.begin]
-    rng = np.random.default_rng(options.seed)
-    begin = [*given, *list_informed_starts(slow, records, rng, options.starts, options.start)]
-    half = replace(options, iterations=max(options.iterations // 2, 1))
-    return _refine_all(begin, records, half, _tell_searches(tell, "start", 0.0, 0.5))
-
-
-def _tell_searches(tell: Tell, word: str, low: float, high: float) -> Callable[[int, int], None]:
-    """What tells how many searches have ended of how many; none is an interruption."""
-
-    def told(count: int, of: int) -> None:
-        if count:
-            tell(f"{word} {count} of {of}", low + (high - low) * count / of)
-        else:
-            tell(INTERRUPTED, high)
-
-    return told
+def _find_rested(squares: ResidualSquares, theta: Numbers) -> tuple[str, ...]:
+    """How records begin: at rest where the state that was estimated makes little difference."""
+    found: list[str] = []
+    place = squares.columns
+    for aim in squares.aims:
+        kind = aim.start
+        if kind == "estimate":
+            own = [replace(aim, start=start) for start in ("estimate", "rest")]
+            both = [ResidualSquares(squares.engine, [one]) for one in own]
+            state = theta[place : place + squares.states]
+            place += squares.states
+            free = both[0].value(np.concatenate([theta[: squares.columns], state]))
+            kind = "rest" if both[1].value(theta[: squares.columns]) * DOUBT < free else "estimate"
+        found.append(kind)
+    return tuple(found)
 
 
 def _refine_all(
-    chains: Sequence[Chain], records: Sequence[Sampled], options: Options, told: Callable[[int, int], None]
+    chains: Sequence[Chain], records: Sequence[Sampled], goal: Goal, told: Callable[[int, int], None]
 ) -> list[SearchEnd]:
-    """Ends of searches from chains over records, best first; Ctrl-C keeps what there is."""
-    ends: list[SearchEnd] = []
-    with ThreadPoolExecutor(options.threads) as pool:
-        found = pool.map(lambda chain: _refine_one(chain, records, options), chains)
+    """Ends of searches from chains over records, best first; Ctrl-C ends all of them where they are."""
+    with ThreadPoolExecutor(goal.options.threads) as pool:
+        running = [pool.submit(_refine_one, chain, records, goal) for chain in chains]
         try:
-            for end in found:
-                ends.append(end)
-                told(len(ends), len(chains))
-        except KeyboardInterrupt:  # go on with what there is
-            pool.shutdown(wait=False, cancel_futures=True)
-            if not ends:
+            for count, one in enumerate(running, start=1):
+                one.result()
+                told(count, len(chains))
+        except BaseException as error:
+            goal.halt.set()
+            pool.shutdown(wait=True, cancel_futures=True)
+            if not isinstance(error, KeyboardInterrupt):
                 raise
-            told(0, len(chains))
-    return sorted((end for end in ends if np.isfinite(end.cost)), key=lambda end: end.cost)
+        ends = [one.result() for one in running if not one.cancelled()]
+    found = sorted((end for end in ends if end and np.isfinite(end.cost)), key=lambda end: end.cost)
+    if goal.halt.is_set():
+        if not found:
+            raise KeyboardInterrupt
+        told(0, len(chains))
+    return found
 
 
-def _refine_one(chain: Chain, records: Sequence[Sampled], options: Options) -> SearchEnd:
-    """The nearest minimum over records of any sample time."""
+def _refine_one(chain: Chain, records: Sequence[Sampled], goal: Goal) -> SearchEnd | None:
+    """The nearest minimum over records of any sample time; where it was halted, None without a step."""
     chain = replace(chain, interval=records[0].interval)
-    found = refine_chain(chain, records, options)
-    end = chain.with_theta(found.theta[: len(chain.theta)])
-    known = sum(int(np.isfinite(r.outputs[options.skip :]).sum()) for r in records)
-    return SearchEnd(found.value / known, found, end)
+    squares = goal.squares(chain, records)
+    begun = squares.extend_parameters(chain.theta)
+    best: list[Found] = []
+
+    def watch(count: int, value: float, theta: Numbers) -> None:
+        best[:] = [Found(theta, value, count, False)]
+
+    try:
+        found = minimise_cost(squares, begun, goal.options.iterations, watch=watch)
+    except HaltedSearchError:
+        if not best:
+            return None
+        found = best[0]
+    known = sum(int(np.isfinite(r.outputs[goal.options.skip :]).sum()) for r in records)
+    return SearchEnd(found.value / known, found, chain.with_theta(found.theta[: len(chain.theta)]))
 
 
-def _finish_search(
-    refined: Sequence[SearchEnd], middle: Sequence[Sampled], records: Sequence[Sampled], options: Options
-) -> SearchEnd:
-    """The end of the best search at the full rate.
-
-    Raises:
-        SolveError: no model that was found on thinner records can be simulated there.
-    """
-    if all(a is b for a, b in zip(middle, records, strict=True)):
-        return refined[0]
-    full = [replace(end.chain, interval=records[0].interval) for end in refined]
-    best = min(full, key=lambda chain: _compute_cost(chain, records, options))
-    last = _refine_one(best, records, replace(options, iterations=max(options.iterations // 4, 1)))
-    if not np.isfinite(last.cost):
-        raise SolveError(
-            f"`{best.text()}` fits thinner records, but cannot be simulated at the full rate; "
-            "thin the records or lower the order."
-        )
-    return last
+def _stop_at(chain: Chain, records: Sequence[Sampled], goal: Goal) -> SearchEnd:
+    """A chain as it is, with initial states that the first samples of its records tell."""
+    squares = replace(goal, halt=Event()).squares(chain, records)
+    theta = squares.extend_parameters(chain.theta)
+    place = squares.columns
+    for record, start in zip(records, goal.starts, strict=True):
+        if start == "estimate":
+            begin = find_start(chain, record, AUTO, goal.options.skip)
+            if begin.state is not None:
+                rest = chain.engine.rest(chain.theta, record.inputs[0]).state
+                theta[place : place + squares.states] = begin.state - rest
+            place += squares.states
+    return SearchEnd(np.nan, Found(theta, np.nan, 0, False), chain)
 
 
-def _compute_cost(chain: Chain, records: Sequence[Sampled], options: Options) -> float:
+def _compute_cost(chain: Chain, records: Sequence[Sampled], goal: Goal) -> float:
     """What a search minimises, with the best initial states where these are estimated."""
-    squares = squares_of(chain, records, options)
-    if options.start != "estimate":
+    squares = goal.squares(chain, records)
+    if "estimate" not in goal.starts:
         return squares.value(chain.theta)
     return settle_states(squares, chain.theta, 10).value
 
 
-def _compute_fit(chain: Chain, records: Sequence[Sampled], options: Options) -> float:
+def _compute_fit(end: SearchEnd, records: Sequence[Sampled], goal: Goal) -> float:
     """Mean fit [%] over records and outputs."""
-    runs = [(r.outputs, free_run(chain, r, options.start, options.skip)) for r in records]
-    return float(np.mean([fit_percent(y, computed, options.skip) for y, computed in runs]))
+    squares = ResidualSquares(end.chain.engine, build_aims(records, goal.options, goal.starts))
+    same = len(end.found.theta) == squares.size
+    states = squares.initial(end.found.theta if same else squares.extend_parameters(end.chain.theta))
+    runs = [end.chain.simulate(r.inputs, state) for r, state in zip(records, states, strict=False)]
+    fits = [fit_percent(r.outputs, run, goal.options.skip) for r, run in zip(records, runs, strict=True)]
+    return float(np.mean(fits))

@@ -16,7 +16,8 @@ so on in turns.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from threading import Event
 
 import numpy as np
 
@@ -26,6 +27,9 @@ from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.residuals import RecordResidual, ResidualSquares
 from martensite.search.levenberg_marquardt import Found, minimise_cost
 from martensite.signals.sampling.sampled import Sampled
+
+AUTO = "auto"
+"""The start that is tested record by record."""
 
 
 @dataclass(frozen=True)
@@ -42,9 +46,10 @@ class Options:
     skip: int = 0
     """Samples at the start of every record that do not count."""
     start: str = "rest"
-    """State at the first sample: rest, zero, estimate."""
+    """State at the first sample: rest, zero, estimate; auto tests for every record whether it begins at rest,
+    and estimates the state of those that do not."""
     anchor: float = 0.0
-    """Weight of the first known outputs as those at rest, in shares of all samples."""
+    """Weight of the first known outputs as those at rest, in shares of all samples; of records that begin there."""
     ridge: float = 0.0
     """Pull towards the start of the last search, per sample."""
     sigma: tuple[float, ...] = ()
@@ -76,7 +81,7 @@ def check_records(records: Sequence[Sampled]) -> None:
 def check_informative(records: Sequence[Sampled], skip: int, start: str) -> None:
     """Raise `InputError` if a signal says nothing: an input that never moves, an empty output.
 
-    Inputs may be constant where initial states are estimated: a free motion says something.
+    Inputs may be constant where initial states are estimated, if that is asked for: a free motion says something.
     """
     first = records[0]
     u = np.concatenate([record.inputs for record in records])
@@ -104,14 +109,46 @@ def check_enough(chain: Chain, records: Sequence[Sampled], skip: int) -> None:
         )
 
 
-def build_aims(records: Sequence[Sampled], options: Options) -> list[RecordResidual]:
-    """What is fitted: the records, on one scale, and what they say of rest."""
+@dataclass(frozen=True, eq=False)
+class Goal:
+    """What searches minimise: how, with which states at the first samples, and until when."""
+
+    options: Options
+    starts: tuple[str, ...]
+    """State at the first sample of every record: rest, zero, estimate."""
+    halt: Event = field(default_factory=Event)
+    """Once it is set, searches end with what they have."""
+
+    @classmethod
+    def begin(cls, options: Options, records: Sequence[Sampled]) -> Goal:
+        """The goal with which searches begin: what is to be tested is taken to be at rest."""
+        return cls(options, ("rest" if options.start == AUTO else options.start,) * len(records))
+
+    def squares(self, chain: Chain, records: Sequence[Sampled]) -> ResidualSquares:
+        """The sum of squares that a search from the numbers of a chain minimises."""
+        expected = find_expected(chain, self.options)
+        return ResidualSquares(
+            chain.engine, build_aims(records, self.options, self.starts), self.options.ridge, *expected, self.halt
+        )
+
+    def bare_squares(self, chain: Chain, records: Sequence[Sampled]) -> ResidualSquares:
+        """The squares of the records alone, without what is expected of numbers and of rest."""
+        aims = build_aims(records, replace(self.options, anchor=0.0), self.starts)
+        return ResidualSquares(chain.engine, aims, halt=self.halt)
+
+
+def build_aims(
+    records: Sequence[Sampled], options: Options, starts: Sequence[str] | None = None
+) -> list[RecordResidual]:
+    """What is fitted: the records, on one scale, and what those that begin at rest say of it."""
     weights = 1.0 / _find_spread(records, options)
-    found = [RecordResidual(r, options.skip, weights, options.start) for r in records]
+    starts = starts or [options.start] * len(records)
+    found = [RecordResidual(r, options.skip, weights, s) for r, s in zip(records, starts, strict=True)]
     if options.anchor > 0.0:
-        for record in records:
-            heavy = weights * np.sqrt(options.anchor * len(record))
-            found.append(RecordResidual(at_rest(record), 0, heavy))
+        for record, start in zip(records, starts, strict=True):
+            if start == "rest" or options.start != AUTO:
+                heavy = weights * np.sqrt(options.anchor * len(record))
+                found.append(RecordResidual(at_rest(record), 0, heavy))
     return found
 
 
@@ -145,11 +182,6 @@ def find_expected(chain: Chain, options: Options) -> tuple[Numbers, Numbers]:
     centres, weights = (np.concatenate([np.zeros(0), *part]) for part in zip(*found, strict=True))
     weights = weights * options.priors
     return np.where(weights > 0.0, centres, chain.theta), weights
-
-
-def squares_of(chain: Chain, records: Sequence[Sampled], options: Options) -> ResidualSquares:
-    """The sum of squares that a search from the numbers of a chain minimises."""
-    return ResidualSquares(chain.engine, build_aims(records, options), options.ridge, *find_expected(chain, options))
 
 
 TURNS = 3

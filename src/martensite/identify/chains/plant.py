@@ -141,7 +141,7 @@ class ModelMechanism(AbstractMechanism):
 
     def init(self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column) -> Any:
         """The state at rest under the first inputs, block by block."""
-        x, found = self._inside(signals), []
+        x, found = self.convert_inputs(signals), []
         for block, theta in self._blocks():
             state = block.rest(xp, theta, x, self.model.interval)
             x, _ = block.step(xp, theta, state, x, self.model.interval)
@@ -162,7 +162,7 @@ class ModelMechanism(AbstractMechanism):
         return [], self._sample(xp, memory, signals)[1]
 
     def _sample(self, xp: Namespace, memory: Any, signals: Column) -> tuple[Any, list[Scalar]]:
-        x = self._inside(signals)
+        x = self.convert_inputs(signals)
         after: list[Any] = []
         signals_of: list[Column] = []
         for (block, theta), state in zip(self._blocks(), memory, strict=True):
@@ -181,7 +181,7 @@ class ModelMechanism(AbstractMechanism):
             found.append((block.with_given(given), theta))
         return found
 
-    def _inside(self, signals: Column) -> list[Scalar]:
+    def convert_inputs(self, signals: Column) -> list[Scalar]:
         """Inputs in SI in the units of the model."""
         kinds = [_find_conversion(self.model, name) for name in self.model.input_names]
         return [(u - offset) * (1.0 / factor) for u, (_, factor, offset) in zip(signals, kinds, strict=True)]

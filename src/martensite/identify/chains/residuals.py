@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from threading import Event
 from typing import NamedTuple
 
 import numpy as np
@@ -25,6 +26,8 @@ from martensite.signals.sampling.sampled import Sampled
 
 STARTS = ("rest", "zero", "estimate")
 """How the state at the first sample of a record is chosen."""
+PIECE = 32_256
+"""Samples that are simulated at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +80,10 @@ Memory = tuple[Numbers, Numbers]
 """What the filter remembers of residuals and of slopes."""
 
 
+class HaltedSearchError(Exception):
+    """A search was told to end, from another thread."""
+
+
 class ResidualSquares:
     """The sum of squares of a chain over records, for `levenberg_marquardt.minimise_cost`.
 
@@ -91,6 +98,7 @@ class ResidualSquares:
         ridge: float = 0.0,
         reference: Numbers | None = None,
         priors: Numbers | None = None,
+        halt: Event | None = None,
     ) -> None:
         """Take a chain and records.
 
@@ -100,8 +108,9 @@ class ResidualSquares:
             ridge: ρ, the pull towards the reference per sample.
             reference: θ_ref, of the chain alone.
             priors: 1/σ of every free number around the reference, in units of one residual.
+            halt: once it is set, computing ends with `HaltedSearchError` within some thousand samples.
         """
-        self.engine, self.aims = engine, tuple(aims)
+        self.engine, self.aims, self._halt = engine, tuple(aims), halt or Event()
         self.columns, self.states = engine.plan.columns, engine.plan.states
         self.count = sum(aim.counted_outputs() for aim in self.aims)
         self.reference = np.zeros(self.columns) if reference is None else reference
@@ -123,9 +132,21 @@ class ResidualSquares:
         with np.errstate(all="ignore"):
             for aim, place in self._place_states():
                 start = self._start(aim, theta, place, slopes=False)
-                y = self.engine.simulate(theta[: self.columns], aim.record.inputs, start.state.copy())
+                y = self._simulate(theta[: self.columns], aim.record.inputs, start.state.copy())
                 total += float(np.sum(_filter_residuals(aim, _weigh_residuals(aim, y, slice(None))) ** 2))
         return total if np.isfinite(total) else np.inf
+
+    def _simulate(self, theta: Numbers, u: Numbers, state: Numbers) -> Numbers:
+        """Outputs, piece by piece, so that a search can be ended in between."""
+        pieces = [np.empty((0, len(self.engine.taps)))]
+        for first in range(0, len(u), PIECE):
+            self._check_halt()
+            pieces.append(self.engine.simulate(theta, u[first : first + PIECE], state))
+        return np.concatenate(pieces)
+
+    def _check_halt(self) -> None:
+        if self._halt.is_set():
+            raise HaltedSearchError
 
     def normal(self, theta: Numbers) -> Normal:
         """The sum of squares with gradient and JᵀJ; infinite where the run is not finite."""
@@ -193,6 +214,7 @@ class ResidualSquares:
         memory: Memory | None = None
         own, inputs = theta[: self.columns], aim.record.inputs
         for chunk in self.engine.sensitivities(own, inputs, start, reuse=reuse):
+            self._check_halt()
             residuals, slopes = _weigh_residuals(aim, chunk.outputs, chunk.rows), chunk.slopes
             counts = _find_counted(aim, chunk.rows)
             if not counts.all():

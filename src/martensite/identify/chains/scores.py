@@ -13,7 +13,8 @@ import numpy as np
 
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
-from martensite.identify.chains.residuals import RecordResidual, ResidualSquares, settle_states
+from martensite.identify.chains.goals import AUTO
+from martensite.identify.chains.record_starts import REST, Start, find_start
 from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Sampled
 
@@ -36,6 +37,8 @@ class OutputScore:
     """Root mean square of the error, in the unit of the output."""
     worst: float
     """Largest error."""
+    begins: str = REST.said
+    """In which state the run begins, in words."""
 
 
 def fit_percent(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
@@ -56,21 +59,19 @@ def free_run(chain: Chain, record: Sampled, start: str = "rest", skip: int = 0) 
     Args:
         chain: the model.
         record: its inputs are what the model is given.
-        start: state at the first sample: `rest` under the first input, `zero`, or `estimate`, the
-            one that fits the record best.
+        start: state at the first sample: `rest` under the first input, `zero`, `estimate` or `auto`;
+            see `record_starts.find_start`.
         skip: samples at the start that do not count for that.
 
     Raises:
         InputError: record and model do not fit.
     """
-    states = chain.engine.plan.states
-    if start == "rest" or not states:
-        return chain.simulate(record)
-    if start == "zero":
-        return chain.simulate(record, np.zeros(states))
-    squares = ResidualSquares(chain.engine, [RecordResidual(record, skip, start=start)])
-    found = settle_states(squares, chain.theta, 20)
-    return chain.simulate(record, squares.initial(found.theta)[0])
+    return _run_from(chain, record, find_start(chain, record, start, skip))
+
+
+def _run_from(chain: Chain, record: Sampled, begin: Start) -> Numbers:
+    rested = chain.engine.rest(chain.theta, record.inputs[0]).state if begin.state is None else begin.state
+    return chain.simulate(record, rested)
 
 
 def score_chain(
@@ -78,13 +79,16 @@ def score_chain(
 ) -> list[OutputScore]:
     """Scores of all outputs over records, at their full rate.
 
-    A record of another sample time is brought to that of the model first.
+    A record of another sample time is brought to that of the model first. Where states are estimated,
+    that of a record which was not fitted is inferred from its first samples, not from all that is scored.
     """
+    start = AUTO if start == "estimate" else start
     found: list[OutputScore] = []
     for record in records:
         if abs(record.interval / chain.interval - 1.0) > 1e-6:
             record = resample_record(record, chain.interval)
-        computed = free_run(chain, record, start, skip)
+        begin = find_start(chain, record, start, skip)
+        computed = _run_from(chain, record, begin)
         fits, errors = (f(record.outputs, computed, skip) for f in (fit_percent, compute_rms))
         worst = np.nanmax(np.abs(record.outputs - computed)[skip:], axis=0)
         found += [
@@ -97,6 +101,7 @@ def score_chain(
                 float(fits[k]),
                 float(errors[k]),
                 float(worst[k]),
+                begin.said,
             )
             for k, name in enumerate(record.output_names)
         ]

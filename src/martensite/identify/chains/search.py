@@ -12,15 +12,16 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from martensite.base.errors import InputError, SolveError
 from martensite.identify.chains.chain import build_untrained
 from martensite.identify.chains.chain_text import expand_pattern, parse_chain
+from martensite.identify.chains.doubts import describe_stillness
 from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
-from martensite.identify.chains.goals import check_informative, check_records
+from martensite.identify.chains.goals import AUTO, check_informative, check_records
 from martensite.identify.chains.scores import fit_percent, free_run, mean_fit, score_chain
 from martensite.signals.sampling.sampled import Sampled
 
@@ -45,6 +46,8 @@ class StructureCandidate:
     """Mean fit [%] that it is chosen by, free run."""
     seconds: float
     fault: str = ""
+    complete: bool = True
+    """False if it was interrupted, in its searches or while it was judged."""
 
     @property
     def agreeing(self) -> int:
@@ -67,6 +70,8 @@ class Searched:
     """What the candidates were chosen by, as words."""
     complete: bool = True
     """False if it was interrupted."""
+    remarks: tuple[str, ...] = ()
+    """What is doubtful about the choice, a sentence each."""
 
     @property
     def found(self) -> ChainEstimate:
@@ -114,19 +119,24 @@ def search_structures(
         for k, text in enumerate(texts):
             tell = _name_candidate(watch, text, k, len(texts))
             done.append(_try_candidate(text, records, validation, options, tell))
+            if not done[-1].complete:
+                complete = False
+                break
     except KeyboardInterrupt:
         complete = False
         if not done:
             raise
-    return _decide_next(done, validation, complete)
+    found = _decide_next(done, validation, complete)
+    return found if validation else replace(found, remarks=tuple(describe_stillness(records, FOLDS)))
 
 
 def _decide_next(done: Sequence[StructureCandidate], validation: Sequence[Sampled], complete: bool) -> Searched:
     ranked = sorted(done, key=lambda c: -c.validation if math.isfinite(c.validation) else math.inf)
     good = [c for c in ranked if c.found is not None and math.isfinite(c.validation)]
+    good = good or [c for c in ranked if c.found is not None]  # the first was interrupted before it was judged
     if not good:
         raise SolveError(f"No structure could be estimated. {ranked[0].fault}".strip())
-    near = [c for c in good if c.validation >= good[0].validation - MARGIN]
+    near = [c for c in good if not c.validation < good[0].validation - MARGIN]
     chosen = min(near, key=lambda c: (c.numbers, -c.validation))
     names = ", ".join(f"`{record.name}`" for record in validation)
     by = f"fit on {names}" if names else f"cross-validation over {FOLDS} blocks"
@@ -154,15 +164,28 @@ def _try_candidate(
     try:
         found = estimate_chain(text, records, options, watch)
         own = mean_fit(score_chain(found.chain, records, "estimation", options.start, options.skip))
+        complete, score = found.complete, math.nan
         if validation:
             scores = score_chain(found.chain, validation, "validation", options.start, options.skip)
             score = mean_fit(scores)
-        else:
-            score = cross_validated(text, records, options)
+        elif complete:
+            try:
+                score = cross_validated(text, records, _decided(options, found))
+            except KeyboardInterrupt:
+                complete = False
     except (SolveError, InputError) as error:
         seconds = time.perf_counter() - begun
         return StructureCandidate(text, numbers, None, math.nan, math.nan, seconds, str(error))
-    return StructureCandidate(text, numbers, found, own, score, time.perf_counter() - begun)
+    return StructureCandidate(text, numbers, found, own, score, time.perf_counter() - begun, complete=complete)
+
+
+def _decided(options: Options, found: ChainEstimate) -> Options:
+    """The options, with what an estimation has found out of how the records begin, if all do alike."""
+    kinds = {one.kind for one in found.chain.starts.values()}
+    if options.start != AUTO or len(kinds) != 1:
+        return options
+    kind = kinds.pop()
+    return replace(options, start=kind, anchor=options.anchor if kind == "rest" else 0.0)
 
 
 def cross_validated(structure: str, records: Sequence[Sampled], options: Options, folds: int = FOLDS) -> float:
@@ -175,9 +198,12 @@ def cross_validated(structure: str, records: Sequence[Sampled], options: Options
     for fold in range(folds):
         blocks = [_cut_block(record, fold, folds) for record in records]
         seen = [_hide_block(r, block) for r, block in zip(records, blocks, strict=True)]
-        chain = estimate_chain(structure, seen, options).chain
+        made = estimate_chain(structure, seen, options)
+        if not made.complete:
+            raise KeyboardInterrupt
+        chain, start = made.chain, AUTO if options.start == "estimate" else options.start
         for parts, record, block in zip(left_out, seen, blocks, strict=True):
-            parts.append(free_run(chain, record, options.start, options.skip)[block])
+            parts.append(free_run(chain, record, start, options.skip)[block])
     fits = [
         fit_percent(record.outputs, np.concatenate(parts), options.skip)
         for record, parts in zip(records, left_out, strict=True)

@@ -10,8 +10,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from martensite.base.errors import InputError
-from martensite.identify.chains.chain import Chain
+from martensite.identify.blocks.base import Numbers
+from martensite.identify.chains.chain import Chain, RecordStart
 from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
 from martensite.identify.chains.scores import ROLES, OutputScore, score_chain
@@ -106,9 +109,12 @@ def identify_stages(
         name = f"stage {k + 1}" if len(planned) > 1 else "model"
         scores += _score_stage(found[-1][0].chain, parts, options, name)
         inputs = stage.outputs
-    model = _join_series([e.chain for e, _ in found])
+        if not found[-1][0].complete or not (found[-1][1] is None or found[-1][1].complete):
+            planned = planned[: k + 1]  # interrupted: what is there is the model
+            break
+    ends = [[select_signals(r, r.input_names, planned[-1].outputs) for r in group] for group in groups]
+    model = _join_series([e for e, _ in found], ends[0])
     if len(planned) > 1:
-        ends = [[select_signals(r, r.input_names, planned[-1].outputs) for r in group] for group in groups]
         scores += _score_stage(model, ends, options, SERIES)
     estimates, searches = zip(*found, strict=True)
     return Identified(tuple(planned), estimates, model, tuple(scores), searches, options)
@@ -163,8 +169,23 @@ def _score_stage(chain: Chain, groups: Sequence[Sequence[Sampled]], options: Opt
     ]
 
 
-def _join_series(chains: Sequence[Chain]) -> Chain:
-    model = chains[0]
-    for chain in chains[1:]:
-        model = model.then(chain)
-    return model if len(chains) == 1 else replace(model, name=SERIES)
+def _join_series(estimates: Sequence[ChainEstimate], records: Sequence[Sampled]) -> Chain:
+    """The stages as one; where all know how a record begins, so does the series."""
+    model = estimates[0].chain
+    if len(estimates) == 1:
+        return model
+    for one in estimates[1:]:
+        model = model.then(one.chain)
+    starts: dict[str, RecordStart] = {}
+    for k, record in enumerate(records):
+        known = [(one, one.chain.starts[one.records[k].hash]) for one in estimates]
+        kinds = {start.kind for _, start in known}
+        kind = kinds.pop() if len(kinds) == 1 else "estimate"
+        states = [_find_state(one, one.records[k], start) for one, start in known] if kind == "estimate" else []
+        starts[record.hash] = RecordStart(record.name, kind, tuple(map(float, np.concatenate([[], *states]))))
+    return replace(model, name=SERIES).with_records(starts, model.ranges)
+
+
+def _find_state(one: ChainEstimate, record: Sampled, start: RecordStart) -> Numbers:
+    state = one.chain.restore_state(start)
+    return one.chain.engine.rest(one.chain.theta, record.inputs[0]).state if state is None else state

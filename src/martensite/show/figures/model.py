@@ -250,13 +250,15 @@ def plot_identified(found: Identified, records: Sequence[Sampled], title: str = 
 
 
 def _draw_free_run(panel: Any, found: Identified, record: Sampled) -> None:
+    from martensite.identify.chains.goals import AUTO
     from martensite.identify.chains.scores import fit_percent, free_run
     from martensite.signals.sampling.resampling import select_signals
 
     names = found.stages[-1].outputs
     own = select_signals(record, found.model.input_names, names)
     skip = found.options.skip
-    computed = free_run(found.model, own, found.options.start, skip)
+    start = AUTO if found.options.start == "estimate" else found.options.start
+    computed = free_run(found.model, own, start, skip)
     fit = float(fit_percent(own.outputs, computed, skip)[-1])
     kept = slice(None, None, max(len(own) // MOST_POINTS, 1))
     times, unit = own.times[kept], own.units.get(names[-1], "1")

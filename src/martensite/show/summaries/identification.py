@@ -83,6 +83,15 @@ def _describe_scores(found: Identified) -> Iterator[Block]:
         for s in found.scores
     ]
     yield DataTable(SCORES, rows, right=(4, 5, 6))
+    yield from map(Sentence, _describe_starts(found))
+
+
+def _describe_starts(found: Identified) -> Iterator[str]:
+    """In which state the runs of every record begin."""
+    runs = [s for s in found.scores if s.model in ("model", "series")]
+    for said in dict.fromkeys(s.begins for s in runs):
+        names = dict.fromkeys(f"`{s.record}`" for s in runs if s.begins == said)
+        yield f"Initial state of {', '.join(names)}: {said}"
 
 
 def _choose_difference_unit(unit: str) -> str:
@@ -118,12 +127,14 @@ def collect_warnings(found: Identified, records: Sequence[Sampled]) -> list[str]
     """Sentences on what is to be known before the model is believed."""
     said = [f"{r.name}: {remark}" for r in records for remark in r.remarks]
     for one in found.estimates:
+        said += one.remarks
         if one.options.starts > 1 and one.agreeing < ENOUGH:
             few = f"{one.agreeing} of {len(one.fits)} refined searches"
             said.append(
                 f"`{one.chain.text()}`: only {few} ended within 0.1 point of the best, so that "
                 "it may be a poor optimum; give more --starts."
             )
+    said += [remark for searched in found.searches if searched is not None for remark in searched.remarks]
     roles = {score.role for score in found.scores}
     if "validation" not in roles and "other" not in roles:
         said.append(

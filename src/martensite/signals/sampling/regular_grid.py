@@ -25,6 +25,8 @@ CLOSE = 0.25
 """How far, in intervals, a row may be from its place on a grid."""
 SAME = 1e-4
 """Relative difference of intervals that is one of printed times."""
+FEWEST = 20
+"""Rows that a piece between two gaps must have."""
 APART = 3.0
 """Rows further apart than so many usual distances are a gap, over which nothing is known."""
 
@@ -77,6 +79,99 @@ def from_record(
     if abs(interval / found.interval - 1.0) < SAME:
         return replace(found, interval=interval)
     return resample_record(found, interval)
+
+
+def pieces_of_record(
+    record: Record,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    longest: float,
+    interval: float | None = None,
+    units: Mapping[str, str] | None = None,
+) -> tuple[Sampled, ...]:
+    """The same, cut where inputs are missing or rows are apart for longer than some time [s].
+
+    Pieces of one row are left out.
+
+    Raises:
+        DataError: as `from_record`; or there is no piece of two rows.
+    """
+    known = np.ones(len(record), bool)
+    for name in inputs:
+        known &= np.isfinite(np.asarray(record[name]))
+    rows = np.flatnonzero(known)
+    times = np.asarray(record.times)[rows]
+    ends = np.flatnonzero(np.diff(times) > longest) + 1
+    parts = [part for part in np.split(rows, ends) if len(part) > 1]
+    if not parts:
+        raise DataError(f"Record `{record.name}` has no two rows with inputs within {longest:g} s.")
+    step = interval
+    if step is None:
+        step = min(_find_grid(np.asarray(record.times)[p[0] : p[-1] + 1], None).interval for p in parts)
+    return tuple(
+        from_record(_select_rows(record, part, k, len(parts)), inputs, outputs, step, units)
+        for k, part in enumerate(parts, start=1)
+    )
+
+
+def split_at_gaps(
+    record: Record,
+    inputs: Sequence[str],
+    outputs: Sequence[str],
+    interval: float | None = None,
+    units: Mapping[str, str] | None = None,
+) -> tuple[Sampled, ...]:
+    """A table as records without gaps in their inputs, as a model cannot be run over what is not known.
+
+    A gap is longer than three usual distances of rows, and what is between two of them a record of its own, with
+    an initial state of its own. Tables of irregular times, whose inputs are held from row to row, stay whole.
+
+    Raises:
+        DataError: as `from_record`.
+    """
+    times = np.asarray(record.times)
+    if len(times) < 2 or out_of_order(record.times) is not None:
+        return (from_record(record, inputs, outputs, interval, units),)
+    known = np.all(np.isfinite([np.asarray(record[name], dtype=float) for name in inputs]), axis=0)
+    rows = np.flatnonzero(known)
+    usual = float(np.median(np.diff(times)))
+    gaps = np.diff(times[rows]) > (APART + 0.5) * usual
+    if not gaps.any() or _find_grid(times, None).places is None:
+        return (from_record(record, inputs, outputs, interval, units),)
+    parts = pieces_of_record(record, inputs, outputs, (APART + 0.5) * usual, interval, units)
+    long = [part for part in parts if len(part) >= FEWEST]
+    if not long:
+        return (from_record(record, inputs, outputs, interval, units),)
+    missing = float(np.diff(times[rows])[gaps].sum())
+    said = (
+        f"Inputs are missing for {missing:.4g} s in {int(gaps.sum())} gap{'s' * (gaps.sum() > 1)}; the record is split there into "
+        f"{len(long)} of their own"
+    )
+    short = len(parts) - len(long)
+    said += f", {short} shorter than {FEWEST} rows left out." if short else "."
+    return (replace(long[0], remarks=(said, *long[0].remarks)), *long[1:])
+
+
+def to_record(sampled: Sampled) -> Record:
+    """A record at equal intervals as a table in SI."""
+    columns, names = {"time": [float(t) for t in sampled.times]}, {"time": "s"}
+    signals = [
+        *zip(sampled.input_names, sampled.inputs.T, strict=True),
+        *zip(sampled.output_names, sampled.outputs.T, strict=True),
+    ]
+    for name, column in signals:
+        spelling = sampled.units.get(name, "1")
+        unit = unit_table.EVERYDAY.get(spelling, (spelling, 1.0, 0.0))[0]
+        factor, offset = unit_table.find_conversion(spelling, unit)
+        columns[name] = [float(value) for value in column * factor + offset]
+        names[name] = unit
+    return Record(sampled.name, columns, names)
+
+
+def _select_rows(record: Record, part: Numbers, number: int, count: int) -> Record:
+    kept = slice(int(part[0]), int(part[-1]) + 1)
+    name = record.name if count == 1 else f"{record.name} ({number})"
+    return replace(record, name=name, columns={n: c[kept] for n, c in record.columns.items()})
 
 
 def _list_columns(

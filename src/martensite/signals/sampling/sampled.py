@@ -8,8 +8,10 @@ done with records: `resampling`, `trends` and `periods` of this package; from ta
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -78,6 +80,16 @@ class Sampled:
     def duration(self) -> float:
         """Length of the record [s]."""
         return self.interval * len(self)
+
+    @cached_property
+    def hash(self) -> str:
+        """SHA-256 over sample time, names and numbers, these as little-endian doubles."""
+        total = hashlib.sha256()
+        names = "\0".join([*self.input_names, "", *self.output_names])
+        total.update(f"{self.interval!r}\0{names}\0".encode())
+        for array in (self.inputs, self.outputs):
+            total.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
+        return total.hexdigest()
 
     def rows(self, first: int, last: int | None = None, name: str | None = None) -> Sampled:
         """Some consecutive samples as a record of their own."""

@@ -1,0 +1,90 @@
+"""Doubts about records and what was made of them, a sentence each; none where all is well.
+
+What a free run scores says nothing of whether it was worth running: an output that is the input again, columns
+that were exchanged, a log in which nothing happens while it is judged.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from martensite.base.errors import MartensiteError
+from martensite.identify.blocks.base import Numbers
+from martensite.identify.chains.best_linear import best_linear
+from martensite.identify.chains.decimation import coarsen_records
+from martensite.identify.chains.scores import fit_percent
+from martensite.signals.sampling.sampled import Sampled
+
+EXACT = 1e-9
+"""Share of an output that is not its input, but for a factor and an offset, below which the two are one."""
+POOR = 80.0
+"""Fit [%] below which it is asked whether columns were exchanged."""
+BETTER = 20.0
+"""Points of fit by which the exchanged columns must do better."""
+STILL = 2
+"""Blocks of a cross-validation, of three, in which nothing is put in, from which on it tells nothing."""
+
+
+def describe_copies(records: Sequence[Sampled]) -> Iterator[str]:
+    """Outputs that are an input again."""
+    for record in records:
+        for given, u in zip(record.input_names, record.inputs.T, strict=True):
+            for name, y in zip(record.output_names, record.outputs.T, strict=True):
+                known = np.isfinite(y)
+                if known.sum() > 2 and np.ptp(u[known]) > 0.0 and _measure_rest(u[known], y[known]) < EXACT:
+                    yield (
+                        f"{record.name}: output `{name}` is input `{given}` again, but for a factor and an offset; "
+                        "there is nothing to be found. Is it the column that was meant?"
+                    )
+
+
+def _measure_rest(u: Numbers, y: Numbers) -> float:
+    """Share of y that is no straight line of u."""
+    spread = float(np.std(y))
+    left = y - np.polyval(np.polyfit(u, y, 1), u)
+    return float(np.std(left)) / spread if spread > 0.0 else 1.0
+
+
+def describe_exchange(records: Sequence[Sampled], fit: float) -> Iterator[str]:
+    """Whether a poor fit is one of exchanged columns: the output explains the input better than it the output."""
+    if fit >= POOR or any(r.inputs.shape[1] != 1 or r.outputs.shape[1] != 1 for r in records):
+        return
+    for record in coarsen_records(records):
+        if not np.all(np.isfinite(record.outputs)) or np.ptp(record.outputs) == 0.0 or np.ptp(record.inputs) == 0.0:
+            continue
+        turned = Sampled(
+            record.name, record.interval, record.outputs, record.inputs, record.output_names, record.input_names
+        )
+        ahead, back = _fit_linear(record), _fit_linear(turned)
+        if back > max(ahead, fit) + BETTER:
+            given, name = record.input_names[0], record.output_names[0]
+            yield (
+                f"{record.name}: a linear model gives `{given}` from `{name}` with a fit of {back:.0f} %, but "
+                f"`{name}` from `{given}` with {ahead:.0f} %: are input and output exchanged?"
+            )
+
+
+def _fit_linear(record: Sampled) -> float:
+    """Fit [%] of a linear model of second order."""
+    try:
+        model = best_linear(record, 2, iterations=20)
+    except MartensiteError:
+        return -np.inf
+    return float(fit_percent(record.outputs, model.simulate(record.inputs))[0])
+
+
+def describe_stillness(records: Sequence[Sampled], folds: int) -> Iterator[str]:
+    """Records whose cross-validation tells nothing, because the input stays in most of their blocks."""
+    for record in records:
+        ends = np.linspace(0, len(record), folds + 1).astype(int)
+        blocks = [record.inputs[a:b] for a, b in pairwise(ends)]
+        still = sum(len(block) == 0 or not np.any(np.ptp(block, axis=0)) for block in blocks)
+        if still >= STILL:
+            yield (
+                f"{record.name}: its input does not move in {still} of the {folds} blocks that cross-validation leaves "
+                "out in turn, so that it does not tell which structure is better; choose by --validate, a log in "
+                "which the input moves throughout."
+            )
