@@ -202,7 +202,7 @@ def _read_chain(document: dict[str, Any]) -> Chain:
     if not interval > 0.0:
         raise DataError(f"the sample time must be above 0 s, but is {interval:g} s.")
     taps = document["taps"]
-    return Chain(
+    chain = Chain(
         tuple(blocks),
         np.array(theta),
         interval,
@@ -212,6 +212,11 @@ def _read_chain(document: dict[str, Any]) -> Chain:
         None if taps is None else _read_taps(taps, blocks),
         str(document["name"]),
     )
+    signals = {"inputs": (chain.input_names, chain.inputs), "outputs": (chain.output_names, len(chain.engine.taps))}
+    for kind, (names, count) in signals.items():
+        if len(names) != count:
+            raise DataError(f"its blocks have {count} {kind}, but {len(names)} are named.")
+    return chain
 
 
 def _read_taps(taps: Any, blocks: list[AbstractBlock]) -> tuple[tuple[int, int], ...]:

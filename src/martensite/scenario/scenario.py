@@ -180,7 +180,7 @@ class Scenario:
             return self._run_bench(self.bench, runtime, tell)
         from martensite.simulate.api import simulate
 
-        return simulate(
+        result = simulate(
             self.system,
             self.waveform,
             self.duration,
@@ -191,6 +191,11 @@ class Scenario:
             budget=budget,
             tell=tell,
         )
+        if (interval := self.system.sample_time()) > 0.0:
+            from martensite.control.loop.run import warn_of_end
+
+            return warn_of_end(result, self.duration, interval)
+        return result
 
     def equal_step(self) -> float:
         """The longest of equal steps with which a run is within the tolerance [s]."""
