@@ -314,6 +314,10 @@ REFUSED = [
     ({"sensor.dely": "1 s"}, "[sensor] `position` has no `dely`. Did you mean `delay`?"),
     ({"sensor.of": "strian"}, "looks at `strian`, which the plant does not have"),
     ({"sensor.name": "my place"}, "[sensor] A name consists of letters"),
+    (
+        {"supervisor": {"kind": "guard", "holt": "1 s", "checks": {"hot": {"kind": "overheat"}}}},
+        "[supervisor] `guard` has no `holt`. Did you mean `hold`?",
+    ),
     ({"reference.level": "1 mm"}, "[reference] `sine` has no `level`"),
     ({"bench.period": "10 ms"}, "`period` stands in [controller] and [bench]; leave one"),
     ({"bench.seed": 1.5}, "[bench] `seed` must be a whole number"),
