@@ -33,7 +33,7 @@ ROOT = Path.cwd()
 SOURCE = ROOT / "src" / "martensite"
 FOLDERS = ("contract", "exact", "order", "reference", "recover", "faults", "property", "meta")
 BUDGET = 15.0
-"""CPU time of the files of tests for one mutant [s], as the map says it; the cheapest go first."""
+"""CPU time of the files of tests for one mutant [s], as the map says it: one of its own name, then the cheapest."""
 WALL_LIMIT = 180.0
 """After so long [s] a mutant is a timeout: one that does not end is noticed."""
 LIBRARIES = ("hypothesis", "matplotlib.pyplot", "scipy.optimize", "scipy.signal", "scipy.stats")
@@ -212,7 +212,8 @@ def run_mutants(known: dict[str, Any], wanted: list[str], out: Path) -> None:
         place = f"{mutant['file']}::{mutant['function']}"
         calling = [name for name, told in known.items() if place in told.get("functions", [])]
         chosen, spent = [], 0.0
-        for name in sorted(calling, key=lambda name: known[name]["cpu"]):
+        own = Path(mutant["file"]).stem
+        for name in sorted(calling, key=lambda name: (own not in name, known[name]["cpu"])):
             spent += known[name]["cpu"]
             if spent <= BUDGET or not chosen:
                 chosen.append(name)
