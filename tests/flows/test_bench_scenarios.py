@@ -102,6 +102,15 @@ def test_run_of_a_scenario_is_that_of_its_bench() -> None:
     assert other.columns["measured.position"] != result.columns["measured.position"]
 
 
+@pytest.mark.parametrize(("duration", "end"), [("0.4 s", 0.4), ("0.41 s", 0.4), ("0.399 s", 0.38)])
+def test_a_run_that_ends_at_another_time_says_so(duration: str, end: float) -> None:
+    """The truth: 19 or 20 periods of 20 ms."""
+    found = read_scenario(LOOP, overrides={"run.duration": duration}).run(runtime="floats")
+    assert found.times[-1] == pytest.approx(end)
+    said = [warning for warning in found.warnings if f"ends at {end:g} s instead of {duration}" in warning]
+    assert len(said) == (duration != "0.4 s"), found.warnings
+
+
 def test_noise_can_be_left_out() -> None:
     quiet = read_scenario(LOOP + "[bench]\nnoise = 'none'\n").run(runtime="floats")
     assert set(quiet["measured.position"][:3]) == {0.0}
@@ -305,6 +314,10 @@ REFUSED = [
     ({"sensor.dely": "1 s"}, "[sensor] `position` has no `dely`. Did you mean `delay`?"),
     ({"sensor.of": "strian"}, "looks at `strian`, which the plant does not have"),
     ({"sensor.name": "my place"}, "[sensor] A name consists of letters"),
+    (
+        {"supervisor": {"kind": "guard", "holt": "1 s", "checks": {"hot": {"kind": "overheat"}}}},
+        "[supervisor] `guard` has no `holt`. Did you mean `hold`?",
+    ),
     ({"reference.level": "1 mm"}, "[reference] `sine` has no `level`"),
     ({"bench.period": "10 ms"}, "`period` stands in [controller] and [bench]; leave one"),
     ({"bench.seed": 1.5}, "[bench] `seed` must be a whole number"),

@@ -70,7 +70,8 @@ def test_every_block_reads_back_exactly(name, tmp_path):
     theta = np.random.default_rng(2).normal(size=len(block.numbers()))
     if block.fixed and not isinstance(block.fixed, property):
         block = block.with_given([v + 0.1 * (k + 1) / 3 for k, v in enumerate(block.given())])
-    made = Chain((block,), theta, 1.0 / 3.0)
+    names = [tuple(f"{kind}{k}" for k in range(count)) for kind, count in (("u", block.inputs), ("y", block.outputs))]
+    made = Chain((block,), theta, 1.0 / 3.0, *names)
     write_model(made, tmp_path / "m.json")
     back = read_model(tmp_path / "m.json")
     assert back.blocks == made.blocks and back.theta.tolist() == theta.tolist()
@@ -103,6 +104,7 @@ def damaged(text):
     yield text.replace('"c2"', '"c9"'), "free numbers of block 1"
     yield text.replace('"nf": 2.0', '"nf": -2.0'), "nf"
     yield json.dumps({**document, "taps": [[7, 0]]}), "no output 0 of block 7"
+    yield json.dumps({**document, "outputs": ["a", "b"]}), "1 outputs, but 2 are named"
     yield json.dumps({**document, "blocks": 3}), "damaged"
     yield json.dumps({**document, "blocks": [{"kind": "polynomial"}]}), "damaged"
 

@@ -325,6 +325,16 @@ def test_bad_setting_is_refused(setting: str, expected: str) -> None:
     assert expected in str(caught.value)
 
 
+@pytest.mark.parametrize(("kind", "level"), [("triangle", 'high = "2 V"'), ("pwm", 'high = "2 V", duty = 0.3')])
+def test_edges_without_end_are_refused_before_they_are_listed(kind: str, level: str) -> None:
+    """The truth: two edges in a period."""
+    text = edited(WAVEFORM, f'waveform = {{ kind = "{kind}", {level}, frequency = "1 kHz" }}')
+    wave = read_scenario(text, overrides={"run.duration": "0.5 s"}).single_waveform
+    assert abs(len(wave.edges(0.5)) - wave.count_edges(0.5)) < 2
+    with pytest.raises(InputError, match=rf"`{kind}` has about 2e\+303 edges in 1e\+300 s"):
+        read_scenario(text, overrides={"run.duration": "1e300 s"})
+
+
 @pytest.mark.parametrize("setting", ["element.diameter", "=1 mm"])
 def test_setting_without_path_or_value_is_refused(setting: str) -> None:
     with pytest.raises(InputError, match="write `path=value`"):

@@ -8,7 +8,7 @@ to write it. So does the law: a material whose numbers hold for one law names it
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
@@ -183,7 +183,7 @@ class Builder:
         if unknown is None:
             return
         for name, child in children.items():
-            if child is not None and unknown in child[0].declarations:
+            if child is not None and unknown in _list_declared(child[0]):
                 raise ParameterError(
                     f"[{path}] `{_name_class(cls)}` has no `{unknown}`; it belongs to the {name}: "
                     f"write `{path}.{name}.{unknown}`, or `{unknown}` under [{path}.{name}]."
@@ -222,6 +222,11 @@ def _list_parts(cls: type[Parametrised]) -> Iterator[str]:
     for name, declared in cls.declarations.items():
         if declared.registry is not None or component_class(cls, name) is not None:
             yield name
+
+
+def _list_declared(cls: type[Parametrised]) -> Collection[str]:
+    """Entries that a class declares; none of one whose instances have numbers of their own."""
+    return () if isinstance(cls.declarations, property) else cls.declarations
 
 
 def _name_class(cls: type[Parametrised]) -> str:

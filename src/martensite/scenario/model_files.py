@@ -193,7 +193,7 @@ def _read_chain(document: dict[str, Any]) -> Chain:
     if not interval > 0.0:
         raise DataError(f"the sample time must be above 0 s, but is {interval:g} s.")
     taps = document["taps"]
-    return Chain(
+    chain = Chain(
         tuple(blocks),
         np.array(theta),
         interval,
@@ -205,6 +205,11 @@ def _read_chain(document: dict[str, Any]) -> Chain:
         {str(key): _read_start(one) for key, one in dict(document.get("record_starts", {})).items()},
         {str(key): (float(low), float(high)) for key, (low, high) in dict(document.get("ranges", {})).items()},
     )
+    signals = {"inputs": (chain.input_names, chain.inputs), "outputs": (chain.output_names, len(chain.engine.taps))}
+    for kind, (names, count) in signals.items():
+        if len(names) != count:
+            raise DataError(f"its blocks have {count} {kind}, but {len(names)} are named.")
+    return chain
 
 
 def _read_start(table: Mapping[str, Any]) -> RecordStart:

@@ -29,6 +29,7 @@ from martensite.scenario.recorded_waveforms import Recorded
 from martensite.scenario.sections import SECTIONS as BENCH_SECTIONS
 from martensite.scenario.sections import check_sections, has_controllers, is_bench
 from martensite.signals.base import AbstractWaveform
+from martensite.signals.edges import require_countable
 from martensite.simulate.drive_waveforms import Waveforms
 
 if TYPE_CHECKING:
@@ -176,7 +177,7 @@ class Scenario:
             return self._run_bench(self.bench, runtime, tell)
         from martensite.simulate.api import simulate
 
-        return simulate(
+        result = simulate(
             self.system,
             self.waveform,
             self.duration,
@@ -187,6 +188,11 @@ class Scenario:
             budget=budget,
             tell=tell,
         )
+        if (interval := self.system.sample_time()) > 0.0:
+            from martensite.control.loop.run import warn_of_end
+
+            return warn_of_end(result, self.duration, interval)
+        return result
 
     def equal_step(self) -> float:
         """The longest of equal steps with which a run is within the tolerance [s]."""
@@ -251,10 +257,12 @@ def _build_scenario(document: dict[str, Any], text: str, path: Path | None, log:
     assembly = Assembly(document, folder, log, run.lead, origins, controlled=controlled)
     system, places = assembly.system(), Places(assembly.drive)
     bench, outside, seed = _build_bench(assembly, system, places)
+    waveform, duration = assembly.list_waveforms(system), _find_duration(run, assembly.end)
+    _require_countable_edges(waveform, duration)
     return Scenario(
         system=system,
-        waveform=assembly.list_waveforms(system),
-        duration=_find_duration(run, assembly.end),
+        waveform=waveform,
+        duration=duration,
         tolerance=run.tolerance,
         samples=int(run.samples),
         step=run.step if math.isfinite(run.step) else None,
@@ -272,6 +280,14 @@ def _build_scenario(document: dict[str, Any], text: str, path: Path | None, log:
         seed=seed,
         places=places,
     )
+
+
+def _require_countable_edges(waveform: Waveforms, duration: float) -> None:
+    """Refuse more edges than can be stepped before any are listed."""
+    for one in [waveform] if isinstance(waveform, AbstractWaveform) else waveform.values():
+        for part in one.tree():
+            if isinstance(part, AbstractWaveform):
+                require_countable(part.registered_name, part.count_edges(duration), duration)
 
 
 def _build_bench(

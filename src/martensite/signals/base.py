@@ -62,6 +62,10 @@ class AbstractWaveform(AbstractDrive):
         """Times in (0, duration) at which the signal jumps or bends, ascending [s]."""
         return []
 
+    def count_edges(self, duration: float) -> float:
+        """About how many edges a run of `duration` [s] holds, where they come without end; else 0."""
+        return 0.0
+
     def segments(self, begin: float) -> Iterator[Segment]:
         """What it is besides its tones, from the segment that holds at `begin` [s] on, ascending.
 

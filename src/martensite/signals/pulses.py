@@ -33,10 +33,14 @@ class AbstractPulses(AbstractWaveform):
 
     def edges(self, duration: float) -> list[float]:
         """Start and end of every pulse in (0, duration) [s]."""
-        count = 2.0 * self.frequency * duration
+        count = self.count_edges(duration)
         require_countable(self.registered_name, count, duration)
         periods = range(int(0.5 * count) + 2)
         return select_inside((t for k in periods for t in (self._start(k), self._end(k))), duration)
+
+    def count_edges(self, duration: float) -> float:
+        """Two in every period."""
+        return 2.0 * self.frequency * duration
 
     def segments(self, begin: float) -> Iterator[Segment]:
         """A pulse and a gap by turns, as far as they have a length."""

@@ -37,3 +37,7 @@ class PulseWidthModulation(AbstractPulses):
     def edges(self, duration: float) -> list[float]:
         """All jumps in (0, duration) [s]: k/f and (k + duty)/f."""
         return [] if self.duty in (0.0, 1.0) else super().edges(duration)
+
+    def count_edges(self, duration: float) -> float:
+        """Two in every period, unless it is always on or off."""
+        return 0.0 if self.duty in (0.0, 1.0) else super().count_edges(duration)

@@ -35,9 +35,13 @@ class Triangle(AbstractWaveform):
 
     def edges(self, duration: float) -> list[float]:
         """All bends in (0, duration) [s]: k/(2 f)."""
-        count = 2.0 * self.frequency * duration
+        count = self.count_edges(duration)
         require_countable("triangle", count, duration)
         return select_inside((self._bend(k) for k in range(1, int(count) + 2)), duration)
+
+    def count_edges(self, duration: float) -> float:
+        """Two in every period."""
+        return 2.0 * self.frequency * duration
 
     def segments(self, begin: float) -> Iterator[Segment]:
         """Up and down by turns."""

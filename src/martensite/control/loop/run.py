@@ -40,6 +40,9 @@ from martensite.simulate.controlled_run import simulate_controlled
 if TYPE_CHECKING:
     from martensite.simulate.result import Result
 
+ROUNDING = 1e-6
+"""Share of a duration by which a run may end at another time."""
+
 
 def simulate_bench(
     bench: Bench,
@@ -55,7 +58,8 @@ def simulate_bench(
 
     Args:
         bench: plant, sensors, observers, controllers, supervisor and faults.
-        duration: length of the run [s], at least a period.
+        duration: length of the run [s], at least a period; a warning says if the run ends at another
+            time, for it is no whole number of periods.
         outside: drives by name of what they drive that run outside of the kernel, such as a
             predictive controller; they are called once per period.
         waveforms: those of drives of the plant that nobody has; what is not named gets 0.
@@ -74,10 +78,29 @@ def simulate_bench(
         periods = round(duration / bench.period)
         length = periods * bench.period
         found = simulate_controlled(bench, played | seeing, length, bench.period, watch=watch)
-        return _with_loops(found, bench, outside)
+        return warn_of_end(_with_loops(found, bench, outside), duration, bench.period)
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
-    return simulate(bench, played, duration, samples=max(samples, 2), runtime=chosen)
+    found = simulate(bench, played, duration, samples=max(samples, 2), runtime=chosen)
+    return warn_of_end(found, duration, bench.period)
+
+
+def warn_of_end(result: Result, duration: float, period: float) -> Result:
+    """The result, with a warning if it ends at another time than was asked for.
+
+    Args:
+        result: a run in periods.
+        duration: what was asked for [s].
+        period: time between two samples [s].
+    """
+    end = result.times[-1]
+    if result.status.failed or abs(end - duration) <= ROUNDING * duration:
+        return result
+    said = (
+        f"Warning: The run ends at {end:.6g} s instead of {duration:.6g} s: it goes in periods of {period:.6g} s. "
+        "Try a duration that is a multiple of it."
+    )
+    return replace(result, warnings=[*result.warnings, said])
 
 
 def _with_loops(result: Result, bench: Bench, outside: Mapping[str, AbstractDrive]) -> Result:

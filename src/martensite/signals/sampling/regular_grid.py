@@ -143,29 +143,11 @@ def split_at_gaps(
     if not long:
         return (from_record(record, inputs, outputs, interval, units),)
     missing = float(np.diff(times[rows])[gaps].sum())
-    said = (
-        f"Inputs are missing for {missing:.4g} s in {int(gaps.sum())} gap{'s' * (gaps.sum() > 1)}; the record is split there into "
-        f"{len(long)} of their own"
-    )
+    count = f"{int(gaps.sum())} gaps" if gaps.sum() > 1 else "a gap"
+    said = f"Inputs are missing for {missing:.4g} s in {count}; the record is split there into {len(long)} of their own"
     short = len(parts) - len(long)
     said += f", {short} shorter than {FEWEST} rows left out." if short else "."
     return (replace(long[0], remarks=(said, *long[0].remarks)), *long[1:])
-
-
-def to_record(sampled: Sampled) -> Record:
-    """A record at equal intervals as a table in SI."""
-    columns, names = {"time": [float(t) for t in sampled.times]}, {"time": "s"}
-    signals = [
-        *zip(sampled.input_names, sampled.inputs.T, strict=True),
-        *zip(sampled.output_names, sampled.outputs.T, strict=True),
-    ]
-    for name, column in signals:
-        spelling = sampled.units.get(name, "1")
-        unit = unit_table.EVERYDAY.get(spelling, (spelling, 1.0, 0.0))[0]
-        factor, offset = unit_table.find_conversion(spelling, unit)
-        columns[name] = [float(value) for value in column * factor + offset]
-        names[name] = unit
-    return Record(sampled.name, columns, names)
 
 
 def _select_rows(record: Record, part: Numbers, number: int, count: int) -> Record:
