@@ -182,3 +182,35 @@ def test_a_file_of_the_greatest_size_is_kept(tmp_path: Path, monkeypatch: pytest
     with pytest.raises(Refusal):
         asyncio.run(UploadFolder(tmp_path).take("a.csv", streamed([b"x" * 60, b"x" * 41])))
     assert [found.name for found in tmp_path.iterdir()] == [key]
+
+
+def test_all_files_together_have_a_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(uploads, "MOST_IN_ALL", 100)
+    drawer = UploadFolder(tmp_path)
+    asyncio.run(drawer.take("a.csv", streamed([b"x" * 60])))
+    with pytest.raises(Refusal, match="All files uploaded since the bench began") as caught:
+        asyncio.run(drawer.take("b.csv", streamed([b"x" * 30, b"x" * 30])))
+    assert caught.value.status == 413
+    assert len(list(tmp_path.iterdir())) == 1
+    asyncio.run(drawer.take("c.csv", streamed([b"x" * 40])))  # what was refused does not count
+    assert drawer.taken == 100
+
+
+def test_files_under_way_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two halves of the limit and a byte, side by side: one of them is refused."""
+    monkeypatch.setattr(uploads, "MOST_IN_ALL", 100)
+    drawer = UploadFolder(tmp_path)
+
+    async def slowly() -> AsyncIterator[bytes]:
+        for _ in range(3):
+            yield b"x" * 17
+            await asyncio.sleep(0.0)
+
+    async def both() -> list[object]:
+        return await asyncio.gather(
+            drawer.take("a.csv", slowly()), drawer.take("b.csv", slowly()), return_exceptions=True
+        )
+
+    found = asyncio.run(both())
+    assert sum(isinstance(one, Refusal) for one in found) == 1
+    assert drawer.taken == 51

@@ -1,13 +1,17 @@
-"""Who may speak to the server: this machine's browser, from the server's own page, with its token.
+"""Who may speak to the server, and how long it waits for a request.
+
+It speaks with this machine's browser, from the server's own page, with its token.
 
 Loopback is reachable by every page that the browser shows. So a request is refused unless it is
 meant for this server (header Host: no rebinding of names), comes from its own page or from no page
 (Origin, Sec-Fetch-Site), and holds the token of this run: in a cookie, which the address with
-`?token=` sets, or as `Authorization: Bearer`.
+`?token=` sets, or as `Authorization: Bearer`. Who connects and does not ask within `REQUEST_WAIT` is
+sent away: whoever can connect could otherwise hold sockets for ever, without any token.
 """
 
 from __future__ import annotations
 
+import asyncio
 import hmac
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,6 +22,7 @@ from urllib.parse import parse_qs
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from martensite.app.messages import Refusal, Written, write_message
 
@@ -34,10 +39,46 @@ HEADERS: Mapping[str, str] = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-cache",
 }
+REQUEST_WAIT = 10.0
+"""From a connection, or the first byte of a further request, to the end of its headers [s]."""
 NAMES = ("127.0.0.1", "localhost")
 TOKEN_ONCE = ("host", "origin", "authorization", "cookie", "sec-fetch-site", "sec-fetch-mode")
 """Headers of which there is one at most, lest this reads one and others another."""
 STRANGER = "This page needs the token of the running bench: open the address that `martensite app` printed."
+
+
+class TimedProtocol(H11Protocol):
+    """HTTP that closes connections on which no whole head of a request comes in time."""
+
+    _waiting: asyncio.TimerHandle | None = None
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Begin to wait for the first request."""
+        super().connection_made(transport)
+        self._await_request()
+
+    def data_received(self, data: bytes) -> None:
+        """Wait no longer once a request is there; bytes that are none do not prolong it."""
+        super().data_received(data)
+        self._await_request()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Nothing is waited for any more."""
+        super().connection_lost(exc)
+        self._stop_waiting()
+
+    def _await_request(self) -> None:
+        answering = self.cycle is not None and not self.cycle.response_complete
+        left = self.transport.is_closing() or self.transport.get_protocol() is not self  # as for a web socket
+        if answering or left:
+            self._stop_waiting()
+        elif self._waiting is None:
+            self._waiting = self.loop.call_later(REQUEST_WAIT, self.transport.abort)
+
+    def _stop_waiting(self) -> None:
+        if self._waiting is not None:
+            self._waiting.cancel()
+            self._waiting = None
 
 
 @dataclass(frozen=True)

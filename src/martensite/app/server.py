@@ -67,6 +67,7 @@ def serve_bench(port: int = 0, folder: Path | None = None, ready: Callable[[Serv
     try:
         import uvicorn
 
+        from martensite.app.request_guard import TimedProtocol
         from martensite.app.site import STATIC, build_site
     except ModuleNotFoundError as error:
         raise InputError(
@@ -84,6 +85,7 @@ def serve_bench(port: int = 0, folder: Path | None = None, ready: Callable[[Serv
             build_site(folder.resolve(), at.token, at.port),
             log_level="warning",
             access_log=False,
+            http=TimedProtocol,
             ws="websockets-sansio",
             ws_max_size=2**16,
             timeout_graceful_shutdown=2,

@@ -18,6 +18,9 @@ from martensite.app.messages import Refusal
 from martensite.base.errors import DataError
 
 MOST_BYTES = 64 * 2**20
+"""Of one file."""
+MOST_IN_ALL = 2**30
+"""Bytes of all files that a server takes until it ends."""
 LONGEST_NAME = 160
 """In bytes; files of some systems have at most 255."""
 _KEY = re.compile(r"[0-9a-f]{16}")
@@ -50,11 +53,13 @@ def _shorten_text(text: str, most: int = LONGEST_NAME) -> str:
     return text.encode()[:most].decode("utf-8", "ignore").rstrip(" .")
 
 
-@dataclass(frozen=True)
+@dataclass
 class UploadFolder:
     """Files by key."""
 
     folder: Path
+    taken: int = 0
+    """Bytes that were uploaded through it, those under way included."""
 
     def path(self, key: str) -> Path:
         """The file of a key.
@@ -86,18 +91,32 @@ class UploadFolder:
         """Put what is uploaded into the folder; its key and path.
 
         Raises:
-            Refusal: it is larger than `MOST_BYTES`, or the disk is full; nothing is kept.
+            Refusal: it is larger than `MOST_BYTES`, all are larger than `MOST_IN_ALL`, or the disk
+                is full; nothing is kept.
         """
         key, path = self.place(name)
-        with self._whole_or_nothing(path), path.open("xb") as file:
-            size = 0
-            async for chunk in chunks:
-                size += len(chunk)
-                if size > MOST_BYTES:
-                    most = MOST_BYTES // 2**20
-                    raise Refusal(f"The file has more than {most} MiB; thin it out first.", 413)
-                file.write(chunk)
+        size = 0
+        try:
+            with self._whole_or_nothing(path), path.open("xb") as file:
+                async for chunk in chunks:
+                    size += len(chunk)
+                    self.taken += len(chunk)
+                    self._check_size(size)
+                    file.write(chunk)
+        except BaseException:
+            self.taken -= size
+            raise
         return key, path
+
+    def _check_size(self, size: int) -> None:
+        if size > MOST_BYTES:
+            raise Refusal(f"The file has more than {MOST_BYTES // 2**20} MiB; thin it out first.", 413)
+        if self.taken > MOST_IN_ALL:
+            raise Refusal(
+                f"All files uploaded since the bench began have more than {MOST_IN_ALL // 2**20:,} MiB together; "
+                "thin this one out, or start the bench anew.",
+                413,
+            )
 
     @staticmethod
     @contextmanager

@@ -95,7 +95,9 @@ def check_ending(path: Path | None, endings: tuple[str, ...]) -> None:
 
 
 def check_folder(path: Path) -> None:
-    """Raise `DataError` if there is no folder for a file, or none to write to."""
+    """Raise `DataError` if there is no folder for a file, or none to write to, or a folder in its place."""
+    if path.is_dir():
+        raise DataError(f"`{path}` is a folder; name a file to write.")
     if not path.parent.is_dir():
         raise DataError(f"There is no folder `{path.parent}` to write `{path.name}` into.")
     if not os.access(path.parent, os.W_OK):

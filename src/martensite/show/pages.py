@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
     from martensite.search.profile import Profile
 
+_NAME = re.compile(r"(`[^`]+`)")
+_MARKUP = re.compile(r"<(?=[A-Za-z/!?])|`|(?<=\])\(")
+"""What would begin a tag, a name in backquotes, or the address of a link."""
 HTML, MARKDOWN = (".html", ".htm"), (".md", ".markdown")
 
 
@@ -128,29 +132,40 @@ def _write_figures(summary: Summary, path: Path) -> None:
 def render_markdown(summary: Summary, by: str, folder: str) -> str:
     """The whole text; figures are looked for in `folder`, relative to it."""
     body = "\n\n".join(_render_block(block, folder) for block in summary.blocks)
-    return f"# {summary.title}\n\n{summary.lead}\n\n{body}\n\n---\n\n{by}\n"
+    return f"# {_escape_text(summary.title)}\n\n{_escape_text(summary.lead)}\n\n{body}\n\n---\n\n{by}\n"
 
 
 def _render_block(block: Block, folder: str) -> str:
     match block:
         case Heading(title):
-            return f"## {title}"
+            return f"## {_escape_text(title)}"
         case Sentence(text):
-            return text
+            return _escape_text(text)
         case BulletList(items):
             return "\n".join(_render_items(items))
         case Notice(title, items):
-            lines = [f"**{title}**", "", *_render_items(items)]
+            lines = [f"**{_escape_text(title)}**", "", *_render_items(items)]
             return "\n".join(f"> {line}".rstrip() for line in lines)
         case DataTable():
-            return (f"### {block.folded}\n\n" if block.folded else "") + _render_table(block)
+            return (f"### {_escape_text(block.folded)}\n\n" if block.folded else "") + _render_table(block)
         case Picture(name, _, caption):
             place = f"{quote(folder)}/{name}.png"
-            return f"![{caption.replace('`', '')}]({place})\n\n*{caption}*"
+            alternative = _escape_text(caption.replace("`", ""))
+            return f"![{alternative}]({place})\n\n*{_escape_text(caption)}*"
+
+
+def _escape_text(text: str) -> str:
+    """A line that brings no mark-up but names in backquotes, wherever its words come from.
+
+    Entities are the same to every reader of Markdown, which backslashes are not.
+    """
+    parts = _NAME.split(" ".join(text.splitlines()))
+    parts[::2] = [_MARKUP.sub(lambda found: f"&#{ord(found[0])};", part) for part in parts[::2]]
+    return "".join(parts)
 
 
 def _render_items(items: Sequence[str]) -> list[str]:
-    return [f"- {item}" for item in items]
+    return [f"- {_escape_text(item)}" for item in items]
 
 
 def _render_table(table: DataTable) -> str:
@@ -159,8 +174,8 @@ def _render_table(table: DataTable) -> str:
     for k, (first, *others) in enumerate(table.rows):
         tag = f" **({table.tags[k]})**" if table.tags.get(k) else ""
         rows.append(_render_row([first + tag, *others]))
-    return "\n".join(rows) + (f"\n\n{table.note}" if table.note else "")
+    return "\n".join(rows) + (f"\n\n{_escape_text(table.note)}" if table.note else "")
 
 
 def _render_row(cells: Sequence[str]) -> str:
-    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+    return "| " + " | ".join(_escape_text(cell).replace("|", "\\|") for cell in cells) + " |"

@@ -48,15 +48,13 @@ def describe_study(study: AbstractStudy) -> JsonTable:
 
 def list_missing_data(study: AbstractStudy) -> list[dict[str, str]]:
     """Data sets of a study that are not on this machine, wholly or in part."""
-    absent = [name for name in study.data if not _is_complete(name)]
+    absent = [
+        name for name in study.data if not all(is_here(f"{name}/{file}") for file in describe_dataset(name).files)
+    ]
     return [
         {"name": name, "title": describe_dataset(name).title, "fetch": f"martensite data fetch {name}"}
         for name in absent
     ]
-
-
-def _is_complete(name: str) -> bool:
-    return all(is_here(f"{name}/{file}") for file in describe_dataset(name).files)
 
 
 def count_verdicts(claims: list[JsonTable]) -> dict[str, int]:

@@ -102,7 +102,7 @@ def _put_kind(
     elsewhere = {"controller": (PERIOD, REFERENCE, MODEL), "observer": (MODEL,)}
     filler = TableFiller(
         _place_units(spot.walk.unit, spot.path, place),
-        _find_material(scenario, place),
+        (scenario.material if "element" in place.split(".")[:3] else None),
         elsewhere.get(registry.kind, ()),
         fresh,
     )
@@ -124,10 +124,6 @@ def _place_units(unit: Unit, at: str, place: str) -> Unit:
         return unit(Leaf(f"{at}.{rest}" if at else rest, leaf.declared, None))
 
     return known
-
-
-def _find_material(scenario: Scenario, place: str) -> Material | None:
-    return scenario.material if "element" in place.split(".")[:3] else None
 
 
 def _keep_entries(

@@ -137,7 +137,7 @@ def check_request(scenario: Scenario, request: Request) -> tuple[SweepPlan | Non
         return None, found
     found.attempt("runtime", lambda: build_course(scenario, None, known.runtime))
     _check_measures(scenario, known, found)
-    chosen = found.attempt("seed" if known.seed < 0 else "sample", lambda: _build_design(known))
+    chosen = found.attempt("seed" if known.seed < 0 else "sample", lambda: parse_sampling(known.sample, known.seed))
     _check_axes(scenario, known, chosen, found)
     if found:
         return None, found
@@ -148,10 +148,6 @@ def check_request(scenario: Scenario, request: Request) -> tuple[SweepPlan | Non
     if plan is not None and not found:
         found.attempt("", lambda: plan.lost(range(1)))
     return (None if found else plan), found
-
-
-def _build_design(known: SweepRequest) -> AbstractDesign:
-    return parse_sampling(known.sample, known.seed)
 
 
 def _check_measures(scenario: Scenario, known: SweepRequest, found: FieldFaults) -> None:

@@ -51,8 +51,7 @@ def plot_energy(found: CycleEnergies, title: str = "") -> Figure:
 def _draw_bars(axes: Any, pairs: Any, factor: float) -> None:
     for shift, (word, values, tint) in zip((-0.5, 0.5), pairs, strict=True):
         places = np.arange(1, len(values) + 1) + shift * BAR
-        look = {"color": tint, "edgecolor": INK, "linewidth": 0.4}
-        axes.bar(places, factor * values, BAR, label=word, **look)
+        axes.bar(places, factor * values, BAR, label=word, color=tint, edgecolor=INK, linewidth=0.4)
     axes.grid(visible=False, axis="x")
     axes.set_xlim(0.4, len(pairs[0][1]) + 0.6)
     axes.legend(loc="upper right", ncols=2)

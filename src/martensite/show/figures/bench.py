@@ -223,8 +223,7 @@ def _show_estimate(result: Result, name: str) -> BenchPanel:
             how = describe_axis(result, name)
             factor, _ = units.find_conversion(how.shown, how.unit)
             wide = SURE * np.asarray(result[f"{name}_std"]) / factor
-            look = {"color": READ["color"], "alpha": 0.2, "linewidth": 0.0}
-            axes.fill_between(result.times, found - wide, found + wide, **look)
+            axes.fill_between(result.times, found - wide, found + wide, color=READ["color"], alpha=0.2, linewidth=0.0)
         axes.plot(result.times, true, color=choose_colours(1)[0], label="true")
         axes.plot(result.times, found, label="estimated", **READ)
         axes.set(ylabel=describe_axis(result, truth).label, ylim=choose_limits(truth, true, found))

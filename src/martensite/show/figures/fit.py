@@ -157,16 +157,12 @@ def _write_name(axes: Any, one: ComparedOutput) -> None:
     errors = [
         f"{format_error(one.output, one.rms(part), one.description.unit)}{word}"
         for part, word in ((TRAINING, ""), (HELD_OUT, " held out"))
-        if _has_rows(one, part)
+        if (one.used if part == TRAINING else one.held).any()
     ]
     words = f"rms {', '.join(errors)}".replace("ohm", "Ω")
     tint = HELD if one.held.any() and not one.used.any() else QUIET
     place = {"xycoords": "axes fraction", "textcoords": "offset points"}
     axes.annotate(words, (0.0, 1.0), (0.0, 3.5), fontsize=8.0, color=tint, **place)
-
-
-def _has_rows(one: ComparedOutput, part: str) -> bool:
-    return bool((one.used if part == TRAINING else one.held).any())
 
 
 def _share_scales(panels: Sequence[Any], rows: Sequence[ComparedOutput]) -> None:
@@ -216,7 +212,7 @@ def _find_reach(rows: list[ComparedOutput]) -> dict[str, float]:
 
 def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) -> None:
     shown = make_output_axis(one.output, one.description)
-    factor = _find_factor(shown)
+    factor = 0.01 if shown.shown == "%" else choose_difference_unit(shown.unit)[1]
     axes.axhline(0.0, color=QUIET, linewidth=0.7, zorder=1.2)
     for part, colour in ((one.used, SIMULATED), (one.held, HELD)):
         if part.any():
@@ -228,11 +224,6 @@ def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) ->
     axes.set(ylabel=f"{one.output} [{shown.difference_unit or '–'}]", xlabel=TIME.label if last else "")
     held = " (held out)" if one.held.any() and not one.used.any() else ""
     write_title(axes, shorten_name(one.record) + held, fontweight="bold", color=HELD if held else INK)
-
-
-def _find_factor(shown: QuantityAxis) -> float:
-    """SI per unit of a difference."""
-    return 0.01 if shown.shown == "%" else choose_difference_unit(shown.unit)[1]
 
 
 def _draw_memory(axes: Any, test: Whiteness | None, last: bool) -> None:

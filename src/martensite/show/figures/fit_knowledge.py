@@ -121,8 +121,7 @@ def _draw_cells(axes: Any, matrix: Any, numbered: bool) -> None:
             elif numbered and row != column:
                 words = f"{value:.2f}".replace("0.", ".").replace("-.00", ".00")
                 tint = "white" if abs(value) > 0.7 else INK
-                middle = {"ha": "center", "va": "center", "fontsize": 7.0}
-                axes.text(column, row, words, color=tint, **middle)
+                axes.text(column, row, words, color=tint, ha="center", va="center", fontsize=7.0)
             own: dict[str, Any] = {"facecolor": FAINT} if row == column else {"fill": False}
             axes.add_patch(Rectangle(corner, 1.0, 1.0, edgecolor="white", linewidth=1.0, **own))
 
@@ -154,8 +153,7 @@ def _draw_values(axes: Any, fit: Fit) -> None:
     axes.annotate(words, (1.0, 1.0), (-2, -3), **place, **look)
     axes.vlines(places, bottom, heights, color=FAINT, linewidth=1.2, zorder=1.5)
     for some, fill in ((heights > 2.0 * bottom, SIMULATED), (heights <= 2.0 * bottom, "white")):
-        dots = {"color": SIMULATED, "markerfacecolor": fill, "markersize": 5.0, "zorder": 2.2}
-        axes.plot(places[some], heights[some], "o", **dots)
+        axes.plot(places[some], heights[some], "o", color=SIMULATED, markerfacecolor=fill, markersize=5.0, zorder=2.2)
     _set_decades(axes, np.asarray([bottom, 1.0, *heights]))
     axes.set(ylim=(bottom, 2.5 * max([*seen, 1.0])), xlim=(0.4, len(found) + 0.6))
     axes.set_xticks(places if len(found) <= 16 else places[:: len(found) // 8])

@@ -124,8 +124,7 @@ def draw_loop(axes: Any, result: Result, x: str, y: str, records: Sequence[Measu
     for sense, label, colour, width in SENSES:
         own = [(a, b) for s, a, b in stretches if s == sense]
         if own:
-            line = {"color": colour, "linewidth": width, "zorder": 2.2}
-            axes.plot(*_join_points(points, own), label=label, **line)
+            axes.plot(*_join_points(points, own), label=label, color=colour, linewidth=width, zorder=2.2)
             _mark_longest(axes, points, own, colour)
     draw_start(axes, *points, label="start")
     axes.set(xlabel=describe_axis(result, x).label, ylabel=describe_axis(result, y).label)

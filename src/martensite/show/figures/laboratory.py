@@ -205,8 +205,7 @@ def _draw_fits(axes: Any, report: FilmReport, forms: Sequence[str]) -> None:
         if form in banded and fit.linear.freedom:
             half = np.asarray([fit.half_width(t, report.level) for t in at])
             axes.fill_between(at, line - half, line + half, color=colour, alpha=0.13, linewidth=0.0)
-    dots = {"color": INK, "markersize": 5.0, "zorder": 4, "label": "points"}
-    axes.plot(points.temperatures_degC, points.h, "o", **dots)
+    axes.plot(points.temperatures_degC, points.h, "o", color=INK, markersize=5.0, zorder=4, label="points")
     axes.set(ylim=(0.0, 1.35 * top), title=f"fits; bands: {100 * report.level:g} % for the mean")
     _name_form(axes)
 

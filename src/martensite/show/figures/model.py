@@ -217,7 +217,8 @@ def _draw_cross_correlation(axes: Any, one: Crossed) -> None:
 def write_signal_label(name: str, units: Mapping[str, str]) -> str:
     """Name and unit of a signal, such as position [mm]."""
     unit = units.get(name, "")
-    return f"{name.replace('_', ' ')} [{typeset_unit(unit, '–')}]"
+    plain = name.replace("_", " ").replace("$", r"\$")  # a name of a column is no mathematics
+    return f"{plain} [{typeset_unit(unit, '–')}]"
 
 
 def thin_line(values: Any, most: int = MOST_CORNERS) -> Any:
@@ -264,4 +265,5 @@ def _draw_free_run(panel: Any, found: Identified, record: Sampled) -> None:
     times, unit = own.times[kept], own.units.get(names[-1], "1")
     panel.plot(times, own.outputs[kept, -1], color=MEASURED[0], label="measured")
     panel.plot(times, computed[kept, -1], color=SIMULATED, linewidth=1.0, label="free run")
-    panel.set(title=f"{record.name}: fit {fit:.1f} %", ylabel=f"{names[-1]} [{typeset_unit(unit, '–')}]")
+    write_title(panel, f"{record.name}: fit {fit:.1f} %")
+    panel.set_ylabel(f"{names[-1]} [{typeset_unit(unit, '–')}]".replace("$", r"\$"))

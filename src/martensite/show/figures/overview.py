@@ -216,8 +216,7 @@ def plot_profile(result: Result, title: str | None = None) -> Figure:
         )
     with use_style():
         headline = title or f"Profile of a simulated {elements[0].registered_name}"
-        shared = {"sharex": True, "sharey": True}
-        figure, (panels,) = make_panels(10.0, 3.6, 1, len(PROFILES), headline, **shared)
+        figure, (panels,) = make_panels(10.0, 3.6, 1, len(PROFILES), headline, sharex=True, sharey=True)
         for panel, name in zip(panels, PROFILES, strict=True):
             _draw_map(figure, panel, result, name)
         panels[0].set_ylabel(f"{typeset_symbol('y')} [mm]")

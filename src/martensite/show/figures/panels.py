@@ -209,8 +209,7 @@ def make_panels(
 def write_suptitle(figure: Any, title: str) -> None:
     """The title of a figure whose panels find their places themselves."""
     if title:
-        look = {"ha": "left", "fontsize": 12.0, "fontweight": "bold"}
-        figure.suptitle(title, x=0.01, **look).set_parse_math(False)
+        figure.suptitle(title, x=0.01, ha="left", fontsize=12.0, fontweight="bold").set_parse_math(False)
 
 
 def draw_autocorrelation(axes: Any, test: Whiteness) -> None:

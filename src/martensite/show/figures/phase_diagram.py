@@ -214,7 +214,6 @@ def _name_lines(axes: Any, found: Sequence[Band]) -> None:
             taken.append(place)
             if left <= place[0] <= right and place[1] < top:
                 name = typeset_symbol(line.name.replace("sigma", "σ"))
-                look = {"color": band.colour, "fontsize": 8.5, "va": "bottom", "zorder": 2.0}
-                axes.text(*place, name, **look)
+                axes.text(*place, name, color=band.colour, fontsize=8.5, va="bottom", zorder=2.0)
     if not found:
         axes.text(0.5, 0.95, "no band in view", color=QUIET, transform=axes.transAxes, ha="center")

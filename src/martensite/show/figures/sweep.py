@@ -204,8 +204,7 @@ def draw_matrix(figure: Figure, found: SweepTable, one: SweepColumn) -> None:
         x = columns[shown[j]]
         y = one if below else columns[shown[i + 1]]
         across, up = x.readable(), y.readable()
-        look = {"s": 4.0, "lw": 0.0, "cmap": MAP, "rasterized": True}
-        drawn = panel.scatter(across[rows], up[rows], c=colours[rows], **look)
+        drawn = panel.scatter(across[rows], up[rows], c=colours[rows], s=4.0, lw=0.0, cmap=MAP, rasterized=True)
         if not below:
             panel.plot(across[failed], up[failed], "x", color=HEATING, ms=3.5)
         set_scales(panel, x, y)

@@ -81,8 +81,7 @@ def _draw_pair(axes: Axes, found: SweepTable, front: ParetoFront, pair: tuple[in
     usable = np.flatnonzero(found.good & np.isfinite(x) & np.isfinite(y))
     if len(usable) > MOST_POINTS:
         usable = np.random.default_rng(0).choice(usable, MOST_POINTS, replace=False)
-    faint = {"color": QUIET, "alpha": 0.45, "ms": 3.0, "mew": 0.0, "rasterized": True}
-    axes.plot(x[usable], y[usable], ".", label="runs", **faint)
+    axes.plot(x[usable], y[usable], ".", label="runs", color=QUIET, alpha=0.45, ms=3.0, mew=0.0, rasterized=True)
     line = {"color": HEATING, "lw": 0.8, "marker": "o", "ms": 3.5}
     line["ls"] = "-" if len(front.goals) == 2 else "none"
     axes.plot(x[front.runs], y[front.runs], label=f"front ({len(front.runs):,})", **line)
