@@ -142,24 +142,32 @@ def _refuse_nothing(record: Record, system: AbstractSystem, driven: set[str]) ->
     )
 
 
-def read_noise(noise: Mapping[str, str | float], systems: Sequence[AbstractSystem]) -> dict[str, float]:
-    """Standard deviations of measured outputs in SI; numbers are in SI already.
+def read_noise(
+    noise: Mapping[str, str | float], systems: Sequence[AbstractSystem], followed: Mapping[str, str]
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Standard deviations in SI of measured outputs, and of columns that drive; numbers are in SI already.
+
+    Args:
+        noise: name -> amount.
+        systems: the first has the outputs.
+        followed: column that drives -> its SI unit.
 
     Raises:
-        InputError: an output is unknown, or an amount is not above 0.
+        InputError: a name is unknown, or an amount is not above 0.
     """
-    known = systems[0].outputs()
+    outputs = {name: one.unit for name, one in systems[0].outputs().items()}
     found: dict[str, float] = {}
     for name, given in noise.items():
-        require_known("output", name, known)
+        require_known("output", name, outputs | dict(followed))
+        unit = followed.get(name) or outputs[name]
         try:
             amount = float(given)
         except ValueError:
-            amount = _read_noise(str(given), name, known[name].unit)
+            amount = _read_noise(str(given), name, unit)
         if not amount > 0.0:
             raise ParameterError(f"The noise of `{name}` must be above 0, but is {given}.")
         found[name] = amount
-    return found
+    return {n: x for n, x in found.items() if n not in followed}, {n: x for n, x in found.items() if n in followed}
 
 
 def _read_noise(text: str, name: str, unit: str) -> float:

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -19,8 +19,10 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import DataError, require_known
 from martensite.search.batch_runner import BatchRunner
 from martensite.signals.records import Record
-from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
+from martensite.signals.table import Table
+from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, by_name
 from martensite.simulate.grid import TimeGrid, grid_at
+from martensite.simulate.lane_grid import LaneGrid, lane_grid
 
 LEAST_ROWS = 8
 """Rows without which nothing can be fitted."""
@@ -47,6 +49,8 @@ class Experiment:
     lead: float = 0.0
     """Time that the run takes before time 0 of the record [s]: what brings the element into the
     state in which the record begins."""
+    follows: Mapping[str, str] = field(default_factory=dict[str, str])
+    """Drive -> column of the record that its waveform follows."""
 
     def __post_init__(self) -> None:
         check_experiment(self)
@@ -86,6 +90,41 @@ class Experiment:
     def held_out(self) -> bool:
         """Whether the whole record is kept back."""
         return bool(self.kept_back.all())
+
+    def followed(self, drive: str) -> Table:
+        """The waveform of a drive that follows a column."""
+        return cast("Table", by_name(self.system, self.waveform)[drive])
+
+    def with_inputs(self, inputs: Mapping[str, Any]) -> Experiment:
+        """The experiment with other rows in columns that it follows, by drive."""
+        changed = {
+            name: Table(times=self.followed(name).times, values=tuple(map(float, row))) for name, row in inputs.items()
+        }
+        return replace(self, waveform={**by_name(self.system, self.waveform), **changed})
+
+    def driven_grid(self, variants: Sequence[Mapping[str, Any]], step: float | None = None) -> LaneGrid:
+        """Grids of variants of columns that it follows, each a lane, and for prescribed states on equal steps."""
+        drives = list(self.system.drives())
+        late, names = [drive.at_end for drive in drives], [drive.name for drive in drives]
+        if not all(late[names.index(name)] for name in variants[0]):
+            return lane_grid([self.with_inputs(inputs).grid(step) for inputs in variants])
+        grid = self._grids.get(step) or self._grids.setdefault(step, self.grid(step))
+        first, rest, counts, moments, lengths = grid.arrays
+        sampled = np.repeat(np.concatenate([first, rest])[:, :, None], len(variants), axis=2)
+        moments = np.repeat(moments.reshape(len(lengths), -1)[:, :, None], len(variants), axis=2)
+        wide = 1 if all(late) else (moments.shape[1] - sum(late)) // (len(late) - sum(late))
+        for name in variants[0]:
+            place, times = names.index(name), np.asarray(self.followed(name).times)
+            column = sum(1 if end else wide for end in late[:place])
+            for lane, inputs in enumerate(variants):
+                sampled[:, place, lane] = np.interp(grid.times, times, inputs[name])
+                moments[:, column, lane] = np.interp(np.cumsum(lengths), times, inputs[name])
+        return LaneGrid(grid.times, sampled, counts, moments, np.repeat(lengths[:, None], len(variants), axis=1))
+
+    @cached_property
+    def _grids(self) -> dict[float | None, TimeGrid]:
+        """Grids by longest step."""
+        return {}
 
     def grid(self, step: float | None = None) -> TimeGrid:
         """The time grid, with samples at 0 and at the rows that are compared."""

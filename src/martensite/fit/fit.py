@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -12,15 +12,21 @@ import numpy as np
 
 from martensite.actuators.mechanisms.base import Output
 from martensite.fit.experiment import Experiment
+from martensite.fit.free_parameters import is_nuisance
+from martensite.fit.input_noise import FollowedNoise
 from martensite.fit.losses import estimate_scale, find_loss
 from martensite.fit.problem import Evaluation, Problem
 from martensite.scenario.scenario import Scenario
+from martensite.search.free_numbers import FreeNumber
 from martensite.search.identifiability import Identifiability, assess_identifiability
 from martensite.search.model_score import Score, score_model
+from martensite.search.quantity_text import format_change, format_quantity
 from martensite.search.uncertainty import Uncertainty, estimate_uncertainty
 from martensite.search.whiteness import FEWEST, Whiteness, assess_whiteness
 
 TRAINING, HELD_OUT = "training", "held-out"
+BOUND_DISTANCE = 1e-4
+"""Share of a range from a bound that counts as being there."""
 COVERED = ("temperature", "stress")
 """What limits where fitted numbers hold."""
 
@@ -41,6 +47,8 @@ class ComparedOutput:
     """(rows,), with the offset of the record."""
     used: Any
     """(rows,): True for what the fit saw."""
+    raw: Any = None
+    """(rows,) of a record kept back, without what was fitted to it alone; None where nothing was."""
 
     @property
     def record(self) -> str:
@@ -81,6 +89,11 @@ class ComparedOutput:
                     unit=self.description.unit,
                 )
 
+    @property
+    def raw_rms(self) -> float:
+        """Root-mean-square error without what was fitted to the record alone; NaN where nothing was."""
+        return math.nan if self.raw is None else float(np.sqrt(np.nanmean((self.raw - self.measured) ** 2)))
+
     def rms(self, part: str) -> float:
         """Root-mean-square error of `training` or `held-out` rows; NaN if there are none."""
         return compute_rms([self], part)
@@ -104,13 +117,15 @@ def _iterate_compared(fit: Fit) -> Iterator[ComparedOutput]:
     for one, fitted, used in found:
         yield from _split_outputs(one, fitted.model, used)
     for kept in fit.kept:
-        yield from _split_outputs(kept.experiment, kept.model, np.zeros(kept.model.shape, bool))
+        raw = kept.raw if kept.numbers else None
+        yield from _split_outputs(kept.experiment, kept.model, np.zeros(kept.model.shape, bool), raw)
 
 
-def _split_outputs(one: Experiment, model: Any, used: Any) -> Iterator[ComparedOutput]:
+def _split_outputs(one: Experiment, model: Any, used: Any, raw: Any = None) -> Iterator[ComparedOutput]:
     outputs = one.system.outputs()
     for k, name in enumerate(one.outputs):
-        yield ComparedOutput(one, name, outputs[name], one.times, one.measured[:, k], model[:, k], used[:, k])
+        bare = None if raw is None else raw[:, k]
+        yield ComparedOutput(one, name, outputs[name], one.times, one.measured[:, k], model[:, k], used[:, k], bare)
 
 
 def find_covered_range(fit: Fit) -> dict[str, tuple[float, float]]:
@@ -137,6 +152,8 @@ class HeldOutRecord:
     """(rows, outputs) in SI."""
     numbers: dict[str, float]
     """What the record has for itself [SI], such as the zero of its sensor; fitted to it."""
+    raw: Any = None
+    """(rows, outputs) in SI, without the numbers that are fitted to it."""
 
 
 @dataclass(frozen=True)
@@ -168,6 +185,8 @@ class Fit:
     """What was noticed in the logs before the search."""
     cautions: tuple[str, ...] = ()
     """What halving the steps changes at its end, if that is noticeable."""
+    input_noise: tuple[FollowedNoise, ...] = ()
+    """Noise of columns that drive, where it counts in numbers and intervals."""
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -190,7 +209,36 @@ class Fit:
     def at_bound(self) -> list[str]:
         """Parameters that ended on a bound of their search."""
         pairs = zip(self.problem.names, self.values, strict=True)
-        return [name for name, u in pairs if not 1e-6 < u < 1.0 - 1e-6]
+        return [name for name, u in pairs if not BOUND_DISTANCE < u < 1.0 - BOUND_DISTANCE]
+
+    @cached_property
+    def undetermined(self) -> dict[str, str]:
+        """Parameter -> why its number must not be called determined."""
+        found = {
+            free.name: self._refuse_number(free, u) for free, u in zip(self.problem.free, self.values, strict=True)
+        }
+        return {name: why for name, why in found.items() if why}
+
+    def _refuse_number(self, free: FreeNumber, u: float) -> str:
+        low, high = self.uncertainty.widened(free.name)
+        if not math.isfinite(high - low):
+            return "the data give it no interval"
+        if free.name in self.at_bound():
+            end = free.low if u < 0.5 else free.high
+            return f"it lies on its bound, {format_quantity(end, free.unit)}"
+        wide = format_change(0.5 * (high - low), free.unit, 3)
+        if high - low > free.high - free.low:
+            return f"its 95 % interval, ± {wide}, is wider than the range in which it was searched"
+        least, most = self._allowed(free)
+        finite = math.isfinite(most - least) and high - low < 0.5 * (most - least)
+        if (low < least or high > most) and not finite:
+            return f"its 95 % interval, ± {wide}, reaches values that it cannot have"
+        return ""
+
+    def _allowed(self, free: FreeNumber) -> tuple[float, float]:
+        """What the declaration of a number allows; nothing is forbidden to what a record has for itself."""
+        leaves = () if is_nuisance(free.path) else self.system().leaves()
+        return next((leaf.declared.bounds for leaf in leaves if free.moves(leaf.path)), (-math.inf, math.inf))
 
     @cached_property
     def scores(self) -> tuple[Score, ...]:
@@ -222,7 +270,7 @@ class Fit:
     def identifiability(self) -> Identifiability:
         """Which combinations of the parameters the data leave open."""
         noise = self.uncertainty.noise
-        return assess_identifiability(
+        found = assess_identifiability(
             self.evaluation.jacobian,
             self.problem.names,
             values=list(self.numbers.values()),
@@ -230,14 +278,17 @@ class Fit:
             units=[free.unit for free in self.problem.free],
             noise=noise if noise > 0.0 else 1.0,
         )
+        return replace(found, refused=tuple(self.undetermined))
 
     @cached_property
     def whiteness(self) -> tuple[Whiteness, ...]:
         """Whether the residuals of every record and output look like noise."""
+        rows = [one for one in list_compared(self) if one.used.any()]
+        ends = np.cumsum(self.problem.lengths)[:-1]
         return tuple(
-            assess_whiteness(one.residuals[one.used], f"{one.record}, {one.output}")
-            for one in list_compared(self)
-            if one.used.sum() >= FEWEST
+            assess_whiteness(part, f"{one.record}, {one.output}")
+            for one, part in zip(rows, np.split(self.evaluation.residuals, ends), strict=True)
+            if len(part) >= FEWEST
         )
 
     @property

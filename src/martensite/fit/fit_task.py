@@ -30,14 +30,13 @@ from martensite.fit.logs import (
 )
 from martensite.fit.problem import Problem, build_problem
 from martensite.fit.search_monitor import Tell
-from martensite.fit.solve import MOST_EVALUATIONS, solve_problem
+from martensite.fit.solve import INTERRUPTED, MOST_EVALUATIONS, solve_problem
 from martensite.fit.start_checks import check_start, find_silent_outputs
 from martensite.fit.step_choice import choose_step, describe_step_error
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
 
-INTERRUPTED = "interrupted"
 Columns = str | Sequence[str] | Mapping[str, str]
 
 
@@ -79,13 +78,14 @@ class FitTask:
         found = read_logs(self.logs)
         systems = [one.scenario.system for one in found]
         free, each = read_ranges(self.free, systems), read_ranges(self.each, systems, own=True)
-        noise, wanted = read_noise(self.noise, systems), read_columns(self.columns)
+        followed = {c: one.record.units[c] for one in found for c in one.scenario.follows.values()}
+        (noise, input_noise), wanted = read_noise(self.noise, systems, followed), read_columns(self.columns)
         made, notes = _build_experiments(found, self, wanted)
         if not wanted:
             made, more = _drop_silent_outputs(made, free, each)
             notes += more
         stepped, more = _choose_steps(made, found, self.step)
-        whole = build_problem(stepped, free, each=each, noise=noise)
+        whole = build_problem(stepped, free, each=each, noise=noise, input_noise=input_noise)
         follows = list(dict.fromkeys(found[0].scenario.follows.values()))
         notes += [*more, *check_start(whole.training, follows)]
         models = {one.name: (one.scenario, one.log.model) for one in found}
@@ -139,7 +139,7 @@ class ArrangedFit:
             refuse_swapped(fit, self.models)
         first, _ = next(iter(self.models.values()))
         cautions = tuple(describe_step_error(fit))
-        return replace(fit, scenario=first, notes=self.notes, cautions=cautions)
+        return replace(fit, scenario=first, notes=(*self.notes, *fit.notes), cautions=cautions)
 
 
 def _choose_steps(
@@ -179,6 +179,7 @@ def _build_experiments(
                 held=stretches,
                 weights=dict.fromkeys(columns, one.log.weight),
                 lead=one.scenario.lead,
+                follows=follows,
             )
         )
     return made, [*notes, *describe_untimed(found)]

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from martensite.base import units
+from martensite.fit.experiment import Experiment
 from martensite.fit.fit import HELD_OUT, TRAINING, ComparedOutput, Fit, compute_rms, list_compared
 from martensite.search.quantity_text import format_change, format_number, format_quantity, join_phrases, list_names
 
@@ -18,6 +19,8 @@ WORSE = 1.5
 """Held-out error over training error from which on a fit is said to predict less than it fits."""
 POOR = 50.0
 """Share of the measured variation [%] below which a model is said to miss most of it."""
+OTHER_CADENCE = 1.5
+"""Ratio of periods from which on a record has another cadence."""
 NOTABLE = 0.05
 """Error over the whole range of an output below which a model is not said to miss it."""
 
@@ -36,12 +39,20 @@ def describe_predictions(fit: Fit) -> list[str]:
     return [
         *(_describe_prediction([one for one in rows if one.output == name]) for name in names),
         *_describe_own_numbers(fit),
+        *_describe_input_noise(fit),
+        *_describe_one_cadence(fit),
     ]
 
 
 def list_fit_warnings(fit: Fit) -> list[str]:
     """What speaks against trusting the numbers; empty if nothing does."""
-    return [*_warn_of_search(fit), *_warn_of_predictions(fit), *_warn_of_directions(fit), *_warn_of_residuals(fit)]
+    return [
+        *_warn_of_search(fit),
+        *_warn_of_predictions(fit),
+        *_warn_of_cadence(fit),
+        *_warn_of_directions(fit),
+        *_warn_of_residuals(fit),
+    ]
 
 
 def _describe_prediction(rows: list[ComparedOutput]) -> str:
@@ -58,16 +69,81 @@ def _describe_prediction(rows: list[ComparedOutput]) -> str:
 
 
 def _describe_own_numbers(fit: Fit) -> Iterator[str]:
+    raw = [
+        f"{format_error(one.output, one.raw_rms, one.description.unit)} (`{one.output}` of {one.record})"
+        for one in list_compared(fit)
+        if one.raw is not None
+    ]
     own = dict.fromkeys(name.partition("@")[0] for kept in fit.kept for name in kept.numbers)
     if own:
         yield (
             f"What every record has for itself ({list_names(list(own))}) was fitted to the records "
-            "kept back, too; everything else is predicted."
+            f"kept back, too; everything else is predicted. Without it errors there are {join_phrases(raw)}."
+        )
+
+
+def _describe_input_noise(fit: Fit) -> Iterator[str]:
+    if fit.input_noise:
+        units = {c: one.record.units[c] for one in fit.problem.experiments for c in one.follows.values()}
+        known = {
+            one.column: f"{format_change(one.sigma, units[one.column], 2)} in `{one.column}` "
+            f"({'as given' if one.declared else 'as its rows scatter about their neighbours'})"
+            for one in fit.input_noise
+        }
+        yield f"Noise in what drives counts in numbers and intervals: {join_phrases(list(known.values()))}."
+
+
+def _describe_one_cadence(fit: Fit) -> Iterator[str]:
+    """That another cadence was never tried, where one would matter."""
+    rows = list_compared(fit)
+    periods = {one.record: find_period(one.experiment) for one in rows}
+    drives = fit.system().actuators().values()
+    if all(one.source.sets_temperature for one in drives) or not all(periods.values()):
+        return
+    if max(periods.values()) < OTHER_CADENCE * min(periods.values()):
+        period = format_number(min(periods.values()), 2)
+        yield (
+            f"All records have one cadence (a period of about {period} s): how well the numbers predict a faster or "
+            "slower drive is not known; record one with a third or three times of that period."
+        )
+
+
+def find_period(experiment: Experiment) -> float:
+    """Mean period [s] of the first column that an experiment follows; its length if it never returns, 0 for none.
+
+    Counted are passages from below a quarter of its range to above three quarters, and back.
+    """
+    if not experiment.follows:
+        return 0.0
+    table = experiment.followed(next(iter(experiment.follows)))
+    x, length = np.asarray(table.values), table.times[-1] - table.times[0]
+    share = (x - x.min()) / (np.ptp(x) or 1.0)
+    sides = np.sign(np.where(np.abs(share - 0.5) >= 0.25, share - 0.5, 0.0))
+    passages = int(np.count_nonzero(np.diff(sides[sides != 0.0])))
+    return 2.0 * length / passages if passages > 1 else length
+
+
+def _warn_of_cadence(fit: Fit) -> Iterator[str]:
+    """Records kept back whose speed is another than that of all fitted, and that are predicted worse."""
+    rows = list_compared(fit)
+    fitted = [find_period(one) for one in fit.problem.experiments]
+    for one in rows:
+        period = find_period(one.experiment)
+        apart = [max(period / p, p / period) for p in fitted if p and period]
+        seen = compute_rms([x for x in rows if x.output == one.output], TRAINING)
+        if one.used.any() or not apart or min(apart) < OTHER_CADENCE or not one.rms(HELD_OUT) > WORSE * seen:
+            continue
+        speed = "slower" if period > max(fitted) else "faster" if period < min(fitted) else "other"
+        yield (
+            f"`{one.output}` of {one.record} is at a {speed} cadence (a period of about {format_number(period, 2)} s) "
+            f"than what was fitted, and predicted {format_number(one.rms(HELD_OUT) / seen, 2)} times worse: what "
+            "depends on rate (cooling, heat capacity, latent heat, delay) is not held by the records. Record one of "
+            "that cadence, and fit it too."
         )
 
 
 def _warn_of_search(fit: Fit) -> Iterator[str]:
-    if fit.reason != "converged":
+    if fit.reason not in ("converged", "stopped at bounds"):
         yield (f"The search did not converge: {fit.reason}. The numbers are the best it came across.")
     for free, u in zip(fit.problem.free, fit.values, strict=True):
         if free.name in fit.at_bound():
@@ -110,6 +186,8 @@ def _measure_range(rows: list[ComparedOutput], output: str) -> float:
 
 def _warn_of_directions(fit: Fit) -> Iterator[str]:
     yield from (one.sentence for one in fit.identifiability.weak)
+    weak = {name for one in fit.identifiability.weak for name in one.names} | set(fit.at_bound())
+    yield from (f"`{name}` is not determined: {why}." for name, why in fit.undetermined.items() if name not in weak)
     pairs = fit.uncertainty.confounded()
     for group in _group_pairs([{one, other} for one, other, _ in pairs]):
         names = [name for name in fit.problem.names if name in group]

@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, fields, replace
-from functools import cached_property
+from functools import cache, cached_property
 from os import cpu_count
 from typing import Any
 
@@ -31,6 +31,9 @@ from martensite.fit.free_parameters import (
 )
 from martensite.search.batch_runner import BatchRunner
 from martensite.search.free_numbers import FreeNumber, SearchRange
+
+FEW_STEPS = 10_000
+"""Steps of all runs below which threads would cost more than they gain."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,25 @@ class Evaluation:
 
 
 @dataclass(frozen=True)
+class InputCorrection:
+    """What noise in the columns that an experiment follows does to it; see `input_noise`."""
+
+    inputs: Mapping[str, Any]
+    """Drive -> estimated rows of its column, in place of those logged."""
+    shift: Any
+    """(used residuals,): what the difference of both does, to first order."""
+    parts: tuple[tuple[Any, Any, Any], ...]
+    """Places of residuals, directions (places, k) in which they scatter more, and how much less each counts."""
+
+    def whiten(self, rows: Any) -> Any:
+        """Residuals (n,), or derivatives (n, free), such that all scatter alike."""
+        found = rows.copy()
+        for places, directions, less in self.parts:
+            found[places] -= directions @ (less * (directions.T @ rows[places]).T).T
+        return found
+
+
+@dataclass(frozen=True)
 class Problem:
     """What is to be fitted to what."""
 
@@ -74,6 +96,10 @@ class Problem:
     """Longest step of all runs [s]; that of each experiment if None."""
     later: tuple[FreeNumber, ...] = ()
     """What records that are kept back have for themselves: fitted to them afterwards."""
+    input_noise: Mapping[str, float] = field(default_factory=dict[str, float])
+    """Column that drives -> standard deviation of its noise [SI], where it is known."""
+    corrections: tuple[InputCorrection, ...] = ()
+    """One per experiment, where noise in what drives it counts."""
 
     def __post_init__(self) -> None:
         """Raise `ParameterError` for a problem that has no solution."""
@@ -132,12 +158,23 @@ class Problem:
     @cached_property
     def runners(self) -> tuple[BatchRunner, ...]:
         """One per experiment."""
-        return tuple(one.runner(self.step) for one in self.experiments)
+        found = tuple(one.runner(self.step) for one in self.experiments)
+        return self._drive_runners(found) if self.corrections else found
 
-    @cached_property
-    def _pool(self) -> ThreadPoolExecutor:
-        """Runs in C release the interpreter, so that threads use all cores."""
-        return ThreadPoolExecutor(max(1, min(len(self.experiments), cpu_count() or 1)))
+    def _drive_runners(self, runners: Sequence[BatchRunner]) -> tuple[BatchRunner, ...]:
+        """Runners that follow what the corrections say instead of what was logged."""
+        rows = zip(runners, self.experiments, self.corrections, strict=True)
+        return tuple(
+            runner.with_grid(one.driven_grid([fix.inputs], self.step).lane(0)) if fix.inputs else runner
+            for runner, one, fix in rows
+        )
+
+    def with_corrections(self, corrections: Sequence[InputCorrection]) -> Problem:
+        """The problem with corrections for noise in what drives."""
+        found = replace(self, corrections=tuple(corrections))
+        made = {name: getattr(self, name) for name in ("_ranges", "used", "_moving", "_values")}
+        found.__dict__.update(made, runners=found._drive_runners(self.runners))  # what need not be made anew
+        return found
 
     @cached_property
     def used(self) -> list[Any]:
@@ -146,26 +183,35 @@ class Problem:
 
     def evaluate(self, u: Sequence[float], *, slopes: bool = False) -> Evaluation | None:
         """Residuals at a point, with their Jacobian if wanted; None where a run fails."""
-        moved = [self._change_values(k, u) for k in range(len(self.runners))]
+        moved = [self.change_values(k, u) for k in range(len(self.runners))]
         if any(values is None for values in moved):
             return None
         jobs = [(k, values, u, slopes) for k, values in enumerate(moved)]
-        found = list(self._pool.map(lambda job: self._evaluate_one(*job), jobs))
+        steps = sum(len(runner.grid.lengths) for runner in self.runners)
+        started = map if steps < FEW_STEPS else _start_threads().map
+        found = list(started(lambda job: self._evaluate_one(*job), jobs))
         if any(one is None for one in found):
             return None
         fitted = tuple(one for one in found if one is not None)
         residuals = [f.residuals.T[used.T] for f, used in zip(fitted, self.used, strict=True)]
         jacobian = None
         if slopes:
-            pieces = [f.jacobian.transpose(1, 0, 2)[used.T] for f, used in zip(fitted, self.used, strict=True)]
-            jacobian = np.concatenate(pieces)
-        return Evaluation(fitted, np.concatenate(residuals), jacobian)
+            jacobian = [f.jacobian.transpose(1, 0, 2)[used.T] for f, used in zip(fitted, self.used, strict=True)]
+        for k, fix in enumerate(self.corrections):
+            residuals[k] = fix.whiten(residuals[k] + fix.shift)
+            if jacobian is not None:
+                jacobian[k] = fix.whiten(jacobian[k])
+        return Evaluation(fitted, np.concatenate(residuals), None if jacobian is None else np.concatenate(jacobian))
+
+    def split(self, residuals: Any) -> list[Any]:
+        """Residuals that count, by experiment."""
+        return np.split(residuals, np.cumsum([int(used.sum()) for used in self.used])[:-1])
 
     def costs(self, points: Any) -> Any:
         """Costs (m,) of many points (m, free), in batches; inf where a run fails."""
         totals, counts = np.zeros(len(points)), 0
         for k, runner in enumerate(self.runners):
-            variants = [self._change_values(k, u) for u in points]
+            variants = [self.change_values(k, u) for u in points]
             models = runner.run_many(np.array([runner.base if v is None else v for v in variants], float))
             for i, (u, values) in enumerate(zip(points, variants, strict=True)):
                 fitted = self._compare_model(k, None if values is None else models[i], u, None)
@@ -205,12 +251,20 @@ class Problem:
         changed = {paths[j]: self.free[i].value(float(u[i])) for i, places in self._moving[k] for j in places}
         return self.experiments[k].system.with_values(changed)
 
-    def _change_values(self, k: int, u: Sequence[float]) -> Any:
+    @cached_property
+    def _values(self) -> dict[int, tuple[tuple[float, ...], Any]]:
+        """Experiment -> the last point, and its parameter values."""
+        return {}
+
+    def change_values(self, k: int, u: Sequence[float]) -> Any:
         """Parameter values of an experiment at a point; None if they contradict each other."""
-        try:
-            return np.array(self.runners[k].compiled.values(self.system(k, u)))
-        except InputError:
-            return None
+        point = tuple(map(float, u))
+        if self._values.get(k, ((),))[0] != point:
+            try:
+                self._values[k] = point, np.array(self.runners[k].compiled.values(self.system(k, point)))
+            except InputError:
+                return None
+        return self._values[k][1]
 
     def _evaluate_one(self, k: int, values: Any, u: Sequence[float], slopes: bool) -> FittedRecord | None:
         if not slopes:
@@ -230,6 +284,18 @@ class Problem:
         """Residuals of a run, with the offsets and the delay of its record."""
         if model is None:
             return None
+        model, slopes = self.shift_model(k, model, u, slopes)
+        sizes = self.residual_sizes(k)
+        residuals = (model - self.experiments[k].measured) * sizes
+        return FittedRecord(model, residuals, None if slopes is None else slopes * sizes[:, None])
+
+    def residual_sizes(self, k: int) -> Any:
+        """What errors of every output of an experiment are multiplied by."""
+        one = self.experiments[k]
+        return np.array([math.sqrt(one.weights.get(name, 1.0)) / self.scale(name) for name in one.outputs])
+
+    def shift_model(self, k: int, model: Any, u: Sequence[float], slopes: Any) -> tuple[Any, Any]:
+        """A run with the offsets and the delay of its record, and derivatives of both."""
         one = self.experiments[k]
         for i, free in enumerate(self.free):
             if free.record == one.name and is_nuisance(free.path):
@@ -242,10 +308,13 @@ class Problem:
                     model[:, place] += value
                     if slopes is not None:
                         slopes[:, place, i] += slope
-        sizes = [math.sqrt(one.weights.get(output, 1.0)) / self.scale(output) for output in one.outputs]
-        residuals = (model - one.measured) * sizes
-        jacobian = None if slopes is None else slopes * np.array(sizes)[:, None]
-        return FittedRecord(model, residuals, jacobian)
+        return model, slopes
+
+
+@cache
+def _start_threads() -> ThreadPoolExecutor:
+    """Runs in C release the interpreter, so that threads use all cores."""
+    return ThreadPoolExecutor(max(1, cpu_count() or 1))
 
 
 def _refuse_double(one: Experiment, free: Sequence[FreeNumber]) -> None:
@@ -266,6 +335,7 @@ def build_problem(
     each: Sequence[SearchRange | str] = (),
     noise: Mapping[str, float] | None = None,
     step: float | None = None,
+    input_noise: Mapping[str, float] | None = None,
 ) -> Problem:
     """A problem from experiments and names.
 
@@ -275,6 +345,7 @@ def build_problem(
         each: what every experiment has for itself: parameters, `offset.OUTPUT`, `delay`.
         noise: output -> standard deviation of its measurement [SI].
         step: longest step of all runs [s].
+        input_noise: column that drives -> standard deviation of its noise [SI].
 
     Raises:
         InputError: a name is unknown, double, or has impossible bounds.
@@ -284,7 +355,7 @@ def build_problem(
     ranges = [_read_name(x) for x in each]
     fitted, kept = ([x for x in experiments if x.held_out is flag] for flag in (False, True))
     own, later = build_own_parameters(ranges, fitted), build_own_parameters(ranges, kept)
-    return Problem(tuple(experiments), (*shared, *own), noise or {}, step, tuple(later))
+    return Problem(tuple(experiments), (*shared, *own), noise or {}, step, tuple(later), input_noise or {})
 
 
 def _read_name(name: SearchRange | str) -> SearchRange:

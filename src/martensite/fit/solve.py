@@ -23,17 +23,32 @@ import numpy as np
 from martensite.base.errors import InputError, SolveError, require_known
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit, HeldOutRecord
+from martensite.fit.input_noise import Descend, correct_for_inputs
 from martensite.fit.losses import Loss, estimate_scale, find_loss
 from martensite.fit.problem import Evaluation, Problem
 from martensite.fit.search_monitor import SearchMonitor, Tell
 from martensite.search.coordinate_search import search_coordinates
-from martensite.search.least_squares import Descended, descend_squares
+from martensite.search.least_squares import SETTLED, Descended, descend_squares
 from martensite.search.starts import evolve_start, find_starts
 
 METHODS = ("trf", "coordinate", "evolution")
 SPREAD = 32
 """Sobol' points tried for each start."""
 RESUMED = "best so far"
+CONVERGED, INTERRUPTED, NOT_STATIONARY = "converged", "interrupted", "not at a stationary point"
+BOUNDED = "stopped at bounds"
+POLISHES = 5
+"""How often a search goes on from where it ended without being stationary."""
+STATIONARY = 0.1
+"""Step that the derivatives still ask for, in standard errors, below which a point is stationary."""
+LINE = (1.0, 0.3, 0.1, 0.03)
+"""Parts of such a step that are tried."""
+REFINING = 20
+"""Evaluations of a search in one round of the correction for noise in what drives."""
+AT_BOUND = 1e-4
+"""Distance from a bound that counts as none."""
+ROUNDING = 1e-7
+"""Share of range or noise below which residuals are those of rounding."""
 MOST_EVALUATIONS = 200
 """Evaluations of one local search."""
 
@@ -48,6 +63,7 @@ def solve_problem(
     most: int = MOST_EVALUATIONS,
     tell: Tell | None = None,
     state: Path | None = None,
+    inputs: bool = True,
 ) -> Fit:
     """Find the free parameters of a problem.
 
@@ -62,6 +78,7 @@ def solve_problem(
         most: evaluations of one local search.
         tell: called after every evaluation.
         state: a file in which the search is kept, and taken up again.
+        inputs: whether noise in columns that drive counts (`input_noise`).
 
     Raises:
         InputError: an unknown method or loss, or a state of another problem.
@@ -73,24 +90,37 @@ def solve_problem(
     training = problem.training
     chosen, watch = find_loss(loss), SearchMonitor(training, tell, state)
     begun = time.monotonic()
-    reason = "converged"
+    reason = CONVERGED
     try:
         watch.resume()
         reason = _run_search(watch, method, chosen, starts, seed, most)
+        if reason == CONVERGED:
+            reason = _verify_optimum(watch, chosen, most)
     except KeyboardInterrupt:
         if watch.best is None:
             raise
-        reason = "interrupted"
+        reason = INTERRUPTED
     watch.save()
     if watch.best is None:
         raise SolveError(
             "The runs fail at the start of the fit and wherever else it was tried; run the "
             "scenario alone to see why, or start from other values."
         )
-    end = np.array(watch.best)
-    evaluation = training.evaluate(watch.best, slopes=True)
-    if evaluation is None:
+    end, plain = np.array(watch.best), training.evaluate(watch.best, slopes=True)
+    if plain is None:
         raise SolveError("The run at the best point fails when it is repeated.")
+    noise, notes = (), list[str]()
+    if inputs and reason != INTERRUPTED:
+        try:
+            training, end, noise, notes = correct_for_inputs(training, end, _make_descent(chosen, plain))
+        except (KeyboardInterrupt, SolveError):
+            notes.append("The noise of columns that drive was not taken into account: that search did not end.")
+    evaluation = plain
+    if noise:
+        point = end.tolist()
+        again, found = watch.problem.evaluate(point), training.evaluate(point, slopes=True)
+        if again is not None and found is not None:
+            evaluation = Evaluation(again.fitted, found.residuals, found.jacobian)
     return Fit(
         training,
         tuple(map(float, end)),
@@ -103,7 +133,24 @@ def solve_problem(
         time.monotonic() - begun,
         tuple(watch.history),
         tuple(_predict_held_out(problem, one, end) for one in problem.experiments if one.held_out),
+        input_noise=tuple(noise),
+        notes=tuple(notes),
     )
+
+
+def _make_descent(loss: Loss, evaluation: Evaluation) -> Descend:
+    """A local search of a problem from a point, with the loss of a fit."""
+    scale = 1.0
+    if loss.name != "linear":
+        scale = loss.tuning * max(estimate_scale(evaluation.residuals), 1e-12)
+
+    def descend(problem: Problem, begin: Any, first: Evaluation) -> Any:
+        def evaluate(u: Any, slopes: bool) -> Evaluation | None:
+            return problem.evaluate(u, slopes=slopes)
+
+        return descend_squares(evaluate, begin, first, most=REFINING, loss=loss.scipy_name, scale=scale).shares
+
+    return descend
 
 
 def _predict_held_out(problem: Problem, one: Experiment, end: Any) -> HeldOutRecord:
@@ -111,14 +158,15 @@ def _predict_held_out(problem: Problem, one: Experiment, end: Any) -> HeldOutRec
     whole = replace(problem, experiments=(replace(one, held=()),), free=free, later=())
     at = [u for f, u in zip(problem.free, end, strict=True) if f.record is None]
     own = tuple(f for f in problem.later if f.record == one.name)
-    if own:  # fitted to it, everything else as found
-        alone = replace(one, held=(), system=whole.system(0, at))
-        fit = solve_problem(replace(problem, experiments=(alone,), free=own, later=()))
-        return HeldOutRecord(one, fit.evaluation.fitted[0].model, fit.numbers)
     found = whole.evaluate(at)
     if found is None:
         raise SolveError(f"The run of record `{one.name}`, which was kept back, fails.")
-    return HeldOutRecord(one, found.fitted[0].model, {})
+    raw = found.fitted[0].model
+    if own:  # fitted to it, everything else as found
+        alone = replace(one, held=(), system=whole.system(0, at))
+        fit = solve_problem(replace(problem, experiments=(alone,), free=own, later=()), inputs=False)
+        return HeldOutRecord(one, fit.evaluation.fitted[0].model, fit.numbers, raw)
+    return HeldOutRecord(one, raw, {}, raw)
 
 
 def _run_search(watch: SearchMonitor, method: str, loss: Loss, starts: int, seed: int, most: int) -> str:
@@ -162,6 +210,53 @@ def _run_descents(watch: SearchMonitor, begins: Sequence[tuple[str, Any]], loss:
     return reason
 
 
+def _verify_optimum(watch: SearchMonitor, loss: Loss, most: int) -> str:
+    """Whether the derivatives ask for no further step that helps; the search goes on as long as they do."""
+    watch.stage = "verifying the optimum"
+    for _ in range(POLISHES):
+        point = np.array(watch.best)
+        found = watch.evaluate(point, slopes=True)
+        if found is None:
+            return NOT_STATIONARY
+        weights = np.sqrt(loss.weights(found.residuals, _scale_loss(loss, found)))
+        weighted = weights * found.residuals, weights[:, None] * found.jacobian
+        step, asked = find_step(*weighted, point)
+        if asked <= STATIONARY:
+            return CONVERGED if find_step(*weighted, 0.5 + 0.0 * point)[1] <= STATIONARY else BOUNDED
+        if loss.name != "linear":
+            return NOT_STATIONARY
+        before = watch.cost
+        for share in LINE:
+            watch.evaluate(np.clip(point + share * step, 0.0, 1.0).tolist())
+        if watch.cost >= before * (1.0 - SETTLED):  # a kink: the step that is asked for does not help
+            return CONVERGED
+        descend_from(watch, np.array(watch.best), loss, most)
+    return NOT_STATIONARY
+
+
+def _scale_loss(loss: Loss, found: Evaluation) -> float:
+    return 1.0 if loss.name == "linear" else max(estimate_scale(found.residuals), 1e-12)
+
+
+def find_step(residuals: Any, jacobian: Any, point: Any) -> tuple[Any, float]:
+    """The step of Gauss and Newton that bounds allow, and its length in standard errors of the residuals.
+
+    Args:
+        residuals: (n,), weighted.
+        jacobian: (n, free).
+        point: shares from 0 to 1.
+    """
+    gradient = jacobian.T @ residuals
+    held = ((point <= AT_BOUND) & (gradient > 0.0)) | ((point >= 1.0 - AT_BOUND) & (gradient < 0.0))
+    step, moving = np.zeros(len(point)), np.flatnonzero(~held)
+    spare = max(len(residuals) - len(moving), 1)
+    noise = math.sqrt(float(residuals @ residuals) / spare)
+    if not len(moving) or noise <= ROUNDING:
+        return step, 0.0
+    step[moving] = -np.linalg.lstsq(jacobian[:, moving], residuals, rcond=1e-8)[0]
+    return step, float(np.linalg.norm(jacobian @ step)) / noise / math.sqrt(len(moving))
+
+
 def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST_EVALUATIONS) -> str:
     """One trust-region search; its points and costs are kept by the watch."""
     first = watch.evaluate(begin, slopes=True)
@@ -177,7 +272,9 @@ def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST_
         begin = np.array(watch.best)
         watch.cost = math.inf  # what counts is another cost from here on
     found = _descend_to_optimum(watch, begin, first, most, loss.scipy_name, scale)
-    return "converged" if found.converged else f"stopped after {most} evaluations"
+    if loss.name != "linear":  # the least squares on the way are not what is looked for
+        watch.best = tuple(map(float, found.shares))
+    return CONVERGED if found.converged else f"stopped after {most} evaluations"
 
 
 def _descend_to_optimum(

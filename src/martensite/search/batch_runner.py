@@ -9,6 +9,7 @@ derivatives are central differences.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -18,6 +19,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.kernels.compiler import find_compiler
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.grid import TimeGrid
+from martensite.simulate.lane_grid import LaneGrid
 from martensite.simulate.march import SOLVED, march_floats
 
 Numbers: TypeAlias = NDArray[np.float64]
@@ -57,6 +59,12 @@ class BatchRunner:
         self.outputs = tuple(outputs)
         self._places = [self.compiled.outputs.index(name) for name in self.outputs]
 
+    def with_grid(self, grid: TimeGrid) -> BatchRunner:
+        """The same on other steps, or with other signals."""
+        found = copy(self)
+        found.grid = grid
+        return found
+
     def place(self, path: str) -> int:
         """Where a parameter is in a row of numbers."""
         return self.paths.index(path)
@@ -88,6 +96,19 @@ class BatchRunner:
         found = rows[self.first :, :, 0]
         return found if worst[0, 0] <= SOLVED and np.isfinite(found).all() else None
 
+    def run_driven(self, values: Numbers, grid: LaneGrid) -> Numbers:
+        """Outputs (lanes, samples, outputs) of one set of numbers, each lane with signals of its own; NaN if it fails.
+
+        Args:
+            values: of the parameters.
+            grid: of `LANES` lanes, with the samples of the runner.
+        """
+        if self.native:
+            return self._judge_lanes(list(np.repeat(values[:, None], LANES, axis=1)), grid)
+        found = [self._march_floats(values, grid.lane(lane)) for lane in range(grid.lengths.shape[1])]
+        failed = np.full((self._samples, len(self.outputs)), np.nan)
+        return np.stack([failed if rows is None else rows for rows in found])
+
     def run_slopes(self, values: Numbers, seeds: Numbers) -> tuple[Numbers, Numbers] | None:
         """One run with its derivatives (samples, outputs, directions); None if it fails.
 
@@ -109,19 +130,22 @@ class BatchRunner:
         return len(self.grid.times) - self.first
 
     def _march_lanes(self, table: Numbers) -> Numbers:
+        padded = np.pad(table, ((0, LANES - len(table)), (0, 0)), mode="edge")
+        return self._judge_lanes(list(padded.T), self.grid)[: len(table)]
+
+    def _judge_lanes(self, values: list[Numbers], grid: TimeGrid | LaneGrid) -> Numbers:
         from martensite.simulate.native import march_lanes
 
-        padded = np.pad(table, ((0, LANES - len(table)), (0, 0)), mode="edge")
-        given = list(padded.T), self.grid, LANES, self._places
-        rows, worst = march_lanes(self.compiled, *given)
+        rows, worst = march_lanes(self.compiled, values, grid, LANES, self._places)
         found = np.moveaxis(rows[self.first :], 2, 0)
         found[~(worst[0] <= SOLVED) | ~np.isfinite(found).all(axis=(1, 2))] = np.nan
-        return found[: len(table)]
+        return found
 
-    def _march_floats(self, values: Numbers) -> Numbers | None:
+    def _march_floats(self, values: Numbers, grid: TimeGrid | None = None) -> Numbers | None:
+        grid = grid or self.grid
         system = self.system.rebuilt(dict(zip(self.paths, values.tolist(), strict=True)))
-        track = march_floats(*bind_march(system), self.grid)
-        if track.status.failed or len(track.rows) != len(self.grid.times):
+        track = march_floats(*bind_march(system), grid)
+        if track.status.failed or len(track.rows) != len(grid.times):
             return None
         return np.asarray(track.rows)[self.first :, self._places]
 

@@ -54,11 +54,13 @@ class Identifiability:
     """Largest over smallest singular value; infinite where parameters are redundant."""
     weak: tuple[WeakDirection, ...]
     """Directions that the data do not determine, the exactly redundant ones first."""
+    refused: tuple[str, ...] = ()
+    """Parameters that must not be called determined for another reason, such as a bound that they lie on."""
 
     @property
     def determined(self) -> bool:
-        """Whether every direction is determined to better than the search range."""
-        return not self.weak
+        """Whether every direction is determined to better than the search range, and no parameter refused."""
+        return not self.weak and not self.refused
 
     @property
     def without_effect(self) -> tuple[str, ...]:
@@ -70,8 +72,11 @@ class Identifiability:
         """What is not determined, one sentence for each direction; else that all are."""
         if self.weak:
             return tuple(one.sentence for one in self.weak)
+        names = [name for name in self.names if name not in self.refused]
+        if self.refused:
+            return (f"{list_names(names) or 'None of the numbers'} {_is_or_are(names)} determined.",)
         worst = format_number(100.0 * max(self.uncertainties), 2)
-        held = f"{list_names(self.names)} {'is' if len(self.names) == 1 else 'are'} determined"
+        held = f"{list_names(names)} {_is_or_are(names)} determined"
         return (f"{held}, in the least certain direction to {worst} % of the search range.",)
 
     def to_dict(self) -> dict[str, Any]:
@@ -84,6 +89,10 @@ class Identifiability:
             "weak": [one.to_dict() for one in self.weak],
             "sentences": list(self.sentences),
         }
+
+
+def _is_or_are(names: Sequence[str]) -> str:
+    return "are" if len(names) > 1 else "is"
 
 
 def assess_identifiability(

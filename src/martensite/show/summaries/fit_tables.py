@@ -102,7 +102,9 @@ def mark_parameter(fit: Fit, name: str) -> str:
         return "not determined"
     if name in fit.at_bound():
         return "at a bound"
-    return "weak" if any(name in one.names for one in fit.identifiability.weak) else ""
+    if any(name in one.names for one in fit.identifiability.weak):
+        return "weak"
+    return "not determined" if name in fit.undetermined else ""
 
 
 def _choose_decimals(interval: Interval, unit: str, spelling: str) -> int | None:
@@ -142,22 +144,40 @@ def tabulate_own_numbers(fit: Fit) -> DataTable | None:
 
 def tabulate_errors(fit: Fit) -> DataTable:
     """How well every record is met, those that the fit did not see marked."""
+    rows = [(one, score) for one in list_compared(fit) for score in one.score()]
+    raw = any(one.raw is not None for one, _ in rows)
+    note = (
+        "A fit of 100 % is perfect; one of 0 % is no better than the mean of the record. "
+        "Bias is modelled less measured."
+    )
+    if raw:
+        note += " Errors of a held-out record are those with the offset or delay that was fitted to it; raw is without."
     return DataTable(
-        ("record", "output", "rms error", "fit", "largest error", "at", "bias", "rows"),
-        [_write_error(score) for score in fit.scores],
-        right=(2, 3, 4, 5, 6, 7),
-        note="A fit of 100 % is perfect; one of 0 % is no better than the mean of the record. "
-        "Bias is modelled less measured.",
-        tags={k: TAG for k, score in enumerate(fit.scores) if score.part == HELD_OUT},
+        (
+            "record",
+            "output",
+            "rms error",
+            *(("raw rms error",) if raw else ()),
+            "fit",
+            "largest error",
+            "at",
+            "bias",
+            "rows",
+        ),
+        [_write_error(score, one.raw_rms if raw else None) for one, score in rows],
+        right=tuple(range(2, 9 if raw else 8)),
+        note=note,
+        tags={k: TAG for k, (_, score) in enumerate(rows) if score.part == HELD_OUT},
     )
 
 
-def _write_error(score: Score) -> tuple[str, ...]:
+def _write_error(score: Score, raw: float | None) -> tuple[str, ...]:
     fit = "–" if math.isnan(score.fit_percent) else f"{score.fit_percent:.1f} %"
     rms, largest = (format_error(score.output, v, score.unit) for v in (score.rms, score.maximum))
     bias = format_error(score.output, _round_small(score.bias, score.rms), score.unit)
     at = f"{format_number(score.maximum_at)} s"
-    return score.record, f"`{score.output}`", rms, fit, largest, at, bias, str(score.samples)
+    bare = () if raw is None else ("" if math.isnan(raw) else format_error(score.output, raw, score.unit),)
+    return score.record, f"`{score.output}`", rms, *bare, fit, largest, at, bias, str(score.samples)
 
 
 def _round_small(value: float, beside: float) -> float:

@@ -1,0 +1,392 @@
+"""Noise in a followed column, such as a measured temperature, counts in fit and intervals.
+
+A model that follows a measured column X = x + v runs under the noise v too. To first order about
+estimates x̂ of what truly drove, with the sensitivity B = ∂y/∂x of what is compared to every row of
+the column, residuals have the covariance
+
+    d = f(p, x̂) + B (X - x̂) - y,    V = s² I + C Cᵀ,    C = B diag(σ)
+
+and p is fitted to V^(-1/2) d, after which x̂ = X - σ Cᵀ V⁻¹ d, and so on until p rests: the
+Gauss-Newton method for errors in variables (Britt and Luecke (1973), Technometrics 15; Fuller
+(1987), Measurement Error Models, ch. 3). On steep rows it is a regression of the column on the output,
+on flat ones of the output on the column, so that steep loops are not flattened. With C = U δ Wᵀ
+
+    s V^(-1/2) d = d - U (1 - s/√(s² + δ²)) Uᵀ d
+
+keeps residuals in their units. B is taken by central differences, of ±σ in the first rounds and of
+±σ/4 in the last: runs side by side. A record of more than 200 rows is cut into pieces of so many,
+of which one row each is moved in the same run; where the model remembers for longer, blocks of
+rows are moved together and stand for their mean.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from martensite.base.errors import SolveError
+from martensite.fit.problem import Evaluation, InputCorrection, Problem
+from martensite.search.batch_runner import LANES
+
+MOST_ROWS = 200
+"""Rows that are moved one by one."""
+STEPS = (1.0, 1.0, 0.5)
+"""By how much in the first rounds, in standard deviations of their noise: far enough to see the slope
+behind a kink; from then on `LAST_STEP`."""
+LAST_STEP = 0.25
+MOST_ROUNDS = 12
+"""Linearisations, at most."""
+RESTING = 0.05
+"""Change of all numbers in standard errors at which rounds end."""
+SETTLED_NOISE = 0.03
+"""Relative change of the noise of the output at which rounds end."""
+SHARES = (1.0, 0.5, 0.25, 0.1, 0.03)
+"""How far a step goes, the first that helps."""
+NEGLIGIBLE = 0.1
+"""Largest effect of the noise, as a share of the noise of the output, that is left alone."""
+INCREDIBLE = 0.05
+"""Share of the range of a column above which what looks like noise may be its signal."""
+EXPLAINED = 0.5
+"""Part of the effect of noise on all rows at once that pieces must give, or blocks are moved."""
+OUTLYING = 4.0
+"""Standard deviations beyond which a row is a corner of the signal, and no noise."""
+Descend = Callable[[Problem, Any, Evaluation], Any]
+
+
+class FollowedNoise(NamedTuple):
+    """Noise of a column that drives."""
+
+    drive: str
+    column: str
+    sigma: float
+    """Standard deviation [SI]."""
+    declared: bool
+    """Whether it was given, or estimated from the column."""
+
+
+def estimate_column_noise(times: Sequence[float], values: Sequence[float]) -> float:
+    """Standard deviation of what neighbours do not tell of a row: noise of a smooth or resting column.
+
+    Every row is interpolated by a polynomial through its 2, 4 or 6 neighbours; what is left has the
+    variance σ² (1 + Σ w²). The least of the three counts: a signal that bends leaves more.
+
+    Args:
+        times: of the rows [s].
+        values: of the column; at least 9, else the answer is 0.
+    """
+    t, x = np.asarray(times, float), np.asarray(values, float)
+    if len(t) < 9:
+        return 0.0
+    return min(_estimate_by_neighbours(t, x, reach) for reach in (1, 2, 3))
+
+
+def _estimate_by_neighbours(t: Any, x: Any, reach: int) -> float:
+    count = len(t) - 2 * reach
+    places = [k for k in range(2 * reach + 1) if k != reach]
+    near = np.stack([t[k : k + count] for k in places], axis=1) - t[reach : reach + count, None]
+    weights = np.ones_like(near)
+    for j in range(len(places)):
+        for k in range(len(places)):
+            if k != j:
+                weights[:, j] *= near[:, k] / (near[:, k] - near[:, j])
+    told = sum(weights[:, j] * x[k : k + count] for j, k in enumerate(places))
+    rest = (x[reach : reach + count] - told) / np.sqrt(1.0 + np.sum(weights**2, axis=1))
+    limit = OUTLYING * 1.4826 * float(np.median(np.abs(rest)))
+    inner = rest[np.abs(rest) <= limit]
+    return math.sqrt(float(np.mean(inner**2))) if limit > 0.0 else 0.0
+
+
+def find_input_noise(problem: Problem) -> tuple[list[FollowedNoise], list[str]]:
+    """Noise of all columns that drive: as declared, else as estimated; and what is left alone."""
+    found: dict[tuple[str, str], list[tuple[float, float, int]]] = {}
+    for one in problem.experiments:
+        for drive, column in one.follows.items():
+            table = one.followed(drive)
+            sigma = estimate_column_noise(table.times, table.values)
+            found.setdefault((drive, column), []).append((sigma, float(np.ptp(table.values)), len(table.times)))
+    kept, notes = list[FollowedNoise](), list[str]()
+    for (drive, column), rows in found.items():
+        given = problem.input_noise.get(column, problem.input_noise.get(drive))
+        if given is not None:
+            kept.append(FollowedNoise(drive, column, given, True))
+            continue
+        sigma = math.sqrt(sum(s * s * n for s, _, n in rows) / sum(n for *_, n in rows))
+        if sigma > INCREDIBLE * max(reach for _, reach, _ in rows):
+            notes.append(
+                f"Column `{column}` changes from row to row too much to tell its noise from its signal; if it is "
+                f"noisy, say how much: `--noise {column}=AMOUNT`."
+            )
+        elif sigma > 0.0:
+            kept.append(FollowedNoise(drive, column, sigma, False))
+    return kept, notes
+
+
+class _FollowedRuns:
+    """Runs of one experiment with other rows in the columns that it follows."""
+
+    def __init__(self, problem: Problem, k: int, noise: Sequence[FollowedNoise]) -> None:
+        self.problem, self.k, self.one = problem, k, problem.experiments[k]
+        self.drives = [one for one in noise if one.drive in self.one.follows]
+        self.tables = [self.one.followed(one.drive) for one in self.drives]
+        sizes = [len(table.times) for table in self.tables]
+        self.ends = np.cumsum([0, *sizes])
+        self.logged = np.concatenate([np.asarray(table.values, float) for table in self.tables] or [np.zeros(0)])
+        self.sigma = np.repeat([one.sigma for one in self.drives], sizes)
+        self.times = np.concatenate([np.asarray(table.times, float) for table in self.tables] or [np.zeros(0)])
+        self.rows = self.logged.copy()
+        """Estimates of what truly drove."""
+        self.pieces = list[tuple[Any, Any, Any]]()
+        """Used residuals, rows of columns, and C between them."""
+        self.blocks = False
+        self.step = 1.0
+        """By how much rows are moved, in standard deviations of their noise."""
+        used = problem.used[k]
+        self.seen = np.nonzero(used.T)
+        """Output and row of every residual that counts."""
+        self.at = self.one.times[self.seen[1]] + self.one.lead
+        self.sizes = problem.residual_sizes(k)[self.seen[0]]
+
+    def inputs(self, rows: Any) -> dict[str, Any]:
+        """Rows of all columns by drive."""
+        return {one.drive: rows[a:b] for one, a, b in zip(self.drives, self.ends, self.ends[1:], strict=False)}
+
+    def run(self, u: Any, variants: Any) -> Any:
+        """What is compared (variants, used residuals, as residuals) with other rows; NaN where a run fails."""
+        runner, values = self.problem.runners[self.k], self.problem.change_values(self.k, u)
+        answers = list[Any]()
+        for k in range(0, len(variants), LANES):
+            some = variants[k : k + LANES]
+            padded = np.concatenate([some, np.repeat(some[-1:], LANES - len(some), axis=0)])
+            answers.append(
+                runner.run_driven(
+                    values, self.one.driven_grid([self.inputs(row) for row in padded], self.problem.step)
+                )[: len(some)]
+            )
+        found = np.concatenate(answers)
+        delayed = [self.problem.shift_model(self.k, one, u, None)[0] for one in found]
+        return np.stack(delayed)[:, self.seen[1], self.seen[0]] * self.sizes
+
+    def linearise(self, u: Any, seed: int = 0) -> None:
+        """C about the estimated rows."""
+        count = len(self.rows)
+        if not self.blocks and count <= MOST_ROWS:
+            groups = [np.array([k]) for k in range(count)]
+            self.pieces = [(np.arange(len(self.at)), np.arange(count), self._move(u, groups, self.sigma).T)]
+        elif not self.blocks:
+            self._linearise_pieces(u)
+            moved = np.random.default_rng(seed).standard_normal(count)
+            base, shaken = self.run(u, np.stack([self.rows, self.rows + self.sigma * moved]))
+            told = np.zeros(len(self.at))
+            for seen, rows, part in self.pieces:
+                told[seen] += part @ moved[rows]
+            if np.sum((shaken - base - told) ** 2) > EXPLAINED * np.sum((shaken - base) ** 2):
+                self.blocks = True
+                self.linearise(u)
+        else:
+            groups = [g for a, b in zip(self.ends, self.ends[1:], strict=False) for g in _cut_blocks(a, b)]
+            mean = np.array([self.sigma[g[0]] / math.sqrt(len(g)) for g in groups])
+            self.pieces = [(np.arange(len(self.at)), np.array([g[0] for g in groups]), self._move(u, groups, mean).T)]
+
+    def _linearise_pieces(self, u: Any) -> None:
+        """Pieces of so many rows of one column; the same row of every piece is moved at once."""
+        self.pieces = []
+        for a, b in zip(self.ends, self.ends[1:], strict=False):
+            groups = [np.arange(a + k, b, MOST_ROWS) for k in range(min(MOST_ROWS, b - a))]
+            moved = self._move(u, groups, self.sigma[[g[0] for g in groups]])
+            for begin in range(a, b, MOST_ROWS):
+                rows = np.arange(begin, min(begin + MOST_ROWS, b))
+                until = self.times[rows[-1] + 1] if rows[-1] + 1 < b else math.inf
+                seen = np.flatnonzero((self.at >= self.times[rows[0]]) & (self.at < until))
+                part = moved[: len(rows), seen].T.copy()
+                part[self.at[seen][:, None] < self.times[rows][None, :]] = 0.0
+                self.pieces.append((seen, rows, part))
+
+    def _move(self, u: Any, groups: Sequence[Any], by: Any) -> Any:
+        """Half the difference of runs with groups of rows moved up and down, (groups, used residuals)."""
+        moves = np.zeros((len(groups), len(self.rows)))
+        for k, (rows, amount) in enumerate(zip(groups, by, strict=True)):
+            moves[k, rows] = self.step * amount
+        found = self.run(u, np.concatenate([self.rows + moves, self.rows - moves]))
+        half = 0.5 / self.step * (found[: len(groups)] - found[len(groups) :])
+        return np.where(np.isfinite(half), half, 0.0)
+
+    def shift(self) -> Any:
+        """C/σ (X - x̂), (used residuals,)."""
+        found = np.zeros(len(self.at))
+        if not self.blocks:
+            for seen, rows, part in self.pieces:
+                found[seen] += part @ ((self.logged - self.rows)[rows] / self.sigma[rows])
+        return found
+
+    def correct(self, noise: float) -> InputCorrection:
+        """The correction of the experiment for noise s of its residuals."""
+        parts = list[tuple[Any, Any, Any]]()
+        for seen, _, part in self._merged():
+            left, sizes, _ = np.linalg.svd(part, full_matrices=False)
+            parts.append((seen, left, 1.0 - noise / np.hypot(noise, sizes)))
+        return InputCorrection(self.inputs(self.rows), self.shift(), tuple(parts))
+
+    def _merged(self) -> list[tuple[Any, Any, Any]]:
+        """Pieces of several columns over the same residuals side by side."""
+        joined: dict[bytes, tuple[Any, list[Any], list[Any]]] = {}
+        for seen, rows, part in self.pieces:
+            _, places, parts = joined.setdefault(seen.tobytes(), (seen, [], []))
+            places.append(rows)
+            parts.append(part)
+        return [(s, np.concatenate(places), np.concatenate(parts, axis=1)) for s, places, parts in joined.values()]
+
+    def spectrum(self, residuals: Any) -> tuple[Any, Any, float]:
+        """Variances δ² along directions, residuals squared along them, and squares of the rest."""
+        sizes, along = list[Any](), list[Any]()
+        for seen, _, part in self._merged():
+            left, found, _ = np.linalg.svd(part, full_matrices=False)
+            sizes.append(found**2)
+            along.append((left.T @ residuals[seen]) ** 2)
+        told, total = np.concatenate(along), float(residuals @ residuals)
+        return np.concatenate(sizes), told, max(total - float(told.sum()), 0.0)
+
+    def estimate_rows(self, correction: InputCorrection, whitened: Any, noise: float) -> Any:
+        """x̂ = X - σ Cᵀ V⁻¹ d, of residuals that were whitened."""
+        rows = self.logged.copy()
+        if not self.blocks:
+            twice = correction.whiten(whitened) / noise**2
+            for seen, places, part in self.pieces:
+                rows[places] -= self.sigma[places] * (part.T @ twice[seen])
+        return rows
+
+    def misfit(self, rows: Any) -> float:
+        """How far rows are from those logged, Σ (X - x̂)²/σ²."""
+        return float(np.sum(((self.logged - rows) / self.sigma) ** 2))
+
+
+def _cut_blocks(first: int, last: int) -> list[Any]:
+    return [piece for piece in np.array_split(np.arange(first, last), MOST_ROWS) if len(piece)]
+
+
+def correct_for_inputs(
+    problem: Problem, u: Any, descend: Descend
+) -> tuple[Problem, Any, list[FollowedNoise], list[str]]:
+    """The problem with the noise of what drives, its optimum, that noise where it counts, and what is to be said.
+
+    Args:
+        problem: with the records that a fit sees.
+        u: the optimum without that noise.
+        descend: a local search of a problem from a point.
+
+    Raises:
+        SolveError: a run fails with the rows that are estimated of what drove.
+    """
+    noise, notes = find_input_noise(problem)
+    if not noise:
+        return problem, u, [], notes
+    plain = _require_run(problem, u)
+    runs = [_FollowedRuns(problem, k, noise) for k in range(len(problem.experiments))]
+    size = _estimate_output_noise(problem, plain.residuals)
+    if not size > 0.0 or not _is_felt(runs, u, size):
+        return problem, u, [], notes
+    return *_iterate(problem, runs, u, descend), noise, notes
+
+
+def _knows_noise(problem: Problem) -> bool:
+    """Whether the noise of all outputs is declared, so that residuals have a variance of 1."""
+    return all(output in problem.noise for one in problem.experiments for output in one.outputs)
+
+
+def _estimate_output_noise(problem: Problem, residuals: Any) -> float:
+    if _knows_noise(problem):
+        return 1.0
+    return math.sqrt(float(residuals @ residuals) / max(len(residuals) - len(problem.free), 1))
+
+
+def _is_felt(runs: Sequence[_FollowedRuns], u: Any, size: float) -> bool:
+    """Whether noise in the columns moves anything that is compared by more than a tenth of its noise."""
+    chance = np.random.default_rng(0)
+    for one in runs:
+        shaken = one.rows + one.sigma * chance.standard_normal((4, len(one.rows)))
+        found = one.run(u, np.concatenate([one.rows[None], shaken]))
+        if np.nanmax(np.abs(found[1:] - found[0]), initial=0.0) > NEGLIGIBLE * size:
+            return True
+    return False
+
+
+def _iterate(problem: Problem, runs: Sequence[_FollowedRuns], u: Any, descend: Descend) -> tuple[Problem, Any]:
+    """Linearise, fit, estimate what drove, until the numbers rest."""
+    u, noise = np.asarray(u, float), math.inf
+    for count in range(MOST_ROUNDS):
+        step = STEPS[count] if count < len(STEPS) else LAST_STEP
+        for one in runs:
+            one.step = step
+            one.linearise(u)
+        bare = problem.with_corrections([InputCorrection(one.inputs(one.rows), one.shift(), ()) for one in runs])
+        found = _balance_noise(problem, runs, bare.split(_require_run(bare, u).residuals))
+        settled, noise = abs(found - noise) <= SETTLED_NOISE * found, found
+        current = problem.with_corrections([one.correct(noise) for one in runs])
+        end = np.asarray(descend(current, u, _require_run(current, u)))
+        after = _require_run(current, end)
+        errors = noise * np.sqrt(np.diag(np.linalg.pinv(after.jacobian.T @ after.jacobian)))
+        resting = settled and bool(np.all(np.abs(end - u) <= RESTING * errors))
+        if (resting and step == LAST_STEP) or count == MOST_ROUNDS - 1:
+            return current, end
+        parts = zip(runs, current.split(after.residuals), current.corrections, strict=True)
+        wanted = [one.estimate_rows(fix, part, noise) for one, part, fix in parts]
+        before, u = u, _step_towards(problem, runs, u, end, wanted, noise)
+        if u is before and step == LAST_STEP:  # no step helps any more
+            return current, end
+    raise SolveError("The rounds of a correction for noise in what drives are none.")
+
+
+def _require_run(problem: Problem, u: Any) -> Evaluation:
+    found = problem.evaluate(u, slopes=True)
+    if found is None:
+        raise SolveError("The runs fail with the rows that are estimated of what drove.")
+    return found
+
+
+def _step_towards(
+    problem: Problem, runs: Sequence[_FollowedRuns], u: Any, end: Any, wanted: Sequence[Any], noise: float
+) -> Any:
+    """Numbers and rows on the way to others, as far as the sum of all squares falls; the numbers are returned."""
+    begun = [one.rows for one in runs]
+    least = _sum_squares(problem, runs, u, begun, noise)
+    for share in SHARES:
+        point = u + share * (end - u)
+        rows = [a + share * (b - a) for a, b in zip(begun, wanted, strict=True)]
+        if _sum_squares(problem, runs, point, rows, noise) < least:
+            break
+    else:
+        return u
+    for one, found in zip(runs, rows, strict=True):
+        one.rows = found
+    return point
+
+
+def _sum_squares(problem: Problem, runs: Sequence[_FollowedRuns], u: Any, rows: Sequence[Any], noise: float) -> float:
+    """Squares of what is compared and of what drives, each over its noise."""
+    fixes = (InputCorrection(one.inputs(x), np.zeros(len(one.at)), ()) for one, x in zip(runs, rows, strict=True))
+    found = problem.with_corrections(list(fixes)).evaluate(u)
+    if found is None:
+        return math.inf
+    apart = sum(one.misfit(x) for one, x in zip(runs, rows, strict=True))
+    return float(found.residuals @ found.residuals) / noise**2 + apart
+
+
+def _balance_noise(problem: Problem, runs: Sequence[_FollowedRuns], residuals: Sequence[Any]) -> float:
+    """The noise s of the output with which Σ dᵀ V⁻¹ d = n - p; 1 where it is declared."""
+    total = np.concatenate(residuals)
+    spare = max(len(total) - len(problem.free), 1)
+    if _knows_noise(problem):
+        return 1.0
+    found = [one.spectrum(part) for one, part in zip(runs, residuals, strict=True)]
+    sizes, along = (np.concatenate([row[k] for row in found]) for k in (0, 1))
+    rest, high = sum(row[2] for row in found), math.sqrt(float(total @ total) / spare)
+    low = 1e-3 * high
+    for _ in range(50):
+        middle = math.sqrt(low * high)
+        if np.sum(along / (middle**2 + sizes)) + rest / middle**2 > spare:
+            low = middle
+        else:
+            high = middle
+    return high
