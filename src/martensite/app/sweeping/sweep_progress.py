@@ -13,8 +13,9 @@ from martensite.app.messages import JsonTable
 from martensite.app.sweeping.sweep_drawing import SweepDrawing
 from martensite.app.worker import Desk
 from martensite.base.status import Status
-from martensite.design.backends.base import AbstractBackend, Job, Report
+from martensite.design.backends.base import AbstractBackend, Report
 from martensite.design.sweep.api import PlannedSweep, Progress
+from martensite.design.sweep.job import SweepJob
 from martensite.design.sweep.reading import count_statuses
 
 LEAST_PAUSE = 0.3
@@ -31,7 +32,7 @@ class ReportingBackend(AbstractBackend):
     fresh: list[int]
     """Chunks made since the last note."""
 
-    def run(self, job: Job, chunks: Iterable[int]) -> Generator[Report]:
+    def run(self, job: SweepJob, chunks: Iterable[int]) -> Generator[Report]:
         """As the other does it."""
         with closing(self.inner.run(job, chunks)) as reports:
             for report in reports:
