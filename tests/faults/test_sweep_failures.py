@@ -69,6 +69,8 @@ def test_a_run_of_a_sweep_that_raises_is_a_row(tmp_path: Path, monkeypatch: pyte
     (remark,) = begun.run().remarks
     assert "run 7 (Poison: seven)" in remark
     for name, data in arrays(tmp_path / "s.zarr"):
+        if name == "made":  # of chunks
+            continue
         width = len(data) // 12
         row = slice(7 * width, 8 * width)
         assert data[: row.start] == expected[name][: row.start]

@@ -19,6 +19,7 @@ from sweep_cases import AXES, OVER, WIRE, Doubling, arrays, ran, undisturbed, wa
 from martensite.base.status import Status
 from martensite.design.backends.processes import Processes
 from martensite.design.sweep.api import SweepExecution, begin_sweep
+from martensite.design.sweep.store import Store
 from martensite.scenario.scenario import load
 
 PATIENCE = 60.0
@@ -134,17 +135,22 @@ def test_killed_processes_go_on_to_the_same_bits(tmp_path: Path) -> None:
     assert dict(arrays(tmp_path / "s.zarr")) == expected
 
 
-@pytest.mark.slow
-def test_an_interrupted_command_ends_with_a_sentence(tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_command_ends_with_a_sentence(tmp_path: Path, number: signal.Signals) -> None:
+    """A terminal sends Ctrl-C to the whole group, others their signal to the command alone."""
     running = command(tmp_path, *LONG, "--workers", "2")
     when(lambda: chunks_in(tmp_path / "s.zarr") >= 4)
-    os.killpg(running.pid, signal.SIGINT)
+    begin = time.monotonic()
+    (os.killpg if number is signal.SIGINT else os.kill)(running.pid, number)
     _, said = running.communicate()
-    assert running.returncode == 1
+    assert time.monotonic() - begin < 2.5
+    assert running.returncode == 130
     assert said.startswith("error: Interrupted when ")
     assert said.count("\n") == 1
     when(lambda: not alive(running.pid))
-    assert 4 <= chunks_in(tmp_path / "s.zarr") < 50
+    kept = chunks_in(tmp_path / "s.zarr")
+    assert 4 <= kept < 50
+    assert Store(tmp_path / "s.zarr").find_damaged() == []
 
 
 def test_a_process_whose_parent_is_killed_ends(tmp_path: Path) -> None:

@@ -155,7 +155,7 @@ def test_a_full_disk_exits_with_1_and_the_command_goes_on(here: Path, monkeypatc
     assert dict(arrays(here / "wire.zarr")) == expected
 
 
-def test_an_interruption_exits_with_1(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_interruption_is_a_sentence(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     compute = SweepPlan.compute
 
     def interrupted(plan: SweepPlan, rows: range) -> Any:
@@ -165,8 +165,14 @@ def test_an_interruption_exits_with_1(here: Path, monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr(SweepPlan, "compute", interrupted)
     done = SWEEP("wire.toml", *AXES, *QUICK)
-    assert done.exit_code == 1
+    assert done.exit_code == 130
     assert "Interrupted when 6 of 12 runs were there" in done.stderr
     monkeypatch.undo()
     monkeypatch.chdir(here)
     assert SWEEP.report("wire.toml", *AXES, *QUICK)["made"] == 6
+
+
+def test_a_folder_that_is_not_there_is_not_made(here: Path) -> None:
+    said = SWEEP.refused("wire.toml", *AXES, *QUICK, "--out", "nowhere/x.zarr")
+    assert "There is no folder `nowhere` to write `x.zarr` into." in said
+    assert [one.name for one in here.iterdir()] == ["wire.toml"]

@@ -5,10 +5,14 @@ Sources of truth: the same sweep in this process; jobs whose runs double their n
 
 from __future__ import annotations
 
+import json
+import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Timer
 from typing import Any
 
 import pytest
@@ -107,10 +111,35 @@ def test_what_kills_workers_is_salvaged(tmp_path: Path) -> None:
     assert "run 1 (RuntimeError: its process died)" in report.remarks[1]
 
 
-def test_a_scheduler_that_is_lost_is_a_sentence(tmp_path: Path) -> None:
-    for error in (distributed.CancelledError("a"), distributed.comm.CommClosedError("closed")):
+@pytest.mark.parametrize("error", [distributed.CancelledError("a"), distributed.comm.CommClosedError("closed")])
+@pytest.mark.parametrize("place", ["wait", "Client.submit", "Client.cancel"])
+def test_a_scheduler_that_is_lost_is_a_sentence(
+    scheduler: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, error: Exception
+) -> None:
+    """Wherever it is noticed, it is the same as when it is gone."""
+
+    def lost(*_: Any, **__: Any) -> Any:
+        raise error
+
+    monkeypatch.setattr(f"distributed.{place}", lost)
+    with pytest.raises(StoppedError, match=r"scheduler is gone.*goes on"):
+        ran(DaskCluster(scheduler=scheduler), Doubling(tmp_path))
+
+
+@pytest.mark.slow
+def test_a_scheduler_that_is_killed_is_a_sentence(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """Its process is gone, and so is the noise of those that look for it."""
+    words = "-m", "distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", "at.json"
+    with subprocess.Popen([sys.executable, *words], cwd=tmp_path, stderr=subprocess.DEVNULL) as running:
+        file = tmp_path / "at.json"
+        while not file.exists():
+            assert running.poll() is None
+            time.sleep(0.1)
+        address = json.loads(file.read_text())["address"]
+        Timer(2.0, running.kill).start()  # nobody works there: it waits
         with pytest.raises(StoppedError, match=r"scheduler is gone.*goes on"):
-            dask_cluster._build_report(distributed, Ended(error), Doubling(tmp_path), 0)
+            ran(DaskCluster(scheduler=address), Doubling(tmp_path))
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_a_scheduler_that_does_not_answer_is_bad_input(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -92,11 +92,12 @@ def handle_signals() -> Generator[None]:
     try:
         yield
     finally:
+        if _state.heard:  # threads that still work, and Python's own exit code, are not waited for
+            _end_process()
         signal.set_wakeup_fd(before)
-        if not _state.heard:  # else the process may still have to be ended: threads can take their time
-            os.close(writing)
-            for one, handler in taken.items():
-                signal.signal(one, handler)
+        os.close(writing)
+        for one, handler in taken.items():
+            signal.signal(one, handler)
 
 
 @contextmanager
@@ -175,16 +176,18 @@ def _watch_signals(reading: int) -> None:
 
 def _end_process() -> None:
     """Keep what there is, say so, and end, with the processes that were started."""
-    said = _rescue_all()
-    if _state.told:  # by the main thread, which is given the time to
+    said = _rescue_all() or "Interrupted."
+    beside = threading.current_thread() is not threading.main_thread()
+    if _state.told and beside:  # by the main thread, which is given the time to
         time.sleep(TWICE)
-    elif said:
+    elif not _state.told:
         os.write(2, f"{CLEAR_LINE if os.isatty(2) else ''}error: {said}\n".encode())
     if "multiprocessing" in sys.modules:
         from multiprocessing import active_children
 
         for child in active_children():
             child.kill()
+    sys.stderr.flush()
     os._exit(InterruptError.exit_code)
 
 

@@ -21,8 +21,7 @@ from martensite.search.batch_runner import BatchRunner
 from martensite.signals.records import Record
 from martensite.signals.table import Table
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, by_name
-from martensite.simulate.grid import TimeGrid, grid_at
-from martensite.simulate.lane_grid import LaneGrid, lane_grid
+from martensite.simulate.grid import LaneGrid, TimeGrid, grid_at, lane_grid
 
 LEAST_ROWS = 8
 """Rows without which nothing can be fitted."""

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from martensite.actuators.assembly import AbstractSystem
 from martensite.kernels.compiler import find_compiler
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
-from martensite.simulate.grid import TimeGrid
-from martensite.simulate.lane_grid import LaneGrid
+from martensite.simulate.grid import LaneGrid, TimeGrid
 from martensite.simulate.march import SOLVED, march_floats
 
 Numbers: TypeAlias = NDArray[np.float64]

@@ -158,6 +158,7 @@ def read_points(request: Request, desk: Desk) -> JsonTable:
     key = require_entry(request, "key", str)
     path = SweepFolder(desk.folder).path(key)
     drawn = SweepDrawing(Store(path))
+    drawn.store.require_sound()
     asked = SweepRequest.of_spec(drawn.spec)
     step = f"{asked.step!r} s" if asked.step else ""
     return {

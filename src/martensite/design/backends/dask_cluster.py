@@ -11,6 +11,7 @@ time, so that a scheduler never holds a whole sweep.
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Generator, Iterable, Iterator
 from contextlib import contextmanager
@@ -30,6 +31,7 @@ PATIENCE = 10.0
 """How long a scheduler may take to answer [s]."""
 RETRIES = 2
 """How often a task that raises an error is made again, elsewhere if it can be."""
+CLIENT_LOGS = ("distributed.client", "distributed.core", "distributed.batched")
 AHEAD = 2
 """Tasks per thread that are under way."""
 
@@ -60,8 +62,14 @@ class DaskCluster(AbstractBackend):
             StoppedError: the scheduler is lost on the way.
         """
         dask = _import_distributed()
-        with _open_client(dask, self) as client:
-            yield from _collect_reports(dask, client, job, iter(chunks))
+        try:
+            with _mute_client(), _open_client(dask, self) as client:
+                yield from _collect_reports(dask, client, job, iter(chunks))
+        except (dask.CancelledError, dask.comm.CommClosedError, TimeoutError) as error:
+            raise StoppedError(
+                f"The Dask scheduler is gone ({error}). Chunks that were made are kept; give the same command again "
+                "with one that runs: it goes on from there."
+            ) from None
 
 
 def _collect_reports(dask: Any, client: Any, job: SweepJob, waiting: Iterator[int]) -> Iterator[Report]:
@@ -89,11 +97,23 @@ def _build_report(dask: Any, future: Any, job: SweepJob, chunk: int) -> Report:
         return future.result()
     except dask.KilledWorker:
         return salvage_chunk(job, chunk)
-    except (dask.CancelledError, dask.comm.CommClosedError) as error:
-        raise StoppedError(
-            f"The Dask scheduler is gone ({error}). Chunks that were made are kept; give the same "
-            "command again with one that runs: it goes on from there."
-        ) from None
+
+
+@contextmanager
+def _mute_client() -> Iterator[None]:
+    """Dask's client logs every try to reach a scheduler that is lost, with a traceback; a sentence is said instead."""
+
+    def is_other(record: logging.LogRecord) -> bool:
+        return record.name not in CLIENT_LOGS
+
+    handlers = list(logging.getLogger("distributed").handlers)
+    for handler in handlers:
+        handler.addFilter(is_other)
+    try:
+        yield
+    finally:
+        for handler in handlers:
+            handler.removeFilter(is_other)
 
 
 @contextmanager

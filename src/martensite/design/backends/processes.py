@@ -17,7 +17,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import islice
-from multiprocessing import get_context, parent_process
+from multiprocessing import active_children, get_context, parent_process
 from threading import Thread
 from typing import TYPE_CHECKING
 
@@ -128,10 +128,16 @@ def _run_alone(job: SweepJob, rows: range) -> SweepPiece:
 
 @contextmanager
 def _open_pool(count: int) -> Iterator[ProcessPoolExecutor]:
-    """A pool whose waiting chunks are dropped at the end."""
+    """A pool whose waiting chunks are dropped at the end, and those under way where nobody waits for them any more."""
+    before = active_children()
     pool = ProcessPoolExecutor(count, get_context(START), initializer=_end_with_parent)
     try:
         yield pool
+    except (KeyboardInterrupt, GeneratorExit):
+        for process in active_children():
+            if process not in before:
+                process.kill()
+        raise
     finally:
         pool.shutdown(cancel_futures=True)
 

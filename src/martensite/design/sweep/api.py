@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from martensite.base import units
-from martensite.base.errors import InputError, ParameterError, StoppedError
+from martensite.base.errors import DataError, InputError, ParameterError
+from martensite.base.interrupts import rescue_answer
 from martensite.base.lazy import import_extra
 from martensite.base.registry import import_modules
 from martensite.design.backends.base import BACKENDS, AbstractBackend, Report
@@ -72,13 +73,21 @@ def run_chunks(
         tell: called after every chunk.
 
     Raises:
-        StoppedError: it was interrupted, or cannot go on; chunks that were made are kept.
+        InterruptError: it was interrupted; chunks that were made are kept.
+        StoppedError: it cannot go on; as well.
     """
     there = [chunk for chunk in wanted if chunk in done]
     runs = sum(len(job.rows(chunk)) for chunk in wanted)
     progress = Progress(runs, sum(len(job.rows(chunk)) for chunk in there))
     missing = [chunk for chunk in wanted if chunk not in done]
-    try:
+
+    def say_kept() -> str:
+        return (
+            f"Interrupted when {progress.done:,} of {runs:,} runs were there. They are kept: the same command goes "
+            "on from there."
+        )
+
+    with rescue_answer(say_kept):
         if tell:
             tell(progress)
         with closing(backend.run(job, missing)) as reports:
@@ -86,11 +95,6 @@ def run_chunks(
                 progress.note(report)
                 if tell:
                     tell(progress)
-    except KeyboardInterrupt:
-        raise StoppedError(
-            f"Interrupted when {progress.done:,} of {runs:,} runs were there. They are kept: the "
-            "same command goes on from there."
-        ) from None
     return progress
 
 
@@ -163,6 +167,8 @@ class PlannedSweep:
     part: range
     """Chunks that are asked for."""
     backend: AbstractBackend
+    remarks: tuple[str, ...] = ()
+    """What was found when the store was opened."""
 
     def run(self, tell: Tell | None = None) -> Progress:
         """Make the chunks that are missing; `tell` is called after each.
@@ -170,7 +176,9 @@ class PlannedSweep:
         Raises:
             StoppedError: it cannot go on, or was interrupted; what was made is kept.
         """
-        return run_chunks(self.job, self.part, self.store.made(), self.backend, tell)
+        found = run_chunks(self.job, self.part, self.store.made(), self.backend, tell)
+        found.remarks[:0] = self.remarks
+        return found
 
 
 def begin_sweep(scenario: Scenario, wanted: SweepRequest, path: Path, how: SweepExecution) -> PlannedSweep:
@@ -185,19 +193,25 @@ def begin_sweep(scenario: Scenario, wanted: SweepRequest, path: Path, how: Sweep
     if how.force and how.part:
         raise InputError("`--force` would remove what other parts have made; leave it out.")
     parse_share(1 << 30, how.part)
+    if not path.absolute().parent.is_dir():
+        raise DataError(f"There is no folder `{path.parent}` to write `{path.name}` into.")
     old = Store(path) if path.exists() else None
     if old:
-        known = old.spec  # nothing but a sweep is opened, or removed
+        old.require_sweep()  # nothing else is opened, or removed
         if not how.force:  # the step and the runtime that it was begun with
+            known = old.spec
             wanted = replace(wanted, step=wanted.step or known["step"], runtime=wanted.runtime or known["runtime"])
     plan, wanted = prepare_plan(scenario, wanted)
     spec = build_spec(scenario, wanted, how.modules)
     if old and how.force:
         shutil.rmtree(path)
     store = create_store(path, plan, spec)
+    damaged = store.discard_damaged()
     job, part = SweepJob(path.resolve(), json.dumps(spec)), parse_share(plan.chunks, how.part)
     backend = how.made(len(set(part) - store.made()), wanted.runtime)
-    return PlannedSweep(plan, store, job, part, backend)
+    count = "1 chunk was" if len(damaged) == 1 else f"{len(damaged):,} chunks were"
+    remarks = (f"{count} damaged and had to be made again.",) if damaged else ()
+    return PlannedSweep(plan, store, job, part, backend, remarks)
 
 
 def run_sweep(

@@ -45,10 +45,11 @@ def read_sweep(path: Path | str) -> SweepTable:
         path: its Zarr store; it may still be written.
 
     Raises:
-        DataError: it holds no sweep.
-        InputError: Zarr or xarray is not installed.
+        DataError: it holds no sweep, or is damaged.
+        InputError: Zarr is not installed.
     """
     store = Store(Path(path))
+    store.require_sound()
     status = read_status(store)
     axes = read_axes(store)
     gone = status == NOT_MADE
@@ -148,10 +149,11 @@ def open_sweep(path: Path | str, grid: bool = True) -> xarray.Dataset:
             dimension `run`.
 
     Raises:
-        DataError: there is no sweep.
+        DataError: there is no sweep, or it is damaged.
         InputError: Zarr or xarray is not installed.
     """
     store = Store(Path(path))
+    store.require_sound()
     axes, status = read_axes(store), read_status(store)
     xarray: Any = import_extra("xarray", "sweep")
     opened = xarray.open_zarr(str(path), consolidated=False, decode_times=False, decode_timedelta=False)
