@@ -9,7 +9,7 @@ from typing import Any
 from martensite.actuators.assembly import AbstractSystem
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import MEASURED, list_references
-from martensite.control.loop.realtime_program import list_reads
+from martensite.control.loop.realtime import list_reads
 from martensite.control.loop.run import reference_waveforms
 from martensite.export.c_example import Step
 from martensite.signals.base import AbstractWaveform

@@ -13,7 +13,7 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE, ALARM, list_readings, list_references, reference_units
 from martensite.control.loop.names import list_estimates as estimate_outputs
 from martensite.control.loop.period import collect_estimates
-from martensite.control.loop.realtime_program import LoopState, TracedLoop, list_reads, trace_loop
+from martensite.control.loop.realtime import LoopState, TracedLoop, list_reads, trace_loop
 from martensite.export.c_core import CCore, Rows, core_of
 from martensite.export.c_kernels import precision_of
 from martensite.kernels.program import Function, Program

@@ -23,11 +23,11 @@ from martensite.testing.examples import label_part, list_variants
 Check = Callable[[Any], None]
 SUITES = {
     "law": "laws",
-    "cooling": "heat_losses",
-    "ends": "heat_losses",
-    "fluid": "heat_losses",
-    "resistance": "circuits",
-    "drive": "circuits",
+    "cooling": "elements",
+    "ends": "elements",
+    "fluid": "elements",
+    "resistance": "elements",
+    "drive": "elements",
     "element": "elements",
     "mechanism": "mechanisms",
     "waveform": "waveforms",
@@ -38,7 +38,7 @@ SUITES = {
     "check": "supervisors",
     "fault": "faults",
     "block": "blocks",
-    "measure": "measures",
+    "measure": "waveforms",
     "material": "materials",
 }
 """Kind of a part -> module of this package that has its suite."""

@@ -54,7 +54,6 @@ def check_bounds_of_parts(material: Material) -> None:
 
 
 def _require_allowed(part: str, declared: Any, name: str, value: float) -> None:
-    """Raise unless a part takes a number."""
     try:
         declared.convert(part, name, value)
     except ParameterError as error:

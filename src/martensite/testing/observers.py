@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.control.loop.mounted_sensor import NEVER
+from martensite.control.loop.parts import NEVER
 from martensite.control.observers.base import AbstractObserver
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar

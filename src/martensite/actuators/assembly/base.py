@@ -125,6 +125,37 @@ class AbstractSystem(Parametrised, init=False):
         return []
 
 
+class AbstractSystemAround(AbstractSystem):
+    """A system around another one, whose actuators and names are its own."""
+
+    plant: AbstractSystem = part("the system inside")
+
+    @property
+    def mechanism(self) -> AbstractMechanism:  # type: ignore[override]
+        """That of the plant."""
+        return self.plant.mechanism
+
+    def actuators(self) -> dict[str, Actuator]:
+        """Those of the plant."""
+        return self.plant.actuators()
+
+    def label(self, port: str, name: str) -> str:
+        """As on the plant."""
+        return self.plant.label(port, name)
+
+    def drive_at(self, port: str) -> str:
+        """As on the plant."""
+        return self.plant.drive_at(port)
+
+    def outputs(self) -> dict[str, Output]:
+        """Those of the plant."""
+        return self.plant.outputs()
+
+    def convergence_scales(self) -> dict[str, float]:
+        """As on the plant."""
+        return self.plant.convergence_scales()
+
+
 class AbstractAssembly(AbstractSystem):
     """Interface of a mechanism with actuators at its ports."""
 

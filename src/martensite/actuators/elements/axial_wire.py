@@ -36,7 +36,7 @@ class AxialWire(AbstractCells):
         "1", "thermal conductivity of martensite over that of austenite", above=0.0, high=100.0, default=1.0
     )
     contact: Scalar = param(
-        "W/K", "contact conductance between a clamp and the end of a span", low=0.0, high=1e9, default=1e3
+        "W/K", "contact conductance between clamp and end of a span", low=0.0, high=1e9, default=1e3
     )
     spans: Scalar = param("1", "spans between clamps", low=1.0, high=1e4, default=1.0, typical=2.0)
     grading: Scalar = param(

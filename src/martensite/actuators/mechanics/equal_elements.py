@@ -73,7 +73,6 @@ def answer_loads(
 
 
 def _answer_load(xp: Namespace, load: Load, line: LoadLineEquation, dt: Scalar) -> ElementResponse:
-    """One step of one element."""
     element, state, heating = load
     after, report = element.advance(xp, state, heating, line.pull(), dt)
     force = element.force(after)
@@ -81,7 +80,6 @@ def _answer_load(xp: Namespace, load: Load, line: LoadLineEquation, dt: Scalar) 
 
 
 def _group_alike(loads: Sequence[Load]) -> Iterable[list[int]]:
-    """Places of loads of one structure."""
     found: dict[Any, list[int]] = {}
     for place, load in enumerate(loads):
         key = tuple(describe_structure(part) for part in _list_parts(load))
@@ -90,7 +88,6 @@ def _group_alike(loads: Sequence[Load]) -> Iterable[list[int]]:
 
 
 def _list_parts(load: Load) -> tuple[Parametrised, ...]:
-    """All that has parameters."""
     return load.element, load.heating.environment, load.heating.source
 
 

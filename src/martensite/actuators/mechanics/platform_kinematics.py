@@ -122,14 +122,6 @@ def _turn_vertex(
     return cb * x + sb * drop, along, cb * drop - sb * x, drop
 
 
-def compute_torques(
-    xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar, pulls: Sequence[Scalar]
-) -> tuple[Scalar, Scalar]:
-    """Generalised torques Q = -Jᵀ F [N m] of the legs' pulls [N]."""
-    _, over_alpha, over_beta = compute_length_slopes(xp, plates, alpha, beta)
-    return -_multiply_dot(over_alpha, pulls), -_multiply_dot(over_beta, pulls)
-
-
 def correct_angles(
     xp: Namespace, plates: Plates, wanted: Sequence[Scalar], alpha: Scalar, beta: Scalar
 ) -> tuple[Scalar, Scalar]:

@@ -49,12 +49,10 @@ def find_stop_energy(xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scal
 
 
 class Rod(NamedTuple):
-    """A uniform link."""
+    """A uniform link of a length [m] and a mass [kg]."""
 
     length: Scalar
-    """[m]"""
     mass: Scalar
-    """[kg]"""
 
 
 def two_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair, accelerations: Pair) -> Pair:

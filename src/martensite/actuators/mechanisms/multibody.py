@@ -68,9 +68,7 @@ class AbstractMultibody(AbstractMechanism):
         "dynamic",
         default="quasi-static",
     )
-    rho_inf: Scalar = param(
-        "1", "share of the fastest oscillation that a dynamic step keeps", low=0.0, high=1.0, default=0.8
-    )
+    rho_inf: Scalar = param("1", "share of the fastest oscillation that a step keeps", low=0.0, high=1.0, default=0.8)
 
     # ---------------------------------------------------------------- a subclass answers
 
@@ -107,8 +105,9 @@ class AbstractMultibody(AbstractMechanism):
         return None
 
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
-        """Part of `demand` [N] or [N m] that takes energy: damping, friction of joints."""
-        return [0.0] * len(motion.position)
+        """Part of `demand` [N] or [N m] that takes energy: its `damping`, if it declares one, times every rate."""
+        damping = getattr(self, "damping", 0.0)
+        return [damping * rate for rate in motion.velocity]
 
     def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """Generalised forces [N] or [N m] from outside, which `demand` is less by."""

@@ -58,10 +58,6 @@ class Consistency:
         """Where the mean NEES of a sample over the runs lies, with that probability."""
         return _compute_band(self.degrees, self.runs, share)
 
-    def nis_band(self, share: float = 0.95) -> tuple[float, float]:
-        """The same for the NIS."""
-        return _compute_band(self.readings, self.runs, share)
-
     def inside(self, share: float = 0.95) -> float:
         """Share of samples whose mean NEES lies in its band; `share` if all is well."""
         low, high = self.band(share)

@@ -46,6 +46,5 @@ class ResistanceSensor(AbstractSensor):
         return value, (value,)
 
     def _ratio(self, xp: Namespace, truth: Column) -> Scalar:
-        """U/I [ohm], of any number where there is no current."""
         voltage, current = truth
         return voltage / xp.where(self.valid(xp, truth), current, 1.0)

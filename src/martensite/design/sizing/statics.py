@@ -18,8 +18,7 @@ import math
 from dataclasses import dataclass
 
 from martensite.actuators.mechanisms.base import AbstractMechanism
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.design.sizing.request import WireRequest
 from martensite.design.sizing.strand import Strand
 from martensite.physics.materials.wires import GRAVITY, WireSize

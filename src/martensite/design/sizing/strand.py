@@ -19,7 +19,7 @@ from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.kernels import floats
 from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.electrical.sources import CurrentSource
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.materials.base import Material, load_material
 from martensite.physics.materials.wires import WireSize
 from martensite.physics.thermal.base import Cylinder, Environment

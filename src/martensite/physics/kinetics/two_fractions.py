@@ -128,9 +128,6 @@ def relocate_memory(
     return TwoFractionMemory(*fractions, memory.branch, *reaches, stress, temperature)
 
 
-# ---------------------------------------------------------------- the leg and its kink
-
-
 def find_kink(
     xp: Namespace, bend: Scalar, start: PathPoint, stress: Scalar, temperature: Scalar
 ) -> tuple[Flag, Scalar, Scalar]:
@@ -198,9 +195,6 @@ def find_handover(
     forward = xp.where(s.acts, s.leaves, t.leaves)
     done = xp.where(found.back, r.leaves, forward)
     return turning_point(xp, memory, stress, temperature, xp.where(two, done, 1.0))
-
-
-# ---------------------------------------------------------------- select, follow, commit
 
 
 def select_direction(

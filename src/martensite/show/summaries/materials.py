@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from martensite.base.summary import Block, DataTable, Sentence, Summary
-from martensite.physics.materials.base import DOUBTFUL, Material
-from martensite.physics.materials.names import NAMES
+from martensite.physics.materials.base import DOUBTFUL, NAMES, Material
 
 NUMBERS = ("name", "value", "kind", "meaning", "source", "note")
 
