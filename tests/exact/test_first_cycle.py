@@ -8,6 +8,7 @@ import math
 import pytest
 from builders import chamber, example, through
 
+from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.load_line import BiasSpring
 from martensite.physics.laws.base import LAWS
 from martensite.simulate.api import simulate
@@ -47,7 +48,9 @@ def test_brinson_loses_what_the_load_does_not_orient_and_says_so(stress):
 def test_a_first_cycle_against_a_spring_is_judged_too(preload):
     """A wire that stays longer lets go of its spring: no stress is that of the start, because of the drift."""
     system = chamber(example(LAWS["brinson"]), mass=1.0)
-    stiffness = 100 * MPA * SECTION / (0.05 * system.element.length)
+    wire = system.element
+    assert isinstance(wire, Wire)
+    stiffness = 100 * MPA * SECTION / (0.05 * wire.length)
     spring = BiasSpring(stiffness=stiffness, preload=preload * SECTION)
     found, strain, oriented = run_cycles(system.with_parts(mechanism=spring))
     assert strain[0] > 3.0 * strain[1] and oriented[1] == pytest.approx(oriented[2], abs=1e-4)

@@ -125,7 +125,7 @@ class AbstractSystem(Parametrised, init=False):
         return []
 
 
-class AbstractSystemAround(AbstractSystem):
+class AbstractSystemAround(AbstractSystem, init=False):
     """A system around another one, whose actuators and names are its own."""
 
     plant: AbstractSystem = part("the system inside")

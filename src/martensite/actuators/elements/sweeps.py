@@ -2,7 +2,7 @@
 
 Cells share force and current; heat flows between neighbours. A step sweeps over them: every cell solves its own coupled
 step in a bracket (`laws.coupling`), with all others folded into a straight heat line (`elements.network`) and into a
-spring (`elements.linkage`), as they answered in the sweep before. That is Newton's method for the others and a bracket
+spring (`elements.network`), as they answered in the sweep before. That is Newton's method for the others and a bracket
 for oneself; the mismatch that is left is the residual of the step.
 
 The flux between two cells is weighted between start and end of the step by

@@ -98,7 +98,7 @@ class AbstractLayers(AbstractLaw):
 
     @property
     def form(self) -> str:
-        """Form of the barriers, see `laws.shared.barriers`."""
+        """Form of the barriers, see `kinetics.barriers`."""
         return "barrier"
 
     @property

@@ -3,7 +3,7 @@ r"""Müller–Achenbach–Seelecke law of a single crystal: three wells, thermal
     dx₊/dt = p_A₊ A - p_₊A x₊,    dx₋/dt = p_A₋ A - p_₋A x₋,    A = 1 - x₊ - x₋
     ε = ε_T (x₊ - x₋) + σ [(x₊ + x₋)/E_M + A/E_A]
 
-with the wells of `laws.shared.layers` and the rates of `laws.shared.barriers`. A plateau lies
+with the wells of `kinetics.layers` and the rates of `kinetics.barriers`. A plateau lies
 a little inside its threshold and moves with the logarithm of the rate (0.3 MPa per decade for
 V = 5e-23 m³). Layer volume V and time τ mean something only together with the form of the
 rates.
