@@ -4,8 +4,6 @@ A check is a function of a part, or of a material, that raises `ConformanceError
 Parts are tried as made of their typical values, once for every choice of every option.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib import import_module

@@ -1,7 +1,5 @@
 """What every element, heat loss, end, fluid, resistance and source promises: heat to the colder side, capacities."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -3,8 +3,6 @@
 What a part declares is enough to build one: a typical value, else the default. Nothing is known of a part by its name.
 """
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Mapping
 from functools import cache

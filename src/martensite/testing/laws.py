@@ -1,7 +1,5 @@
 """What every law promises: bounds, independence of cuts, monotony, dissipation, finite answers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any, cast

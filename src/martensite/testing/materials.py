@@ -1,7 +1,5 @@
 """What every material promises: ordered temperatures, allowed numbers, a law that holds."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from martensite.base.errors import ParameterError

@@ -4,8 +4,6 @@ A load line is asked for its force and position, a mechanism with coordinates fo
 demands. Sources of truth are differences of what it says itself, and mechanics.
 """
 
-from __future__ import annotations
-
 import math
 from typing import TypeAlias
 

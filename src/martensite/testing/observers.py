@@ -1,7 +1,5 @@
 """What every observer promises: estimates by name, always numbers, rest with the plant."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What every supervisor and every check promises: numbers, alarms, and no cut without one."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What every waveform promises, edges and its own mean, and every measure: one number per run, with its slopes."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Systems: one element, or several, on a mechanism."""
 
-from __future__ import annotations
-
 from martensite.actuators.assembly.actuator import Actuator, Feed, Group, Members
 from martensite.actuators.assembly.base import AbstractSystem, State
 from martensite.actuators.assembly.outputs import OUTPUTS, PROFILES

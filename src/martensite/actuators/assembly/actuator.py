@@ -1,7 +1,5 @@
 """An actuator: an element, its surroundings, and what drives it."""
 
-from __future__ import annotations
-
 from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from martensite.actuators.assembly.outputs import OBSERVABLES, Observation

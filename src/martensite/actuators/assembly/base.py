@@ -4,8 +4,6 @@ One step solves laws, heat and mechanism together, second order in the step. The
 does so: it knows how its elements depend on each other.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, NamedTuple

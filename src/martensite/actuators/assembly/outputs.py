@@ -4,8 +4,6 @@ Another output of every actuator is one more entry of `OBSERVABLES`; runs, files
 and the bench list it by itself.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple

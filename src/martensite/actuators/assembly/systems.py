@@ -1,7 +1,5 @@
 """Systems: one element on a mechanism, or an actuator at every port of one; and a system through some equal steps."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar

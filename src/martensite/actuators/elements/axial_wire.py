@@ -11,8 +11,6 @@ cells. The healing length √(k d/(4 h)) is how far a clamp is felt: some millim
 Cell faces lie at y = ℓ (e^{γ s} - 1)/(e^γ - 1), s = 0, 1/N … 1 from the clamp to the middle.
 """
 
-from __future__ import annotations
-
 from itertools import accumulate, pairwise
 
 from martensite.actuators.elements.base import ELEMENTS

@@ -1,7 +1,5 @@
 """Elements of many cells, each with its own phase state and temperature."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 
 from martensite.actuators.elements.base import (

@@ -25,8 +25,6 @@ expansion makes: leave it zero. Source: Liang and Rogers (1990) as restated, wit
 for the spring, by Ranjith Pillai et al. (2018).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import ClassVar, NamedTuple

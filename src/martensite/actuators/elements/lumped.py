@@ -18,8 +18,6 @@ Under a law of rates the whole system is one of ordinary differential equations,
 an error control takes by a method of higher order (`laws.rosenbrock`).
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, cast

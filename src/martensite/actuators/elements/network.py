@@ -18,8 +18,6 @@ carry the same force, and their elongations add. Cells side by side have the sam
 that is longer than that hangs slack.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 

@@ -10,8 +10,6 @@ the exact conduction between two parallel cylinders alone in a medium. Each wire
 the surroundings as if it were alone, so this is an upper bound of what neighbours exchange.
 """
 
-from __future__ import annotations
-
 import math
 
 from martensite.actuators.elements.base import ELEMENTS

@@ -5,8 +5,6 @@ the n-th part of the force; with n end to end each gives the n-th part of the el
 matter: a wire led there and back pulls twice and is electrically one.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 
 from martensite.actuators.elements.base import ELEMENTS, AbstractElement, Spring

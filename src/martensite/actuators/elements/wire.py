@@ -3,8 +3,6 @@
 Geometry enters at its nominal size (no lateral contraction).
 """
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 

@@ -4,8 +4,6 @@ Alike are elements of one structure (class, law, options) in surroundings and wi
 numbers may differ. A hand of twelve wires is then hardly a larger program than a finger of one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 

@@ -22,8 +22,6 @@ plates' distance h, and that the length of a leg is the norm of its vector. The 
 two rotations is theirs.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple

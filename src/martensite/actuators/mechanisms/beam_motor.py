@@ -26,8 +26,6 @@ that is equation (3.15) of the thesis, +φ'' cos φ in the first line, for compa
 Source: Kossoski (2018), chapter 4 and section 5.2.1, derived anew with Lagrange's equations.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -35,7 +33,7 @@ from typing import Any
 from martensite.actuators.mechanics.beam_drawing import drawn_beam
 from martensite.actuators.mechanics.beam_modes import BeamModes
 from martensite.actuators.mechanics.motion import Motion
-from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, MechanicalEnergy, Output
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, MechanicalEnergy, Output, Readout
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
 from martensite.base.errors import ParameterError
@@ -246,9 +244,7 @@ class BeamMotor(AbstractMultibody):
             squares.append(getattr(self, f"stiffness_{k}") / getattr(self, f"mass_{k}"))
         return 2.0 * math.pi / math.sqrt(max(squares)) / 40.0
 
-    def observe(
-        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
-    ) -> tuple[list[Scalar], Column]:
+    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
         """The tension of the wire, and the `outputs` in order."""
         n, (position, velocity, *_) = self.count, memory.course
         bends = [sum_column(position[:n]), sum_column(velocity[:n])]

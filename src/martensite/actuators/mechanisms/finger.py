@@ -33,8 +33,6 @@ Source: the finger prototype of `finger-paper`, its geometry completed for this 
 completion is a parameter here. Sign convention: θ grows as the wire pulls.
 """
 
-from __future__ import annotations
-
 import math
 
 from martensite.actuators.mechanics.motion import Motion

@@ -27,8 +27,6 @@ others: their Jacobians are zero and cost nothing. Sign convention: angles grow 
 as assembled, where the fingers are straight.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import product
 

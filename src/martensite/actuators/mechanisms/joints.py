@@ -14,8 +14,6 @@ relative angles θ₁ and θ₂, is, with d = m₂ l₂²/3, b = m₂ l₁ l₂/
 Sign convention: angles grow as the tendon pulls. Textbook results.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from martensite.kernels.namespace import Namespace, Scalar

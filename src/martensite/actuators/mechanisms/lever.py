@@ -17,13 +17,11 @@ Sign convention: φ grows as the wire pulls; zero as assembled, where wire, weig
 in balance. Textbook statics.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 
 from martensite.actuators.mechanics.motion import Motion
-from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, MechanicalEnergy, Output
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, MechanicalEnergy, Output, Readout
 from martensite.actuators.mechanisms.drawing import (
     DrawingShape,
     DrawingState,
@@ -97,9 +95,7 @@ class Lever(AbstractMultibody):
         """The angle, its rate if inertia counts, and the lift of the weight."""
         return super().outputs() | {"lift": Output("m", "lift of the weight", "z")}
 
-    def observe(
-        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
-    ) -> tuple[list[Scalar], Column]:
+    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
         """The tension, and the `outputs` in order."""
         forces, own = super().observe(xp, memory, loads, signals)
         rise = xp.sin(self.weight_angle + own[0]) - xp.sin(self.weight_angle)

@@ -5,8 +5,6 @@ loop: it returns the force at which both fit. It is assembled with the element i
 position zero. Position grows as the element shortens. Inertia is left out.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -20,6 +18,7 @@ from martensite.actuators.mechanisms.base import (
     MechanicalEnergy,
     Mechanics,
     Output,
+    Readout,
 )
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar, draw_weight
 from martensite.base.parameters import param
@@ -85,9 +84,7 @@ class AbstractLoadLine(AbstractMechanism):
         after, report = element.advance(xp, state, heating, pull, dt)
         return memory, [after], report
 
-    def observe(
-        self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column
-    ) -> tuple[list[Scalar], Column]:
+    def observe(self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column) -> Readout:
         """The force at which both fit, and the position there."""
         ((element, state, _),) = loads
 

@@ -18,8 +18,6 @@ Sign convention: contraction and tension positive, so a positive J means that th
 its coordinate up. Angles in rad.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -28,7 +26,15 @@ from martensite.actuators.elements.base import AbstractElement, Effort
 from martensite.actuators.mechanics import condensed_step
 from martensite.actuators.mechanics.elimination import multiply_inner, solve_linear
 from martensite.actuators.mechanics.motion import Motion, MotionHistory, Scheme, move_dynamically, quasi_static
-from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, MechanicalEnergy, Mechanics, Output
+from martensite.actuators.mechanisms.base import (
+    AbstractMechanism,
+    Column,
+    Load,
+    MechanicalEnergy,
+    Mechanics,
+    Output,
+    Readout,
+)
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_hanging
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
@@ -183,9 +189,7 @@ class AbstractMultibody(AbstractMechanism):
         course, stiffness, states, report = step.solve_position(xp)
         return Assembled(memory.home, course, tuple(stiffness)), states, report
 
-    def observe(
-        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
-    ) -> tuple[list[Scalar], Column]:
+    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
         """The tensions at the end of the last step, and the coordinates."""
         forces = [element.force(state) for element, state, _ in loads]
         now = memory.course

@@ -10,8 +10,6 @@ with the same preload. An element without tension hangs slack.
 Sign convention: φ grows as the first element, `protagonist`, pulls; zero as assembled.
 """
 
-from __future__ import annotations
-
 import math
 
 from martensite.actuators.mechanics.motion import Motion

@@ -1,7 +1,5 @@
 """Checks of readings: too large, too old, always the same, contradicting; a current that does not flow."""
 
-from __future__ import annotations
-
 import math
 
 from martensite.base.parameters import param, text

@@ -15,8 +15,6 @@ A loop over pulses: `simulate_loop(system, ConstantPower(...), ..., pulses=True)
 `pwm-voltage`, or a bench with `switching="pulses"`. Its average is the drive `power-pwm`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from martensite.base.parameters import option, param, text

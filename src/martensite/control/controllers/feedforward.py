@@ -23,8 +23,6 @@ Source: inversion of a model as feed-forward, Devasia, Chen and Paden 1996; here
 the horizon instead of the whole trajectory.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from martensite.actuators.assembly import AbstractSystem, advance_steps

@@ -19,8 +19,6 @@ they are, and so does every change of load or surroundings; that is for feedback
 Source: Kuhnen 2003 (the inverse); Krasnosel'skii and Pokrovskii 1989 (plays).
 """
 
-from __future__ import annotations
-
 from itertools import accumulate, pairwise
 from typing import Any
 

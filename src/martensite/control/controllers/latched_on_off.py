@@ -15,8 +15,6 @@ Source: the ON/OFF controller of Kossoski (2018), section 5.2.1, which says "whe
 amplitudes of the system decrease" and leaves the measure of that open.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 

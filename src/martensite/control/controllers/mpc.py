@@ -19,8 +19,6 @@ It is no kernel: it runs outside of a bench (`simulate_bench(bench, T, outside=.
 `simulate_controlled`, or in a loop of one's own. All that it remembers is passed in and out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Self
 

@@ -20,8 +20,6 @@ Source of C(z): Copaci, Moreno and Blanco (2019), equation (1); of back-calculat
 Hägglund (1995), section 3.5.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from martensite.base.parameters import Parametrised, option, param, part

@@ -17,8 +17,6 @@ cross-entropy method, whose numbers are drawn with a correlation from block to b
 Source of the method: de Boer, Kroese, Mannor and Rubinstein (2005).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import cache

@@ -1,7 +1,5 @@
 """Controllers that switch between levels, and one that passes its reference on."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from martensite.base.errors import ParameterError

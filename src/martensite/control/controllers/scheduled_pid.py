@@ -12,8 +12,6 @@ The integral is a signal, not a sum of errors, so that nothing jumps with K_i. E
 and anti-windup are those of `martensite.control.controllers.pid`.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import NamedTuple
 

@@ -20,8 +20,6 @@ Sources: surface, boundary layer and integral of Slotine and Li (1991), chapter 
 control by a lag of Utkin (1992); tanh in a robust controller for an SMA wire by Song et al. (2003).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from martensite.base.parameters import option, param

@@ -9,8 +9,6 @@ the level of the operating point. The integral stops where the signal is at a li
 would drive it further. `martensite.design.synthesis.lqr` finds all numbers.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, Self
 

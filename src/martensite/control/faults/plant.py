@@ -1,7 +1,5 @@
 """Faults of a plant: its twin in which parts of one actuator, or of all, are exchanged."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Iterator
 from typing import Any

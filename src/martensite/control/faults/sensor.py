@@ -1,7 +1,5 @@
 """Faults of one sensor: it drifts, sends nothing new, or repeats itself."""
 
-from __future__ import annotations
-
 from typing import Self
 
 from martensite.base.parameters import param, text

@@ -13,8 +13,6 @@ drives of the plant that no controller has, and for every sensor `noise.NAME` an
 standard normal numbers; what is not given is 0, so that a run without them is one without noise.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from martensite.actuators.assembly import advance_steps

@@ -9,8 +9,6 @@ that does the same random walk is a `ProcessNoisePlant`.
 Source: Bar-Shalom, Li and Kirubarajan (2001), section 5.4.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

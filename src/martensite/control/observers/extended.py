@@ -8,8 +8,6 @@ of the law and all. At a turning point of a hysteresis they are those of one sid
 Source: Bar-Shalom, Li and Kirubarajan (2001), section 10.3.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

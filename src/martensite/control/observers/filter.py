@@ -20,8 +20,6 @@ and readings by default), each with its standard deviation `NAME_std`, correlati
 first, and the normalised innovation squared `nis`, 0 without a reading.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, NamedTuple

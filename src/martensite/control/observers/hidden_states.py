@@ -8,8 +8,6 @@ oriented fraction goes with ξ in proportion. It is no unknown of its own: the r
 nothing about it, and in a wire under tension martensite is oriented where it forms.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -12,8 +12,6 @@ an error of ρ/|s| in ξ, with the `sensitivity` s = d ln R/dξ, which is among 
 rises and falls between the phases there are two roots, of which one is found.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from martensite.actuators.assembly import advance_steps

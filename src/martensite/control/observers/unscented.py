@@ -11,8 +11,6 @@ at rest in martensite ξ settles 0.01 to 0.02 below 1, between one and two of it
 Source: Julier and Uhlmann (2004), Proc. IEEE 92; s² = n + κ with κ = 3 - n for α = 1.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from martensite.base.parameters import param

@@ -7,8 +7,6 @@ the gain. b is the offset, q the least step of the converter. The lag is exact f
 x(t + Δt) = x + (1 - exp(-Δt/τ)) (y - x).
 """
 
-from __future__ import annotations
-
 import math
 
 from martensite.base.parameters import param

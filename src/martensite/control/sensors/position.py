@@ -1,7 +1,5 @@
 """Sensors of a place: a linear position sensor, an encoder, and one that says any output exactly."""
 
-from __future__ import annotations
-
 import math
 
 from martensite.base.parameters import option, param

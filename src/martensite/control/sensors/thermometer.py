@@ -1,7 +1,5 @@
 """Thermometers of a wire, which see what is around it as well: a thermocouple, an infrared thermometer."""
 
-from __future__ import annotations
-
 import math
 
 from martensite.base.errors import ParameterError

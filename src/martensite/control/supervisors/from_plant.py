@@ -5,8 +5,6 @@ power, heat capacity and heat loss of the whole. A ribbon or an axial wire has m
 the whole, with wires that carry no current in it, says nothing of the hottest of them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 

@@ -10,8 +10,6 @@ How far apart tripping and being well are is the `band` of a check. Of all check
 alarm is shown; the table of alarms is that of `martensite.control.checks.base`.
 """
 
-from __future__ import annotations
-
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param, part
 from martensite.control.checks.base import AbstractCheck, Checks

@@ -4,8 +4,6 @@ Resistivities of both phases are parameters: published tables and measurements d
 so none is assumed.
 """
 
-from __future__ import annotations
-
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor

@@ -1,7 +1,5 @@
 """Sources that follow their signal within what the supply allows: current, voltage, power, amplifier; a bath."""
 
-from __future__ import annotations
-
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.kernels import floats

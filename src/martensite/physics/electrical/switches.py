@@ -9,8 +9,6 @@ A voltage D U would heat with D² instead: at a duty of 0.3 less than a third of
 power of a run are therefore rms current, rms voltage and mean power.
 """
 
-from __future__ import annotations
-
 import math
 
 from martensite.base.errors import ParameterError

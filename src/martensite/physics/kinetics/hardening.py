@@ -33,8 +33,6 @@ Its slopes are those of a step of Newton's method from there, which are bounded 
 Source: this package's own extension; it is not published. The root is Cardano's.
 """
 
-from __future__ import annotations
-
 import math
 
 from martensite.kernels.namespace import Namespace, Scalar

@@ -20,8 +20,6 @@ on the branch (resume) instead of a scale, so that no tail underflows. Where bot
 could act, one that is past its finish line yields to one that is not, else to reverse.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
 

@@ -11,8 +11,6 @@ The threshold σ_A never falls below zero: cold martensite switches between its 
 |σ| = Δσ.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 

@@ -5,8 +5,6 @@ A_s < w < A_f for dw > 0. A law says what a process leaves to transform at a dis
 modulus (`kinetics.diagram`); the history rules are those of `kinetics.history`. All martensite counts as oriented.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from typing import ClassVar
 

@@ -33,8 +33,6 @@ smooth hardening of Hartl and Lagoudas. The derivation is written out for this p
 option `hardening = "waisted"` (`martensite.physics.kinetics.hardening`) is this package's extension.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from martensite.base.errors import ParameterError

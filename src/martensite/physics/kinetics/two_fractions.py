@@ -11,8 +11,6 @@ act together and do not depend on their order (product law): with r = (1 - P₁)
 The memory holds how near its finish line each process has come since the branch was opened.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from martensite.kernels.namespace import Flag, Namespace, Scalar

@@ -31,8 +31,6 @@ Not in the law: reorientation (martensite keeps the strain with which it formed 
 transforms), compression, plasticity, R-phase, the share σ (α_M - α_A) of the driving force.
 """
 
-from __future__ import annotations
-
 from typing import ClassVar, NamedTuple
 
 from martensite.base.parameters import param

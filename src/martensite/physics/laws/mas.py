@@ -16,8 +16,6 @@ Sources: Seelecke and Müller (2004), Appl. Mech. Rev. 57; the limit σ_A ≥ 0 
 implementation of the Saarland group (Ullrich 2014).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

@@ -20,8 +20,6 @@ Source: the idea of a hybrid automaton of five modes is that of Mandolino, Ferra
 Rizzello (2021), arXiv 2103.03586 (abstract seen); the play form is this package's.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from martensite.base.parameters import param

@@ -16,8 +16,6 @@ The history rules `resume` and `restart` are this package's (`martensite.physics
 overlap (C_A > C_M) one process acts, the branch in progress, else the one met first, else reverse.
 """
 
-from __future__ import annotations
-
 import math
 
 from martensite.base.parameters import option

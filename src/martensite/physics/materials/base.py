@@ -13,8 +13,6 @@ A fitted set of numbers holds for the law it was fitted with. [law] names that l
 leaves the law out takes this one; [fit] says what was fitted to which records.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

@@ -5,8 +5,6 @@ Every cell carries its value with a unit, its kind (as in `martensite.physics.ma
 printed as masses; `pull_force` and `deformation_force` are the weights of these, in newton.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
