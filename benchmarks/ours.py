@@ -16,12 +16,12 @@ from benchmarks.inputs import Drive, aligned
 from benchmarks.problem_a import THETA, Wire
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.wire import Wire as Element
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.load_line import BiasSpring
 from martensite.base.parameters import part
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.electrical.sources import VoltageSource
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.films import PolynomialCooling
 from martensite.signals.base import AbstractWaveform

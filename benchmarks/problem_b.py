@@ -96,7 +96,7 @@ def system(p: Wire, law: str = "mas", **options: Any) -> Any:
     """
     from martensite.actuators.assembly import System
     from martensite.actuators.elements.wire import Wire as Element
-    from martensite.actuators.mechanisms.bias_spring import BiasSpring
+    from martensite.actuators.mechanisms.load_line import BiasSpring
     from martensite.physics.electrical.resistances import PerLengthResistance
     from martensite.physics.electrical.sources import PowerSource
     from martensite.physics.laws.base import LAWS

@@ -15,8 +15,8 @@ from benchmarks.report import Table
 from benchmarks.sections import Options, rows_of, section
 from martensite.actuators.assembly import AbstractSystem, Machine, System
 from martensite.actuators.mechanisms.base import AbstractMechanism
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.actuators.mechanisms.finger import Finger
+from martensite.actuators.mechanisms.load_line import BiasSpring
 from martensite.scenario.scenario import load
 from martensite.simulate.api import simulate
 

@@ -23,8 +23,7 @@ from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.pid import Pid
 from martensite.control.controllers.planning import PlanSearch, Price
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Controllers, Observers, Sensors
+from martensite.control.loop.parts import Controllers, MountedSensor, Observers, Sensors
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor

@@ -13,7 +13,7 @@ from martensite.actuators.elements.axial_wire import AxialWire
 from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.base import AbstractMechanism
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.electrical.sources import PowerSource
 from martensite.physics.thermal.base import Environment

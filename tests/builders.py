@@ -15,13 +15,12 @@ from martensite.actuators.assembly import AbstractSystem, Actuator, Group, Machi
 from martensite.actuators.elements.base import ELEMENTS, AbstractElement
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.base import MECHANISMS, AbstractMechanism
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.base.parameters import Parametrised, part
 from martensite.base.registry import Registry
 from martensite.control.checks.base import CHECKS
 from martensite.control.faults.base import FAULTS
-from martensite.control.loop.supervisor import SUPERVISORS
+from martensite.control.loop.parts import SUPERVISORS
 from martensite.control.observers.base import OBSERVERS
 from martensite.control.sensors.base import SENSORS
 from martensite.physics.electrical.base import RESISTANCES, SOURCES, AbstractSource
@@ -30,7 +29,7 @@ from martensite.physics.electrical.sources import PowerSource, PrescribedTempera
 from martensite.physics.fluids.base import FLUIDS
 from martensite.physics.laws.base import LAWS, AbstractLaw
 from martensite.physics.laws.brinson import Brinson
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.materials.base import load_material
 from martensite.physics.thermal.base import COOLING, AbstractCooling, Environment
 from martensite.physics.thermal.ends import ENDS

@@ -10,7 +10,7 @@ from martensite.actuators.elements.coil_spring import CoilSpring
 from martensite.kernels import floats
 from martensite.physics.electrical.resistances import MixtureResistance
 from martensite.physics.laws.base import Fractions
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.materials.base import load_material
 
 NUMBERS: dict[str, Any] = {name: n.value for name, n in load_material("platform-spring").values.items()}

@@ -15,11 +15,10 @@ from builders import problem_a, wire_a
 from martensite.actuators.assembly import AbstractSystem, System
 from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Controllers, Observers, Sensors
+from martensite.control.loop.parts import Controllers, MountedSensor, Observers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.base import AbstractObserver
-from martensite.control.observers.process_noise_plant import ProcessNoisePlant
+from martensite.control.observers.hidden_states import ProcessNoisePlant
 from martensite.control.sensors.resistance import ResistanceSensor
 from martensite.physics.electrical.resistances import FurstSeeleckeResistance
 from martensite.physics.electrical.switches import PwmVoltage

@@ -9,9 +9,7 @@ import pytest
 from builders import LAW_A
 from closed_forms import A_F, A_S, C_A, C_M, M_F, M_S
 
-from martensite.physics.laws.elahinia import Elahinia
-from martensite.physics.laws.liang_rogers import LiangRogers
-from martensite.physics.laws.tanaka import Tanaka
+from martensite.physics.laws.strip_laws import Elahinia, LiangRogers, Tanaka
 
 NUMBERS: dict[str, Any] = LAW_A | {"Theta": 0.0}
 

@@ -7,11 +7,10 @@ from functools import cache
 import numpy as np
 from builders import problem_a, wire_a
 
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.load_line import BiasSpring
 from martensite.control.controllers.pid import Pid
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.loop.parts import Controllers, MountedSensor, Sensors
 from martensite.control.sensors.position import PositionSensor
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.transfer_function import TransferFunction

@@ -11,21 +11,19 @@ import numpy as np
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.base import Column, Output
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
 from martensite.actuators.mechanisms.hand import Hand
+from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.base.parameters import param
-from martensite.control.checks.above import Overheat
 from martensite.control.checks.base import Looked
-from martensite.control.checks.sensor_lost import SensorLost
-from martensite.control.controllers.on_off import OnOff
+from martensite.control.checks.reading import Overheat, SensorLost
 from martensite.control.controllers.pid import Pid
-from martensite.control.faults.stuck import Stuck
-from martensite.control.faults.supply_sag import SupplySag
+from martensite.control.controllers.relay import OnOff
+from martensite.control.faults.plant import SupplySag
+from martensite.control.faults.sensor import Stuck
 from martensite.control.observers.inverse import InverseModel
-from martensite.control.sensors.current import CurrentSensor
+from martensite.control.sensors.channel import CurrentSensor
 from martensite.control.supervisors.guard import Guard
 from martensite.identify.blocks.gain import Gain
 from martensite.identify.blocks.polynomial import Polynomial
@@ -35,7 +33,7 @@ from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.electrical.sources import CurrentSource
 from martensite.physics.fluids.base import AbstractFluid, FluidProperties
 from martensite.physics.laws.base import Fractions
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.materials.base import Material, Source, load_material
 from martensite.physics.thermal.ends import AbstractEnds
 from martensite.physics.thermal.films import ConstantCooling

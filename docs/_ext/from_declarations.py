@@ -19,7 +19,7 @@ import commands
 import parts
 
 from martensite.actuators.elements.limits import ElementLimits
-from martensite.control.loop.mounted_sensor import MountedSensor
+from martensite.control.loop.parts import MountedSensor
 from martensite.physics.thermal.base import Environment
 from martensite.scenario.bench import BenchSettings
 from martensite.scenario.guard import FromPlant

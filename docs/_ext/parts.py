@@ -10,6 +10,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from martensite.physics.materials.names import NAMES
+
 import martensite
 from martensite.actuators.assembly import OUTPUTS
 from martensite.base import units
@@ -18,8 +20,7 @@ from martensite.base.registry import Registry
 from martensite.base.status import Status
 from martensite.design.backends.base import BACKENDS
 from martensite.design.sampling.samples import DESIGNS
-from martensite.physics.materials.base import DOUBTFUL, Material, load_material, material_names
-from martensite.physics.materials.names import NAMES
+from martensite.physics.materials.base import DOUBTFUL, NAMES, Material, load_material, material_names
 from martensite.scenario import catalogue
 from martensite.show.summaries.parts import write_default
 from martensite.simulate.measures.base import MEASURES

@@ -13,12 +13,12 @@ from martensite.actuators import elements as elements
 from martensite.actuators import mechanisms as mechanisms
 from martensite.actuators.assembly.actuator import Actuator as Actuator
 from martensite.actuators.assembly.actuator import Group as Group
-from martensite.actuators.assembly.machine import Machine as Machine
-from martensite.actuators.assembly.single import System as System
+from martensite.actuators.assembly.systems import Machine as Machine
+from martensite.actuators.assembly.systems import System as System
 from martensite.actuators.elements.coil_spring import CoilSpring as CoilSpring
 from martensite.actuators.elements.wire import Wire as Wire
-from martensite.actuators.mechanisms.bias_spring import BiasSpring as BiasSpring
-from martensite.actuators.mechanisms.dead_weight import DeadWeight as DeadWeight
+from martensite.actuators.mechanisms.load_line import BiasSpring as BiasSpring
+from martensite.actuators.mechanisms.load_line import DeadWeight as DeadWeight
 from martensite.base.errors import InputError as InputError
 from martensite.base.errors import MartensiteError as MartensiteError
 from martensite.base.errors import SolveError as SolveError
@@ -28,7 +28,7 @@ from martensite.physics import thermal as thermal
 from martensite.physics.electrical.sources import CurrentSource as CurrentSource
 from martensite.physics.electrical.sources import VoltageSource as VoltageSource
 from martensite.physics.laws.brinson import Brinson as Brinson
-from martensite.physics.laws.liang_rogers import LiangRogers as LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers as LiangRogers
 from martensite.physics.materials.base import Material as Material
 from martensite.physics.materials.base import load_material as load_material
 from martensite.physics.thermal.base import Environment as Environment

@@ -20,7 +20,7 @@ from martensite.base.formats import spell_symbol
 from martensite.base.parameters import Declared, param
 from martensite.kernels.namespace import Scalar
 from martensite.physics.laws.base import LAWS
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.scenario.scenario import read_scenario
 
 TEXT = list_standalone()["constant_power"]

@@ -13,12 +13,11 @@ from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.base.errors import InputError, ParameterError
 from martensite.base.parameters import param
 from martensite.base.status import Status
-from martensite.control.controllers.on_off import OnOff
 from martensite.control.controllers.pid import Pid, PidLaw
-from martensite.control.faults.stuck import Stuck
+from martensite.control.controllers.relay import OnOff
+from martensite.control.faults.sensor import Stuck
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Controllers, FaultTable, Observers, Sensors
+from martensite.control.loop.parts import Controllers, FaultTable, MountedSensor, Observers, Sensors
 from martensite.control.loop.run import open_loop, simulate_bench
 from martensite.control.observers.inverse import InverseModel
 from martensite.control.sensors.position import PositionSensor

@@ -19,18 +19,16 @@ from builders import example, problem_a
 
 from martensite.base.errors import ParameterError
 from martensite.control.checks import base as checks_base
-from martensite.control.checks.above import Overheat
 from martensite.control.checks.base import CHECKS, Checks, Looked, alarm_names
+from martensite.control.checks.reading import Overheat
 from martensite.control.faults.base import FAULTS
-from martensite.control.faults.stuck import Stuck
-from martensite.control.faults.supply_sag import SupplySag
+from martensite.control.faults.plant import SupplySag
+from martensite.control.faults.sensor import Stuck
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import FaultTable, Observers, Sensors
+from martensite.control.loop.parts import SUPERVISORS, FaultTable, MountedSensor, Observers, Sensors
 from martensite.control.loop.run import simulate_bench
-from martensite.control.loop.supervisor import SUPERVISORS
 from martensite.control.observers.base import ESTIMATED, OBSERVERS
-from martensite.control.sensors.ideal import IdealSensor
+from martensite.control.sensors.position import IdealSensor
 from martensite.control.sensors.resistance import ResistanceSensor
 from martensite.control.supervisors.from_plant import guard_for
 from martensite.control.supervisors.guard import Guard

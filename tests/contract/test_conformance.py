@@ -14,7 +14,7 @@ from builders import label, variants
 from command import Command
 from wrong_parts import WRONG
 
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.base.registry import Registry
@@ -22,7 +22,7 @@ from martensite.identify.blocks.base import BLOCKS
 from martensite.identify.blocks.polynomial import Polynomial
 from martensite.identify.blocks.side_by_side import SideBySide
 from martensite.kernels.namespace import Scalar
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.materials.base import Material, material_names
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.scenario.catalogue import list_registries
@@ -92,7 +92,7 @@ def test_every_check_notices_a_wrong_part(kind: str) -> None:
 
 WRONG_LAW = """
 from martensite.physics.laws.base import LAWS, Fractions
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 
 
 @LAWS.register("wrong-way")
@@ -106,7 +106,7 @@ class WrongWay(LiangRogers):
 
 OWN_LAW = """
 from martensite.physics.laws.base import LAWS
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 
 
 @LAWS.register("own-law")

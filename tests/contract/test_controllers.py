@@ -20,19 +20,16 @@ from martensite.base.errors import ParameterError
 from martensite.control.controllers.base import CONTROLLERS, AbstractController
 from martensite.control.controllers.cascade import Cascade
 from martensite.control.controllers.constant_power import ConstantPower
-from martensite.control.controllers.correction import Correction
-from martensite.control.controllers.direct import Direct
 from martensite.control.controllers.feedforward import Feedforward
 from martensite.control.controllers.inverse_play import InversePlay
 from martensite.control.controllers.latched_on_off import LatchedOnOff
 from martensite.control.controllers.mpc import Mpc
-from martensite.control.controllers.on_off import OnOff
-from martensite.control.controllers.pid import Pid, PidGains, PidLaw
+from martensite.control.controllers.pid import Correction, Pid, PidGains, PidLaw
 from martensite.control.controllers.planning import PlanSearch, Price
+from martensite.control.controllers.relay import Direct, OnOff, TwoLevel
 from martensite.control.controllers.scheduled_pid import GainsAt, GainSchedule, ScheduledPid
 from martensite.control.controllers.sliding_mode import SlidingMode
 from martensite.control.controllers.state_feedback import StateFeedback
-from martensite.control.controllers.two_level import TwoLevel
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.parts import Controllers
 from martensite.control.loop.run import open_loop, simulate_bench

@@ -19,7 +19,6 @@ from elastic import REST, SURROUNDINGS, Elastic
 from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
 from martensite.actuators.mechanisms.drawing import (
     KINDS,
     DrawingShape,
@@ -28,6 +27,7 @@ from martensite.actuators.mechanisms.drawing import (
     measure_length,
     trace_arc,
 )
+from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.app.views.scene import draw_row, measure_lengths

@@ -17,11 +17,18 @@ from martensite.base.parameters import param
 from martensite.control.controllers.base import AbstractController, Readings
 from martensite.control.controllers.pid import Pid
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Controllers, Observers, Sensors
+from martensite.control.loop.parts import (
+    AbstractSupervisor,
+    Column,
+    Controllers,
+    MountedSensor,
+    Named,
+    Observers,
+    Sensors,
+    SupervisorVerdict,
+)
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench
-from martensite.control.loop.supervisor import AbstractSupervisor, Column, Named, SupervisorVerdict
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor
 from martensite.kernels.compiler import find_compiler

@@ -12,8 +12,7 @@ import pytest
 from martensite.base.errors import InputError
 from martensite.base.registry import Registry
 from martensite.physics.laws.base import LAWS
-from martensite.physics.laws.liang_rogers import LiangRogers
-from martensite.physics.laws.tanaka import Tanaka
+from martensite.physics.laws.strip_laws import LiangRogers, Tanaka
 
 MINE = """\
 from martensite.{module} import {registry}
@@ -40,7 +39,7 @@ def python(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 def write_law(folder: Path, file: str, arguments: str) -> None:
     """A module with a law, registered as said."""
-    law = {"module": "physics.laws.base", "registry": "LAWS", "source": "physics.laws.liang_rogers"}
+    law = {"module": "physics.laws.base", "registry": "LAWS", "source": "physics.laws.strip_laws"}
     text = MINE.format(**law, base="LiangRogers", arguments=arguments)
     (folder / file).write_text(text, encoding="utf-8")
 
@@ -61,14 +60,14 @@ def test_the_name_of_a_part_that_nobody_has_imported_is_taken(folder: Path) -> N
     done = python("-m", "martensite", "list", "law", "--import", "mine.py")
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert done.stderr.startswith("error: The law name `tanaka` belongs to `Tanaka` in ")
-    for words in ("tanaka.py", "`Mine` in ", "mine.py", 'register("tanaka", replace=True)'):
+    for words in ("strip_laws.py", "`Mine` in ", "mine.py", 'register("tanaka", replace=True)'):
         assert words in done.stderr
 
 
 def test_a_name_is_taken_though_its_file_is_called_otherwise(folder: Path) -> None:
     part = {"module": "actuators.mechanisms.base", "registry": "MECHANISMS", "base": "DeadWeight"}
     words = '"antagonistic-pulley", replace=False'
-    text = MINE.format(**part, source="actuators.mechanisms.dead_weight", arguments=words)
+    text = MINE.format(**part, source="actuators.mechanisms.load_line", arguments=words)
     (folder / "mine.py").write_text(text, encoding="utf-8")
     done = python("-m", "martensite", "list", "mechanism", "--import", "mine.py")
     assert done.returncode == 2
@@ -119,7 +118,7 @@ def test_parts_of_the_package_are_refused_too() -> None:
     twin = type("Other", (LiangRogers,), {"__module__": "martensite.physics.laws.other"})
     with pytest.raises(InputError, match="cannot have it"):
         LAWS.register("tanaka")(twin)
-    again = type("Tanaka", (LiangRogers,), {"__module__": "martensite.physics.laws.tanaka"})
+    again = type("Tanaka", (LiangRogers,), {"__module__": "martensite.physics.laws.strip_laws"})
     with pytest.raises(InputError, match="cannot have it"):
         LAWS.register("tanaka")(again)
     assert LAWS["tanaka"] is Tanaka

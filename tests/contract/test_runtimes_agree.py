@@ -21,7 +21,7 @@ from kernels import (
 
 from martensite.base.parameters import Parametrised
 from martensite.kernels.dual import value_and_slope
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 
 TOLERANCE = 1e-12
 

@@ -20,8 +20,7 @@ from martensite.actuators.assembly import System
 from martensite.actuators.elements.axial_wire import AxialWire
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.base import AbstractMechanism
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.base.errors import ParameterError
 from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.thermal.ends import ClampedEnds

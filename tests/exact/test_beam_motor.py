@@ -27,7 +27,7 @@ from martensite.kernels import floats
 from martensite.kernels.program import Program
 from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.electrical.sources import CurrentSource, PrescribedTemperature
-from martensite.physics.laws.elahinia import Elahinia
+from martensite.physics.laws.strip_laws import Elahinia
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.constant import Constant

@@ -18,11 +18,9 @@ from typer.testing import CliRunner
 
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.base import AbstractElement
-from martensite.actuators.elements.bundle import Bundle
-from martensite.actuators.elements.chain import LinkChain
+from martensite.actuators.elements.rows import Bundle, LinkChain
 from martensite.actuators.mechanisms.base import AbstractMechanism
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.base.errors import InputError, ParameterError
 from martensite.cli import app
 from martensite.kernels import floats

@@ -30,8 +30,7 @@ from coil_cases import (
 
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.coil_spring import CoilSpring
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.physics.electrical.sources import CurrentSource
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.films import ConstantCooling

@@ -16,11 +16,10 @@ from builders import problem_a
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.base import AbstractController
 from martensite.control.controllers.cascade import Cascade
-from martensite.control.controllers.direct import Direct
 from martensite.control.controllers.pid import Pid, PidGains, PidLaw
+from martensite.control.controllers.relay import Direct, TwoLevel
 from martensite.control.controllers.scheduled_pid import GainsAt, GainSchedule, ScheduledPid
 from martensite.control.controllers.sliding_mode import SlidingMode
-from martensite.control.controllers.two_level import TwoLevel
 from martensite.kernels import floats
 from martensite.physics.electrical.sources import PowerSource
 from martensite.signals.base import AbstractWaveform

@@ -14,14 +14,12 @@ from builders import law_a, problem_a, wire_a
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, ParameterError
 from martensite.control.controllers.base import AbstractController
-from martensite.control.controllers.correction import Correction
 from martensite.control.controllers.feedforward import Feedforward
 from martensite.control.controllers.inverse_play import InversePlay
-from martensite.control.controllers.numbered_gains import NumberedGains
-from martensite.control.controllers.pid import PidLaw
+from martensite.control.controllers.pid import Correction, PidLaw
+from martensite.control.controllers.state_feedback import NumberedGains
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.loop.parts import Controllers, MountedSensor, Sensors
 from martensite.control.sensors.position import PositionSensor
 from martensite.design.synthesis.inverse_hysteresis import fit_rising_curve, identify_hysteresis
 from martensite.identify.blocks.gain import Gain

@@ -19,7 +19,7 @@ from elastic import REST, kelvins, machine
 from scipy import integrate, optimize
 
 from martensite.actuators.assembly import Actuator, Group, Machine
-from martensite.actuators.elements.bundle import Bundle
+from martensite.actuators.elements.rows import Bundle
 from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.base import Column
 from martensite.actuators.mechanisms.hand import FINGERS, JOINTS, Hand

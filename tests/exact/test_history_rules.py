@@ -9,7 +9,7 @@ from closed_forms import BOTH_RULES, cold, exact, hot
 
 from martensite.kernels import floats
 from martensite.physics.laws.base import Fractions
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 
 
 class TestInterruptedTransformations:

@@ -12,8 +12,13 @@ from scipy.integrate import quad
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
 from martensite.kernels.dual import value_and_slope
-from martensite.physics.kinetics.hardening import compute_hardening, hardening_integral, invert_hardening
-from martensite.physics.kinetics.waist import apply_waist, remove_waist
+from martensite.physics.kinetics.hardening import (
+    apply_waist,
+    compute_hardening,
+    hardening_integral,
+    invert_hardening,
+    remove_waist,
+)
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.lagoudas import Lagoudas
 from martensite.physics.materials.base import load_material

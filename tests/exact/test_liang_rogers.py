@@ -6,7 +6,7 @@ from builders import ZERO, along, chamber, fraction_after, isobar, isotherm, law
 from closed_forms import A_F, A_S, BOTH_RULES, C_A, C_M, M_F, M_S, exact, forward, reverse
 from grids import over
 
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.load_line import BiasSpring
 from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.simulate.api import simulate
 

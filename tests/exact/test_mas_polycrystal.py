@@ -13,7 +13,7 @@ from builders import FunctionWaveform
 from mas_paths import follow, table_1
 
 from martensite.actuators.assembly import System
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.load_line import BiasSpring
 from martensite.physics.laws.mas_polycrystal import MullerAchenbachSeeleckePolycrystal
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.films import ConstantCooling

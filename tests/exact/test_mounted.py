@@ -18,19 +18,16 @@ from kernels import RUNTIMES, Kernel, disagreement, on_kernel_itself
 
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import text
-from martensite.control.controllers.on_off import OnOff
+from martensite.control.controllers.relay import OnOff
 from martensite.control.faults.base import AbstractFault
-from martensite.control.faults.stuck import Stuck
+from martensite.control.faults.sensor import Stuck
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import NEVER, WORST, Disturbed, MountedSensor, Sensed
-from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.loop.parts import NEVER, WORST, Controllers, Disturbed, MountedSensor, Sensed, Sensors
 from martensite.control.loop.run import simulate_bench
-from martensite.control.sensors.current import CurrentSensor
-from martensite.control.sensors.gyroscope import GyroscopeSensor
-from martensite.control.sensors.ideal import IdealSensor
-from martensite.control.sensors.infrared import InfraredSensor
-from martensite.control.sensors.position import PositionSensor
+from martensite.control.sensors.channel import CurrentSensor, GyroscopeSensor
+from martensite.control.sensors.position import IdealSensor, PositionSensor
 from martensite.control.sensors.resistance import ResistanceSensor
+from martensite.control.sensors.thermometer import InfraredSensor
 from martensite.kernels import floats
 from martensite.physics.electrical.switches import PwmVoltage
 from martensite.signals.constant import Constant

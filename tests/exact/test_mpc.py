@@ -15,15 +15,13 @@ import pytest
 from builders import problem_a
 
 from martensite.actuators.assembly import AbstractSystem, Group, Machine
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.mpc import Mpc, Planned
 from martensite.control.controllers.pid import Pid
-from martensite.control.controllers.planning import Moment, Planner, PlanSearch, Price, SignalLimits, shift_plan
-from martensite.control.controllers.time_scales import measure_reach
+from martensite.control.controllers.planning import Moment, Planner, PlanSearch, Price, measure_reach, shift_plan
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.loop.parts import Controllers, MountedSensor, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.hidden_states import list_names
 from martensite.control.sensors.position import PositionSensor
@@ -66,7 +64,7 @@ def run(controller: Mpc, duration: float, seed: int = 0, **changes: Any) -> Resu
 
 def planner(price: Price = ERROR, plans: int = 20) -> Planner:
     search = PlanSearch(plans=plans, rounds=3)
-    return Planner(Lanes(SYSTEM, plans), "position", price, search, SignalLimits(0.0, 1.0))
+    return Planner(Lanes(SYSTEM, plans), "position", price, search, (0.0, 1.0))
 
 
 def at_rest(wanted: float, steps: int, signal: float = 0.0) -> Moment:

@@ -28,7 +28,7 @@ from mujoco_cases import (
 )
 
 from martensite.actuators.assembly import System
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.export.mujoco_bridge import COUPLINGS, MujocoBridge
 from martensite.signals.sine import Sine
 from martensite.signals.table import Table

@@ -17,18 +17,17 @@ from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.base.errors import InputError, ParameterError
 from martensite.control.loop.consistency import check_consistency
 from martensite.control.observers import covariance, hidden_states
-from martensite.control.observers.base import OBSERVERS
+from martensite.control.observers.base import OBSERVERS, ObserverPeriod
 from martensite.control.observers.covariance import UnknownReading
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.observers.filter import Believed
 from martensite.control.observers.inverse import InverseModel
-from martensite.control.observers.model_period import ObserverPeriod
 from martensite.control.observers.unscented import UnscentedKalman
 from martensite.kernels import floats
 from martensite.kernels.nested import flatten_numbers
 from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.laws.base import Fractions
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.signals.sine import Sine
 
 FILTERS = [ExtendedKalman, UnscentedKalman]

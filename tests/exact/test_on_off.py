@@ -13,12 +13,11 @@ import pytest
 from builders import ZERO, hanging_wire
 
 from martensite.base.errors import ParameterError
-from martensite.control.controllers.on_off import OnOff
+from martensite.control.controllers.relay import OnOff
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.loop.parts import Controllers, MountedSensor, Sensors
 from martensite.control.loop.run import simulate_bench
-from martensite.control.sensors.ideal import IdealSensor
+from martensite.control.sensors.position import IdealSensor
 from martensite.physics.electrical.sources import PowerSource
 from martensite.signals.constant import Constant
 from martensite.signals.ramp import Ramp

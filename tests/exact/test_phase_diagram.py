@@ -14,7 +14,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from martensite.base.errors import InputError, ParameterError
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.show.figures.law_paths import plot_point
 from martensite.show.figures.phase_diagram import Band, Line, find_bands, find_driven_bands
 from martensite.simulate.path_layout import TWINNED, Choices

@@ -21,7 +21,7 @@ from platform_reference import Platform
 from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.actuators.elements.coil_spring import CoilSpring
 from martensite.actuators.mechanics.platform_kinematics import Plates, compute_length_slopes
-from martensite.actuators.mechanics.platform_rays import compute_crosswise
+from martensite.actuators.mechanics.platform_workspace import compute_crosswise
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
 from martensite.base.errors import ParameterError, SolveError
 from martensite.base.parameters import param

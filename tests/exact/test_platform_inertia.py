@@ -16,17 +16,16 @@ from grids import over
 from kernels import RUNTIMES, Kernel, apart
 from platform_cases import GEOMETRIES, PLATES, POSTURES, SIDE
 
-from martensite.actuators.mechanics.platform_inertia import (
+from martensite.actuators.mechanics.platform_kinematics import Plates, locate_corners
+from martensite.actuators.mechanisms.parallel_platform import (
     AngleRates,
     TopPlate,
     Torques,
-    compute_accelerations,
     inertia_forces,
     kinetic_energy,
     thin_plate,
     weight_torques,
 )
-from martensite.actuators.mechanics.platform_kinematics import Plates, locate_corners
 from martensite.base.parameters import Parametrised
 from martensite.kernels import floats
 from martensite.kernels.dual import value_and_slope, values_and_slopes
@@ -34,6 +33,14 @@ from martensite.kernels.dual import value_and_slope, values_and_slopes
 MASS, GRAVITY = 0.075, 9.81
 RATES, ACCELERATIONS = AngleRates(1.7, -2.3), AngleRates(-11.0, 6.0)
 MOTIONS = [RATES, AngleRates(0.0, 3.0), AngleRates(-2.0, 0.0)]
+
+
+def compute_accelerations(xp: Any, plate: TopPlate, alpha: Any, rates: AngleRates, applied: Torques) -> AngleRates:
+    """Angular accelerations [rad/s²] under applied torques [N m]: the inverse of `inertia_forces`."""
+    sine, shifted = xp.sin(alpha), plate.mass * plate.above * plate.above
+    least, more = plate.inertia + shifted, plate.inertia - shifted
+    own = inertia_forces(xp, plate, alpha, rates, AngleRates(0.0, 0.0))
+    return AngleRates((applied.alpha - own.alpha) / least, (applied.beta - own.beta) / (least + more * sine * sine))
 
 
 def masses(xp: Any, plates: Plates, alpha: Any, beta: Any) -> list[Any]:

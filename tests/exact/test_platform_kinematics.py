@@ -21,7 +21,6 @@ from martensite.actuators.mechanics.platform_kinematics import (
     Plates,
     compute_length_slopes,
     compute_lengths,
-    compute_torques,
     correct_angles,
     platform_angles,
     platform_lengths,
@@ -30,8 +29,16 @@ from martensite.base.errors import ParameterError, SolveError
 from martensite.base.parameters import Parametrised
 from martensite.kernels import floats
 from martensite.kernels.dual import values_and_slopes
+from martensite.kernels.nested import sum_column
 
 MIDDLE, BASE = GEOMETRIES[1:3]
+
+
+def compute_torques(xp: Any, plates: Plates, alpha: Any, beta: Any, pulls: Any) -> tuple[Any, Any]:
+    """Generalised torques Q = -Jᵀ F [N m] of the legs' pulls [N]."""
+    _, over_alpha, over_beta = compute_length_slopes(xp, plates, alpha, beta)
+    first, second = (-sum_column([x * f for x, f in zip(c, pulls, strict=True)]) for c in (over_alpha, over_beta))
+    return first, second
 
 
 def about_x_only(alpha: float, lever: float) -> float:

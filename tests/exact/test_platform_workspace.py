@@ -17,8 +17,14 @@ from scipy.ndimage import label
 from scipy.optimize import brentq, fsolve
 
 from martensite.actuators.mechanics.platform_kinematics import Plates, compute_length_slopes, compute_lengths
-from martensite.actuators.mechanics.platform_rays import compute_crosswise, find_balanced, trace_ray
-from martensite.actuators.mechanics.platform_workspace import Legs, Workspace, reachable_angles
+from martensite.actuators.mechanics.platform_workspace import (
+    Legs,
+    Workspace,
+    compute_crosswise,
+    find_balanced,
+    reachable_angles,
+    trace_ray,
+)
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
 

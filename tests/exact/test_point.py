@@ -16,7 +16,7 @@ from martensite.base.errors import InputError, ParameterError, SolveError, Unkno
 from martensite.base.status import Status
 from martensite.kernels import floats
 from martensite.physics.laws.base import AbstractLaw, Fractions
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.simulate import point
 from martensite.simulate.compiled_law import compile_law
 from martensite.simulate.path_layout import Choices

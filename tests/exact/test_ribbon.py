@@ -9,13 +9,12 @@ from builders import hanging_wire
 
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.base import Spring
-from martensite.actuators.elements.bundle import Bundle
-from martensite.actuators.elements.linkage import ParallelCells, Rest
+from martensite.actuators.elements.network import ParallelCells, Rest
 from martensite.actuators.elements.ribbon import Ribbon
+from martensite.actuators.elements.rows import Bundle
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.base import AbstractMechanism
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.base.errors import ParameterError
 from martensite.kernels import floats
 from martensite.signals.constant import Constant

@@ -13,16 +13,10 @@ import pytest
 
 from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.control.sensors.base import SENSORS, AbstractSensor, Probe, simulate_readings
-from martensite.control.sensors.current import CurrentSensor
-from martensite.control.sensors.encoder import EncoderSensor
-from martensite.control.sensors.force import ForceSensor
-from martensite.control.sensors.gyroscope import GyroscopeSensor
-from martensite.control.sensors.ideal import IdealSensor
-from martensite.control.sensors.infrared import InfraredSensor
-from martensite.control.sensors.position import PositionSensor
+from martensite.control.sensors.channel import CurrentSensor, ForceSensor, GyroscopeSensor, TiltSensor
+from martensite.control.sensors.position import EncoderSensor, IdealSensor, PositionSensor
 from martensite.control.sensors.resistance import ResistanceSensor
-from martensite.control.sensors.thermocouple import ThermocoupleSensor
-from martensite.control.sensors.tilt import TiltSensor
+from martensite.control.sensors.thermometer import InfraredSensor, ThermocoupleSensor
 from martensite.kernels import floats
 
 AMBIENT = 296.15

@@ -10,12 +10,10 @@ from closed_forms import A_F, A_S, BOTH_RULES, C_A, C_M, M_F, M_S, exact
 from grids import over
 from strip_cases import CASES, EVERY, KINETICS, NUMBERS, exponential
 
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.mechanisms.load_line import BiasSpring
 from martensite.base.errors import ParameterError
 from martensite.physics.electrical.sources import PrescribedTemperature
-from martensite.physics.laws.elahinia import Elahinia
-from martensite.physics.laws.liang_rogers import LiangRogers
-from martensite.physics.laws.tanaka import Tanaka
+from martensite.physics.laws.strip_laws import Elahinia, LiangRogers, Tanaka
 from martensite.simulate.api import simulate
 
 # ---------------------------------------------------------------- curves

@@ -14,10 +14,9 @@ from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.base.errors import ParameterError
 from martensite.control.faults.base import FAULTS
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import FaultTable, Sensors
+from martensite.control.loop.parts import FaultTable, MountedSensor, Sensors
 from martensite.control.loop.run import simulate_bench
-from martensite.control.sensors.ideal import IdealSensor
+from martensite.control.sensors.position import IdealSensor
 from martensite.kernels import floats
 from martensite.physics.electrical.sources import CurrentSource, PrescribedTemperature, VoltageSource
 from martensite.physics.electrical.switches import PwmVoltage

@@ -15,11 +15,9 @@ import pytest
 from martensite.base.errors import InputError
 from martensite.control.checks.base import CHECKS
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Sensors
+from martensite.control.loop.parts import MountedSensor, Sensors
 from martensite.control.sensors.base import SENSORS
-from martensite.control.sensors.ideal import IdealSensor
-from martensite.control.sensors.position import PositionSensor
+from martensite.control.sensors.position import IdealSensor, PositionSensor
 from martensite.control.supervisors.from_plant import guard_for
 from martensite.control.supervisors.from_sensors import CHANCE, checks_for, lost_after, stuck_after
 from martensite.control.supervisors.guard import Guard

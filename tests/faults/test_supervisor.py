@@ -15,10 +15,10 @@ from builders import example, problem_a
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-from martensite.actuators.elements.bundle import Bundle
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.ribbon import Ribbon
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
+from martensite.actuators.elements.rows import Bundle
+from martensite.actuators.mechanisms.load_line import BiasSpring
 from martensite.base.errors import InputError, ParameterError
 from martensite.base.parameters import param
 from martensite.control.checks.base import CHECKS, Checks, alarm_names
@@ -26,10 +26,8 @@ from martensite.control.checks.thermal_bound import ThermalBound
 from martensite.control.controllers.pid import Pid
 from martensite.control.faults.base import FAULTS
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Controllers, FaultTable, Sensors
+from martensite.control.loop.parts import SUPERVISORS, Controllers, FaultTable, MountedSensor, Sensors
 from martensite.control.loop.run import simulate_bench
-from martensite.control.loop.supervisor import SUPERVISORS
 from martensite.control.sensors.base import AbstractSensor
 from martensite.control.supervisors.from_plant import guard_for, least_conductance, worst_power
 from martensite.control.supervisors.guard import Guard

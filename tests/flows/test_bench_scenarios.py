@@ -17,7 +17,7 @@ from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.control.controllers.mpc import Mpc
 from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.controllers.scheduled_pid import ScheduledPid
-from martensite.control.loop.mounted_sensor import MountedSensor
+from martensite.control.loop.parts import MountedSensor
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.position import PositionSensor
 from martensite.scenario.overrides import as_toml, change_document

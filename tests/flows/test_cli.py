@@ -13,7 +13,7 @@ from typer.testing import CliRunner, Result
 
 from martensite.base.errors import DataError, SolveError
 from martensite.cli import app
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.scenario.scenario import Scenario
 
 SCENARIO = """\
@@ -250,7 +250,7 @@ def test_failing_figure_leaves_no_data_behind(folder: Path, monkeypatch: pytest.
 def test_own_module_adds_a_law(folder: Path) -> None:
     (folder / "mine.py").write_text(
         "from martensite.physics.laws.base import LAWS\n"
-        "from martensite.physics.laws.liang_rogers import LiangRogers\n"
+        "from martensite.physics.laws.strip_laws import LiangRogers\n"
         "@LAWS.register('mine')\n"
         "class Mine(LiangRogers):\n"
         "    'A law of my own.'\n",

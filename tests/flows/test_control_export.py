@@ -10,8 +10,7 @@ from builders import problem_a
 from martensite.base.errors import InputError
 from martensite.control.controllers.pid import Pid, PidLaw
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.loop.parts import Controllers, MountedSensor, Sensors
 from martensite.control.sensors.position import PositionSensor
 from martensite.design.synthesis.linear import linearise_plant, realise_readings
 from martensite.design.synthesis.operating_point import find_operating_level

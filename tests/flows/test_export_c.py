@@ -27,8 +27,7 @@ from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
 from martensite.control.controllers.pid import Pid
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Controllers, Observers, Sensors
+from martensite.control.loop.parts import Controllers, MountedSensor, Observers, Sensors
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor

@@ -27,9 +27,8 @@ from martensite.base import units
 from martensite.base.errors import InputError
 from martensite.fit.material_files import write_material
 from martensite.fit.material_numbers import find_law, name_canonically
-from martensite.physics.laws.liang_rogers import LiangRogers
-from martensite.physics.materials.base import load_material
-from martensite.physics.materials.names import NAMES
+from martensite.physics.laws.strip_laws import LiangRogers
+from martensite.physics.materials.base import NAMES, load_material
 from martensite.scenario.citations import read_bibliography
 from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
 from martensite.scenario.laws import configure_laws, law_words

@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 from martensite.base.errors import InputError
-from martensite.physics.materials.base import load_material, material_names
-from martensite.physics.materials.names import NAMES
+from martensite.physics.materials.base import NAMES, load_material, material_names
 
 SOUND = """
 title = "T"

@@ -16,18 +16,16 @@ from drawn_texts import check_apart, visible_texts
 from matplotlib.figure import Figure
 
 from martensite.base.errors import DataError, InputError
-from martensite.control.checks.above import Overheat
 from martensite.control.checks.base import Checks
-from martensite.control.controllers.on_off import OnOff
+from martensite.control.checks.reading import Overheat
 from martensite.control.controllers.pid import Pid
-from martensite.control.faults.stuck import Stuck
+from martensite.control.controllers.relay import OnOff
+from martensite.control.faults.sensor import Stuck
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Controllers, FaultTable, Observers, Sensors
+from martensite.control.loop.parts import Controllers, FaultTable, MountedSensor, Observers, Sensors
 from martensite.control.loop.run import simulate_bench
 from martensite.control.observers.inverse import InverseModel
-from martensite.control.sensors.ideal import IdealSensor
-from martensite.control.sensors.position import PositionSensor
+from martensite.control.sensors.position import IdealSensor, PositionSensor
 from martensite.control.supervisors.guard import Guard
 from martensite.physics.electrical.switches import PwmVoltage
 from martensite.show.figures.bench import plot_bench

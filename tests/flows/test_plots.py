@@ -30,8 +30,8 @@ from martensite.base.status import Status
 from martensite.physics.electrical.base import AbstractSource
 from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.physics.laws.base import AbstractLaw
-from martensite.physics.laws.liang_rogers import LiangRogers
 from martensite.physics.laws.mas import MullerAchenbachSeelecke
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.show.figures.hysteresis import find_senses, find_strips
 from martensite.show.figures.overview import plot_result, save_figure
 from martensite.signals.base import AbstractWaveform

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from martensite.actuators.elements.wire import Wire
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.base.errors import InputError
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.scenario.overrides import as_toml, change_document, read_settings
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.signals.sine import Sine

@@ -20,8 +20,8 @@ from martensite.base.errors import InputError, ParameterError, UnitError
 from martensite.base.parameters import Leaf, Parametrised, param, part, text
 from martensite.cli import app
 from martensite.control.checks.base import CHECKS
-from martensite.control.controllers.on_off import OnOff
 from martensite.control.controllers.planning import Price
+from martensite.control.controllers.relay import OnOff
 from martensite.control.faults.base import FAULTS
 from martensite.scenario.build import Builder
 from martensite.scenario.catalogue import list_registries

@@ -23,8 +23,7 @@ from scipy.integrate import solve_ivp
 from laboratory.scenarios import DRIVES, SOURCES, Scenario, make_wave
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.wire import Wire
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.laws.mas import MullerAchenbachSeelecke
 from martensite.physics.thermal.base import Environment

@@ -12,12 +12,10 @@ import numpy as np
 from laboratory.reference import Wire as Equations
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.wire import Wire
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.electrical.sources import CurrentSource, PowerSource, VoltageSource
-from martensite.physics.laws.liang_rogers import LiangRogers
-from martensite.physics.laws.tanaka import Tanaka
+from martensite.physics.laws.strip_laws import LiangRogers, Tanaka
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.base import AbstractWaveform

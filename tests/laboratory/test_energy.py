@@ -13,8 +13,8 @@ import pytest
 from builders import SINE_A, examples, label, problem_a, raised_cosine, wire_a
 from elastic import machine
 
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
 from martensite.actuators.mechanisms.lever import Lever
+from martensite.actuators.mechanisms.load_line import BiasSpring
 from martensite.scenario.scenario import load
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result

@@ -23,8 +23,7 @@ from laboratory.scenarios import DRIVES, JUDGED, make_scenario, true_error
 from laboratory.table import NUMBERS, PAGE, Outcome, page, quantile, try_case, try_layers
 from martensite.base.status import Status
 from martensite.physics.laws.base import AbstractLaw
-from martensite.physics.laws.elahinia import Elahinia
-from martensite.physics.laws.tanaka import Tanaka
+from martensite.physics.laws.strip_laws import Elahinia, Tanaka
 from martensite.scenario.scenario import load
 from martensite.signals.constant import Constant
 from martensite.signals.pwm import PulseWidthModulation

@@ -5,8 +5,8 @@ import pytest
 from builders import REGISTRIES, SINE_A, example_system
 from kernels import KERNELS, traced, xp_methods
 
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.actuators.mechanisms.load_line import BiasSpring
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_march

@@ -27,7 +27,7 @@ from martensite.kernels.dual import Dual
 from martensite.kernels.namespace import OPERATIONS
 from martensite.kernels.traced_numbers import TracedNumber
 from martensite.physics.laws.base import LAWS
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 
 SCENARIO = """\
 title = "Lifting 400 g"
@@ -54,7 +54,7 @@ import math
 import statistics
 import numpy as np
 from martensite.physics.laws.base import LAWS
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 
 
 @LAWS.register("NAME")
@@ -243,7 +243,7 @@ def test_a_mechanism_is_named_too(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.chdir(tmp_path)
     Path("slack_spring.py").write_text(
         "from martensite.actuators.mechanisms.base import MECHANISMS\n"
-        "from martensite.actuators.mechanisms.dead_weight import DeadWeight\n"
+        "from martensite.actuators.mechanisms.load_line import DeadWeight\n"
         "@MECHANISMS.register('slack-weight')\n"
         "class SlackWeight(DeadWeight):\n"
         "    'A weight.'\n"

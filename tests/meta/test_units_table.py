@@ -14,9 +14,10 @@ import pint
 import pytest
 
 from martensite.base import units
-from martensite.physics.materials.names import NAMES
+from martensite.physics.materials import base as materials
+from martensite.physics.materials.base import NAMES
 
-MATERIALS = Path(units.__file__).parent / "materials" / "data"
+MATERIALS = Path(materials.__file__).parent / "data"
 REGISTRY = pint.UnitRegistry()
 
 

@@ -337,7 +337,7 @@ def test_tuned_gains_beat_the_best_rule_on_plants_they_have_not_seen(sensed: Loo
 
 
 def test_rules_are_for_a_pid(sensed: LoopRuns) -> None:
-    from martensite.control.controllers.on_off import OnOff
+    from martensite.control.controllers.relay import OnOff
     from martensite.signals.constant import Constant
 
     switch = OnOff(measured="position", reference=Constant(level=1e-3), high=1.0)

@@ -22,7 +22,7 @@ from martensite.characterise.tangent_lines import CORE
 from martensite.characterise.tangent_points import TangentPoints, find_tangent_points
 from martensite.characterise.transformation_strain import fit_transformation_strain, saturating_strain
 from martensite.physics.laws.brinson import Brinson
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.signals.records import Record
 
 SAMPLE = Bent()

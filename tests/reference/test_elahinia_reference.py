@@ -12,7 +12,7 @@ import strip_paths
 from builders import LAW_A, ZERO, along, strain_of
 from strip_paths import CASES, RULES, random_case
 
-from martensite.physics.laws.elahinia import Elahinia
+from martensite.physics.laws.strip_laws import Elahinia
 
 NUMBERS: dict[str, Any] = LAW_A
 worst = partial(strip_paths.worst, kinetics, Elahinia)

@@ -9,7 +9,7 @@ import strip_paths
 from builders import ZERO, law_a
 from strip_paths import CASES, RULES, random_case
 
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 
 TOLERANCE = 1e-10
 followed = partial(strip_paths.followed, reference)

@@ -10,7 +10,7 @@ import tanaka_reference as reference
 from builders import ZERO, along
 from strip_paths import CASES, MODULI, RULES, random_case
 
-from martensite.physics.laws.tanaka import Tanaka
+from martensite.physics.laws.strip_laws import Tanaka
 
 TOLERANCE = 1e-10
 followed = partial(strip_paths.followed, reference)

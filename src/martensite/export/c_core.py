@@ -21,7 +21,7 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import AGE, ALARM, JITTER, NOISE, list_readings, list_references, reference_units
 from martensite.control.loop.names import list_estimates as estimate_outputs
 from martensite.control.loop.period import collect_estimates
-from martensite.control.loop.realtime_program import LoopState, TracedLoop, list_reads, trace_loop
+from martensite.control.loop.realtime import LoopState, TracedLoop, list_reads, trace_loop
 from martensite.export.c_kernels import Precision, count_operations, precision_of, used_parameters
 from martensite.export.c_names import CoreVariable, checked_identifier, list_parameters, list_variables, make_identifier
 from martensite.export.c_source import source_text

@@ -13,7 +13,7 @@ from typing import Any
 from martensite.actuators.assembly import AbstractSystem
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import MEASURED, list_references
-from martensite.control.loop.realtime_program import list_reads
+from martensite.control.loop.realtime import list_reads
 from martensite.control.loop.run import reference_waveforms
 from martensite.export.c_core import CCore
 from martensite.export.c_kernels import Precision, precision_of

@@ -18,8 +18,7 @@ from martensite.fit.fit import Fit
 from martensite.fit.fit_provenance import NOT_DETERMINED, PACKAGE, format_interval
 from martensite.fit.free_parameters import is_nuisance
 from martensite.physics.laws.base import AbstractLaw
-from martensite.physics.materials.base import Material, MaterialNumber, Source
-from martensite.physics.materials.names import NAMES
+from martensite.physics.materials.base import NAMES, Material, MaterialNumber, Source
 from martensite.scenario.assemble import scenario_path
 from martensite.scenario.exact_text import exact_text, format_quantity, shown_range
 from martensite.scenario.laws import law_words

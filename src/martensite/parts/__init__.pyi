@@ -20,9 +20,9 @@ from martensite.control.controllers.base import CONTROLLERS as CONTROLLERS
 from martensite.control.controllers.base import AbstractController as AbstractController
 from martensite.control.faults.base import FAULTS as FAULTS
 from martensite.control.faults.base import AbstractFault as AbstractFault
-from martensite.control.loop.supervisor import SUPERVISORS as SUPERVISORS
-from martensite.control.loop.supervisor import AbstractSupervisor as AbstractSupervisor
-from martensite.control.loop.supervisor import SupervisorVerdict as SupervisorVerdict
+from martensite.control.loop.parts import SUPERVISORS as SUPERVISORS
+from martensite.control.loop.parts import AbstractSupervisor as AbstractSupervisor
+from martensite.control.loop.parts import SupervisorVerdict as SupervisorVerdict
 from martensite.control.observers.base import OBSERVERS as OBSERVERS
 from martensite.control.observers.base import AbstractObserver as AbstractObserver
 from martensite.control.sensors.base import SENSORS as SENSORS

@@ -23,10 +23,16 @@ from martensite.base.parameters import Parametrised, option, param
 from martensite.control.controllers.base import CONTROLLERS, AbstractController, require_readings
 from martensite.control.faults.base import FAULTS as KNOWN_FAULTS
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
 from martensite.control.loop.names import list_readings
-from martensite.control.loop.parts import Controllers, FaultTable, Observers, Sensors
-from martensite.control.loop.supervisor import SUPERVISORS, AbstractSupervisor
+from martensite.control.loop.parts import (
+    SUPERVISORS,
+    AbstractSupervisor,
+    Controllers,
+    FaultTable,
+    MountedSensor,
+    Observers,
+    Sensors,
+)
 from martensite.control.observers.base import OBSERVERS
 from martensite.control.sensors.base import SENSORS
 from martensite.kernels.namespace import Scalar

@@ -18,8 +18,7 @@ from martensite.base import units
 from martensite.base.errors import InputError, ParameterError, UnitError, suggest_name
 from martensite.base.parameters import REQUIRED, Declared, Parametrised
 from martensite.base.registry import Registry
-from martensite.physics.materials.base import Material
-from martensite.physics.materials.names import NAMES
+from martensite.physics.materials.base import NAMES, Material
 from martensite.scenario.components import component_class, convert_plain, is_members, is_plain
 from martensite.scenario.place_units import PlaceUnits
 

@@ -71,7 +71,7 @@ def list_registries(blocks: bool = False) -> dict[str, Registry[Any]]:
     from martensite.control.checks.base import CHECKS
     from martensite.control.controllers.base import CONTROLLERS
     from martensite.control.faults.base import FAULTS
-    from martensite.control.loop.supervisor import SUPERVISORS
+    from martensite.control.loop.parts import SUPERVISORS
     from martensite.control.observers.base import OBSERVERS
     from martensite.control.sensors.base import SENSORS
     from martensite.physics.electrical.base import RESISTANCES, SOURCES

@@ -9,7 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Mapping
 from copy import deepcopy
-from inspect import get_annotations
+from inspect import formatannotation, get_annotations
 from types import UnionType
 from typing import Any, cast, get_args
 
@@ -100,8 +100,9 @@ def convert_plain(declared: Declared, name: str, value: Any, path: str) -> Any:
 def find_annotated(owner: type[Parametrised], name: str) -> type[Parametrised] | None:
     """The class that an annotation names, `None` beside it or not."""
     home = next((base for base in owner.__mro__ if name in get_annotations(base)), owner)
-    try:
-        found = eval(_read_annotation(owner, name), dict(vars(sys.modules[home.__module__])))
+    found: Any = get_annotations(home).get(name)
+    try:  # a text where a module puts off the reading of its annotations
+        found = eval(found, dict(vars(sys.modules[home.__module__]))) if isinstance(found, str) else found
     except NameError:  # known to the type checker only
         return None
     classes = get_args(found) if isinstance(found, UnionType) else (found,)
@@ -109,8 +110,7 @@ def find_annotated(owner: type[Parametrised], name: str) -> type[Parametrised] |
 
 
 def _read_annotation(owner: type[Parametrised], name: str) -> str:
-    for base in owner.__mro__:
-        own = get_annotations(base)
-        if name in own:
-            return str(own[name])
-    return ""
+    """The annotation of a declaration, as it is written."""
+    home = next((base for base in owner.__mro__ if name in get_annotations(base)), owner)
+    found: Any = get_annotations(home).get(name, "")
+    return found if isinstance(found, str) else formatannotation(found)

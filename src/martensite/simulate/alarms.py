@@ -113,10 +113,11 @@ def _share_above(begin: float, end: float) -> float:
 def alarms_of(system: AbstractSystem, times: Sequence[float], columns: Columns) -> list[Alarm]:
     """All alarms of a run, from its sampled columns in SI."""
     found: list[Alarm] = []
+    alone = len(system.actuators()) == 1 and not system.mechanism.signals()
     for port, actuator in system.actuators().items():
         own = {name: columns[system.label(port, name)] for name in JUDGED}
         several = system.label(port, "stress") != "stress"
-        found += [_at_port(alarm, port) if several else alarm for alarm in _of_actuator(actuator, times, own)]
+        found += [_at_port(alarm, port) if several else alarm for alarm in _of_actuator(actuator, times, own, alone)]
     return found
 
 
@@ -125,7 +126,7 @@ def _at_port(alarm: Alarm, port: str) -> Alarm:
     return replace(alarm, port=port, sentence=sentence)
 
 
-def _of_actuator(actuator: Actuator, times: Sequence[float], columns: Columns) -> list[Alarm]:
+def _of_actuator(actuator: Actuator, times: Sequence[float], columns: Columns, alone: bool) -> list[Alarm]:
     limits = actuator.element.limits
     hot = "temperature", "K", limits.temperature_limit, 273.15, "°C", 1.0
     high = "stress", "Pa", limits.stress_limit, 0.0, "MPa", 1e6
@@ -135,7 +136,7 @@ def _of_actuator(actuator: Actuator, times: Sequence[float], columns: Columns) -
         _watch_strain(times, columns["strain"], limits.strain_limit),
         _watch_slack(times, columns["force"]),
         find_undelivered(actuator.source, times, columns["drive"], columns["resistance"]),
-        _watch_first_cycle(times, columns),
+        _watch_first_cycle(times, columns, alone),
     )
     return [alarm for alarm in found if alarm is not None]
 
@@ -204,10 +205,14 @@ def _watch_slack(times: Sequence[float], force: Sequence[float]) -> Alarm | None
     return Alarm("slack", "force", "N", force[at], 0.0, 0.0, when.first, duration, times[at], sentence)
 
 
-def _watch_first_cycle(times: Sequence[float], columns: Columns) -> Alarm | None:
-    """Another orientation after the first cycle than at the start, at much the same stress."""
+def _watch_first_cycle(times: Sequence[float], columns: Columns, alone: bool) -> Alarm | None:
+    """Another orientation after the first cycle than at the start.
+
+    Compared at much the same stress; for an element that is alone on what nothing else drives, at whatever stress that
+    leaves, which differs because of the drift.
+    """
     fraction, oriented = (columns[name] for name in FRACTIONS)
-    at = _find_return(fraction, columns["stress"])
+    at = _find_return(fraction, columns["stress"], alone)
     if at is None:
         return None
     shares = oriented[0] / fraction[0], oriented[at] / fraction[at]
@@ -225,7 +230,7 @@ def _watch_first_cycle(times: Sequence[float], columns: Columns) -> Alarm | None
     return _make_alarm(times, when, what, share, start, sentence)
 
 
-def _find_return(fraction: Sequence[float], stress: Sequence[float]) -> int | None:
+def _find_return(fraction: Sequence[float], stress: Sequence[float], alone: bool) -> int | None:
     """Where after a first cycle the stress is most like that of the start; None if it is not."""
     full, hot = fraction[0] - RETURNED, fraction[0] - CYCLE
     below = next((k for k, value in enumerate(fraction) if value < hot), len(fraction))
@@ -235,7 +240,7 @@ def _find_return(fraction: Sequence[float], stress: Sequence[float]) -> int | No
     end = next((k for k in range(back, len(fraction)) if fraction[k] < full), len(fraction))
     at = min(range(back, end), key=lambda k: abs(stress[k] - stress[0]))
     alike = abs(stress[at] - stress[0]) <= LOADED_ALIKE * max(abs(stress[at]), abs(stress[0]))
-    return at if alike else None
+    return at if alone or alike else None
 
 
 def find_undelivered(

@@ -3,8 +3,6 @@
 Sources of truth: central differences of the simulation, and what the interface declares.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -4,8 +4,6 @@ A check is a function of a part, or of a material, that raises `ConformanceError
 Parts are tried as made of their typical values, once for every choice of every option.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from importlib import import_module
@@ -23,11 +21,11 @@ from martensite.testing.examples import label_part, list_variants
 Check = Callable[[Any], None]
 SUITES = {
     "law": "laws",
-    "cooling": "heat_losses",
-    "ends": "heat_losses",
-    "fluid": "heat_losses",
-    "resistance": "circuits",
-    "drive": "circuits",
+    "cooling": "elements",
+    "ends": "elements",
+    "fluid": "elements",
+    "resistance": "elements",
+    "drive": "elements",
     "element": "elements",
     "mechanism": "mechanisms",
     "waveform": "waveforms",
@@ -38,7 +36,7 @@ SUITES = {
     "check": "supervisors",
     "fault": "faults",
     "block": "blocks",
-    "measure": "measures",
+    "measure": "waveforms",
     "material": "materials",
 }
 """Kind of a part -> module of this package that has its suite."""

@@ -1,7 +1,5 @@
 """What every controller promises: a memory that keeps its shape, rest, the same on a bench."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -3,8 +3,6 @@
 What a part declares is enough to build one: a typical value, else the default. Nothing is known of a part by its name.
 """
 
-from __future__ import annotations
-
 import contextlib
 from collections.abc import Mapping
 from functools import cache
@@ -63,7 +61,6 @@ def label_part(part: Parametrised) -> str:
 
 
 def _find_value(cls: type[Parametrised], name: str, declared: Declared, values: Mapping[str, Any]) -> Any:
-    """The typical value of a field, or its default."""
     unit = LEVEL.get(declared.unit, declared.unit)
     if unit in units.OF_READINGS:  # a controller follows a position, the others look at kelvin
         place = "m" if "position" in (values.get(n) for n in cls.names_reading) else "K"
@@ -103,9 +100,6 @@ def _to_number(typical: Any, unit: str) -> float:
     return units.parse_quantity(typical, unit)
 
 
-# ---------------------------------------------------------------- components
-
-
 def _find_part(cls: type[Parametrised], name: str, declared: Declared, typical: Any) -> Any:
     """A component: the typical one, the default, or what its class has."""
     inner = component_class(cls, name)
@@ -125,7 +119,6 @@ def _find_part(cls: type[Parametrised], name: str, declared: Declared, typical: 
 
 
 def _unit_of(value: Any) -> str:
-    """Unit of a number as files have it."""
     return value.partition(" ")[2] or "1" if isinstance(value, str) else "1"
 
 

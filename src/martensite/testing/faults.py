@@ -1,7 +1,5 @@
 """What every fault promises: it is there from its start to its end, and leaves no trace besides."""
 
-from __future__ import annotations
-
 import math
 from functools import cache
 from typing import Any

@@ -1,7 +1,5 @@
 """What every law promises: bounds, independence of cuts, monotony, dissipation, finite answers."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any, cast
@@ -25,9 +23,6 @@ AROUND = 40.0
 """How far beyond its own temperatures a law is heated and cooled [K]."""
 TAIL = 0.01
 """Martensite [-] that laws with exponential kinetics keep at their nominal finish line."""
-
-
-# ---------------------------------------------------------------- a bare law along a path
 
 
 def trace_kinetics(law: AbstractLaw) -> Callable[[Any, float, float, float], Any]:
@@ -97,7 +92,6 @@ def depends_on_time(law: AbstractLaw) -> bool:
 
 
 def _draw_paths() -> list[tuple[list[Point], float]]:
-    """Random legs through stress and temperature, and fractions to begin with."""
     rng = np.random.default_rng(7)
     found: list[tuple[list[Point], float]] = []
     for _ in range(PATHS):
@@ -109,11 +103,7 @@ def _draw_paths() -> list[tuple[list[Point], float]]:
 
 
 def _describe_path(points: Sequence[Point]) -> str:
-    """A path in words."""
     return ", ".join(f"({s / 1e6:.1f} MPa, {t - CELSIUS:.1f} °C)" for s, t in points)
-
-
-# ---------------------------------------------------------------- checks
 
 
 def check_memory(law: AbstractLaw) -> None:

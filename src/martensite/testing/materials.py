@@ -1,7 +1,5 @@
 """What every material promises: ordered temperatures, allowed numbers, a law that holds."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from martensite.base.errors import ParameterError
@@ -54,7 +52,6 @@ def check_bounds_of_parts(material: Material) -> None:
 
 
 def _require_allowed(part: str, declared: Any, name: str, value: float) -> None:
-    """Raise unless a part takes a number."""
     try:
         declared.convert(part, name, value)
     except ParameterError as error:

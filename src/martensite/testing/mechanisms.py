@@ -4,8 +4,6 @@ A load line is asked for its force and position, a mechanism with coordinates fo
 demands. Sources of truth are differences of what it says itself, and mechanics.
 """
 
-from __future__ import annotations
-
 import math
 from typing import TypeAlias
 
@@ -64,9 +62,6 @@ def find_inertia(mechanism: AbstractMultibody, position: Column) -> Array:
     return np.array([find_demand(mechanism, position, still, e) - rest for e in unit]).T
 
 
-# ---------------------------------------------------------------- all mechanisms
-
-
 def check_interface(mechanism: AbstractMechanism) -> None:
     """A mechanism says a start force of every element, and a unit of all that goes in and out."""
     forces, ports = mechanism.start_forces(floats), mechanism.ports()
@@ -89,9 +84,6 @@ def _is_unit(unit: str) -> bool:
     except UnitError:
         return False
     return True
-
-
-# ---------------------------------------------------------------- load lines
 
 
 def check_pull(mechanism: AbstractLoadLine) -> None:
@@ -124,9 +116,6 @@ def check_position(mechanism: AbstractLoadLine) -> None:
         force = mechanism.force(floats, assembly, Spring(free, 2e-4))
         positions.append(mechanism.position(floats, assembly, force, free + 2e-4 * force))
     require_condition((np.diff(positions) > 0.0).all(), "The position falls as the element shortens.")
-
-
-# ---------------------------------------------------------------- coordinates
 
 
 def check_names(mechanism: AbstractMultibody) -> None:

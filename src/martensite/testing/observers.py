@@ -1,13 +1,11 @@
 """What every observer promises: estimates by name, always numbers, rest with the plant."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from martensite.control.loop.mounted_sensor import NEVER
+from martensite.control.loop.parts import NEVER
 from martensite.control.observers.base import AbstractObserver
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar

@@ -1,7 +1,5 @@
 """What parts of a loop are tried with: ordinary readings, and a traced twin."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 

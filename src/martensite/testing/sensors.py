@@ -1,7 +1,5 @@
 """What every sensor promises: rest, a lag in any steps, whole steps in its range, its noise."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

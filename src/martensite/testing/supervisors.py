@@ -1,14 +1,12 @@
 """What every supervisor and every check promises: numbers, alarms, and no cut without one."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
 import numpy as np
 
 from martensite.control.checks.base import AbstractCheck
-from martensite.control.loop.supervisor import AbstractSupervisor
+from martensite.control.loop.parts import AbstractSupervisor
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.testing.conformance import require_condition
@@ -26,9 +24,6 @@ def name_drives(part: AbstractSupervisor | AbstractCheck) -> list[str]:
     """Drives that it speaks of, or one."""
     named = part.names() if isinstance(part, AbstractCheck) else part.drives()
     return list(dict.fromkeys(named)) or [DRIVE]
-
-
-# ---------------------------------------------------------------- checks
 
 
 def separate_readings(check: AbstractCheck) -> AbstractCheck:
@@ -102,9 +97,6 @@ def place_readings(names: tuple[str, ...], shares: tuple[Scalar, ...]) -> dict[s
         low, high = find_range(name)
         found[name] = low + shares[k % len(shares)] * (high - low)
     return found
-
-
-# ---------------------------------------------------------------- supervisors
 
 
 def check_verdict(supervisor: AbstractSupervisor) -> None:

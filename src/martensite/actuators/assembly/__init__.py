@@ -1,14 +1,9 @@
 """Systems: one element, or several, on a mechanism."""
 
-from __future__ import annotations
-
-from martensite.actuators.assembly.actuator import Actuator, Feed, Group
+from martensite.actuators.assembly.actuator import Actuator, Feed, Group, Members
 from martensite.actuators.assembly.base import AbstractSystem, State
-from martensite.actuators.assembly.course import advance_steps
-from martensite.actuators.assembly.machine import Machine
-from martensite.actuators.assembly.members import Members
 from martensite.actuators.assembly.outputs import OUTPUTS, PROFILES
-from martensite.actuators.assembly.single import System
+from martensite.actuators.assembly.systems import Machine, System, advance_steps
 
 __all__ = [
     "OUTPUTS",

@@ -4,8 +4,6 @@ One step solves laws, heat and mechanism together, second order in the step. The
 does so: it knows how its elements depend on each other.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -123,6 +121,37 @@ class AbstractSystem(Parametrised, init=False):
     def rates(self, state: Any) -> list[Scalar]:
         """Numbers of a state that only tell a solve where to look: rates of the last step."""
         return []
+
+
+class AbstractSystemAround(AbstractSystem, init=False):
+    """A system around another one, whose actuators and names are its own."""
+
+    plant: AbstractSystem = part("the system inside")
+
+    @property
+    def mechanism(self) -> AbstractMechanism:  # type: ignore[override]
+        """That of the plant."""
+        return self.plant.mechanism
+
+    def actuators(self) -> dict[str, Actuator]:
+        """Those of the plant."""
+        return self.plant.actuators()
+
+    def label(self, port: str, name: str) -> str:
+        """As on the plant."""
+        return self.plant.label(port, name)
+
+    def drive_at(self, port: str) -> str:
+        """As on the plant."""
+        return self.plant.drive_at(port)
+
+    def outputs(self) -> dict[str, Output]:
+        """Those of the plant."""
+        return self.plant.outputs()
+
+    def convergence_scales(self) -> dict[str, float]:
+        """As on the plant."""
+        return self.plant.convergence_scales()
 
 
 class AbstractAssembly(AbstractSystem):

@@ -10,8 +10,6 @@ Some of it is a function of the state. The rest is the work of a force along a w
 marches adds up, as it does the losses, which are a power.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 from martensite.actuators.elements.base import Effort

@@ -4,8 +4,6 @@ Another output of every actuator is one more entry of `OBSERVABLES`; runs, files
 and the bench list it by itself.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -40,33 +38,29 @@ class Observable:
 
 
 OBSERVABLES: dict[str, Observable] = {
-    "drive": Observable(Output("1", "drive signal", "u"), lambda seen: seen.drive),
-    "temperature": Observable(Output("K", "wire temperature", "T"), lambda seen: seen.condition.temperature),
-    "hottest": Observable(
-        Output("K", "highest temperature in the element", "T_max"), lambda seen: seen.condition.hottest
-    ),
+    "drive": Observable(Output("1", "drive signal", "u"), lambda of: of.drive),
+    "temperature": Observable(Output("K", "wire temperature", "T"), lambda of: of.condition.temperature),
+    "hottest": Observable(Output("K", "highest temperature in the element", "T_max"), lambda of: of.condition.hottest),
     "martensite_fraction": Observable(
-        Output("1", "martensite fraction", "ξ"), lambda seen: seen.condition.martensite_fraction
+        Output("1", "martensite fraction", "ξ"), lambda of: of.condition.martensite_fraction
     ),
     "oriented_fraction": Observable(
-        Output("1", "net oriented martensite fraction", "ξ_S"), lambda seen: seen.condition.oriented_fraction
+        Output("1", "net oriented martensite fraction", "ξ_S"), lambda of: of.condition.oriented_fraction
     ),
-    "stress": Observable(Output("Pa", "axial stress", "σ"), lambda seen: seen.condition.stress),
-    "strain": Observable(Output("1", "strain", "ε"), lambda seen: seen.condition.strain),
-    "force": Observable(Output("N", "force", "F"), lambda seen: seen.force),
-    "resistance": Observable(Output("ohm", "electrical resistance", "R"), lambda seen: seen.condition.resistance, True),
-    "current": Observable(Output("A", "current", "I"), lambda seen: seen.current, True),
+    "stress": Observable(Output("Pa", "axial stress", "σ"), lambda of: of.condition.stress),
+    "strain": Observable(Output("1", "strain", "ε"), lambda of: of.condition.strain),
+    "force": Observable(Output("N", "force", "F"), lambda of: of.force),
+    "resistance": Observable(Output("ohm", "electrical resistance", "R"), lambda of: of.condition.resistance, True),
+    "current": Observable(Output("A", "current", "I"), lambda of: of.current, True),
     "voltage": Observable(
-        Output("V", "voltage across the element", "U"), lambda seen: seen.current * seen.condition.resistance, True
+        Output("V", "voltage across the element", "U"), lambda of: of.current * of.condition.resistance, True
     ),
     "power": Observable(
         Output("W", "electrical power in the element", "P"),
-        lambda seen: seen.current * seen.current * seen.condition.resistance,
+        lambda of: of.current * of.current * of.condition.resistance,
         True,
     ),
-    "heat_loss": Observable(
-        Output("W", "heat flow to the environment", "Q"), lambda seen: seen.condition.heat_loss, True
-    ),
+    "heat_loss": Observable(Output("W", "heat flow to the environment", "Q"), lambda of: of.condition.heat_loss, True),
 }
 """The unit of the drive is that of its source."""
 

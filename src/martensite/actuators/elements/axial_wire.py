@@ -11,8 +11,6 @@ cells. The healing length √(k d/(4 h)) is how far a clamp is felt: some millim
 Cell faces lie at y = ℓ (e^{γ s} - 1)/(e^γ - 1), s = 0, 1/N … 1 from the clamp to the middle.
 """
 
-from __future__ import annotations
-
 from itertools import accumulate, pairwise
 
 from martensite.actuators.elements.base import ELEMENTS
@@ -36,7 +34,7 @@ class AxialWire(AbstractCells):
         "1", "thermal conductivity of martensite over that of austenite", above=0.0, high=100.0, default=1.0
     )
     contact: Scalar = param(
-        "W/K", "contact conductance between a clamp and the end of a span", low=0.0, high=1e9, default=1e3
+        "W/K", "contact conductance between clamp and end of a span", low=0.0, high=1e9, default=1e3
     )
     spans: Scalar = param("1", "spans between clamps", low=1.0, high=1e4, default=1.0, typical=2.0)
     grading: Scalar = param(

@@ -25,8 +25,6 @@ expansion makes: leave it zero. Source: Liang and Rogers (1990) as restated, wit
 for the spring, by Ranjith Pillai et al. (2018).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import ClassVar, NamedTuple
@@ -34,7 +32,7 @@ from typing import ClassVar, NamedTuple
 from martensite.actuators.elements import coil_theory, helix
 from martensite.actuators.elements.base import ELEMENTS, Spring
 from martensite.actuators.elements.lumped import AbstractLumped
-from martensite.actuators.elements.round_wire import AbstractRoundWire
+from martensite.actuators.elements.wire import AbstractRoundWire
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar
@@ -46,7 +44,6 @@ STEEPEST = math.radians(10.0)
 
 
 def _return_one(index: Scalar) -> Scalar:
-    """No correction."""
     return 1.0
 
 
@@ -91,16 +88,12 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
 
     diameter: Scalar = param("m", "wire diameter", above=0.0, high=0.02, typical="0.75 mm")
     coil_diameter: Scalar = param("m", "coil diameter", above=0.0, high=1.0, typical="4 mm")
-    coil_measure: str = option(
-        "where the coil diameter is measured: between centres of the wire, or over all", "mean", "outer"
-    )
+    coil_measure: str = option("coil diameter measured between centres of the wire, or over all", "mean", "outer")
     turns: Scalar = param("1", "number of active turns", above=0.0, high=1e5, typical=10.0)
     free_length: Scalar = param(
         "m", "length of the active turns as unloaded austenite, at least N d", above=0.0, high=1e3, typical="10 mm"
     )
-    deflection: str = option(
-        "theory of the coil: flat turns, or a rod that is drawn out", "small", "large", default="small"
-    )
+    deflection: str = option("theory: flat turns, or a rod that is drawn out", "small", "large", default="small")
     poisson: Scalar = param("1", "Poisson's ratio, for bending at large deflection", low=0.0, high=0.5, default=0.33)
     stress_factor: str = option(
         "what curvature adds to the stress that drives the law and is compared with its limit",
@@ -138,8 +131,6 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
             return []
         return [f'Pitch angle {math.degrees(pitch):.3g} deg: prefer `deflection = "large"`.']
 
-    # ---------------------------------------------------------------- geometry
-
     def mean_diameter(self) -> Scalar:
         """Between centres of the wire [m]."""
         outer = self.coil_measure == "outer"
@@ -169,12 +160,9 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
         length = self.wire_length()
         return length * length * (ROOT3 / (math.pi * self.turns * self.diameter))
 
-    # ---------------------------------------------------------------- spring
-
     def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
         """Tangent at `force` [N] with frozen fractions and temperature [K]."""
-        strain = self.law.free_strain(xp, fractions, temperature)
-        compliance = self.law.compliance(xp, fractions) / self._stiffening()
+        strain, compliance = self._wire(xp, fractions, temperature)
         if self.deflection == "large":
             coil = _draw_out_rod(xp, self._rod(strain, compliance), self.solid_length(), force)
         else:
@@ -186,8 +174,7 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
 
     def elastic_energy_at(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Scalar:
         """Elastic energy [J] under a force [N], of the wire and of turns that touch."""
-        strain = self.law.free_strain(xp, fractions, temperature)
-        compliance = self.law.compliance(xp, fractions) / self._stiffening()
+        strain, compliance = self._wire(xp, fractions, temperature)
         if self.deflection == "large":
             rod = self._rod(strain, compliance)
             coil = _draw_out_rod(xp, rod, self.solid_length(), force)
@@ -219,9 +206,10 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
             twist=(2.0 * ROOT3) * strain / self.diameter,
         )
 
-    def _stiffening(self) -> Scalar:
-        """Factor of curvature on the spring rate [-]."""
-        return STIFFNESS_FACTORS[self.stiffness_factor](self.index())
+    def _wire(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> tuple[Scalar, Scalar]:
+        """Transformation strain [-], and compliance [1/Pa] with the factor of curvature on the spring rate."""
+        stiffening = STIFFNESS_FACTORS[self.stiffness_factor](self.index())
+        return self.law.free_strain(xp, fractions, temperature), self.law.compliance(xp, fractions) / stiffening
 
     def _leverage(self) -> Scalar:
         """√3 τ per force, without curvature [Pa/N]."""

@@ -18,8 +18,6 @@ stiffness factor 1/[1 + 1/(2 C²)] that is found in handbooks has the wrong sign
 Source: Wahl (1963); Ancker and Goodier (1958); the exact factors were computed for this project.
 """
 
-from __future__ import annotations
-
 import math
 
 from martensite.kernels.namespace import Namespace, Scalar

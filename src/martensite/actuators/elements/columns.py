@@ -1,7 +1,5 @@
 """What an element of many cells keeps, one column per quantity."""
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from martensite.actuators.elements.network import Column

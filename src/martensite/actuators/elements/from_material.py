@@ -5,8 +5,6 @@ is the one that the material's numbers hold for, else the typical one; the resis
 mixture. Whatever a material does not hold has to be given, and the class says so.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any

@@ -18,8 +18,6 @@ Source: Love (1927), on thin rods bent into helices; the form in t and the natur
 package's.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from martensite.kernels.namespace import Namespace, Scalar

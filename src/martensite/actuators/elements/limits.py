@@ -1,7 +1,5 @@
 """Limits of an element: what a run warns about, and what it never leaves."""
 
-from __future__ import annotations
-
 from martensite.base.parameters import Parametrised, param
 from martensite.kernels.namespace import Scalar
 

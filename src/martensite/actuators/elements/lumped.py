@@ -18,8 +18,6 @@ Under a law of rates the whole system is one of ordinary differential equations,
 an error control takes by a method of higher order (`laws.rosenbrock`).
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, cast
@@ -290,10 +288,8 @@ class AbstractLumped(AbstractElement, init=False):
         """C T - λ ξ [J], if the latent heat λ is a number."""
         if not self.law.constant_heat:
             return None
-        memory = state.memory
-        latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
-        fraction = self.law.fractions(memory).martensite
-        return self.heat_capacity_total() * memory.temperature - latent * fraction
+        sensible, (latent,) = self.stored_heat(xp, state)
+        return sensible + latent.force * latent.way
 
     def stored_heat(self, xp: Namespace, state: Lumped) -> StoredHeat:
         """C T, and λ along the martensite fraction."""

@@ -10,14 +10,20 @@ elimination from both ends leaves, for every cell, its own equation with all oth
 
 b and s do not depend on d_i and r_i: a cell whose own equation is not linear may solve it
 alone, in a bracket, while the others answer as they were linearised.
-"""
 
-from __future__ import annotations
+How cells share force and elongation: end to end, or side by side.
+
+To one cell all the others are a pair of numbers (what they add up to), taken as they answered before. Cells end to end
+carry the same force, and their elongations add. Cells side by side have the same elongation, and their forces add; one
+that is longer than that hangs slack.
+"""
 
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from martensite.kernels.namespace import Scalar
+from martensite.actuators.elements.base import Spring
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import sum_column
 
 Column = Sequence[Scalar]
 
@@ -56,3 +62,86 @@ def _eliminate_before(diagonal: Column, right: Column, links: Column) -> Others:
         source.append(share * (r + source[-1]))
         slope.append(share * (d + slope[-1]))
     return Others(slope, source)
+
+
+HAIR = 1e-12
+"""Difference of elongations that counts as none [m]."""
+
+
+class Rest(NamedTuple):
+    """What all cells but one add up to: elongation and compliance, or force and stiffness."""
+
+    offset: Scalar
+    slope: Scalar
+
+
+class EndToEnd:
+    """Cells of one row, and `copies` equal rows behind each other."""
+
+    def __init__(self, copies: Scalar) -> None:
+        self.copies = copies
+
+    def whole(self, xp: Namespace, free: Column, compliance: Column, force: Scalar) -> Spring:
+        """All cells as one spring, near a force [N]: the sums."""
+        return Spring(self.copies * sum_column(free), self.copies * sum_column(compliance))
+
+    def rests(self, xp: Namespace, free: Column, compliance: Column, force: Column) -> tuple[Column, Column]:
+        """What every cell sees of the others, given what each carries [N]: the sums less one."""
+        long, soft = sum_column(free), sum_column(compliance)
+        return [long - f for f in free], [soft - c for c in compliance]
+
+    def combine_springs(self, rest: Rest, own: Spring) -> Spring:
+        """The whole, of one cell and the rest: the sum."""
+        free, compliance = rest.offset + own.free, rest.slope + own.compliance
+        return Spring(self.copies * free, self.copies * compliance)
+
+    def force_share(self, xp: Namespace, own: Spring, whole: Spring, force: Scalar) -> Scalar:
+        """The part of a force [N] that one cell carries: all of it."""
+        return force
+
+
+class ParallelCells:
+    """Cells with a common elongation, none of which can push."""
+
+    def whole(self, xp: Namespace, free: Column, compliance: Column, force: Scalar) -> Spring:
+        """Those that are taut. Newton's method from the slack side is exact for lines."""
+        alone = [f + c * force for f, c in zip(free, compliance, strict=True)]
+        e = alone[0]
+        for other in alone[1:]:
+            e = xp.maximum(e, other)
+        spring = Spring(e, 0.0)
+        for _ in free:
+            spring = self._taut(xp, free, compliance, e)
+            e = spring.free + spring.compliance * force
+        return spring
+
+    def _taut(self, xp: Namespace, free: Column, compliance: Column, e: Scalar) -> Spring:
+        stiffness = [xp.where(e + HAIR >= f, 1.0 / c, 0.0) for f, c in zip(free, compliance, strict=True)]
+        soft = 1.0 / sum_column(stiffness)
+        return Spring(soft * sum_column([k * f for k, f in zip(stiffness, free, strict=True)]), soft)
+
+    def rests(self, xp: Namespace, free: Column, compliance: Column, force: Column) -> tuple[Column, Column]:
+        """Sums over the others that were taut: stiffness times free elongation, and stiffness."""
+        stiffness = [xp.where(f > 0.0, 1.0 / c, 0.0) for f, c in zip(force, compliance, strict=True)]
+        pull = [k * f for k, f in zip(stiffness, free, strict=True)]
+        return _sum_others(pull), _sum_others(stiffness)
+
+    def combine_springs(self, rest: Rest, own: Spring) -> Spring:
+        """Forces add at a common elongation."""
+        stiffness = 1.0 / own.compliance
+        soft = 1.0 / (rest.slope + stiffness)
+        return Spring(soft * (rest.offset + stiffness * own.free), soft)
+
+    def force_share(self, xp: Namespace, own: Spring, whole: Spring, force: Scalar) -> Scalar:
+        """What the cell carries at the elongation of the whole; nothing if that is short."""
+        elongation = whole.free + whole.compliance * force
+        return xp.maximum((elongation - own.free) / own.compliance, 0.0)
+
+
+Linkage = EndToEnd | ParallelCells
+"""How the cells of an element are linked."""
+
+
+def _sum_others(column: Column) -> list[Scalar]:
+    """Sums of all numbers but one, without cancellation."""
+    return [sum_column([0.0, *column[:i], *column[i + 1 :]]) for i in range(len(column))]

@@ -10,15 +10,12 @@ the exact conduction between two parallel cylinders alone in a medium. Each wire
 the surroundings as if it were alone, so this is an upper bound of what neighbours exchange.
 """
 
-from __future__ import annotations
-
 import math
 
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.elements.cells import AbstractCells
 from martensite.actuators.elements.columns import Cells, Links
-from martensite.actuators.elements.linkage import Linkage, ParallelCells
-from martensite.actuators.elements.network import Column
+from martensite.actuators.elements.network import Column, Linkage, ParallelCells
 from martensite.actuators.elements.wire import Wire
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param, part

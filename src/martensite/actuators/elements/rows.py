@@ -5,15 +5,13 @@ the n-th part of the force; with n end to end each gives the n-th part of the el
 matter: a wire led there and back pulls twice and is electrically one.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 
-from martensite.actuators.elements.base import AbstractElement, Spring
+from martensite.actuators.elements.base import ELEMENTS, AbstractElement, Spring
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.lumped import AbstractLumped
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import option, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.physics.thermal.base import Environment
@@ -117,3 +115,46 @@ class AbstractRow(AbstractLumped):
         """Resistance [ohm] of all as wired."""
         one = self._lumped.ohms(xp, fraction, strain, temperature)
         return one * self.count if self.wiring == "series" else one * (1.0 / self.count)
+
+
+@ELEMENTS.register("bundle")
+class Bundle(AbstractRow):
+    """Equal strands side by side.
+
+        F = n F₁,   x = x₁,   R = n R₁ (wired in series) or R₁/n (in parallel)
+
+    A wire led through a pulley and back is a bundle of two in series. Strands that stand so close that they warm each
+    other are no bundle but a `ribbon`.
+    """
+
+    strand: AbstractElement = part("one of the strands", ELEMENTS)
+
+    @property
+    def one(self) -> AbstractElement:
+        """The strand."""
+        return self.strand
+
+    def beside(self) -> Scalar:
+        """Every strand carries its part of the force."""
+        return self.count
+
+
+@ELEMENTS.register("chain")
+class LinkChain(AbstractRow):
+    """Equal links end to end.
+
+        F = F₁,   x = n x₁,   R = n R₁ (wired in series) or R₁/n (in parallel)
+
+    Links wired in parallel need the n-th part of the voltage and n times the current.
+    """
+
+    link: AbstractElement = part("one of the links", ELEMENTS)
+
+    @property
+    def one(self) -> AbstractElement:
+        """The link."""
+        return self.link
+
+    def behind(self) -> Scalar:
+        """Every link gives its part of the elongation."""
+        return self.count

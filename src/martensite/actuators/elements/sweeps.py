@@ -2,7 +2,7 @@
 
 Cells share force and current; heat flows between neighbours. A step sweeps over them: every cell solves its own coupled
 step in a bracket (`laws.coupling`), with all others folded into a straight heat line (`elements.network`) and into a
-spring (`elements.linkage`), as they answered in the sweep before. That is Newton's method for the others and a bracket
+spring (`elements.network`), as they answered in the sweep before. That is Newton's method for the others and a bracket
 for oneself; the mismatch that is left is the residual of the step.
 
 The flux between two cells is weighted between start and end of the step by
@@ -14,19 +14,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.elements.base import Heating, Pull
-from martensite.actuators.elements.cell_sections import AbstractCut
 from martensite.actuators.elements.columns import Cells, HeatBalanceColumns, StepStart, SweepGuess
-from martensite.actuators.elements.linkage import Rest
 from martensite.actuators.elements.lumped import compute_relaxation
-from martensite.actuators.elements.network import Column, fold_others, solve_tridiagonal
+from martensite.actuators.elements.network import Column, Rest, fold_others, solve_tridiagonal
 from martensite.kernels.dual import value_and_slope, values_and_slopes
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, sum_column
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.physics.laws.coupling import StepReport, advance_memory
+
+if TYPE_CHECKING:
+    from martensite.actuators.elements.cells import AbstractCut
 
 
 @dataclass(frozen=True)

@@ -3,14 +3,100 @@
 Geometry enters at its nominal size (no lateral contraction).
 """
 
-from __future__ import annotations
+import math
+from abc import abstractmethod
 
-from martensite.actuators.elements.base import ELEMENTS, Spring
+from martensite.actuators.elements.base import ELEMENTS, AbstractElement, Spring
+from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.lumped import AbstractLumped
-from martensite.actuators.elements.round_wire import AbstractRoundWire
-from martensite.base.parameters import param
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param, part
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.laws.base import Fractions
+from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor
+from martensite.physics.laws.base import LAWS, AbstractLaw, Fractions
+from martensite.physics.thermal.base import Cylinder, Environment
+from martensite.physics.thermal.ends import ENDS, AbstractEnds, AdiabaticEnds
+
+
+class AbstractRoundWire(AbstractElement, init=False):
+    """An element made of a round wire; a subclass adds what gives the length of it.
+
+    Mass, heat capacity, latent heat, resistance and heat loss are those of the wire, of diameter d and length l, at its
+    nominal size. The lateral surface π d l loses heat, and so do the ends if they are clamped.
+    """
+
+    diameter: Scalar = param("m", "wire diameter", above=0.0, high=0.02, typical="0.2 mm")
+    density: Scalar = param("kg/m^3", "density", above=0.0, high=3e4, typical="6450 kg/m^3")
+    heat_capacity: Scalar = param("J/kg/K", "specific heat capacity", above=0.0, high=1e4, typical="500 J/kg/K")
+    latent_heat: Scalar = param(
+        "J/kg", "latent heat of the whole transformation", low=0.0, high=1e6, default=0.0, typical="24 J/g"
+    )
+    initial_fraction: Scalar = param("1", "martensite fraction at the start", low=0.0, high=1.0, default=1.0)
+    initial_oriented: Scalar = param("1", "oriented share of the initial martensite", low=0.0, high=1.0, default=1.0)
+    initial: str = option(
+        "how its martensite is oriented: as in a wire that was cooled under the force at the start "
+        "before, or wholly; of that `initial_oriented` is a share",
+        "trained",
+        "oriented",
+        default="trained",
+    )
+    law: AbstractLaw = part("stress–strain–temperature law", LAWS)
+    resistance: AbstractResistance = part("resistance model", RESISTANCES)
+    ends: AbstractEnds = part("what the ends lose", ENDS, default=AdiabaticEnds())
+    limits: ElementLimits = part("safety limits", default=ElementLimits())
+
+    @abstractmethod
+    def wire_length(self) -> Scalar:
+        """Length of the wire [m]."""
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the law cannot hold the initial state."""
+        if self.initial_oriented < 1.0 and not self.law.twins:
+            raise ParameterError(
+                f"Parameter `initial_oriented` of `{self.registered_name}` must be 1 with law "
+                f"`{self.law.registered_name}`, which knows oriented martensite only, but is "
+                f"{self.initial_oriented:.6g}; try law `brinson`."
+            )
+
+    def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
+        """Phase state at the start, under a stress [Pa]."""
+        oriented = self.initial_fraction * self.initial_oriented
+        if self.initial == "trained":
+            oriented = oriented * self.law.trained_share(xp, stress)
+        return Fractions(self.initial_fraction, oriented)
+
+    def section(self) -> Scalar:
+        """Cross-section of the wire [m²]."""
+        return 0.25 * math.pi * self.diameter * self.diameter
+
+    def surface(self) -> Scalar:
+        """Lateral surface of the wire [m²]."""
+        return math.pi * self.diameter * self.wire_length()
+
+    def mass(self) -> Scalar:
+        """Mass [kg]."""
+        return self.density * self.section() * self.wire_length()
+
+    def heat_capacity_total(self) -> Scalar:
+        """Heat capacity without transformation [J/K]."""
+        return self.mass() * self.heat_capacity
+
+    def latent_heat_total(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Heat released by the whole forward transformation [J] at (stress, temperature)."""
+        latent = self.density * self.latent_heat
+        heat = self.law.heat(xp, latent, stress, temperature)
+        return heat * self.section() * self.wire_length()
+
+    def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
+        """Conductance · (T - T_a) [W]; the conductance is h(T) S unless the ends lose as well."""
+        ambient, shape = environment.temperature, Cylinder(self.diameter, self.wire_length())
+        film = environment.cooling.film(xp, temperature, ambient, shape)
+        return self.ends.conductance(xp, film, shape) * (temperature - ambient)
+
+    def ohms(self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar) -> Scalar:
+        """Resistance [ohm]."""
+        shape = Conductor(self.section(), self.wire_length())
+        return self.resistance.resistance(xp, fraction, strain, temperature, shape)
 
 
 @ELEMENTS.register("wire")

@@ -1,10 +1,8 @@
 """How the motor on a beam is drawn: the beam along x, its tip moving along z.
 
-The tip, the rotor, and the way of the wire are those of
-`martensite.actuators.mechanisms.beam_motor`. How
-long the beam is, it does not know: it is drawn as long as the way of the wire along it, or without
-one fifteen eccentricities. It bends as if by a force at its tip, w = x_tip (3 s² - s³)/2, whatever
-the modes.
+The tip, the rotor, and the way of the wire are those of `martensite.actuators.mechanisms.beam_motor`. How long the beam
+is, it does not know: it is drawn as long as the way of the wire along it, or without one fifteen eccentricities. It
+bends as if by a force at its tip, w = x_tip (3 s² - s³)/2, whatever the modes.
 """
 
 from __future__ import annotations

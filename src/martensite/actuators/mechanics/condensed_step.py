@@ -186,7 +186,6 @@ class CondensedStep:
 
 
 def _build_stiffness(linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[list[Scalar]]:
-    """A: stiffness of the mechanism and of all elements."""
     rows = [list(row) for row in linear.matrix]
     for lever, share, tangent in zip(linear.lever, linear.shares, tangents, strict=True):
         weight = share * tangent.stiffness

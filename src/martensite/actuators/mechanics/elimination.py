@@ -3,8 +3,6 @@
 For matrices whose diagonal is safe to divide by, as those of stiffness and inertia are.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from martensite.kernels.namespace import Scalar

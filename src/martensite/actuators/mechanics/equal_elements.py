@@ -4,8 +4,6 @@ Alike are elements of one structure (class, law, options) in surroundings and wi
 numbers may differ. A hand of twelve wires is then hardly a larger program than a finger of one.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
@@ -73,7 +71,6 @@ def answer_loads(
 
 
 def _answer_load(xp: Namespace, load: Load, line: LoadLineEquation, dt: Scalar) -> ElementResponse:
-    """One step of one element."""
     element, state, heating = load
     after, report = element.advance(xp, state, heating, line.pull(), dt)
     force = element.force(after)
@@ -81,7 +78,6 @@ def _answer_load(xp: Namespace, load: Load, line: LoadLineEquation, dt: Scalar) 
 
 
 def _group_alike(loads: Sequence[Load]) -> Iterable[list[int]]:
-    """Places of loads of one structure."""
     found: dict[Any, list[int]] = {}
     for place, load in enumerate(loads):
         key = tuple(describe_structure(part) for part in _list_parts(load))
@@ -90,7 +86,6 @@ def _group_alike(loads: Sequence[Load]) -> Iterable[list[int]]:
 
 
 def _list_parts(load: Load) -> tuple[Parametrised, ...]:
-    """All that has parameters."""
     return load.element, load.heating.environment, load.heating.source
 
 

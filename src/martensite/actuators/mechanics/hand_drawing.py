@@ -1,11 +1,9 @@
 """How the hand is drawn: fingers that hang from a palm, the thumb opposite to the two others.
 
-Every finger is drawn in a plane of its own: `along` it as it hangs straight, and `inwards`, where
-it bends to. Holes of flexors at (∓g, r) from a hinge and knuckles of radius ρ, as in
-`martensite.actuators.mechanisms.hand`. What does not bend the proximal joint runs through its
-axis. Where the
-fingers stand on the palm, and how tendons run on into the forearm, the mechanism leaves open.
-Once brackets have met, a flexor is drawn through the point where they did.
+Every finger is drawn in a plane of its own: `along` it as it hangs straight, and `inwards`, where it bends to. Holes of
+flexors at (∓g, r) from a hinge and knuckles of radius ρ, as in `martensite.actuators.mechanisms.hand`. What does not
+bend the proximal joint runs through its axis. Where the fingers stand on the palm, and how tendons run on into the
+forearm, the mechanism leaves open. Once brackets have met, a flexor is drawn through the point where they did.
 """
 
 from __future__ import annotations
@@ -92,7 +90,6 @@ def _compute_lift(hand: Hand, tendon: int) -> float:
 def _draw_finger(
     hand: Hand, name: str, size: float, place: FingerPlace, reading: DrawingState
 ) -> Iterator[DrawingShape]:
-    """Phalanges, hinges, brackets and tendons of one finger."""
     wrapped = min(max(-hand.lowest, LEAST_WRAP), MOST_WRAP)
     sizes = FingerLengths(
         size * hand.offset,
@@ -132,7 +129,6 @@ def _find_height(point: Flat, lift: float, leaning: float) -> Flat:
 def _draw_brackets(
     name: str, sizes: FingerLengths, place: FingerPlace, first: float, second: float
 ) -> Iterator[DrawingShape]:
-    """Four posts that hold the flexors."""
     r, g, far = sizes.offset, sizes.bracket, sizes.proximal - sizes.bracket
     posts = (
         [(-g, 0.0), (-g, r)],
@@ -175,17 +171,14 @@ def _wind_extensor(radius: float, angle: float, wrapped: float) -> list[Flat]:
 def _trace_distal(
     sizes: FingerLengths, first: float, second: float, ways: tuple[float, ...], inwards: float
 ) -> list[Flat]:
-    """Points of the distal phalanx."""
     return [_locate_distal(sizes, first, second, way, inwards) for way in ways]
 
 
 def _locate_proximal(sizes: FingerLengths, angle: float, along: float, inwards: float) -> Flat:
-    """A point of the proximal phalanx."""
     c, s = math.cos(angle), math.sin(angle)
     return c * along - s * inwards, s * along + c * inwards
 
 
 def _locate_distal(sizes: FingerLengths, first: float, second: float, along: float, inwards: float) -> Flat:
-    """A point of the distal phalanx."""
     c, s = math.cos(second), math.sin(second)
     return _locate_proximal(sizes, first, sizes.proximal + c * along - s * inwards, s * along + c * inwards)

@@ -17,8 +17,6 @@ unconditionally stable; a share 1 - ρ of the fastest oscillation is lost in eve
 ones keep their energy.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

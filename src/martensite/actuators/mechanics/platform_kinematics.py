@@ -22,8 +22,6 @@ plates' distance h, and that the length of a leg is the norm of its vector. The 
 two rotations is theirs.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -120,14 +118,6 @@ def _turn_vertex(
     above = plates.height - plates.pivot
     drop, along = sa * y - ca * above, ca * y + sa * above
     return cb * x + sb * drop, along, cb * drop - sb * x, drop
-
-
-def compute_torques(
-    xp: Namespace, plates: Plates, alpha: Scalar, beta: Scalar, pulls: Sequence[Scalar]
-) -> tuple[Scalar, Scalar]:
-    """Generalised torques Q = -Jᵀ F [N m] of the legs' pulls [N]."""
-    _, over_alpha, over_beta = compute_length_slopes(xp, plates, alpha, beta)
-    return -_multiply_dot(over_alpha, pulls), -_multiply_dot(over_beta, pulls)
 
 
 def correct_angles(

@@ -1,4 +1,4 @@
-"""Mechanisms: what the element pulls on. One file each."""
+"""Mechanisms: what the element pulls on."""
 
 from martensite.base.lazy import attach_names
 

@@ -9,13 +9,13 @@ from martensite.actuators.mechanics.platform_workspace import Workspace as Works
 from martensite.actuators.mechanics.platform_workspace import reachable_angles as reachable_angles
 from martensite.actuators.mechanisms.beam_motor import BeamMotor as BeamMotor
 from martensite.actuators.mechanisms.beam_motor import modal_numbers as modal_numbers
-from martensite.actuators.mechanisms.bias_spring import BiasSpring as BiasSpring
-from martensite.actuators.mechanisms.dead_weight import DeadWeight as DeadWeight
 from martensite.actuators.mechanisms.finger import Finger as Finger
 from martensite.actuators.mechanisms.hand import Hand as Hand
 from martensite.actuators.mechanisms.joints import bowstring_arm as bowstring_arm
 from martensite.actuators.mechanisms.joints import shorten_bowstring as shorten_bowstring
 from martensite.actuators.mechanisms.lever import Lever as Lever
+from martensite.actuators.mechanisms.load_line import BiasSpring as BiasSpring
+from martensite.actuators.mechanisms.load_line import DeadWeight as DeadWeight
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform as ParallelPlatform
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley as AntagonisticPulley
 from martensite.actuators.mechanisms.testing_machine import TensileTestingMachine as TensileTestingMachine

@@ -28,6 +28,8 @@ MECHANISMS: Registry[AbstractMechanism] = Registry(
 )
 
 Column = Sequence[Scalar]
+Readout = tuple[list[Scalar], Column]
+"""Force [N] in each element, and the `outputs` in order."""
 
 
 class Output(NamedTuple):
@@ -126,9 +128,7 @@ class AbstractMechanism(Parametrised):
         raise make_missing_error(type(self), ["load_line"])
 
     @abstractmethod
-    def observe(
-        self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column
-    ) -> tuple[list[Scalar], Column]:
+    def observe(self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column) -> Readout:
         """Force [N] in each element, and the `outputs` in order."""
 
     def mechanics(self, xp: Namespace, memory: Any, loads: Sequence[Load], signals: Column) -> Mechanics | None:

@@ -26,8 +26,6 @@ that is equation (3.15) of the thesis, +φ'' cos φ in the first line, for compa
 Source: Kossoski (2018), chapter 4 and section 5.2.1, derived anew with Lagrange's equations.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -35,7 +33,7 @@ from typing import Any
 from martensite.actuators.mechanics.beam_drawing import drawn_beam
 from martensite.actuators.mechanics.beam_modes import BeamModes
 from martensite.actuators.mechanics.motion import Motion
-from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, MechanicalEnergy, Output
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, MechanicalEnergy, Output, Readout
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Assembled, Coordinate
 from martensite.base.errors import ParameterError
@@ -67,9 +65,7 @@ class BeamMotor(AbstractMultibody):
         "printed",
         default="lagrange",
     )
-    mass: Scalar = param(
-        "kg", "moving mass M, unbalance included, of the first mode", above=0.0, high=1e4, typical="250 g"
-    )
+    mass: Scalar = param("kg", "moving mass M of the first mode, with unbalance", above=0.0, high=1e4, typical="250 g")
     stiffness: Scalar = param("N/m", "stiffness k of the first mode", above=0.0, high=1e9, typical="541 N/m")
     damping: Scalar = param("N*s/m", "damping c of the first mode", low=0.0, high=1e6, typical="0.2 N*s/m")
     mass_2: Scalar = param("kg", "mass of the second mode", above=0.0, default=math.inf, typical="300 g")
@@ -86,9 +82,7 @@ class BeamMotor(AbstractMultibody):
     rotor_friction: Scalar = param(
         "N*m*s/rad", "viscous friction b of the rotor", low=0.0, high=1e3, default=0.0, typical="1e-5 N*m*s/rad"
     )
-    dry_friction: Scalar = param(
-        "N*m", "dry friction F_c of the rotor", low=0.0, high=1e3, default=0.0, typical="1e-4 N*m"
-    )
+    dry_friction: Scalar = param("N*m", "rotor's dry friction F_c", low=0.0, high=1e3, default=0.0, typical="1e-4 N*m")
     friction_rate: Scalar = param(
         "rad/s", "rate v₀ over which dry friction changes sign", above=0.0, high=1e3, default=0.1, typical="5 rad/s"
     )
@@ -99,9 +93,7 @@ class BeamMotor(AbstractMultibody):
     wire_length: Scalar = param(
         "m", "length l_w of the path of the wire at x = 0", above=0.0, default=math.inf, typical="300 mm"
     )
-    wire_angle: Scalar = param(
-        "rad", "angle θ of the wire to the beam at x = 0", low=0.0, high=1.57, default=math.pi / 12
-    )
+    wire_angle: Scalar = param("rad", "angle θ of wire and beam at x = 0", low=0.0, high=1.57, default=math.pi / 12)
     slack: Scalar = param(
         "1",
         "how much longer than its path the unloaded hot wire is; negative: shorter",
@@ -126,8 +118,6 @@ class BeamMotor(AbstractMultibody):
                 f"Parameter `mass` of `beam-motor` holds the unbalance of {self.unbalance:.6g} kg "
                 f"too, but is {self.mass:.6g} kg."
             )
-
-    # ---------------------------------------------------------------- what it consists of
 
     @property
     def count(self) -> int:
@@ -159,8 +149,6 @@ class BeamMotor(AbstractMultibody):
             mass, stiffness = getattr(self, f"mass_{k}"), getattr(self, f"stiffness_{k}")
             ratio = xp.sqrt((stiffness / self.stiffness) * (mass / self.mass))
             yield mass, self.damping * ratio, stiffness
-
-    # ---------------------------------------------------------------- geometry and mechanics
 
     def path(self, xp: Namespace, displacement: Scalar) -> Scalar:
         """l(x) [m]."""
@@ -232,8 +220,6 @@ class BeamMotor(AbstractMultibody):
         """J + m r² [kg m²]."""
         return self.rotor_inertia + self.unbalance * self.eccentricity * self.eccentricity
 
-    # ---------------------------------------------------------------- what is seen
-
     def outputs(self) -> dict[str, Output]:
         """Motion of tip and rotor, current of the motor; modes and charge last."""
         modes = self.coordinates()[: self.count] if self.count > 1 else ()
@@ -258,9 +244,7 @@ class BeamMotor(AbstractMultibody):
             squares.append(getattr(self, f"stiffness_{k}") / getattr(self, f"mass_{k}"))
         return 2.0 * math.pi / math.sqrt(max(squares)) / 40.0
 
-    def observe(
-        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
-    ) -> tuple[list[Scalar], Column]:
+    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
         """The tension of the wire, and the `outputs` in order."""
         n, (position, velocity, *_) = self.count, memory.course
         bends = [sum_column(position[:n]), sum_column(velocity[:n])]

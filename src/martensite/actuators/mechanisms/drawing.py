@@ -12,8 +12,6 @@ its way over the mechanism is shorter than that, the rest runs on behind the fix
 it is longer, a tether makes up for it (`led`).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple

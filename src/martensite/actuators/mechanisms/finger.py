@@ -33,12 +33,21 @@ Source: the finger prototype of `finger-paper`, its geometry completed for this 
 completion is a parameter here. Sign convention: θ grows as the wire pulls.
 """
 
-from __future__ import annotations
+import math
 
-from martensite.actuators.mechanics.finger_drawing import drawn_finger
 from martensite.actuators.mechanics.motion import Motion
 from martensite.actuators.mechanisms.base import MECHANISMS, Column, MechanicalEnergy
-from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
+from martensite.actuators.mechanisms.drawing import (
+    ARC,
+    DrawingShape,
+    DrawingState,
+    Point,
+    draw_bar,
+    draw_pin,
+    lead_wire,
+    measure_length,
+    trace_arc,
+)
 from martensite.actuators.mechanisms.joints import bowstring_arm, find_stop_energy, shorten_bowstring, stop_torque
 from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.base.parameters import option, param
@@ -58,14 +67,10 @@ class Finger(AbstractMultibody):
         "m", "distance g of a bracket from the hinge, along the phalanx", above=0.0, high=1.0, typical="5 mm"
     )
     passes: Scalar = param("1", "how often the wire passes the hinge", low=1.0, high=100.0, default=2.0)
-    spring: str = option(
-        "return spring: always across its arm, or from a fixed end", "follower", "fixed", default="follower"
-    )
+    spring: str = option("return spring: across its arm, or from a fixed end", "follower", "fixed", default="follower")
     stiffness: Scalar = param("N/m", "rate of the return spring", low=0.0, high=1e6, typical="200 N/m")
     arm: Scalar = param("m", "distance a of the spring from the hinge", above=0.0, high=1.0, typical="8 mm")
-    extension: Scalar = param(
-        "m", "extension of the spring at angle zero", low=0.0, high=1.0, default=0.0, typical="2 mm"
-    )
+    extension: Scalar = param("m", "extension of the spring at θ = 0", low=0.0, high=1.0, default=0.0, typical="2 mm")
     height: Scalar = param("m", "distance H of the fixed end of the spring", above=0.0, high=10.0, default=0.05)
     friction: Scalar = param("1", "friction of the wire on brackets", low=0.0, high=2.0, default=0.0, typical=0.1)
     friction_rate: Scalar = param(
@@ -74,12 +79,8 @@ class Finger(AbstractMultibody):
     lowest: Scalar = param("rad", "lower end stop", low=-6.3, high=0.0, default=-3.0)
     highest: Scalar = param("rad", "upper end stop", low=0.0, high=6.3, default=3.0)
     stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=10.0)
-    damping: Scalar = param(
-        "N*m*s/rad", "damping of the hinge", low=0.0, high=1e6, default=0.0, typical="2e-4 N*m*s/rad"
-    )
-    inertia: Scalar = param(
-        "kg*m^2", "inertia of the phalanx", above=0.0, high=1e6, default=1e-5, typical="2e-5 kg*m^2"
-    )
+    damping: Scalar = param("N*m*s/rad", "damping of a hinge", low=0.0, high=1e6, default=0.0, typical="2e-4 N*m*s/rad")
+    inertia: Scalar = param("kg*m^2", "inertia of a phalanx", above=0.0, high=1e6, default=1e-5, typical="2e-5 kg*m^2")
 
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The angle."""
@@ -146,15 +147,77 @@ class Finger(AbstractMultibody):
         stops = find_stop_energy(xp, angle, self.lowest, self.highest, self.stop)
         return self.stop * met + stops
 
-    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
-        """b θ' [N m]; friction on brackets is that of the `transmission`."""
-        return [self.damping * motion.velocity[0]]
-
     def start_forces(self, xp: Namespace) -> Column:
         """Force at angle zero [N]."""
         arm = self.passes * bowstring_arm(xp, 0.0, self.offset, self.bracket)
         return [self.spring_torque(xp, 0.0) / arm]
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
-        """Both phalanges, the wire over its brackets, and the return spring."""
-        return drawn_finger(self, reading)
+        """Hinge in the origin, phalanges along -x and +x, the wire below them; θ turns the far phalanx about +y.
+
+        The wire comes from the left, passes the hinge n times, side by side, and the rest of it runs on along the
+        phalanges; it is drawn to scale for whole n. A follower spring pulls a thread that is wound on a drum of radius
+        a. Once the brackets have met, the wire is drawn through the point where they did.
+        """
+        angle, (port,) = reading.outputs["angle"], self.ports()
+        r, g = self.offset, self.bracket
+        thick, tip, hinge = 0.45 * r, 4.0 * g, (0.0, 0.0, 0.0)
+        # what every pass has on either side of the hinge
+        rest = (reading.lengths[port] - measure_length(_trace_path(self, 0.0, 0.0, 0.0))) / _count_passes(self)
+        beyond = min(2.0 * g, 0.4 * max(rest, 0.0))
+        behind = max(rest - beyond, 0.0)
+        path = _trace_path(self, angle, behind, beyond)
+        return [
+            draw_bar("near phalanx", thick, (-1.1 * behind - 2.0 * g, 0.0, 0.0), hinge, kind="ground"),
+            draw_bar("far phalanx", thick, hinge, turn_point(angle, tip, 0.0)),
+            draw_bar("near bracket", 0.5 * thick, (-g, 0.0, 0.0), (-g, 0.0, -r), kind="ground"),
+            draw_bar("far bracket", 0.5 * thick, turn_point(angle, g, 0.0), turn_point(angle, g, -r)),
+            draw_pin("hinge", hinge, 0.8 * r, 0.5 * r),
+            *lead_wire(port, path, min(rest, 0.0) * _count_passes(self), (-1.0, 0.0, 0.0)),
+            *_draw_spring(self, angle),
+        ]
+
+
+def turn_point(angle: float, x: float, z: float, y: float = 0.0) -> Point:
+    """A point of the far phalanx, turned about +y."""
+    c, s = math.cos(angle), math.sin(angle)
+    return c * x + s * z, y, c * z - s * x
+
+
+def _count_passes(finger: Finger) -> int:
+    return max(round(finger.passes), 1)
+
+
+def _trace_path(finger: Finger, angle: float, behind: float, beyond: float) -> list[Point]:
+    """All passes over the hinge, side by side, with so much [m] on either side of it."""
+    r, g, passes = finger.offset, finger.bracket, _count_passes(finger)
+    apart, met = min(0.6, 1.6 / passes) * r, min(angle, 2.0 * math.atan2(g, r))
+    found: list[Point] = []
+    for k in range(passes):
+        y = apart * (k - 0.5 * (passes - 1))
+        way = [(-g - behind, y, -r), (-g, y, -r), turn_point(met, g, -r, y), turn_point(met, g + beyond, -r, y)]
+        found += way if k % 2 == 0 else way[::-1]
+    return found
+
+
+def _draw_spring(finger: Finger, angle: float) -> list[DrawingShape]:
+    a, wide = finger.arm, 0.25 * finger.arm
+    if finger.spring == "fixed":
+        fixed = (a, 0.0, finger.height)
+        post = ((a - wide, 0.0, finger.height), (a + wide, 0.0, finger.height))
+        return [
+            draw_bar("holder of the spring", 0.3 * wide, *post, kind="ground"),
+            DrawingShape("spring", "spring", (fixed, turn_point(angle, a, 0.0)), 0.4 * wide),
+        ]
+    stretched = finger.extension + a * angle
+    start, slim = -a * (3.0 + finger.highest), 0.4 * wide
+    end = start + max(2.0 * a + stretched, 0.5 * a)
+    top, bottom = 0.5 * math.pi, 0.5 * math.pi - 0.4
+    rim = [(x, 0.0, z) for x, z in trace_arc(a, top, bottom - max(angle, -0.4), ARC)]
+    axis = ((0.0, -wide, 0.0), (0.0, wide, 0.0))
+    return [
+        draw_bar("holder of the spring", slim, (start, 0.0, 0.0), (start, 0.0, a), kind="ground"),
+        DrawingShape("spring", "spring", ((start, 0.0, a), (end, 0.0, a)), slim),
+        DrawingShape("thread", "tether", ((end, 0.0, a), *rim), 0.0),
+        DrawingShape("drum", "pulley", axis, a, turn=angle),
+    ]

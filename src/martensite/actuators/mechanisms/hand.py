@@ -27,8 +27,6 @@ others: their Jacobians are zero and cost nothing. Sign convention: angles grow 
 as assembled, where the fingers are straight.
 """
 
-from __future__ import annotations
-
 import math
 from itertools import product
 
@@ -77,12 +75,8 @@ class Hand(AbstractMultibody):
     )
     knuckle: Scalar = param("m", "radius ρ of the knuckle under an extensor", above=0.0, high=1.0, typical="5 mm")
     preload: Scalar = param("N", "force in every flexor at assembly", low=0.0, high=1e6, typical="2 N")
-    stiffness: Scalar = param(
-        "N*m/rad", "rate of a joint spring", low=0.0, high=1e6, default=0.0, typical="2e-3 N*m/rad"
-    )
-    torque: Scalar = param(
-        "N*m", "torque τ₀ of a joint spring at angle zero", low=0.0, high=1e6, default=0.0, typical="1e-3 N*m"
-    )
+    stiffness: Scalar = param("N*m/rad", "joint spring rate", low=0.0, high=1e6, default=0.0, typical="2e-3 N*m/rad")
+    torque: Scalar = param("N*m", "joint spring torque τ₀ at θ = 0", low=0.0, high=1e6, default=0.0, typical="1e-3 N*m")
     lowest: Scalar = param("rad", "lower end stop of a joint", low=-3.1, high=0.0, default=0.0, typical="-0.5 rad")
     highest: Scalar = param("rad", "upper end stop of a joint", above=0.0, high=3.1, default=1.6)
     stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=10.0)
@@ -167,10 +161,6 @@ class Hand(AbstractMultibody):
             moved.append(find_kinetic_energy(xp, *rods, angles, _select_pair(motion.velocity, i)))
         return MechanicalEnergy(springs, sum_column(lifted), sum_column(moved))
 
-    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
-        """Damping of every joint [N m]."""
-        return [self.damping * rate for rate in motion.velocity]
-
     def start_forces(self, xp: Namespace) -> Column:
         """The preload of the flexors, and what balances it [N]."""
         found: list[Scalar] = []
@@ -186,7 +176,6 @@ class Hand(AbstractMultibody):
         return drawn_hand(self, reading)
 
     def _rods(self, size: Scalar) -> tuple[Rod, Rod]:
-        """Both phalanges of a finger."""
         heavier = size * size * size
         return (
             Rod(size * self.proximal_length, heavier * self.proximal_mass),
@@ -194,7 +183,6 @@ class Hand(AbstractMultibody):
         )
 
     def _hold_joint(self, xp: Namespace, angle: Scalar, rate: Scalar) -> Scalar:
-        """Torque [N m] of spring, stops and damping of a joint."""
         stop = stop_torque(xp, angle, self.lowest, self.highest, self.stop)
         return self.torque + self.stiffness * angle + stop + self.damping * rate
 
@@ -205,5 +193,4 @@ class Hand(AbstractMultibody):
 
 
 def _select_pair(numbers: Column, finger: int) -> Pair:
-    """Those of the two joints of a finger."""
     return numbers[2 * finger], numbers[2 * finger + 1]

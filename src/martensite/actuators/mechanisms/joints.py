@@ -14,8 +14,6 @@ relative angles θ₁ and θ₂, is, with d = m₂ l₂²/3, b = m₂ l₁ l₂/
 Sign convention: angles grow as the tendon pulls. Textbook results.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from martensite.kernels.namespace import Namespace, Scalar
@@ -49,12 +47,10 @@ def find_stop_energy(xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scal
 
 
 class Rod(NamedTuple):
-    """A uniform link."""
+    """A uniform link of a length [m] and a mass [kg]."""
 
     length: Scalar
-    """[m]"""
     mass: Scalar
-    """[kg]"""
 
 
 def two_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair, accelerations: Pair) -> Pair:

@@ -17,13 +17,11 @@ Sign convention: φ grows as the wire pulls; zero as assembled, where wire, weig
 in balance. Textbook statics.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 
 from martensite.actuators.mechanics.motion import Motion
-from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, MechanicalEnergy, Output
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, MechanicalEnergy, Output, Readout
 from martensite.actuators.mechanisms.drawing import (
     DrawingShape,
     DrawingState,
@@ -65,18 +63,12 @@ class Lever(AbstractMultibody):
         typical="0.2 rad",
     )
     gravity: Scalar = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
-    stiffness: Scalar = param(
-        "N*m/rad", "rate of the return spring", low=0.0, high=1e6, default=0.0, typical="0.05 N*m/rad"
-    )
-    torque: Scalar = param(
-        "N*m", "torque of the return spring as assembled", low=0.0, high=1e6, default=0.0, typical="0.02 N*m"
-    )
+    stiffness: Scalar = param("N*m/rad", "return spring rate", low=0.0, high=1e6, default=0.0, typical="0.05 N*m/rad")
+    torque: Scalar = param("N*m", "return spring torque at home", low=0.0, high=1e6, default=0.0, typical="0.02 N*m")
     lowest: Scalar = param("rad", "lower end stop", low=-3.1, high=0.0, default=-1.0)
     highest: Scalar = param("rad", "upper end stop", above=0.0, high=3.1, default=1.0)
     stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=100.0)
-    damping: Scalar = param(
-        "N*m*s/rad", "damping of the pivot", low=0.0, high=1e6, default=0.0, typical="0.01 N*m*s/rad"
-    )
+    damping: Scalar = param("N*m*s/rad", "pivot damping", low=0.0, high=1e6, default=0.0, typical="0.01 N*m*s/rad")
     inertia: Scalar = param(
         "kg*m^2", "inertia of the lever without the weight", above=0.0, high=1e6, default=1e-6, typical="1e-4 kg*m^2"
     )
@@ -103,9 +95,7 @@ class Lever(AbstractMultibody):
         """The angle, its rate if inertia counts, and the lift of the weight."""
         return super().outputs() | {"lift": Output("m", "lift of the weight", "z")}
 
-    def observe(
-        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
-    ) -> tuple[list[Scalar], Column]:
+    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
         """The tension, and the `outputs` in order."""
         forces, own = super().observe(xp, memory, loads, signals)
         rise = xp.sin(self.weight_angle + own[0]) - xp.sin(self.weight_angle)
@@ -139,10 +129,6 @@ class Lever(AbstractMultibody):
             gravity=self.mass * self.gravity * self.weight_arm * rise,
             kinetic=0.5 * self._turning() * rate * rate,
         )
-
-    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
-        """c φ' [N m]."""
-        return [self.damping * motion.velocity[0]]
 
     def _turning(self) -> Scalar:
         """J + m b² [kg m²]."""

@@ -5,14 +5,23 @@ loop: it returns the force at which both fit. It is assembled with the element i
 position zero. Position grows as the element shortens. Inertia is left out.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from martensite.actuators.elements.base import AbstractElement, Pull, Spring, equilibrium_force
-from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, MechanicalEnergy, Mechanics, Output
+from martensite.actuators.mechanisms.base import (
+    MECHANISMS,
+    AbstractMechanism,
+    Column,
+    Load,
+    MechanicalEnergy,
+    Mechanics,
+    Output,
+    Readout,
+)
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar, draw_weight
+from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
 
@@ -75,9 +84,7 @@ class AbstractLoadLine(AbstractMechanism):
         after, report = element.advance(xp, state, heating, pull, dt)
         return memory, [after], report
 
-    def observe(
-        self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column
-    ) -> tuple[list[Scalar], Column]:
+    def observe(self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column) -> Readout:
         """The force at which both fit, and the position there."""
         ((element, state, _),) = loads
 
@@ -107,3 +114,84 @@ class AbstractLoadLine(AbstractMechanism):
             return self.force(xp, memory, spring)
 
         return pull
+
+
+@MECHANISMS.register("dead-weight")
+class DeadWeight(AbstractLoadLine):
+    """A hanging mass; inertia is left out, and the wire is never slack."""
+
+    mass: Scalar = param("kg", "hanging mass", low=0.0, high=1e6, typical="200 g")
+    gravity: Scalar = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
+
+    def start_force(self, xp: Namespace) -> Scalar:
+        """The weight m g [N]."""
+        return self.mass * self.gravity
+
+    def force(self, xp: Namespace, assembly: LoadLineReference, spring: Spring) -> Scalar:
+        """The weight m g [N]."""
+        return self.start_force(xp)
+
+    def position(self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar) -> Scalar:
+        """Lift of the mass [m]."""
+        return assembly.elongation - elongation
+
+    def energy(self, xp: Namespace, shortening: Scalar) -> MechanicalEnergy:
+        """m g times the lift [J]."""
+        return MechanicalEnergy(gravity=self.start_force(xp) * shortening)
+
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
+        """The element hangs from a ceiling, the mass from the element."""
+        hung = reading.lengths["element"]
+        end = (0.0, 0.0, reading.outputs["position"] - hung)
+        wide, thick = 0.2 * hung, 0.015 * hung
+        return [
+            draw_bar("ceiling", thick, (-wide, 0.0, thick), (wide, 0.0, thick), kind="ground"),
+            DrawingShape("element", "wire", ((0.0, 0.0, 0.0), end), 0.0, "element"),
+            draw_weight("weight", end, self.mass, 0.02 * hung, 0.15 * hung),
+        ]
+
+
+@MECHANISMS.register("bias-spring")
+class BiasSpring(AbstractLoadLine):
+    """A linear return spring with preload.
+
+        F = F₀ + k x while positive;   F = 0 when the element is slack
+
+    with F₀ the preload at assembly and x the position. Neither wire nor spring can push.
+    """
+
+    stiffness: Scalar = param("N/m", "spring rate", above=0.0, high=1e9, typical="150 N/m")
+    preload: Scalar = param("N", "force at assembly", low=0.0, high=1e6, default=0.0, typical="1.5 N")
+
+    def start_force(self, xp: Namespace) -> Scalar:
+        """Preload [N]."""
+        return self.preload
+
+    def force(self, xp: Namespace, assembly: LoadLineReference, spring: Spring) -> Scalar:
+        """Intersection of the two straight lines [N]; zero if they meet in compression."""
+        pull = self.preload + self.stiffness * (assembly.elongation - spring.free)
+        return xp.maximum(pull / (1.0 + self.stiffness * spring.compliance), 0.0)
+
+    def position(self, xp: Namespace, assembly: LoadLineReference, force: Scalar, elongation: Scalar) -> Scalar:
+        """Shortening of the spring's path [m]; the spring's own length when slack."""
+        return (force - self.preload) * (1.0 / self.stiffness)
+
+    def energy(self, xp: Namespace, shortening: Scalar) -> MechanicalEnergy:
+        """½ F²/k [J]."""
+        pull = xp.maximum(self.preload + self.stiffness * shortening, 0.0)
+        return MechanicalEnergy(springs=(0.5 / self.stiffness) * pull * pull)
+
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
+        """Element and spring in a row between two walls; the spring's own length is not known."""
+        element = reading.lengths["element"]
+        end, far, tall = element - reading.outputs["position"], 1.6 * element, 0.1 * element
+        thick = 0.012 * element
+        near_wall = ((-thick, 0.0, -tall), (-thick, 0.0, tall))
+        far_wall = ((far + thick, 0.0, -tall), (far + thick, 0.0, tall))
+        return [
+            draw_bar("wall", thick, *near_wall, kind="ground"),
+            draw_bar("wall of the spring", thick, *far_wall, kind="ground"),
+            DrawingShape("element", "wire", ((0.0, 0.0, 0.0), (end, 0.0, 0.0)), 0.0, "element"),
+            DrawingShape("slider", "object", ((end, 0.0, 0.0),), 0.03 * element),
+            DrawingShape("spring", "spring", ((end, 0.0, 0.0), (far, 0.0, 0.0)), 0.04 * element),
+        ]

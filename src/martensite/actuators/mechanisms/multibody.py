@@ -18,8 +18,6 @@ Sign convention: contraction and tension positive, so a positive J means that th
 its coordinate up. Angles in rad.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -28,7 +26,15 @@ from martensite.actuators.elements.base import AbstractElement, Effort
 from martensite.actuators.mechanics import condensed_step
 from martensite.actuators.mechanics.elimination import multiply_inner, solve_linear
 from martensite.actuators.mechanics.motion import Motion, MotionHistory, Scheme, move_dynamically, quasi_static
-from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, MechanicalEnergy, Mechanics, Output
+from martensite.actuators.mechanisms.base import (
+    AbstractMechanism,
+    Column,
+    Load,
+    MechanicalEnergy,
+    Mechanics,
+    Output,
+    Readout,
+)
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_hanging
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
@@ -68,9 +74,7 @@ class AbstractMultibody(AbstractMechanism):
         "dynamic",
         default="quasi-static",
     )
-    rho_inf: Scalar = param(
-        "1", "share of the fastest oscillation that a dynamic step keeps", low=0.0, high=1.0, default=0.8
-    )
+    rho_inf: Scalar = param("1", "share of the fastest oscillation that a step keeps", low=0.0, high=1.0, default=0.8)
 
     # ---------------------------------------------------------------- a subclass answers
 
@@ -107,8 +111,9 @@ class AbstractMultibody(AbstractMechanism):
         return None
 
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
-        """Part of `demand` [N] or [N m] that takes energy: damping, friction of joints."""
-        return [0.0] * len(motion.position)
+        """Part of `demand` [N] or [N m] that takes energy: its `damping`, if it declares one, times every rate."""
+        damping = getattr(self, "damping", 0.0)
+        return [damping * rate for rate in motion.velocity]
 
     def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """Generalised forces [N] or [N m] from outside, which `demand` is less by."""
@@ -184,9 +189,7 @@ class AbstractMultibody(AbstractMechanism):
         course, stiffness, states, report = step.solve_position(xp)
         return Assembled(memory.home, course, tuple(stiffness)), states, report
 
-    def observe(
-        self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column
-    ) -> tuple[list[Scalar], Column]:
+    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
         """The tensions at the end of the last step, and the coordinates."""
         forces = [element.force(state) for element, state, _ in loads]
         now = memory.course

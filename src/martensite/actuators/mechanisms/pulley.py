@@ -10,8 +10,6 @@ with the same preload. An element without tension hangs slack.
 Sign convention: φ grows as the first element, `protagonist`, pulls; zero as assembled.
 """
 
-from __future__ import annotations
-
 import math
 
 from martensite.actuators.mechanics.motion import Motion
@@ -38,15 +36,11 @@ class AntagonisticPulley(AbstractMultibody):
 
     radius: Scalar = param("m", "radius of the rim", above=0.0, high=10.0, typical="8 mm")
     preload: Scalar = param("N", "force in both elements at assembly", low=0.0, high=1e6, typical="3 N")
-    stiffness: Scalar = param(
-        "N*m/rad", "stiffness of the joint", low=0.0, high=1e6, default=0.0, typical="0.01 N*m/rad"
-    )
+    stiffness: Scalar = param("N*m/rad", "joint stiffness", low=0.0, high=1e6, default=0.0, typical="0.01 N*m/rad")
     moment: Scalar = param(
         "N*m", "weight moment of a lever that hangs down", low=0.0, high=1e6, default=0.0, typical="0.02 N*m"
     )
-    damping: Scalar = param(
-        "N*m*s/rad", "damping of the joint", low=0.0, high=1e6, default=0.0, typical="1e-3 N*m*s/rad"
-    )
+    damping: Scalar = param("N*m*s/rad", "joint damping", low=0.0, high=1e6, default=0.0, typical="1e-3 N*m*s/rad")
     inertia: Scalar = param("kg*m^2", "inertia", above=0.0, high=1e6, default=1e-5, typical="1e-4 kg*m^2")
 
     def ports(self) -> tuple[str, ...]:
@@ -74,10 +68,6 @@ class AntagonisticPulley(AbstractMultibody):
         lifted = self.moment * (1.0 - xp.cos(angle))
         moved = 0.5 * self.inertia * rate * rate
         return MechanicalEnergy(0.5 * self.stiffness * angle * angle, lifted, moved)
-
-    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
-        """b φ' [N m]."""
-        return [self.damping * motion.velocity[0]]
 
     def start_forces(self, xp: Namespace) -> Column:
         """The preload, twice [N]."""

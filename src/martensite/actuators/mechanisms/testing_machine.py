@@ -19,8 +19,6 @@ Source: equilibrium of springs in series. Sign convention: command and travel ar
 mounted; position is that of the grip, at which the element ends while taut, and grows as the element shortens.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -34,6 +32,7 @@ from martensite.actuators.mechanisms.base import (
     MechanicalEnergy,
     Mechanics,
     Output,
+    Readout,
 )
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_bar
 from martensite.base.errors import ParameterError
@@ -132,9 +131,7 @@ class TensileTestingMachine(AbstractMechanism):
         after, report = element.advance(xp, state, heating, pull, dt)
         return memory, [after], report
 
-    def observe(
-        self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column
-    ) -> tuple[list[Scalar], Column]:
+    def observe(self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column) -> Readout:
         """The force that is prescribed or found, the position, and the travel."""
         ((element, state, _),) = loads
 

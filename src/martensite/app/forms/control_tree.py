@@ -18,9 +18,8 @@ from martensite.app.messages import JsonTable
 from martensite.base.formats import spell_title
 from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
 from martensite.base.registry import Registry
-from martensite.control.controllers.numbered_gains import NumberedGains
-from martensite.physics.materials.base import Material
-from martensite.physics.materials.names import NAMES
+from martensite.control.controllers.state_feedback import NumberedGains
+from martensite.physics.materials.base import NAMES, Material
 from martensite.scenario.components import is_plain
 from martensite.signals.base import DRIVE
 from martensite.signals.table import Table

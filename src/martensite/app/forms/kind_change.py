@@ -23,7 +23,7 @@ from martensite.base.errors import InputError, ParameterError
 from martensite.base.files import toml_document
 from martensite.base.parameters import REQUIRED, Leaf, Parametrised
 from martensite.base.registry import Registry
-from martensite.control.loop.mounted_sensor import MountedSensor
+from martensite.control.loop.parts import MountedSensor
 from martensite.physics.electrical.base import SOURCES
 from martensite.physics.laws.base import LAWS
 from martensite.physics.materials.base import Material, load_material

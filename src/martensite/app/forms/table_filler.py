@@ -16,8 +16,7 @@ from martensite.app.messages import JsonTable
 from martensite.base.errors import InputError
 from martensite.base.parameters import REQUIRED, Declared, Leaf, Parametrised
 from martensite.base.registry import Registry
-from martensite.physics.materials.base import Material
-from martensite.physics.materials.names import NAMES
+from martensite.physics.materials.base import NAMES, Material
 from martensite.scenario.build import LAW
 from martensite.scenario.components import component_class, is_members
 from martensite.signals.base import DRIVE

@@ -1,1 +1,1 @@
-"""What a guard checks, one file per check."""
+"""What a guard checks."""

@@ -22,8 +22,6 @@ Pulses go above the mean of their period by up to P (1 - D) D t/C, t being their
 that much room below what the element can stand.
 """
 
-from __future__ import annotations
-
 import math
 
 from martensite.base.parameters import option, param, text

@@ -1,11 +1,10 @@
 """The contract of a controller: a reference and readings in, the signal of a drive out.
 
-A controller is a straight-line kernel with a memory of numbers: `rest` before the first sample,
-`answer` in every sample. On a bench (`martensite.control.loop`) it is traced together with the
-plant,
-the sensors and the observers, so that the whole loop runs in C, in batches and with derivatives.
-The same controller is a drive like any other (`AbstractDrive`): called once per sample with what
-is measured, it answers on plain floats, in `simulate_controlled` or in a program of one's own.
+A controller is a straight-line kernel with a memory of numbers: `rest` before the first sample, `answer` in every
+sample. On a bench (`martensite.control.loop`) it is traced together with the plant, the sensors and the observers, so
+that the whole loop runs in C, in batches and with derivatives. The same controller is a drive like any other
+(`AbstractDrive`): called once per sample with what is measured, it answers on plain floats, in `simulate_controlled` or
+in a program of one's own.
 
 Readings come by name: those of sensors, `estimated.NAME` of observers, and the age of each,
 `NAME.age` [s]. Without sensors they are the outputs of the system themselves.
@@ -18,15 +17,17 @@ from typing import Any, ClassVar, NamedTuple, TypeAlias
 
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.interfaces import make_missing_error, require_where
-from martensite.base.parameters import part, text
+from martensite.base.parameters import Parametrised, param, part, text
 from martensite.base.registry import Registry
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.signals.base import WAVEFORMS, AbstractDrive, AbstractWaveform
+from martensite.signals.base import DRIVE, WAVEFORMS, AbstractDrive, AbstractWaveform
 
 CONTROLLERS: Registry[AbstractController] = Registry("controller", "martensite.control.controllers", typical="pid")
 Column: TypeAlias = Sequence[Scalar]
 Readings: TypeAlias = Mapping[str, Scalar]
+Answer: TypeAlias = tuple[Scalar, Column]
+"""The signal of a sample, and what is remembered for the next."""
 HAIR = 1e-9
 """Difference of times that is rounding [s]."""
 
@@ -67,9 +68,7 @@ class AbstractController(AbstractDrive):
         return ()
 
     @require_where("kernel")
-    def answer(
-        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """The signal of this sample, and what is remembered for the next.
 
         Args:
@@ -98,6 +97,31 @@ class AbstractController(AbstractDrive):
         dt = time - memory.time
         signal, after = self.answer(floats, memory.memory, wanted, measurement, dt)
         return signal, Called(time, after)
+
+
+class SignalLimits(Parametrised):
+    """What a controller keeps its signal between."""
+
+    low: Scalar = param(DRIVE, "least signal", default=0.0)
+    high: Scalar = param(DRIVE, "largest signal", default=1.0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` if there is nothing between the limits."""
+        if not self.low < self.high:
+            raise ParameterError(
+                "The least signal of a controller must be below the largest one, but they are "
+                f"{self.low:g} and {self.high:g}."
+            )
+
+    @property
+    def idle(self) -> float:
+        """The signal nearest to 0 within the limits: that before anything is controlled."""
+        return min(max(self.low, 0.0), self.high)
+
+    def hold_integral(self, xp: Namespace, wanted: Scalar, push: Scalar, before: Scalar, after: Scalar) -> Scalar:
+        """The integral, as it was `before` where the signal is beyond a limit and its error pushes it further."""
+        over, under = xp.both(wanted > self.high, push > 0.0), xp.both(wanted < self.low, push < 0.0)
+        return xp.where(xp.either(over, under), before, after)
 
 
 def require_readings(controller: AbstractController, known: Mapping[str, Any]) -> None:

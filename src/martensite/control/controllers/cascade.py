@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from martensite.base.parameters import param, part, text
-from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.control.controllers.pid import PidGains, PidMemory
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -60,9 +60,7 @@ class Cascade(AbstractController):
         inner = self.inner.law.rest(xp, self.start, readings[self.temperature])
         return CascadeMemory(outer, inner).flat()
 
-    def answer(
-        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
         before, position = CascadeMemory.of(memory), readings[self.measured]
         added, outer = self.outer.law.answer(xp, self.outer.gains(xp, dt), before.outer, reference, position)

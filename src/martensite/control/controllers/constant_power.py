@@ -15,12 +15,10 @@ A loop over pulses: `simulate_loop(system, ConstantPower(...), ..., pulses=True)
 `pwm-voltage`, or a bench with `switching="pulses"`. Its average is the drive `power-pwm`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from martensite.base.parameters import option, param, text
-from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
 
@@ -58,9 +56,7 @@ class ConstantPower(AbstractController):
         """The largest power [W] as far as it is known; else 0."""
         return (self.largest if self.updated == "once" else 0.0,)
 
-    def answer(
-        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Duty of this sample, above 1 where the demand is out of reach; the largest power [W]."""
         (largest,), duty = memory, readings[self.drive]
         closed = duty > 0.0

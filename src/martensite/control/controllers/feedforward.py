@@ -23,17 +23,14 @@ Source: inversion of a model as feed-forward, Devasia, Chen and Paden 1996; here
 the horizon instead of the whole trajectory.
 """
 
-from __future__ import annotations
-
 from typing import Any, NamedTuple
 
 from martensite.actuators.assembly import AbstractSystem, advance_steps
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import option, param, part, text
 from martensite.base.units import DIFFERENCE
-from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
-from martensite.control.controllers.correction import KEPT, Correction
-from martensite.control.controllers.pid import PidMemory
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
+from martensite.control.controllers.pid import KEPT, Correction, PidMemory
 from martensite.kernels import floats
 from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
@@ -66,9 +63,7 @@ class Feedforward(AbstractController):
     model: AbstractSystem = part("the plant as it is believed to be, with one drive")
     output: str = text("output of the model that follows; empty: named as measured", default="")
     lookahead: Scalar = param("s", "time L after which the model shall be there", above=0.0, default=0.1)
-    slope_weight: Scalar = param(
-        "1", "share c of the reference's rate that is looked ahead", low=0.0, high=1.0, default=1.0
-    )
+    slope_weight: Scalar = param("1", "share c of the reference's rate looked ahead", low=0.0, high=1.0, default=1.0)
     filter: Scalar = param("s", "time constant of the filter of that rate", low=0.0, default=0.05)
     sense: str = option("whether the output rises or falls with the signal", "rising", "falling", default="rising")
     slack: Scalar = param(DIFFERENCE, "least answer of the model in the time L that is one", above=0.0, default=1e-6)
@@ -112,9 +107,7 @@ class Feedforward(AbstractController):
         state = self.model.init(xp, idle)
         return flatten_numbers((state, Following(idle, reference, 0.0, correction)))
 
-    def answer(
-        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
         state, held = self._nest_memory.rebuild(memory)
         some = dt > 0.0
@@ -132,17 +125,14 @@ class Feedforward(AbstractController):
 
     @property
     def _nest_memory(self) -> NestedShape:
-        """How its memory is nested."""
         memory = PidMemory(*[0.0] * KEPT)
         return NestedShape((self.__dict__["_rest"], Following(0.0, 0.0, 0.0, memory)))
 
     def _rate(self, held: Following, reference: Scalar, length: Scalar) -> Scalar:
-        """Filtered rate of the reference."""
         change = reference - held.before - held.rate * length
         return held.rate + change / (self.filter + length)
 
     def _after(self, xp: Namespace, state: Any, signal: Scalar, length: Scalar, steps: int) -> Any:
-        """State of the model after some time."""
         after, _ = advance_steps(xp, self.model, state, [((signal,), length / steps)], steps)
         return after
 

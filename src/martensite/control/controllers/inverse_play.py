@@ -19,17 +19,14 @@ they are, and so does every change of load or surroundings; that is for feedback
 Source: Kuhnen 2003 (the inverse); Krasnosel'skii and Pokrovskii 1989 (plays).
 """
 
-from __future__ import annotations
-
 from itertools import accumulate, pairwise
 from typing import Any
 
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import part
-from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
-from martensite.control.controllers.correction import KEPT, Correction
-from martensite.control.controllers.numbered_gains import NumberedGains, as_row
-from martensite.control.controllers.pid import PidMemory
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
+from martensite.control.controllers.pid import KEPT, Correction, PidMemory
+from martensite.control.controllers.state_feedback import NumberedGains, as_row
 from martensite.kernels.namespace import Namespace, Scalar
 
 
@@ -78,9 +75,7 @@ class InversePlay(AbstractController):
         correction = self.feedback.rest(xp, reference, readings[self.measured])
         return [*correction, *[level] * len(self.thresholds.numbers)]
 
-    def answer(
-        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
         correction, plays = PidMemory(*memory[:KEPT]), memory[KEPT:]
         level = self._level(xp, reference)
@@ -105,7 +100,6 @@ class InversePlay(AbstractController):
 
 
 def _sum_weights(weights: NumberedGains) -> Scalar:
-    """Gain of the sum at rest."""
     total: Scalar = 0.0
     for weight in weights.numbers:
         total = total + weight

@@ -15,13 +15,11 @@ Source: the ON/OFF controller of Kossoski (2018), section 5.2.1, which says "whe
 amplitudes of the system decrease" and leaves the measure of that open.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from martensite.base.parameters import param, text
-from martensite.control.controllers.base import CONTROLLERS, HAIR, AbstractController, Column, Readings
+from martensite.control.controllers.base import CONTROLLERS, HAIR, AbstractController, Answer, Column, Readings
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE, AbstractDrive
 from martensite.signals.levels import HIGH
@@ -64,9 +62,7 @@ class LatchedOnOff(AbstractController):
         value = readings[self.oscillation]
         return Latch(0.0, 0.0, 0.0, value, value, 0.0)
 
-    def answer(
-        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
-    ) -> tuple[Scalar, Latch]:
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
         seen = self._add_value(xp, Latch(*memory), readings[self.oscillation], dt)
         on = xp.where(readings[self.measured] > reference, 1.0, seen.on)

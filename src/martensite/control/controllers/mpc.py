@@ -19,8 +19,6 @@ It is no kernel: it runs outside of a bench (`simulate_bench(bench, T, outside=.
 `simulate_controlled`, or in a loop of one's own. All that it remembers is passed in and out.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any, NamedTuple, Self
 
@@ -29,14 +27,13 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import option, param, part, text
-from martensite.control.controllers.base import CONTROLLERS, AbstractController, require_readings
-from martensite.control.controllers.planning import Moment, Planner, PlanSearch, Price, SignalLimits, shift_plan
-from martensite.control.controllers.time_scales import measure_reach
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, SignalLimits, require_readings
+from martensite.control.controllers.planning import Moment, Planner, PlanSearch, Price, measure_reach, shift_plan
 from martensite.control.observers.base import ESTIMATED
 from martensite.control.observers.hidden_states import list_names, place_hidden
 from martensite.kernels import floats
 from martensite.kernels.nested import NestedShape, flatten_numbers
-from martensite.signals.base import DRIVE, AbstractWaveform
+from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import steps_in
 from martensite.simulate.lanes import Lanes, Numbers
 
@@ -65,7 +62,7 @@ class Planned(NamedTuple):
 
 
 @CONTROLLERS.register("mpc")
-class Mpc(AbstractController):
+class Mpc(AbstractController, SignalLimits):
     """A predictive controller over the compiled march of a model."""
 
     cites = ("deboer2005",)
@@ -76,8 +73,6 @@ class Mpc(AbstractController):
     period: float = param("s", "time from one sample to the next", above=0.0, typical="20 ms")
     horizon: float = param("s", "how far plans reach", above=0.0, typical="2 s")
     blocks: int = part("parts of the horizon, each with a signal of its own", default=20)
-    low: float = param(DRIVE, "least signal", default=0.0)
-    high: float = param(DRIVE, "largest signal", default=1.0)
     price: Price = part("what a plan is charged for", default=Price())
     search: PlanSearch = part("how plans are searched", default=PlanSearch())
     correction: float = param(
@@ -144,10 +139,7 @@ class Mpc(AbstractController):
                 f"The model of a predictive controller must have one drive, but has {len(self.model.drives())}."
             )
         _find_output(self.model, self.followed_output)
-        if not self.low < self.high:
-            raise ParameterError(
-                f"The least signal must be below the largest one, but they are {self.low:g} and {self.high:g}."
-            )
+        super().check()
         for name in ("blocks", "kept"):
             value = self.__dict__[name]
             if not isinstance(value, int) or value < 1:
@@ -170,11 +162,6 @@ class Mpc(AbstractController):
         """Output of the model that is measured."""
         return self.output or self.measured.removeprefix(ESTIMATED)
 
-    @property
-    def idle(self) -> float:
-        """The signal nearest to 0 within the limits."""
-        return min(max(self.low, 0.0), self.high)
-
     def reads(self) -> tuple[str, ...]:
         """Names of all readings it needs."""
         hidden = [ESTIMATED + name for name in list_names(self.model)]
@@ -183,8 +170,7 @@ class Mpc(AbstractController):
     def init(self) -> Planned:
         """The model at rest, nothing planned; compiles the model."""
         lanes = Lanes(self.model, self.search.plans)
-        limits = SignalLimits(self.low, self.high)
-        planner = Planner(lanes, self.followed_output, self.price, self.search, limits)
+        planner = Planner(lanes, self.followed_output, self.price, self.search, (self.low, self.high))
         model, idle = Lanes(self.model, 1), self.idle
         model.reset(idle)
         shape = NestedShape(self.model.init(floats, idle))
@@ -224,7 +210,6 @@ class Mpc(AbstractController):
         return memory._replace(state=model.state, past=past)
 
     def _place_state(self, memory: Planned, state: Numbers, measurement: Mapping[str, float]) -> Numbers:
-        """A state with what an observer says of it."""
         at = [measurement[name] for name in self.reads()[1:]]
         nested = memory.shape.rebuild(state[:, 0].tolist())
         found = place_hidden(floats, self.model, nested, at, [memory.signal])
@@ -245,7 +230,6 @@ class Mpc(AbstractController):
 
 
 def _find_output(model: AbstractSystem, output: str) -> str:
-    """An output of a model; raises `ParameterError` if there is none."""
     if output not in model.outputs():
         raise ParameterError(f"The model has no output `{output}`. {suggest_name(output, model.outputs())}")
     return output

@@ -20,15 +20,11 @@ Source of C(z): Copaci, Moreno and Blanco (2019), equation (1); of back-calculat
 Hägglund (1995), section 3.5.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
-from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, option, param, part
-from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings, SignalLimits
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.signals.base import DRIVE
 
 
 class Gains(NamedTuple):
@@ -62,11 +58,9 @@ def per_sample(Kp: float, Ki: float, Kd: float, interval: float) -> Gains:
     return Gains(Kp, Ki * interval, Kd / interval)
 
 
-class PidLaw(Parametrised):
+class PidLaw(SignalLimits):
     """What a PID controller does beside its gains: limits, set-point weights and filter."""
 
-    low: float = param(DRIVE, "least signal", default=0.0)
-    high: float = param(DRIVE, "largest signal", default=1.0)
     weight: float = param("1", "set-point weight b of the proportional part", default=1.0)
     slope_weight: float = param("1", "set-point weight c of the derivative part", default=1.0)
     filter: float = param("1", "time constant N of the derivative's filter, in samples", low=0.0, default=0.0)
@@ -74,19 +68,6 @@ class PidLaw(Parametrised):
         "what the integral does where the signal is limited", "conditional", "back-calculation", default="conditional"
     )
     tracking: float = param("1", "time constant N_t of back-calculation, in samples", low=1.0, default=10.0)
-
-    def check(self) -> None:
-        """Raise `ParameterError` if there is nothing between the limits."""
-        if not self.low < self.high:
-            raise ParameterError(
-                f"The least signal of a controller must be below the largest one, but they are "
-                f"{self.low:g} and {self.high:g}."
-            )
-
-    @property
-    def idle(self) -> float:
-        """The signal nearest to 0 within the limits: that before anything is controlled."""
-        return min(max(self.low, 0.0), self.high)
 
     def rest(self, xp: Namespace, reference: Scalar, measured: Scalar) -> PidMemory:
         """What is remembered before the first sample."""
@@ -105,10 +86,7 @@ class PidLaw(Parametrised):
         if self.anti_windup == "back-calculation":
             kept = integral + (signal - wanted) / self.tracking
             return signal, PidMemory(kept, now, change)
-        over = xp.both(wanted > self.high, added > 0.0)
-        under = xp.both(wanted < self.low, added < 0.0)
-        kept = xp.where(xp.either(over, under), memory.integral, integral)
-        return signal, PidMemory(kept, now, change)
+        return signal, PidMemory(self.hold_integral(xp, wanted, added, memory.integral, integral), now, change)
 
 
 GAINS_ARE = "per-sample", "in-seconds"
@@ -159,9 +137,43 @@ class Pid(AbstractController, PidGains):
         """Nothing integrated."""
         return self.law.rest(xp, reference, readings[self.measured])
 
-    def answer(
-        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
-    ) -> tuple[Scalar, PidMemory]:
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
         gains, found = self.gains(xp, dt), readings[self.measured]
         return self.law.answer(xp, gains, PidMemory(*memory), reference, found)
+
+
+KEPT = len(PidMemory._fields)
+"""Numbers that a correction remembers."""
+
+
+class Correction(Parametrised):
+    """Feedback beside a feed-forward, and the limits of the signal.
+
+        u = u_f + v,    low - u_f ≤ v ≤ high - u_f
+
+    where u_f is what the feed-forward says and v the answer of a PID law to what is still measured as an error. The
+    integral stops where the sum is at a limit. All gains are 0 to begin with: feed-forward alone.
+    """
+
+    Kp: Scalar = param("1", "proportional gain, in signal per SI unit measured", default=0.0)
+    Ki: Scalar = param("1/s", "integral gain", default=0.0)
+    Kd: Scalar = param("s", "derivative gain, over the unit of the proportional one", default=0.0)
+    law: PidLaw = part("limits of the whole signal, weights and filter", default=PidLaw())
+
+    def limit_signal(self, xp: Namespace, signal: Scalar) -> Scalar:
+        """A signal within the limits."""
+        return xp.clip(signal, self.law.low, self.law.high)
+
+    def rest(self, xp: Namespace, reference: Scalar, measured: Scalar) -> PidMemory:
+        """Nothing integrated."""
+        return self.law.rest(xp, reference, measured)
+
+    def answer(
+        self, xp: Namespace, memory: PidMemory, feed: Scalar, reference: Scalar, measured: Scalar, dt: Scalar
+    ) -> tuple[Scalar, PidMemory]:
+        """Signal of this sample with a feed-forward within the limits, and the new memory."""
+        gains = sample_gains(xp, Gains(self.Kp, self.Ki, self.Kd), "in-seconds", dt)
+        left = {"low": self.law.low - feed, "high": self.law.high - feed}
+        added, after = self.law.rebuilt(left).answer(xp, gains, memory, reference, measured)
+        return feed + added, after

@@ -17,19 +17,21 @@ cross-entropy method, whose numbers are drawn with a correlation from block to b
 Source of the method: de Boer, Kroese, Mannor and Rubinstein (2005).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
+from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, param, part
 from martensite.base.units import DIFFERENCE
+from martensite.simulate.api import longest_step
 from martensite.simulate.lanes import Lanes, Numbers
+from martensite.simulate.lanes_native import Numbers
 from martensite.simulate.march import SOLVED
 
 KELVIN, MEGAPASCAL = 1.0, 1e6
@@ -82,18 +84,6 @@ class PlanSearch(Parametrised):
                 )
 
 
-class SignalLimits(NamedTuple):
-    """Least and largest signal."""
-
-    low: float
-    high: float
-
-    @property
-    def range(self) -> float:
-        """Difference of the two."""
-        return self.high - self.low
-
-
 class Moment(NamedTuple):
     """What plans start from."""
 
@@ -108,8 +98,11 @@ class Moment(NamedTuple):
 class Planner:
     """Plans of one controller, side by side in lanes of its model."""
 
-    def __init__(self, lanes: Lanes, output: str, price: Price, search: PlanSearch, limits: SignalLimits) -> None:
+    def __init__(
+        self, lanes: Lanes, output: str, price: Price, search: PlanSearch, limits: tuple[float, float]
+    ) -> None:
         self.lanes, self.price, self.search, self.limits = lanes, price, search, limits
+        self.range = limits[1] - limits[0]
         names = lanes.names
         self.followed_output = names.index(output)
         self.powers, self.temperatures, self.stresses = (
@@ -126,7 +119,7 @@ class Planner:
             dt: step of the model [s].
             rng: random numbers.
         """
-        spread = np.full(len(guess), self.search.spread * self.limits.range)
+        spread = np.full(len(guess), self.search.spread * self.range)
         plans = self._full([self._far(guess), self._sample_plans(guess, spread, rng)])
         best, least = guess, math.inf
         for k in range(self.search.rounds):
@@ -137,7 +130,7 @@ class Planner:
             if k + 1 < self.search.rounds:
                 elite = plans[:, order[: max(2, self.search.plans // ELITE)]]
                 centre = elite.mean(axis=1)
-                spread = np.maximum(elite.std(axis=1), LEAST * self.limits.range)
+                spread = np.maximum(elite.std(axis=1), LEAST * self.range)
                 known = np.array([best, centre]).T
                 plans = self._full([known, self._sample_plans(best, spread, rng)])
         return best, least
@@ -152,7 +145,7 @@ class Planner:
             error = (moment.wanted[:, None] - rows[:, self.followed_output]) / self.price.error
             found = np.mean(error * error, axis=0) + self._charge_plan(rows)
         before = np.vstack([np.full((1, plans.shape[1]), moment.signal), plans[:-1]])
-        changes = (plans - before) / self.limits.range
+        changes = (plans - before) / self.range
         found += self.price.change * np.mean(changes * changes, axis=0)
         solved = np.isfinite(found) & (self.lanes.worst[0] <= SOLVED)
         return np.where(solved, found, np.inf)
@@ -204,7 +197,6 @@ def _build_filters(blocks: int) -> Numbers:
 
 
 def _average_rows(rows: Numbers, which: Sequence[int] = ()) -> Numbers:
-    """Mean over steps of the sum over some outputs."""
     chosen = rows[:, which] if which else rows
     return np.mean(np.sum(chosen, axis=1), axis=0)
 
@@ -214,3 +206,68 @@ def shift_plan(plan: Numbers, share: float) -> Numbers:
     while share > 1.0:
         plan, share = np.append(plan[1:], plan[-1]), share - 1.0
     return (1.0 - share) * plan + share * np.append(plan[1:], plan[-1])
+
+
+FIRST, DOUBLINGS = 64, 8
+"""Steps of the first look, and how often it is made twice as long."""
+BEGUN, HALF, MOST, SETTLED = 0.1, 0.5, 0.9, 0.01
+
+
+class TimeScales(NamedTuple):
+    """Times of a system [s]."""
+
+    start: float
+    """Until full signal, from rest, has made a tenth of the travel."""
+    up: float
+    """Until it has made half of it."""
+    down: float
+    """From nine tenths of it, until no signal has left half."""
+
+
+def measure_reach(system: AbstractSystem, output: str, low: float, high: float) -> TimeScales:
+    """How long full signal and none need.
+
+    Args:
+        system: a system with one drive.
+        output: what shall move.
+        low: least signal.
+        high: largest signal.
+
+    Raises:
+        ParameterError: full signal does not move the output.
+    """
+    dt = 0.5 * longest_step(system)
+    lanes = Lanes(system, 1)
+    lanes.reset(low)
+    index = lanes.names.index(output)
+    rest = float(lanes.observe(low)[index, 0])
+    up = _settle_output(lanes, high, dt, index, rest)
+    top = float(up[-1])
+    if not np.isfinite(top) or abs(top - rest) <= 1e-12 * max(abs(rest), 1e-9):
+        raise ParameterError(f"The signal {high:g} does not move `{output}` of the model.")
+    share = (up - rest) / (top - rest)
+    lanes.reset(low)
+    lanes.advance(np.full((_count_until(share >= MOST), 1, 1), high), dt)
+    down = (_settle_output(lanes, low, dt, index, top) - rest) / (top - rest)
+    return TimeScales(
+        dt * _count_until(share >= BEGUN), dt * _count_until(share >= HALF), dt * _count_until(down <= HALF)
+    )
+
+
+def _settle_output(lanes: Lanes, signal: float, dt: float, index: int, before: float) -> Numbers:
+    """An output under one signal until it hardly changes."""
+    found = np.array([before])
+    steps = FIRST
+    for _ in range(DOUBLINGS):
+        more = lanes.advance(np.full((steps, 1, 1), signal), dt)[:, index, 0]
+        found = np.concatenate([found, more])
+        steps = len(found)
+        change = abs(more[-1] - more[0])
+        if change <= SETTLED * np.ptp(found) and np.ptp(found) > 0.0:
+            break
+    return found[1:]
+
+
+def _count_until(flags: NDArray[np.bool_]) -> int:
+    """After how many steps flags are up for the first time; all of them, if never."""
+    return 1 + int(np.argmax(flags)) if np.any(flags) else len(flags)

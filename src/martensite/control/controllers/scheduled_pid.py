@@ -12,8 +12,6 @@ The integral is a signal, not a sum of errors, so that nothing jumps with K_i. E
 and anti-windup are those of `martensite.control.controllers.pid`.
 """
 
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -21,7 +19,7 @@ from martensite.actuators.assembly import Members
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, option, param, part, text
 from martensite.base.units import LEVEL
-from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
 from martensite.control.controllers.pid import GAINS_ARE, Gains, PidLaw, PidMemory, sample_gains
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.levels import HIGH
@@ -106,9 +104,7 @@ class ScheduledPid(AbstractController):
         direction = xp.where(reference < value, -1.0, 1.0)
         return ScheduledMemory(*self.law.rest(xp, reference, value), reference, direction)
 
-    def answer(
-        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
-    ) -> tuple[Scalar, ScheduledMemory]:
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
         before = ScheduledMemory(*memory)
         kept = xp.where(reference < before.reference, -1.0, before.direction)

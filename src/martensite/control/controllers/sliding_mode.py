@@ -20,14 +20,11 @@ Sources: surface, boundary layer and integral of Slotine and Li (1991), chapter 
 control by a lag of Utkin (1992); tanh in a robust controller for an SMA wire by Song et al. (2003).
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
-from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.base.units import RATE
-from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings, SignalLimits
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
 from martensite.signals.levels import HIGH, MARGIN
@@ -47,7 +44,7 @@ class SlidingMemory(NamedTuple):
 
 
 @CONTROLLERS.register("sliding-mode")
-class SlidingMode(AbstractController):
+class SlidingMode(AbstractController, SignalLimits):
     """A controller that drives the error onto a surface and along it to 0."""
 
     cites = ("slotine1991", "utkin1992", "song2003")
@@ -64,25 +61,13 @@ class SlidingMode(AbstractController):
     per_reference: Scalar = param("1", "k of the line, in signal per SI unit", default=0.0)
     lag: Scalar = param("s", "time constant of the lag of the signal", low=0.0, default=1.0)
     filter: Scalar = param("s", "time constant τ of the filter of ė", low=0.0, default=0.05)
-    low: Scalar = param(DRIVE, "least signal", default=0.0)
-    high: Scalar = param(DRIVE, "largest signal", default=1.0)
-
-    def check(self) -> None:
-        """Raise `ParameterError` if there is nothing between the limits."""
-        if not self.low < self.high:
-            raise ParameterError(
-                f"The least signal of a controller must be below the largest one, but they are "
-                f"{self.low:g} and {self.high:g}."
-            )
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> SlidingMemory:
         """No rate, nothing integrated, the signal nearest to 0."""
         mean = xp.clip(0.0, self.low, self.high)
         return SlidingMemory(reference - readings[self.measured], 0.0, 0.0, mean)
 
-    def answer(
-        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
-    ) -> tuple[Scalar, SlidingMemory]:
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and what is remembered for the next."""
         before, error = SlidingMemory(*memory), reference - readings[self.measured]
         rate = lag_rate(xp, before.rate, error - before.error, self.filter, dt)
@@ -90,10 +75,7 @@ class SlidingMode(AbstractController):
         part = self._switching_function(xp, self._surface(error, rate, integral) / self.layer)
         wanted = self._equivalent_signal(before.mean, reference) + self.gain * part
         signal = xp.clip(wanted, self.low, self.high)
-        pushed = self.gain * error
-        over = xp.both(wanted > self.high, pushed > 0.0)
-        under = xp.both(wanted < self.low, pushed < 0.0)
-        kept = xp.where(xp.either(over, under), before.integral, integral)
+        kept = self.hold_integral(xp, wanted, self.gain * error, before.integral, integral)
         mean = lag_rate(xp, before.mean, signal * dt, self.lag, dt)
         return signal, SlidingMemory(error, rate, kept, mean)
 
@@ -104,11 +86,9 @@ class SlidingMode(AbstractController):
         return rate + self.slope * (2.0 * error + self.slope * integral)
 
     def _switching_function(self, xp: Namespace, x: Scalar) -> Scalar:
-        """The function φ."""
         return xp.tanh(x) if self.boundary == "tanh" else xp.clip(x, -1.0, 1.0)
 
     def _equivalent_signal(self, mean: Scalar, reference: Scalar) -> Scalar:
-        """The signal u_eq."""
         return mean if self.equivalent == "filtered" else self.offset + self.per_reference * reference
 
 

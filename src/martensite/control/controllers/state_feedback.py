@@ -9,21 +9,19 @@ the level of the operating point. The integral stops where the signal is at a li
 would drive it further. `martensite.design.synthesis.lqr` finds all numbers.
 """
 
-from __future__ import annotations
-
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Self
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param, part, text
+from martensite.base.parameters import REQUIRED, Declared, Parametrised, param, part, text
 from martensite.base.units import LEVEL
-from martensite.control.controllers.base import CONTROLLERS, AbstractController, Column, Readings
-from martensite.control.controllers.numbered_gains import as_row
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings, SignalLimits
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
 
 
 @CONTROLLERS.register("state-feedback")
-class StateFeedback(AbstractController):
+class StateFeedback(AbstractController, SignalLimits):
     """A signal from all states, such as that of a linear-quadratic regulator."""
 
     states: tuple[str, ...] = text("readings that are the states; empty: that measured", default=())
@@ -33,8 +31,6 @@ class StateFeedback(AbstractController):
     level: Scalar = param(LEVEL, "what is measured there, y_0", default=0.0)
     prefilter: Scalar = param("1", "gain N of the reference", default=0.0)
     Ki: Scalar = param("1/s", "gain K_I of the integral of the error", default=0.0)
-    low: Scalar = param(DRIVE, "least signal", default=0.0)
-    high: Scalar = param(DRIVE, "largest signal", default=1.0)
 
     def check(self) -> None:
         """Raise `ParameterError` unless there is a gain and a value for every state."""
@@ -46,11 +42,7 @@ class StateFeedback(AbstractController):
                     f"`{name}` of `{title}` must have a number for each of the {len(self.named)} states "
                     f"({', '.join(self.named)}), but has {len(row.numbers)}."
                 )
-        if not self.low < self.high:
-            raise ParameterError(
-                f"The least signal of a controller must be below the largest one, but they are "
-                f"{self.low:g} and {self.high:g}."
-            )
+        super().check()
 
     @property
     def named(self) -> tuple[str, ...]:
@@ -66,9 +58,7 @@ class StateFeedback(AbstractController):
         """Nothing integrated."""
         return (0.0,)
 
-    def answer(
-        self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar
-    ) -> tuple[Scalar, Column]:
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """Signal of this sample, and the integral."""
         added = (reference - readings[self.measured]) * dt
         integral = memory[0] + added
@@ -76,8 +66,56 @@ class StateFeedback(AbstractController):
         rows = zip(self.named, self.gains.numbers, self.at.numbers, strict=True)
         for name, gain, value in rows:
             wanted = wanted - gain * (readings[name] - value)
-        push = self.Ki * added
-        over = xp.both(wanted > self.high, push > 0.0)
-        under = xp.both(wanted < self.low, push < 0.0)
-        kept = xp.where(xp.either(over, under), memory[0], integral)
+        kept = self.hold_integral(xp, wanted, self.Ki * added, memory[0], integral)
         return xp.clip(wanted, self.low, self.high), (kept,)
+
+
+class NumberedGains(Parametrised):
+    """Numbers n1, n2, … in their order.
+
+    Gains of a state feedback or weights of a hysteresis come in any number. As a row they are leaves like all others,
+    `gains.n1`, `gains.n2`, …: they may differ from lane to lane and have derivatives, and two rows of one length share
+    a traced program.
+    """
+
+    def __init__(self, **numbers: float) -> None:
+        for place, (name, value) in enumerate(numbers.items(), 1):
+            if name != f"n{place}":
+                raise ParameterError(f"Number {place} of a row is `n{place}`, not `{name}`.")
+            self.__dict__[name] = _convert_number(place).convert("row", name, value)
+
+    @classmethod
+    def of(cls, numbers: Sequence[float]) -> Self:
+        """A row of these numbers."""
+        return cls(**{f"n{place}": number for place, number in enumerate(numbers, 1)})
+
+    @property
+    def declarations(self) -> dict[str, Declared]:  # type: ignore[override]
+        """One parameter per number."""
+        return {name: _convert_number(place) for place, name in enumerate(self.__dict__, 1)}
+
+    def layout(self) -> tuple[int, ...]:
+        """How many there are."""
+        return (len(self.__dict__),)
+
+    @property
+    def numbers(self) -> tuple[Scalar, ...]:
+        """All of them."""
+        return tuple(self.__dict__.values())
+
+
+def _convert_number(place: int) -> Declared:
+    return Declared("parameter", f"number {place} of a row", REQUIRED)
+
+
+def as_row(owner: str, name: str, given: Any) -> NumberedGains:
+    """A row, of a sequence of numbers too.
+
+    Raises:
+        ParameterError: it is neither.
+    """
+    if isinstance(given, NumberedGains):
+        return given
+    if isinstance(given, str) or not isinstance(given, Sequence):
+        raise ParameterError(f"`{name}` of `{owner}` must be a list of numbers, not {given!r}.")
+    return NumberedGains.of(given)  # type: ignore[arg-type]

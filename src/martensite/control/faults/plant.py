@@ -1,43 +1,142 @@
-"""How a fault gets into a plant: a twin of it in which parts of its actuators are exchanged."""
+"""Faults of a plant: its twin in which parts of one actuator, or of all, are exchanged."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterator, Mapping
+from abc import abstractmethod
+from collections.abc import Iterator
 from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.base.errors import ParameterError, suggest_name
-from martensite.base.parameters import Parametrised
-
-Change = Callable[[Actuator], Mapping[str, Any]]
-"""An actuator -> what is exchanged in it, by path, such as `source.supply`."""
-
-
-def change_plant(plant: AbstractSystem, drive: str, change: Change) -> AbstractSystem:
-    """A twin of a plant with the actuator of one drive changed, or with all of them.
-
-    Args:
-        plant: the plant; its numbers may be traced.
-        drive: name of the drive; all of the actuators if it is empty.
-        change: what is exchanged in an actuator.
-
-    Raises:
-        ParameterError: the drive is that of a mechanism, not of an actuator.
-    """
-    at = {plant.drive_at(port): one for port, one in plant.actuators().items()}
-    if drive and drive not in at:
-        raise ParameterError(f"A fault of an actuator needs the drive of one, not `{drive}`. {suggest_name(drive, at)}")
-    places = {id(one): prefix for prefix, one in _list_placed(plant, "")}
-    found: dict[str, Any] = {}
-    for name, one in at.items():
-        if drive in ("", name):
-            prefix = places[id(one)]
-            found |= {prefix + path: value for path, value in change(one).items()}
-    return plant.rebuilt(found)
+from martensite.base.parameters import Parametrised, param, part, text
+from martensite.base.units import DEGREES
+from martensite.control.faults.base import FAULTS, AbstractFault
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.physics.electrical.base import AbstractSource
+from martensite.physics.thermal.base import AbstractCooling, Cylinder
 
 
 def _list_placed(part: Parametrised, prefix: str) -> Iterator[tuple[str, Parametrised]]:
-    """Everything in a tree, with its path."""
     yield prefix, part
     for name, child in part.children():
         yield from _list_placed(child, f"{prefix}{name}.")
+
+
+class AbstractPlantFault(AbstractFault):
+    """Interface of a fault of the actuator of one drive, or of all of them."""
+
+    drive: str = text("drive of the actuator; all actuators if empty", default="")
+
+    def names(self) -> dict[str, str]:
+        """The drive, if one is named."""
+        return {self.drive: "drive"} if self.drive else {}
+
+    @abstractmethod
+    def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
+        """What is exchanged in an actuator, by path, such as `source.supply`."""
+
+    def plant(self, xp: Namespace, plant: AbstractSystem, active: Flag) -> AbstractSystem:
+        """The plant with the fault in it; its numbers may be traced.
+
+        Raises:
+            ParameterError: the drive is that of a mechanism, not of an actuator.
+        """
+        at = {plant.drive_at(port): one for port, one in plant.actuators().items()}
+        if self.drive and self.drive not in at:
+            raise ParameterError(
+                f"A fault of an actuator needs the drive of one, not `{self.drive}`. {suggest_name(self.drive, at)}"
+            )
+        places = {id(one): prefix for prefix, one in _list_placed(plant, "")}
+        found: dict[str, Any] = {}
+        for name, one in at.items():
+            if self.drive in ("", name):
+                found |= {places[id(one)] + path: value for path, value in self.exchange(xp, one, active).items()}
+        return plant.rebuilt(found)
+
+
+@FAULTS.register("ambient-step")
+class AmbientStep(AbstractPlantFault):
+    """Surroundings that are warmer by some kelvin."""
+
+    by: Scalar = param(DEGREES, "how much warmer; negative if colder", low=-200.0, high=500.0, typical="10 K")
+
+    def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
+        """The temperature around it."""
+        return {"environment.temperature": one.environment.temperature + xp.where(active, self.by, 0.0)}
+
+
+class Multiplied(AbstractCooling):
+    """A heat-loss model, multiplied."""
+
+    cooling: AbstractCooling = part("the heat-loss model")
+    factor: Scalar = param("1", "what it is multiplied by", low=0.0)
+
+    def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
+        """h [W/(m² K)], multiplied."""
+        return self.factor * self.cooling.film(xp, temperature, ambient, shape)
+
+
+@FAULTS.register("draught")
+class Draught(AbstractPlantFault):
+    """Air that moves more, or less, than it should.
+
+    A factor above 1 is a draught, one below 1 is air that is shut in: the dangerous one of the two.
+    """
+
+    factor: Scalar = param("1", "film coefficient over that without the fault", low=0.0, high=1e3, typical=2.0)
+
+    def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
+        """Its film coefficient, multiplied."""
+        times = Multiplied(cooling=one.environment.cooling, factor=1.0)
+        return {"environment.cooling": times.rebuilt({"factor": xp.where(active, self.factor, 1.0)})}
+
+
+class Interrupted(AbstractSource):
+    """A source behind a contact that is closed (1) or open (0)."""
+
+    source: AbstractSource = part("the source")
+    contact: Scalar = param("1", "1 if it is closed, 0 if it is open", low=0.0, high=1.0)
+
+    @property
+    def sets_temperature(self) -> bool:  # type: ignore[override]
+        """As the source: a chamber has no circuit."""
+        return self.source.sets_temperature
+
+    @property
+    def supplied_by(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Parameters of the source that are its supply: a fault of that still finds them."""
+        return tuple(f"source.{name}" for name in self.source.supplied_by)
+
+    def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """Current [A] of the source, if the contact is closed."""
+        return self.contact * self.source.current(xp, drive, resistance)
+
+
+@FAULTS.register("open-circuit")
+class OpenCircuit(AbstractPlantFault):
+    """A broken circuit.
+
+    What the source does is as before; the element gets nothing of it and cools. Its force and length are left as they
+    are: it is the electrical circuit that is open, as at a crimp or a plug. A fault that ends is a loose contact.
+    """
+
+    def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
+        """The source, behind an open contact."""
+        behind = Interrupted(source=one.source, contact=1.0)
+        return {"source": behind.rebuilt({"contact": xp.where(active, 0.0, 1.0)})}
+
+
+@FAULTS.register("supply-sag")
+class SupplySag(AbstractPlantFault):
+    """A supply that gives way.
+
+    The parameters of a source that are the voltage of its supply (`supplied_by`) are multiplied: the `supply` of a
+    switch, the `voltage_limit` of the other sources. A switch delivers less at once, by the square of the share. A
+    source with a limit feels the sag only as far as it needs the voltage, and not at all if no limit was given. A
+    chamber has no supply.
+    """
+
+    share: Scalar = param("1", "share of the voltage that is left", low=0.0, high=10.0, typical=0.7)
+
+    def exchange(self, xp: Namespace, one: Actuator, active: Flag) -> dict[str, Any]:
+        """The voltage of its supply."""
+        left = xp.where(active, self.share, 1.0)
+        return {f"source.{n}": one.source.value_of(n) * left for n in one.source.supplied_by}

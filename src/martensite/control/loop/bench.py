@@ -13,25 +13,33 @@ drives of the plant that no controller has, and for every sensor `noise.NAME` an
 standard normal numbers; what is not given is 0, so that a run without them is one without noise.
 """
 
-from __future__ import annotations
+from collections.abc import Mapping
 
-from martensite.actuators.assembly import AbstractSystem, Actuator, advance_steps
-from martensite.actuators.assembly.base import DriveSignal
-from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Output
+from martensite.actuators.assembly import advance_steps
+from martensite.actuators.assembly.base import AbstractSystemAround, DriveSignal
+from martensite.actuators.mechanisms.base import Column, Output
+from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import option, param, part
+from martensite.control.controllers.base import require_readings
 from martensite.control.loop import names, period
-from martensite.control.loop.checks import check_bench
-from martensite.control.loop.parts import BenchState, Controllers, FaultTable, Observers, Sensors
-from martensite.control.loop.supervisor import SUPERVISORS, AbstractSupervisor
+from martensite.control.loop.parts import (
+    SUPERVISORS,
+    AbstractSupervisor,
+    BenchState,
+    Controllers,
+    FaultTable,
+    Observers,
+    Sensors,
+)
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.electrical.base import AbstractSwitch
 from martensite.physics.laws.coupling import StepReport
 from martensite.simulate.api import steps_in
 
 
-class Bench(AbstractSystem, init=False):
+class Bench(AbstractSystemAround, init=False):
     """A plant with everything around it."""
 
-    plant: AbstractSystem = part("what is controlled")
     period: Scalar = param("s", "time from one sample to the next", above=0.0)
     sensors: Sensors = part("sensors by name; without any, everything is known", default=Sensors())
     observers: Observers = part("observers by name", default=Observers())
@@ -40,8 +48,7 @@ class Bench(AbstractSystem, init=False):
     faults: FaultTable = part("what goes wrong, by name", default=FaultTable())
     substeps: int = part("steps of the plant in a period; 0: as many as it needs", default=0)
     switching: str = option(
-        "a switch (`pwm-voltage`): averaged over the period, or closed from its start for the "
-        "share of it that the signal says",
+        "a switch (`pwm-voltage`): averaged over the period, or closed from its start for the share that it says",
         "averaged",
         "pulses",
         default="averaged",
@@ -63,32 +70,9 @@ class Bench(AbstractSystem, init=False):
         """Steps of the plant in a period."""
         return self.layout()[0]
 
-    # ---------------------------------------------------------------- as a system
-
-    @property
-    def mechanism(self) -> AbstractMechanism:  # type: ignore[override]
-        """That of the plant."""
-        return self.plant.mechanism
-
     def sample_time(self) -> float:
         """The period [s]."""
         return self.period
-
-    def actuators(self) -> dict[str, Actuator]:
-        """Those of the plant."""
-        return self.plant.actuators()
-
-    def label(self, port: str, name: str) -> str:
-        """As on the plant."""
-        return self.plant.label(port, name)
-
-    def drive_at(self, port: str) -> str:
-        """As on the plant."""
-        return self.plant.drive_at(port)
-
-    def convergence_scales(self) -> dict[str, float]:
-        """As on the plant."""
-        return self.plant.convergence_scales()
 
     def description(self) -> str:
         """Such as `wire (brinson) on bias-spring, driven by pwm-voltage, under pid`."""
@@ -106,8 +90,6 @@ class Bench(AbstractSystem, init=False):
     def profile(self, state: BenchState) -> list[Column]:
         """Nothing: that of the plant is not kept."""
         return []
-
-    # ---------------------------------------------------------------- as a kernel
 
     def init(self, xp: Namespace, *drives: Scalar) -> BenchState:
         """The plant at rest under no signal of a controller; readings are those of rest."""
@@ -152,3 +134,81 @@ class Bench(AbstractSystem, init=False):
         loops = [value for pair in zip(given.references, held, strict=True) for value in pair]
         alarm = [] if self.supervisor is None else [allowed.alarm]
         return [*seen, *readings, *guesses, *loops, *alarm]
+
+
+def check_bench(bench: Bench) -> None:
+    """Raise `ParameterError` for the first name of a bench that is not known where it is used."""
+    known, drives = names.list_truths(bench), [drive.name for drive in bench.plant.drives()]
+    for name, mounted in bench.sensors.members().items():
+        for seen in mounted.sees():
+            if seen not in known:
+                raise ParameterError(
+                    f"Sensor `{name}` looks at `{seen}`, which the plant does not have. {suggest_name(seen, known)}"
+                )
+    for name in bench.controllers.members():
+        if name not in drives:
+            raise ParameterError(f"There is no drive `{name}`. {suggest_name(name, drives)}")
+    _check_readings(bench)
+    _check_faults(bench, drives)
+    _check_switching(bench)
+
+
+def _check_readings(bench: Bench) -> None:
+    readings = names.list_readings(bench)
+    _check_estimates(bench)
+    for name, observer in bench.observers.members().items():
+        _require_names(f"Observer `{name}`", observer.reads(), readings)
+    for controller in bench.controllers.members().values():
+        require_readings(controller, readings)
+        if not controller.kernel:
+            raise ParameterError(
+                f"Controller `{controller.registered_name}` is no kernel: run it as a drive of a "
+                f"bench without controllers."
+            )
+    if bench.supervisor is not None:
+        _require_names("The supervisor", bench.supervisor.reads(), readings)
+        drives = [drive.name for drive in bench.plant.drives()]
+        for name in bench.supervisor.drives():
+            if name not in drives:
+                raise ParameterError(
+                    f"The supervisor speaks of drive `{name}`, which the plant does not have. "
+                    f"{suggest_name(name, drives)}"
+                )
+
+
+def _check_estimates(bench: Bench) -> None:
+    """Every estimate comes from one observer."""
+    found: dict[str, str] = {}
+    for title, observer in bench.observers.members().items():
+        for name in observer.estimates():
+            if name in found:
+                raise ParameterError(
+                    f"Observers `{found[name]}` and `{title}` both estimate `{name}`; a bench has "
+                    f"one estimate of a name."
+                )
+            found[name] = title
+
+
+def _require_names(who: str, names: tuple[str, ...], readings: Mapping[str, object]) -> None:
+    for name in names:
+        if name not in readings:
+            raise ParameterError(f"{who} reads `{name}`, which is not measured. {suggest_name(name, readings)}")
+
+
+def _check_faults(bench: Bench, drives: list[str]) -> None:
+    known = {"sensor": list(bench.sensors.members()), "drive": drives}
+    for title, fault in bench.faults.members().items():
+        for name, what in fault.names().items():
+            if name not in known[what]:
+                raise ParameterError(f"Fault `{title}`: there is no {what} `{name}`. {suggest_name(name, known[what])}")
+
+
+def _check_switching(bench: Bench) -> None:
+    """Pulses are for one switch."""
+    sources = [one.source for one in bench.plant.actuators().values()]
+    one = len(bench.plant.drives()) == 1 and len(sources) == 1
+    duty = one and isinstance(sources[0], AbstractSwitch) and sources[0].unit == "1"
+    if bench.switching == "pulses" and not duty:
+        raise ParameterError(
+            "Pulses are for a plant with one drive, a switch that takes a duty, such as `pwm-voltage`."
+        )

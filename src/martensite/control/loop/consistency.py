@@ -9,8 +9,6 @@ that does the same random walk is a `ProcessNoisePlant`.
 Source: Bar-Shalom, Li and Kirubarajan (2001), section 5.4.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -57,10 +55,6 @@ class Consistency:
     def band(self, share: float = 0.95) -> tuple[float, float]:
         """Where the mean NEES of a sample over the runs lies, with that probability."""
         return _compute_band(self.degrees, self.runs, share)
-
-    def nis_band(self, share: float = 0.95) -> tuple[float, float]:
-        """The same for the NIS."""
-        return _compute_band(self.readings, self.runs, share)
 
     def inside(self, share: float = 0.95) -> float:
         """Share of samples whose mean NEES lies in its band; `share` if all is well."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from martensite.actuators.assembly.base import DriveSignal
 from martensite.actuators.mechanisms.base import Output
-from martensite.control.loop.mounted_sensor import MountedSensor
+from martensite.control.loop.parts import MountedSensor
 from martensite.control.observers.base import ESTIMATED
 
 if TYPE_CHECKING:

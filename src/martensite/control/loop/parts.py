@@ -2,16 +2,196 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+import math
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple, TypeAlias
 
 from martensite.actuators.assembly import Members
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import Parametrised, param, part, text
+from martensite.base.registry import Registry
 from martensite.control.controllers.base import AbstractController
 from martensite.control.faults.base import AbstractFault
-from martensite.control.loop.mounted_sensor import MountedSensor, Sensed
 from martensite.control.observers.base import AbstractObserver
-from martensite.kernels.namespace import Scalar
+from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
+from martensite.kernels.namespace import Flag, Namespace, Scalar
 
-Named = dict[str, Scalar]
+HAIR = 1e-9
+"""Part of a period that is rounding."""
+WORST = 4.0
+"""Jitters beyond which no reading is later."""
+NEVER = 1e9
+"""Age of a reading that was never made [s]."""
+
+
+class Sensed(NamedTuple):
+    """What a sensor on a bench remembers."""
+
+    inner: tuple[Scalar, ...]
+    """Of the sensor itself."""
+    held: Scalar
+    """Its last reading."""
+    elapsed: Scalar
+    """Time since it was made [s]."""
+    past: tuple[Scalar, ...]
+    """Readings of this and the last periods, latest first."""
+    ages: tuple[Scalar, ...]
+    """Their ages then [s]."""
+    travels: tuple[Scalar, ...]
+    """How long they travel [s]."""
+    reading: Scalar
+    """What has arrived."""
+    age: Scalar
+    """And how old it is [s]."""
+
+
+class MountedSensor(Parametrised):
+    """A sensor in its place.
+
+        truth → lag and noise → rounding → held until the next sample → late by delay + jitter n
+
+    Lag, noise and rounding are those of the sensor itself. `sample_time` is the time between its readings, a whole
+    number of periods of the bench in the end: one is made in the first period in which so much time has gone by. Where
+    there is nothing to measure none is made, and the last one counts on. Readings travel, each for `delay` + `jitter`
+    n, with a standard normal number n of its own that is limited to ±4; less than 0 is 0. In every period the newest
+    one counts that has arrived: one that is overtaken on its way is lost, and what arrives never goes back in time.
+    """
+
+    sensor: AbstractSensor = part("the sensor", SENSORS)
+    of: str | tuple[str, ...] = text("outputs that it looks at; its own choice if none", default=())
+    sample_time: Scalar = param("s", "time between its readings", low=0.0, default=0.0)
+    delay: Scalar = param("s", "how late a reading arrives", low=0.0, default=0.0)
+    jitter: Scalar = param("s", "standard deviation of the delay", low=0.0, default=0.0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless it is told as many outputs as the sensor looks at."""
+        wanted, given = self.sensor.sees, self.sees()
+        if len(given) != len(wanted):
+            raise ParameterError(
+                f"Sensor `{self.sensor.registered_name}` looks at {' and '.join(wanted)}: `of` "
+                f"must name {len(wanted)}, but is {', '.join(given)}."
+            )
+
+    def sees(self) -> tuple[str, ...]:
+        """Outputs that it looks at."""
+        given = (self.of,) if isinstance(self.of, str) else self.of
+        return given or self.sensor.sees
+
+    def count_delayed(self, period: float) -> int:
+        """Readings to be kept for the delay."""
+        return 1 + math.ceil((self.delay + WORST * self.jitter) / period - HAIR)
+
+    def rest(self, xp: Namespace, truth: Mapping[str, Scalar], noise: Scalar, kept: int) -> Sensed:
+        """The first reading, made at rest; it has been the same for long."""
+        seen = [truth[name] for name in self.sees()]
+        inner = self.sensor.rest(xp, seen)
+        value, inner = self.sensor.reading(xp, inner, seen, noise, 0.0)
+        age = xp.where(self.sensor.valid(xp, seen), 0.0, NEVER)
+        past, ages, travels = ((one,) * kept for one in (value, age, self.delay))
+        return Sensed(tuple(inner), value, age, past, ages, travels, value, age)
+
+    def step(
+        self,
+        xp: Namespace,
+        before: Sensed,
+        truth: Mapping[str, Scalar],
+        numbers: tuple[Scalar, Scalar],
+        period: Scalar,
+        disturbed: Disturbed,
+    ) -> Sensed:
+        """What it says a period [s] later, with normal numbers for noise and jitter."""
+        noise, late = numbers
+        seen = [truth[name] for name in self.sees()]
+        value, inner = self.sensor.reading(xp, before.inner, seen, noise, period)
+        value = disturbed.reading(xp, value, before.held)
+        elapsed = before.elapsed + period
+        due = xp.both(self.sensor.valid(xp, seen), elapsed >= self.sample_time - HAIR * period)
+        fresh = disturbed.fresh(xp, due)
+        held, elapsed = xp.where(fresh, value, before.held), xp.where(fresh, 0.0, elapsed)
+        travel = xp.clip(late, -WORST, WORST) * self.jitter + self.delay
+        travel = xp.where(fresh, travel, before.travels[0])
+        past, ages = (held, *before.past[:-1]), (elapsed, *before.ages[:-1])
+        travels = (travel, *before.travels[:-1])
+        reading, age = _find_arrived(xp, past, ages, travels, period)
+        return Sensed(tuple(inner), held, elapsed, past, ages, travels, reading, age)
+
+
+def _find_arrived(xp: Namespace, past: Column, ages: Column, travels: Column, period: Scalar) -> tuple[Scalar, Scalar]:
+    """The newest reading that has arrived, and its age [s]; the oldest one has."""
+    oldest = len(past) - 1
+    reading, age = past[oldest], ages[oldest] + oldest * period
+    for k in range(oldest - 1, -1, -1):
+        old = ages[k] + k * period
+        there = old >= travels[k] - HAIR * period
+        reading, age = xp.where(there, past[k], reading), xp.where(there, old, age)
+    return reading, age
+
+
+class Disturbed:
+    """How faults disturb one sensor."""
+
+    def __init__(self, name: str, faults: Sequence[tuple[AbstractFault, Flag]]) -> None:
+        self.name, self.faults = name, faults
+
+    def reading(self, xp: Namespace, reading: Scalar, held: Scalar) -> Scalar:
+        """What it says, after every fault."""
+        for fault, active in self.faults:
+            reading = fault.reading(xp, self.name, reading, held, active)
+        return reading
+
+    def fresh(self, xp: Namespace, fresh: Flag) -> Flag:
+        """Whether there is a new reading, after every fault."""
+        for fault, active in self.faults:
+            fresh = fault.fresh(xp, self.name, fresh, active)
+        return fresh
+
+
+SUPERVISORS: Registry[AbstractSupervisor] = Registry("supervisor", "martensite.control.supervisors", typical="guard")
+Named: TypeAlias = Mapping[str, Scalar]
+Numbers = dict[str, Scalar]
+
+
+class SupervisorVerdict(NamedTuple):
+    """What a supervisor says."""
+
+    signals: dict[str, Scalar]
+    """Allowed, by the name of the drive."""
+    alarm: Scalar
+    """0, or the number of the alarm."""
+    memory: Column
+
+
+class AbstractSupervisor(Parametrised):
+    """Interface of a supervisor.
+
+    It sees the signals that controllers (or waveforms) want and all readings with their ages, and answers with the
+    signals that are allowed and a number for its alarm, 0 if all is well.
+    """
+
+    def reads(self) -> tuple[str, ...]:
+        """Names of the readings that it needs."""
+        return ()
+
+    def drives(self) -> tuple[str, ...]:
+        """Names of the drives that it speaks of."""
+        return ()
+
+    def rest(self, xp: Namespace, readings: Named) -> Column:
+        """What it remembers before the first sample."""
+        return ()
+
+    @abstractmethod
+    def judge(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> SupervisorVerdict:
+        """What is allowed for the next period.
+
+        Args:
+            xp: namespace.
+            memory: from the period before, or from `rest`.
+            wanted: signals by the name of the drive.
+            readings: by name, in SI, and the age of each, `NAME.age` [s].
+            dt: length of the period [s].
+        """
 
 
 class Sensors(Members[MountedSensor], init=False):
@@ -67,7 +247,7 @@ class Inputs(NamedTuple):
     """What drives a bench, by where it goes."""
 
     references: tuple[Scalar, ...]
-    free: Named
+    free: Numbers
     """Signals of the plant that no controller has."""
     numbers: tuple[tuple[Scalar, Scalar], ...]
     """Normal numbers for noise and jitter of every sensor."""

@@ -6,11 +6,18 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.actuators.assembly.course import Piece
-from martensite.control.loop.mounted_sensor import Disturbed, Sensed
+from martensite.actuators.assembly.systems import Piece
 from martensite.control.loop.names import AGE, AMBIENT
-from martensite.control.loop.parts import BenchState, Controlling, Inputs, Named, ObserverState
-from martensite.control.loop.supervisor import SupervisorVerdict
+from martensite.control.loop.parts import (
+    BenchState,
+    Controlling,
+    Disturbed,
+    Inputs,
+    Numbers,
+    ObserverState,
+    Sensed,
+    SupervisorVerdict,
+)
 from martensite.control.observers.base import ESTIMATED
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import AbstractSwitch
@@ -34,7 +41,7 @@ def sorted_inputs(bench: Bench, drives: Sequence[Scalar]) -> Inputs:
 
 def apply_supervisor(bench: Bench, xp: Namespace, state: BenchState, given: Inputs) -> SupervisorVerdict:
     """Signals by drive of the plant, as the supervisor lets them pass."""
-    ordered, known = collect_wanted(bench, state.controllers, given), Named()
+    ordered, known = collect_wanted(bench, state.controllers, given), Numbers()
     if bench.supervisor is not None:
         if not state.sensors:
             known = collect_truth(bench, xp, apply_faults(bench, xp, state.time), state.plant, ordered)
@@ -42,20 +49,20 @@ def apply_supervisor(bench: Bench, xp: Namespace, state: BenchState, given: Inpu
     return judge_signals(bench, xp, state.supervisor, ordered, known)
 
 
-def collect_wanted(bench: Bench, controllers: Sequence[Controlling], given: Inputs) -> Named:
+def collect_wanted(bench: Bench, controllers: Sequence[Controlling], given: Inputs) -> Numbers:
     """Signals of controllers and those that no controller has, in the order of the drives."""
     taken = zip(bench.controllers.members(), controllers, strict=True)
     found = given.free | {name: held.wanted for name, held in taken}
     return {drive.name: found[drive.name] for drive in bench.plant.drives()}
 
 
-def collect_idle(bench: Bench, given: Inputs) -> Named:
+def collect_idle(bench: Bench, given: Inputs) -> Numbers:
     """Signals before anything is controlled, in the order of the drives."""
     return {drive.name: given.free.get(drive.name, 0.0) for drive in bench.plant.drives()}
 
 
 def judge_signals(
-    bench: Bench, xp: Namespace, memory: Sequence[Scalar], signals: Named, known: Named
+    bench: Bench, xp: Namespace, memory: Sequence[Scalar], signals: Numbers, known: Numbers
 ) -> SupervisorVerdict:
     """What the supervisor makes of signals; without one they pass."""
     if bench.supervisor is None:
@@ -64,8 +71,8 @@ def judge_signals(
 
 
 def begin_loop(
-    bench: Bench, xp: Namespace, known: Named, given: Inputs
-) -> tuple[tuple[ObserverState, ...], tuple[Controlling, ...], tuple[Scalar, ...], Named]:
+    bench: Bench, xp: Namespace, known: Numbers, given: Inputs
+) -> tuple[tuple[ObserverState, ...], tuple[Controlling, ...], tuple[Scalar, ...], Numbers]:
     """Observers, controllers and supervisor in the first sample, and all that is read there."""
     first = [one.rest(xp, known, collect_idle(bench, given)) for one in bench.observers.members().values()]
     observers = tuple(ObserverState(tuple(guess), tuple(memory)) for guess, memory in first)
@@ -85,7 +92,7 @@ def apply_faults(bench: Bench, xp: Namespace, time: Scalar) -> AbstractSystem:
     return plant
 
 
-def deliver_signals(bench: Bench, xp: Namespace, time: Scalar, signals: Signals) -> Named:
+def deliver_signals(bench: Bench, xp: Namespace, time: Scalar, signals: Signals) -> Numbers:
     """Signals as they arrive at the sources."""
     found = dict(signals)
     for fault in bench.faults.members().values():
@@ -118,19 +125,19 @@ def close_switch(xp: Namespace, duty: Scalar, share: Scalar) -> Scalar:
     return xp.where(share > 0.0, xp.where(duty < 0.0, -1.0, 1.0), 0.0)
 
 
-def collect_truth(bench: Bench, xp: Namespace, plant: AbstractSystem, state: Any, signals: Signals) -> Named:
+def collect_truth(bench: Bench, xp: Namespace, plant: AbstractSystem, state: Any, signals: Signals) -> Numbers:
     """What sensors may look at; electrical outputs are those while the switch is closed."""
     applied = list(signals.values())
     if bench.switching == "pulses":
         applied = [close_switch(xp, u, share) for u, share in _switch_signals(bench, xp, signals)]
-    found: Named = dict(zip(plant.outputs(), plant.observe(xp, state, *applied), strict=True))
+    found: Numbers = dict(zip(plant.outputs(), plant.observe(xp, state, *applied), strict=True))
     for port, one in plant.actuators().items():
         found[plant.label(port, AMBIENT)] = one.environment.temperature
     return found
 
 
 def update_sensors(
-    bench: Bench, xp: Namespace, before: Sequence[Sensed], known: Named, given: Inputs, time: Scalar
+    bench: Bench, xp: Namespace, before: Sequence[Sensed], known: Numbers, given: Inputs, time: Scalar
 ) -> tuple[Sensed, ...]:
     """All sensors a period later."""
     rows = zip(bench.sensors.members().items(), before, given.numbers, strict=True)
@@ -143,7 +150,7 @@ def update_sensors(
 
 
 def update_observers(
-    bench: Bench, xp: Namespace, before: Sequence[ObserverState], known: Named, signals: Named
+    bench: Bench, xp: Namespace, before: Sequence[ObserverState], known: Numbers, signals: Numbers
 ) -> tuple[ObserverState, ...]:
     """All observers a period later."""
     rows = zip(bench.observers.members().values(), before, strict=True)
@@ -152,7 +159,7 @@ def update_observers(
 
 
 def update_controllers(
-    bench: Bench, xp: Namespace, before: Sequence[Controlling], known: Named, given: Inputs
+    bench: Bench, xp: Namespace, before: Sequence[Controlling], known: Numbers, given: Inputs
 ) -> tuple[Controlling, ...]:
     """All controllers a period later."""
     rows = zip(bench.controllers.members().values(), before, given.references, strict=True)
@@ -160,15 +167,15 @@ def update_controllers(
     return tuple(Controlling(signal, tuple(memory)) for signal, memory in found)
 
 
-def collect_readings(bench: Bench, sensors: Sequence[Sensed], known: Signals) -> Named:
+def collect_readings(bench: Bench, sensors: Sequence[Sensed], known: Signals) -> Numbers:
     """What controllers may read: readings with their ages, or without sensors the truth."""
-    found: Named = {}
+    found: Numbers = {}
     for name, held in zip(bench.sensors.members(), sensors, strict=True):
         found |= {name: held.reading, name + AGE: held.age}
     return found or {**known, **dict.fromkeys((name + AGE for name in known), 0.0)}
 
 
-def collect_estimates(bench: Bench, observers: Sequence[ObserverState]) -> Named:
+def collect_estimates(bench: Bench, observers: Sequence[ObserverState]) -> Numbers:
     """Estimates by name."""
     rows = zip(bench.observers.members().values(), observers, strict=True)
     return {

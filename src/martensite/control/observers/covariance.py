@@ -12,11 +12,10 @@ Source: Bar-Shalom, Li and Kirubarajan (2001), Estimation with Applications to T
 Navigation, sections 5.2 and 5.4.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from martensite.actuators.mechanics.elimination import multiply_inner
 from martensite.kernels.namespace import Namespace, Scalar
 
 Matrix = list[list[Scalar]]
@@ -53,8 +52,8 @@ def build_diagonal(numbers: Sequence[Scalar]) -> Matrix:
 
 def propagate_covariance(rows: Matrix, matrix: Matrix) -> Matrix:
     """J C Jᵀ of a symmetric matrix."""
-    half = [[_multiply_inner(row, column) for column in matrix] for row in rows]
-    below = [[_multiply_inner(half[i], rows[j]) for j in range(i + 1)] for i in range(len(rows))]
+    half = [[multiply_inner(row, column) for column in matrix] for row in rows]
+    below = [[multiply_inner(half[i], rows[j]) for j in range(i + 1)] for i in range(len(rows))]
     return unpack_matrix(pack_matrix(below))
 
 
@@ -68,12 +67,12 @@ def factor_cholesky(xp: Namespace, matrix: Matrix) -> Matrix:
     size = len(matrix)
     found: Matrix = [[0.0] * size for _ in range(size)]
     for k in range(size):
-        left = matrix[k][k] - _multiply_inner(found[k][:k], found[k][:k])
+        left = matrix[k][k] - multiply_inner(found[k][:k], found[k][:k])
         some = left > LEAST
         root = xp.sqrt(xp.where(some, left, 1.0))
         found[k][k] = xp.where(some, root, 0.0)
         for i in range(k + 1, size):
-            rest = matrix[i][k] - _multiply_inner(found[i][:k], found[k][:k])
+            rest = matrix[i][k] - multiply_inner(found[i][:k], found[k][:k])
             found[i][k] = xp.where(some, rest / root, 0.0)
     return found
 
@@ -106,10 +105,3 @@ def put_unknown(xp: Namespace, mean: Sequence[Scalar], matrix: Matrix, index: in
     found = [x + row[index] * inverse * way for x, row in zip(mean, matrix, strict=True)]
     found[index] = value
     return found
-
-
-def _multiply_inner(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
-    result: Scalar = 0.0
-    for x, y in zip(a, b, strict=True):
-        result = result + x * y
-    return result

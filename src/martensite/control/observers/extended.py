@@ -8,15 +8,12 @@ of the law and all. At a turning point of a hysteresis they are those of one sid
 Source: Bar-Shalom, Li and Kirubarajan (2001), section 10.3.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
 from martensite.control.observers import covariance, hidden_states
-from martensite.control.observers.base import OBSERVERS
+from martensite.control.observers.base import OBSERVERS, ObserverPeriod
 from martensite.control.observers.filter import AbstractFilter, Believed, Forecast
-from martensite.control.observers.model_period import ObserverPeriod
 from martensite.kernels.dual import DualNamespace
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
@@ -97,6 +94,5 @@ def _seed_dual(dual: Any, at: Sequence[Any], k: int) -> list[Any]:
 
 
 def _separate_dual(dual: Any, numbers: Sequence[Any]) -> tuple[list[Any], list[Any]]:
-    """Values and slopes."""
     pairs = [dual.parts(x) for x in numbers]
     return [v for v, _ in pairs], [0.0 if t is None else t for _, t in pairs]

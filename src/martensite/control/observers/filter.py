@@ -20,8 +20,6 @@ and readings by default), each with its standard deviation `NAME_std`, correlati
 first, and the normalised innovation squared `nis`, 0 without a reading.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -31,9 +29,15 @@ from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import param, text
 from martensite.base.units import DEGREES, DIFFERENCE, of_reading
 from martensite.control.observers import covariance, hidden_states
-from martensite.control.observers.base import AbstractObserver, Column, Named
+from martensite.control.observers.base import (
+    AbstractObserver,
+    Column,
+    Named,
+    ObserverPeriod,
+    list_required,
+    list_several,
+)
 from martensite.control.observers.covariance import Matrix, UnknownReading
-from martensite.control.observers.model_period import ObserverPeriod, list_required, list_several
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
@@ -77,19 +81,13 @@ class AbstractFilter(AbstractObserver):
     )
     temperature_noise: Scalar = param("K/s^0.5", "random walk of the temperature", low=0.0, default=0.5)
     fraction_noise: Scalar = param("1/s^0.5", "random walk of the martensite fraction", low=0.0, default=0.02)
-    drift_noise: Scalar = param(
-        "1/s^0.5", "random walk of drifting parameters, as a share of them", low=0.0, default=1e-3
-    )
-    first_temperature: Scalar = param(
-        DEGREES, "standard deviation of the temperature at the start", low=0.0, default=1.0
-    )
+    drift_noise: Scalar = param("1/s^0.5", "random walk of drifting parameters, as a share", low=0.0, default=1e-3)
+    first_temperature: Scalar = param(DEGREES, "standard deviation of temperature at the start", low=0.0, default=1.0)
     first_fraction: Scalar = param("1", "standard deviation of the fraction at the start", low=0.0, default=0.02)
     first_drift: Scalar = param(
         "1", "standard deviation of drifting parameters at the start, as a share of them", low=0.0, default=0.02
     )
     oldest: Scalar = param("s", "age up to which a reading is used", low=0.0, default=0.0)
-
-    # ---------------------------------------------------------------- names
 
     def check(self) -> None:
         """Raise `ParameterError` unless the model can be gone along with and all names are its."""
@@ -131,8 +129,6 @@ class AbstractFilter(AbstractObserver):
     def _paths(self) -> list[str]:
         return [self.model.resolve(name) for name in list_several(self.drifting)]
 
-    # ---------------------------------------------------------------- kernels
-
     @abstractmethod
     def forecast(self, xp: Namespace, before: Believed, going: ObserverPeriod) -> Forecast:
         """What is expected a period later."""
@@ -166,7 +162,6 @@ class AbstractFilter(AbstractObserver):
         return self._list_estimates(xp, Forecast(state, mean, matrix), nis)
 
     def _readings(self, xp: Namespace, mean: Sequence[Scalar], readings: Named, dt: Scalar) -> list[UnknownReading]:
-        """Readings as what they tell of the unknowns."""
         names, found = self._rows(), list[UnknownReading]()
         for name in self.reads():
             i = names.index(name)
@@ -215,8 +210,6 @@ class AbstractFilter(AbstractObserver):
         _, slopes = self.outlook(xp, state, drift, going.signals)
         return covariance.propagate_covariance(slopes, covariance.build_diagonal([w * w * going.dt for w in walks]))
 
-    # ---------------------------------------------------------------- memory
-
     def _unflatten_memory(self, memory: Column) -> Believed:
         shape = NestedShape(self.__dict__["_example"])
         size = len(flatten_numbers(shape.example))
@@ -225,7 +218,6 @@ class AbstractFilter(AbstractObserver):
         return Believed(shape.rebuild(memory[:size]), tuple(memory[size:drift]), matrix)
 
     def _list_estimates(self, xp: Namespace, found: Forecast, nis: Scalar) -> tuple[Column, Column]:
-        """Estimates and memory."""
         state, mean, matrix = found
         unknown, count = len(hidden_states.list_names(self.model)), self.unknowns()
         drift = mean[unknown:count]

@@ -8,18 +8,19 @@ oriented fraction goes with ξ in proportion. It is no unknown of its own: the r
 nothing about it, and in a wire under tension martensite is oriented where it forms.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem, State
-from martensite.actuators.assembly.base import AbstractAssembly
+from martensite.actuators.assembly.base import AbstractAssembly, AbstractSystemAround, DriveSignal
+from martensite.actuators.mechanisms.base import Column
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.coupling import StepReport
 
 HIDDEN = ("temperature", "martensite_fraction")
 """What is estimated at every port, in this order."""
@@ -101,3 +102,57 @@ def _scale_fractions(
     some = before > SLIGHT
     share = xp.where(some, oriented / xp.where(some, before, 1.0), 1.0)
     return Fractions(fraction, xp.clip(share, -1.0, 1.0) * fraction)
+
+
+NOISE = "noise."
+
+
+class ProcessNoisePlant(AbstractSystemAround):
+    """A system whose temperatures and fractions do a random walk besides.
+
+        T ← T + q_T n₁ √T_n dt/T_n,     ξ ← ξ + q_ξ n₂ √T_n dt/T_n        after every step of dt
+
+    with standard normal numbers n from outside, drawn anew after every T_n: over that time both take a step of a random
+    walk with the densities q. Their drives are called `noise.temperature` and `noise.martensite_fraction`, with the
+    port in between on a machine, and `simulate_bench` draws them like those of sensors. Fractions stay within [0, 1],
+    so that beside the transformation the noise is less than what a filter assumes.
+    """
+
+    temperature_noise: Scalar = param("K/s^0.5", "of the temperature", low=0.0, default=0.5)
+    fraction_noise: Scalar = param("1/s^0.5", "of the martensite fraction", low=0.0, default=0.02)
+    held: Scalar = param("s", "how long a number holds", above=0.0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` if its elements have no single temperature."""
+        build_example(self.plant)
+
+    def drives(self) -> list[DriveSignal]:
+        """Those of the plant, then the numbers."""
+        own = [DriveSignal(NOISE + name, "1", False) for name in list_names(self.plant)]
+        return [*self.plant.drives(), *own]
+
+    def description(self) -> str:
+        """As the plant, shaken."""
+        return f"{self.plant.description()}, shaken"
+
+    def init(self, xp: Namespace, *drives: Scalar) -> Any:
+        """The plant at rest."""
+        return self.plant.init(xp, *self._apart(drives)[0])
+
+    def step(self, xp: Namespace, state: Any, *drives: Scalar, dt: Scalar) -> tuple[Any, StepReport]:
+        """A step of the plant, then one of the walk."""
+        signals, numbers = self._apart(drives)
+        after, report = self.plant.step(xp, state, *signals, dt=dt)
+        share = dt / xp.sqrt(self.held)
+        sizes = [self.temperature_noise, self.fraction_noise] * len(self.plant.actuators())
+        at = read_hidden(xp, self.plant, after, signals)
+        moved = [x + q * n * share for x, q, n in zip(at, sizes, numbers, strict=True)]
+        return place_hidden(xp, self.plant, after, limit_fractions(xp, moved), signals), report
+
+    def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
+        """What is seen of the plant."""
+        return self.plant.observe(xp, state, *self._apart(drives)[0])
+
+    def _apart(self, drives: Column) -> tuple[Column, Column]:
+        count = len(self.plant.drives())
+        return drives[:count], drives[count:]

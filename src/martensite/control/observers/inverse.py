@@ -12,8 +12,6 @@ an error of ρ/|s| in ξ, with the `sensitivity` s = d ln R/dξ, which is among 
 rises and falls between the phases there are two roots, of which one is found.
 """
 
-from __future__ import annotations
-
 from typing import Any
 
 from martensite.actuators.assembly import advance_steps
@@ -21,8 +19,7 @@ from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import param, text
 from martensite.control.observers import hidden_states
-from martensite.control.observers.base import OBSERVERS, AbstractObserver, Column, Named
-from martensite.control.observers.model_period import list_required, list_several
+from martensite.control.observers.base import OBSERVERS, AbstractObserver, Column, Named, list_required, list_several
 from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.dual import value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
@@ -115,7 +112,6 @@ class InverseModel(AbstractObserver):
         return hidden_states.observe_model(xp, self.model, there, signals)[self.measured]
 
     def _list_estimates(self, xp: Namespace, state: Any, signals: Column) -> tuple[Column, Column]:
-        """Estimates and memory."""
         found = hidden_states.observe_model(xp, self.model, state, signals)
         temperature, fraction = (found[name] for name in hidden_states.list_names(self.model))
 

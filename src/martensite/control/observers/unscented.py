@@ -11,16 +11,13 @@ at rest in martensite ξ settles 0.01 to 0.02 below 1, between one and two of it
 Source: Julier and Uhlmann (2004), Proc. IEEE 92; s² = n + κ with κ = 3 - n for α = 1.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from martensite.base.parameters import param
 from martensite.control.observers import covariance, hidden_states
-from martensite.control.observers.base import OBSERVERS
+from martensite.control.observers.base import OBSERVERS, ObserverPeriod
 from martensite.control.observers.covariance import Matrix
 from martensite.control.observers.filter import LEAST, MOST, AbstractFilter, Believed, Forecast
-from martensite.control.observers.model_period import ObserverPeriod
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers, sum_column
 
@@ -99,7 +96,6 @@ class UnscentedKalman(AbstractFilter):
         return [list(row) for row in zip(*columns, strict=True)]
 
     def _moments(self, seen: Sequence[Sequence[Scalar]]) -> tuple[list[Scalar], Matrix]:
-        """Mean and covariance of weighted points."""
         square = self._square()
         side = 0.5 / square
         middle = 1.0 - 0.5 * (len(seen) - 1) / square
@@ -116,10 +112,8 @@ class UnscentedKalman(AbstractFilter):
         return mean, covariance.unpack_matrix(below)
 
     def _square(self) -> Scalar:
-        """s²."""
         return self.alpha * self.alpha * float(max(GAUSSIAN, self.unknowns()))
 
 
 def _cut_columns(numbers: Sequence[Scalar], count: int) -> list[Sequence[Scalar]]:
-    """Columns of so many numbers."""
     return [numbers[k : k + count] for k in range(0, len(numbers), count)]

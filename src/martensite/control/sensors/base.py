@@ -4,7 +4,7 @@ A sensor has an analogue part and a digital one. `step` is the analogue part: wh
 and noise on top. The digital part, the same for all, rounds to the nearest step of the resolution and stops at the ends
 of the range. `reading` is both. All are straight-line kernels over a namespace; to differentiation rounding is not
 there. What only rearranges readings in time, such as another sample time, a delay or lost samples, goes around a sensor
-(`martensite.control.loop.mounted_sensor`).
+(`martensite.control.loop.parts`).
 
 Noise is given, not drawn: one standard normal number per reading, so that a run is the same for the same numbers.
 """

@@ -1,26 +1,26 @@
-"""Linear position sensor: the position behind some play, offset, drift, noise and its least step.
+"""Sensors of a place: a linear position sensor, an encoder, and one that says any output exactly."""
 
-    p⁺ = max(y - w/2, min(y + w/2, p)),    reading = round((p + b + v t + σ n)/q) q
+import math
 
-p is the position of its slider, y that of what carries it along, and w the backlash between the
-two: after a turn the slider stays until the play is used up (Krasnosel'skii and Pokrovskii 1989).
-It starts in the middle of the play. b is the offset of the zero, which drifts at the rate v, a
-given number and not a random walk, so that a run tells what a drift of that size does.
-
-The defaults are those of a magnetic encoder of 12 bits over poles of 2 mm, q = 2 mm/4096, without
-play, offset and drift; the noise is assumed.
-"""
-
-from __future__ import annotations
-
-from martensite.base.parameters import param
+from martensite.base.parameters import option, param
 from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
 from martensite.kernels.namespace import Namespace, Scalar
 
 
 @SENSORS.register("position")
 class PositionSensor(AbstractSensor):
-    """A position sensor without lag."""
+    """A position sensor without lag.
+
+        p⁺ = max(y - w/2, min(y + w/2, p)),    reading = round((p + b + v t + σ n)/q) q
+
+    p is the position of its slider, y that of what carries it along, and w the backlash between the two: after a turn
+    the slider stays until the play is used up (Krasnosel'skii and Pokrovskii 1989). It starts in the middle of the
+    play. b is the offset of the zero, which drifts at the rate v, a given number and not a random walk, so that a run
+    tells what a drift of that size does.
+
+    The defaults are those of a magnetic encoder of 12 bits over poles of 2 mm, q = 2 mm/4096, without play, offset and
+    drift; the noise is assumed.
+    """
 
     cites = ("copaci2019", "krasnoselskii1989")
     unit = "m"
@@ -42,3 +42,57 @@ class PositionSensor(AbstractSensor):
         place = xp.maximum(truth[0] - half, xp.minimum(truth[0] + half, state[0]))
         value = place + (self.offset + self.drift * time)
         return value + self.noise * noise, (place, time)
+
+
+@SENSORS.register("encoder")
+class EncoderSensor(AbstractSensor):
+    """Counts of a quadrature encoder, as an angle or a length.
+
+        q = s/(4 N),    reading = round((y - y_0)/q) q
+
+    N lines over the span s give 4 N counts, because every line has an edge up and one down on each of the two tracks. A
+    rotary one has N lines per turn, s = 2π, and reads an angle; a linear one has one line per pitch, N = 1 and s the
+    pitch, and reads a length. It knows no absolute place: either it was taken to a reference mark, y_0 = 0, or it
+    counts from where it was switched on. It has no noise, and no count is lost however fast it moves.
+
+    Unrolled angles are counted on beyond a turn. The defaults are assumed.
+    """
+
+    unit = None
+    sees = ("angle",)
+
+    motion: str = option("what it reads: an angle, or a length", "rotary", "linear", default="rotary")
+    zero: str = option("where it reads 0: at its mark, or where it is switched on", "mark", "start", default="mark")
+    lines: Scalar = param("1", "lines per turn of a rotary one", above=0.0, default=1024.0)
+    pitch: Scalar = param("m", "length of a line of a linear one", above=0.0, default=40e-6)
+
+    @property
+    def resolution(self) -> Scalar:  # type: ignore[override]
+        """A count [rad or m]."""
+        return 0.5 * math.pi / self.lines if self.motion == "rotary" else 0.25 * self.pitch
+
+    def rest(self, xp: Namespace, truth: Column) -> Column:
+        """Where it is switched on."""
+        return truth[:1] if self.zero == "start" else ()
+
+    def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
+        """The way from its zero, not counted yet."""
+        return (truth[0] - state[0] if self.zero == "start" else truth[0]), state
+
+
+@SENSORS.register("ideal")
+class IdealSensor(AbstractSensor):
+    """Says one output exactly, in the unit of that output.
+
+        reading = y
+
+    y is any one output; mounted on a bench it has a sample time and a delay like any other sensor, so that the cost of
+    these alone can be seen.
+    """
+
+    unit = None
+    sees = ("position",)
+
+    def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
+        """The truth."""
+        return truth[0], ()

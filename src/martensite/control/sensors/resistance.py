@@ -10,8 +10,6 @@ source, U and I are rms values of a period, whose ratio is the resistance as wel
 ρ is the noise as a share of the reading; its default of 1 % and that of I_min are assumed.
 """
 
-from __future__ import annotations
-
 from martensite.base.parameters import param
 from martensite.control.sensors.base import SENSORS, AbstractSensor, Column
 from martensite.kernels.namespace import Flag, Namespace, Scalar
@@ -46,6 +44,5 @@ class ResistanceSensor(AbstractSensor):
         return value, (value,)
 
     def _ratio(self, xp: Namespace, truth: Column) -> Scalar:
-        """U/I [ohm], of any number where there is no current."""
         voltage, current = truth
         return voltage / xp.where(self.valid(xp, truth), current, 1.0)

@@ -1,1 +1,1 @@
-"""Supervisors: who has the last word on a bench. One file per kind."""
+"""Supervisors: who has the last word on a bench."""

@@ -5,8 +5,6 @@ power, heat capacity and heat loss of the whole. A ribbon or an axial wire has m
 the whole, with wires that carry no current in it, says nothing of the hottest of them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 
@@ -110,7 +108,6 @@ def least_conductance(actuator: Actuator, ambient: float, limit: float) -> float
 
 
 def _find_full_signal(actuator: Actuator, full: float | None) -> float:
-    """The full signal of a source."""
     if full is None and actuator.source.unit != "1":
         raise InputError(
             f"Drive `{actuator.source.registered_name}` takes a signal in {actuator.source.unit}: "
@@ -138,5 +135,4 @@ def _remove_ends(element: AbstractElement) -> AbstractElement:
 
 
 def _build_grid(low: float, high: float) -> list[float]:
-    """Equally spaced values from low to high."""
     return [low + (high - low) * k / (GRID - 1) for k in range(GRID)]

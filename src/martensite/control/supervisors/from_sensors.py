@@ -25,11 +25,9 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from martensite.control.checks.above import Overheat, OverStress
 from martensite.control.checks.base import AbstractCheck
-from martensite.control.checks.sensor_lost import SensorLost
-from martensite.control.checks.sensor_stuck import SensorStuck
-from martensite.control.loop.mounted_sensor import WORST, MountedSensor
+from martensite.control.checks.reading import Overheat, OverStress, SensorLost, SensorStuck
+from martensite.control.loop.parts import WORST, MountedSensor
 from martensite.control.sensors.base import AbstractSensor
 
 if TYPE_CHECKING:

@@ -10,13 +10,11 @@ How far apart tripping and being well are is the `band` of a check. Of all check
 alarm is shown; the table of alarms is that of `martensite.control.checks.base`.
 """
 
-from __future__ import annotations
-
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param, part
 from martensite.control.checks.base import AbstractCheck, Checks
 from martensite.control.checks.thermal_bound import ThermalBound
-from martensite.control.loop.supervisor import SUPERVISORS, AbstractSupervisor, Column, Named, SupervisorVerdict
+from martensite.control.loop.parts import SUPERVISORS, AbstractSupervisor, Column, Named, SupervisorVerdict
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.signals.base import DRIVE
 
@@ -77,7 +75,6 @@ class Guard(AbstractSupervisor):
         return SupervisorVerdict(allowed, _find_alarm(xp, [(one, cut) for one, cut, _, _ in rows]), tuple(kept))
 
     def _decide_cut(self, xp: Namespace, own: Column, trips: Flag, clears: Flag) -> Flag:
-        """Whether a check cuts in this period."""
         before = own[0] > 0.5
         if self.answer == "latch":
             return xp.either(before, trips)

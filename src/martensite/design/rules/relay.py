@@ -31,7 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import DataError, ParameterError, suggest_name
-from martensite.control.controllers.on_off import OnOff
+from martensite.control.controllers.relay import OnOff
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import name_loop_columns
 from martensite.control.loop.parts import Controllers

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import DeadWeight
 from martensite.base.errors import SolveError
 from martensite.design.sizing.cycle import STEPS, find_current, simulate_cooling
 from martensite.design.sizing.request import ALLOYS

@@ -27,13 +27,12 @@ from martensite.actuators.assembly import System
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.actuators.elements.wire import Wire
 from martensite.actuators.mechanisms.base import AbstractMechanism
-from martensite.actuators.mechanisms.bias_spring import BiasSpring
-from martensite.actuators.mechanisms.dead_weight import DeadWeight
+from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.design.sizing.request import WireRequest
 from martensite.kernels import floats
 from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.electrical.sources import CurrentSource
-from martensite.physics.laws.liang_rogers import LiangRogers
+from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.materials.base import Material, load_material
 from martensite.physics.materials.wires import GRAVITY, WireSize
 from martensite.physics.thermal.base import Cylinder, Environment

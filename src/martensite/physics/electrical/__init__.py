@@ -1,4 +1,4 @@
-"""Electrical side: resistance of the element, and what drives it. One file per model."""
+"""Electrical side: resistance of the element, and what drives it."""
 
 from martensite.base.lazy import attach_names
 

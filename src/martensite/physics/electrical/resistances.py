@@ -4,8 +4,6 @@ Resistivities of both phases are parameters: published tables and measurements d
 so none is assumed.
 """
 
-from __future__ import annotations
-
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor
@@ -61,9 +59,7 @@ class FurstSeeleckeResistance(MixtureResistance):
     a_rho_M: Scalar = param(
         "1/K", "temperature coefficient of the resistivity of martensite", low=-1e-3, high=5e-3, typical="1e-3 1/K"
     )
-    T_rho: Scalar = param(
-        "K", "temperature at which both resistivities hold", low=100.0, high=1000.0, typical="20 degC"
-    )
+    T_rho: Scalar = param("K", "temperature of both resistivities", low=100.0, high=1000.0, typical="20 degC")
     nu: Scalar = param("1", "Poisson's ratio", low=0.0, high=0.5, typical=0.33)
 
     def resistivity(self, xp: Namespace, fraction: Scalar, temperature: Scalar) -> Scalar:

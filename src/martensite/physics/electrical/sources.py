@@ -1,7 +1,5 @@
 """Sources that follow their signal within what the supply allows: current, voltage, power, amplifier; a bath."""
 
-from __future__ import annotations
-
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.kernels import floats
@@ -99,9 +97,7 @@ class LinearAmplifier(AbstractSupply):
     lowest: Scalar = param(
         "V", "lowest output; below 0 with a second supply, as strong as the first", low=-1e4, high=0.0, default=0.0
     )
-    headroom: Scalar = param(
-        "V", "voltage across the transistor that is needed at most output", low=0.0, high=1e3, default=0.0
-    )
+    headroom: Scalar = param("V", "voltage that the transistor needs at most output", low=0.0, high=1e3, default=0.0)
     output_resistance: Scalar = param("ohm", "output resistance of the amplifier", low=0.0, high=1e6, default=0.0)
 
     def check(self) -> None:

@@ -9,8 +9,6 @@ A voltage D U would heat with D² instead: at a duty of 0.3 less than a third of
 power of a run are therefore rms current, rms voltage and mean power.
 """
 
-from __future__ import annotations
-
 import math
 
 from martensite.base.errors import ParameterError
@@ -48,16 +46,12 @@ class Mosfet(AbstractSwitch):
     """
 
     supply_resistance: Scalar = param("ohm", "internal resistance of the supply", low=0.0, high=1e6, default=0.0)
-    on_resistance: Scalar = param(
-        "ohm", "resistance of the transistor while it conducts", low=0.0, high=1e6, default=0.0
-    )
+    on_resistance: Scalar = param("ohm", "resistance of the closed transistor", low=0.0, high=1e6, default=0.0)
     frequency: Scalar = param("Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz")
     dead_time: Scalar = param(
         "s", "time of every pulse that is lost before the transistor conducts", low=0.0, high=1.0, default=0.0
     )
-    smallest_pulse: Scalar = param(
-        "s", "shortest time for which the transistor conducts", low=0.0, high=1.0, default=0.0
-    )
+    smallest_pulse: Scalar = param("s", "shortest time that the transistor conducts", low=0.0, high=1.0, default=0.0)
 
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm] while the transistor conducts."""
@@ -95,9 +89,7 @@ class HBridge(AbstractSwitch):
     high_resistance: Scalar = param("ohm", "on-resistance of the switch to the supply", low=0.0, high=1e6, default=0.0)
     low_resistance: Scalar = param("ohm", "on-resistance of the switch to ground", low=0.0, high=1e6, default=0.0)
     frequency: Scalar = param("Hz", "frequency of the carrier", above=0.0, high=1e7, typical="1 kHz")
-    dead_time: Scalar = param(
-        "s", "time that is lost at each of the two edges of a pulse", low=0.0, high=1.0, default=0.0
-    )
+    dead_time: Scalar = param("s", "time that is lost at each edge of a pulse", low=0.0, high=1.0, default=0.0)
     conducts: str = option(
         "directions that reach the element: both, or one through a diode",
         "both",

@@ -1,1 +1,1 @@
-"""Fluids around the element: one file per fluid."""
+"""Fluids around the element."""

@@ -10,8 +10,6 @@ conductivity is 2.3 % to 2.4 % higher, the viscosity ν 0.4 % to 0.7 % lower, an
 at 100 °C but 3.3 % lower at 20 °C, the largest deviation.
 """
 
-from __future__ import annotations
-
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties, Row, interpolate_rows

@@ -9,8 +9,6 @@ identical in a publicly posted copy. The textbook's oil has no grade. Oils diffe
 factors; take this one as an example of an oil, not as yours.
 """
 
-from __future__ import annotations
-
 import math
 
 from martensite.kernels.namespace import Namespace, Scalar

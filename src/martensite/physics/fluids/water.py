@@ -13,8 +13,6 @@ and above 100 °C. Boiling is not modelled: a surface above 100 °C loses more t
 Source: IAPWS SR6-08(2011); coefficients taken from the public code `iapws`.
 """
 
-from __future__ import annotations
-
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.base import FLUIDS, AbstractFluid, FluidProperties
 

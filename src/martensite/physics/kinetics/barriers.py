@@ -24,8 +24,6 @@ Sources: Achenbach (1989); Seelecke and Müller (2004), Appl. Mech. Rev. 57, for
 step is this package's.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from martensite.kernels.floats import ROOT_PI

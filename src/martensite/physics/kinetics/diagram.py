@@ -7,8 +7,6 @@ The constitutive equation is integrated, so that elastic loops close:
 with ξ_S the oriented fraction. Tension and elongation are positive; Θ > 0 means that a free bar shrinks on heating.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 
 from martensite.base.errors import ParameterError

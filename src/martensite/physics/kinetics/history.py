@@ -20,10 +20,8 @@ on the branch (resume) instead of a scale, so that no tail underflows. Where bot
 could act, one that is past its finish line yields to one that is not, else to reverse.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, TypeAlias
 
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 
@@ -32,6 +30,8 @@ LEAST = 1e-3
 """Part of a transformation below which nothing is left of it."""
 
 Left = Callable[[Namespace, Scalar], Scalar]
+LegStart: TypeAlias = Any
+"""Where a leg starts, a memory or a place on the way: it has a `stress` [Pa] and a `temperature` [K]."""
 
 
 class Strip(NamedTuple):
@@ -49,20 +49,6 @@ class Strip(NamedTuple):
     def distance(self, stress: Scalar, temperature: Scalar) -> Scalar:
         """Distance to the finish line in widths of the strip [-]; unlimited."""
         return (temperature - stress * self.per_slope - self.finish) * self.per_width
-
-
-class LegStart(Protocol):
-    """Where a leg starts: a memory, or a place on the way."""
-
-    @property
-    def stress(self) -> Scalar:
-        """Stress [Pa]."""
-        ...
-
-    @property
-    def temperature(self) -> Scalar:
-        """Temperature [K]."""
-        ...
 
 
 class OneFractionMemory(NamedTuple):

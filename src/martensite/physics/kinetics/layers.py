@@ -11,8 +11,6 @@ The threshold σ_A never falls below zero: cold martensite switches between its 
 |σ| = Δσ.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -98,7 +96,7 @@ class AbstractLayers(AbstractLaw):
 
     @property
     def form(self) -> str:
-        """Form of the barriers, see `laws.shared.barriers`."""
+        """Form of the barriers, see `kinetics.barriers`."""
         return "barrier"
 
     @property

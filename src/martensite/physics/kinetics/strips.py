@@ -1,18 +1,9 @@
 """What laws with one martensite fraction and two transformation strips have in common.
 
-With u = T - σ/C_M and w = T - σ/C_A, forward (austenite → martensite) runs in M_f < u < M_s for
-du < 0 and reverse in A_s < w < A_f for dw > 0: the sign of dT alone never decides. Constitutive
-equation in integrated form, so that elastic loops close:
-
-    ε = [σ - Θ (T - T_ref)]/E + ε_L ξ
-
-A law says what a process leaves to transform at a distance from its finish line, and Young's
-modulus. The history rules are those of `martensite.physics.kinetics.history`. Tension and
-elongation are
-positive; all martensite counts as oriented. Θ > 0 means that a free bar shrinks on heating.
+With u = T - σ/C_M and w = T - σ/C_A, forward (austenite → martensite) runs in M_f < u < M_s for du < 0 and reverse in
+A_s < w < A_f for dw > 0. A law says what a process leaves to transform at a distance from its finish line, and Young's
+modulus (`kinetics.diagram`); the history rules are those of `kinetics.history`. All martensite counts as oriented.
 """
-
-from __future__ import annotations
 
 from abc import abstractmethod
 from typing import ClassVar
@@ -36,8 +27,6 @@ class AbstractStripLaw(AbstractPhaseDiagram):
     endless: ClassVar[bool] = False
     """True if processes go on beyond their finish lines and forget where they began."""
 
-    # ---------------------------------------------------------------- what a law adds
-
     @abstractmethod
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
         """What a process leaves at a distance from its finish line, as a share of all [-].
@@ -45,8 +34,6 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         The distance is 1 on the start line and 0 on the finish line. Endless processes are
         asked below 0 too and must fulfil left(a)/left(b) = left(1 - (b - a)).
         """
-
-    # ---------------------------------------------------------------- values
 
     def cautions(self) -> list[str]:
         """Unusual orders of temperatures, the sign of Θ."""
@@ -65,8 +52,6 @@ class AbstractStripLaw(AbstractPhaseDiagram):
             f"C_A > C_M: the strips overlap above {limit / 1e6:.4g} MPa, where the loop work "
             "shrinks with temperature; prefer equal slopes there.",
         )
-
-    # ---------------------------------------------------------------- kinetics
 
     def strips(self) -> tuple[Strip, Strip]:
         """The strips of the forward and of the reverse transformation."""

@@ -30,10 +30,8 @@ works against martensite.
 
 Sources: Boyd and Lagoudas (1996); Lagoudas et al. (2012), Int. J. Plasticity 32–33, with the
 smooth hardening of Hartl and Lagoudas. The derivation is written out for this package. The
-option `hardening = "waisted"` (`martensite.physics.kinetics.waist`) is this package's extension.
+option `hardening = "waisted"` (`martensite.physics.kinetics.hardening`) is this package's extension.
 """
-
-from __future__ import annotations
 
 from typing import NamedTuple
 
@@ -43,8 +41,14 @@ from martensite.kernels import floats
 from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.diagram import WIDTHS, AbstractTwoPhaseLaw, require_order
-from martensite.physics.kinetics.hardening import LEAST_EXPONENT, compute_hardening
-from martensite.physics.kinetics.waist import MOST, apply_waist, remove_waist, waist_energy
+from martensite.physics.kinetics.hardening import (
+    LEAST_EXPONENT,
+    MOST,
+    apply_waist,
+    compute_hardening,
+    remove_waist,
+    waist_energy,
+)
 from martensite.physics.laws.base import Doubt
 
 SAMPLES = 201
@@ -82,14 +86,12 @@ class WorkScale(NamedTuple):
 
 
 class StraightPath(NamedTuple):
-    """A straight way in stress and temperature, from a point over a distance."""
+    """A straight way in stress [Pa] and temperature [K], from a point over a distance."""
 
     stress: Scalar
     temperature: Scalar
     more: Scalar
-    """[Pa]"""
     warmer: Scalar
-    """[K]"""
 
     def at(self, part: Scalar) -> tuple[Scalar, Scalar]:
         """Stress [Pa] and temperature [K] after a part of the way [-]."""

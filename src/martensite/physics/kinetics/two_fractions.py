@@ -11,8 +11,6 @@ act together and do not depend on their order (product law): with r = (1 - P₁)
 The memory holds how near its finish line each process has come since the branch was opened.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from martensite.kernels.namespace import Flag, Namespace, Scalar
@@ -128,9 +126,6 @@ def relocate_memory(
     return TwoFractionMemory(*fractions, memory.branch, *reaches, stress, temperature)
 
 
-# ---------------------------------------------------------------- the leg and its kink
-
-
 def find_kink(
     xp: Namespace, bend: Scalar, start: PathPoint, stress: Scalar, temperature: Scalar
 ) -> tuple[Flag, Scalar, Scalar]:
@@ -198,9 +193,6 @@ def find_handover(
     forward = xp.where(s.acts, s.leaves, t.leaves)
     done = xp.where(found.back, r.leaves, forward)
     return turning_point(xp, memory, stress, temperature, xp.where(two, done, 1.0))
-
-
-# ---------------------------------------------------------------- select, follow, commit
 
 
 def select_direction(

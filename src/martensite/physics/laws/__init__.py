@@ -1,4 +1,4 @@
-"""Stress–strain–temperature laws: one file per law, no law imports another."""
+"""Stress–strain–temperature laws; no law imports another."""
 
 from martensite.base.lazy import attach_names
 

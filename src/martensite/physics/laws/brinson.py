@@ -18,8 +18,6 @@ Lee (2007), Smart Mater. Struct. 16. Ratio form and history rules are this packa
 positive; Θ > 0 means that a free bar shrinks on heating.
 """
 
-from __future__ import annotations
-
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar

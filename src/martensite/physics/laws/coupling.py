@@ -12,8 +12,6 @@ cannot diverge. For laws whose fractions change in a fixed proportion the chord 
 solution. For the others it is near, and Newton's method in both fractions follows.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any, NamedTuple
 

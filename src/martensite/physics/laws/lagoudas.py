@@ -3,7 +3,7 @@ r"""Lagoudas law: Boyd–Lagoudas surfaces, smooth hardening, transformation str
 One-dimensional form. Surfaces, calibration and their sources are described in
 `martensite.physics.kinetics.surfaces`, the hardening shares h in
 `martensite.physics.kinetics.hardening`
-and, with the option `hardening = "waisted"`, `martensite.physics.kinetics.waist`:
+and, with the option `hardening = "waisted"`, `martensite.physics.kinetics.hardening`:
 
     ε = σ [1/E_A + ξ (1/E_M - 1/E_A)] + ε_t + [α_A + ξ (α_M - α_A)] (T - T_ref)
     dε_t = H(σ) dξ (forward),     dε_t = (ε_t/ξ) dξ (reverse),
@@ -31,15 +31,12 @@ Not in the law: reorientation (martensite keeps the strain with which it formed 
 transforms), compression, plasticity, R-phase, the share σ (α_M - α_A) of the driving force.
 """
 
-from __future__ import annotations
-
 from typing import ClassVar, NamedTuple
 
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics.hardening import compute_hardening, hardening_integral, invert_hardening
+from martensite.physics.kinetics.hardening import apply_waist, compute_hardening, hardening_integral, invert_hardening
 from martensite.physics.kinetics.surfaces import AbstractSurfaceLaw, StraightPath, WorkScale
-from martensite.physics.kinetics.waist import apply_waist
 from martensite.physics.laws.base import LAWS, Fractions
 
 

@@ -3,7 +3,7 @@ r"""Müller–Achenbach–Seelecke law of a single crystal: three wells, thermal
     dx₊/dt = p_A₊ A - p_₊A x₊,    dx₋/dt = p_A₋ A - p_₋A x₋,    A = 1 - x₊ - x₋
     ε = ε_T (x₊ - x₋) + σ [(x₊ + x₋)/E_M + A/E_A]
 
-with the wells of `laws.shared.layers` and the rates of `laws.shared.barriers`. A plateau lies
+with the wells of `kinetics.layers` and the rates of `kinetics.barriers`. A plateau lies
 a little inside its threshold and moves with the logarithm of the rate (0.3 MPa per decade for
 V = 5e-23 m³). Layer volume V and time τ mean something only together with the form of the
 rates.
@@ -15,8 +15,6 @@ rest); `stress` adds the work and the elastic part σ ε_T + ½ σ² (1/E_A - 1/
 Sources: Seelecke and Müller (2004), Appl. Mech. Rev. 57; the limit σ_A ≥ 0 as in a public
 implementation of the Saarland group (Ullrich 2014).
 """
-
-from __future__ import annotations
 
 from collections.abc import Callable
 from typing import NamedTuple

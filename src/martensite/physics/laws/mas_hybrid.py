@@ -20,8 +20,6 @@ Source: the idea of a hybrid automaton of five modes is that of Mandolino, Ferra
 Rizzello (2021), arXiv 2103.03586 (abstract seen); the play form is this package's.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 from martensite.base.parameters import param
@@ -51,9 +49,7 @@ class MullerAchenbachSeeleckeHybrid(AbstractCrystal):
 
     cites = ("mandolino2021", "seelecke2004")
 
-    transit_time: Scalar = param(
-        "s", "time in which layers pass the barrier that is left", above=0.0, high=1e6, default=1.0
-    )
+    transit_time: Scalar = param("s", "time to pass the barrier that is left", above=0.0, high=1e6, default=1.0)
     ramp: Scalar = param("Pa", "stress over which a transformation runs", low=1e3, high=1e8, default=1e5)
 
     def inside(self, xp: Namespace) -> Rests:

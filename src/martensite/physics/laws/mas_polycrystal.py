@@ -17,8 +17,6 @@ With zero spread both are the single crystal.
 Sources: Heintze and Seelecke (2008) and Massad and Smith (2005) for the superposition.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from statistics import NormalDist
 from typing import NamedTuple

@@ -312,7 +312,6 @@ def _map_rows(xp: Namespace, body: Callable[..., Sequence[Scalar]], *columns: Co
 
 
 def _sum_stages(xp: Namespace, begin: _Stage, stages: Sequence[_Stage], weights: Sequence[float]) -> _Stage:
-    """A state and a weighted sum of changes."""
 
     def add(x: Scalar, *more: Scalar) -> list[Scalar]:
         return [x + _weigh_numbers(weights, more)]

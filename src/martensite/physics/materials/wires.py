@@ -1,13 +1,9 @@
 """Wire catalogues: the makers' tables of sizes, one TOML file per product.
 
-Every cell carries its value with a unit, its kind (as in `martensite.physics.materials.base`) and
-its
-source. `datasheet` is a cell that a named text prints; `recalled` is one whose original was not
-seen. Pull and deformation are printed as masses; `pull_force` and `deformation_force` are the
-weights of these, in newton.
+Every cell carries its value with a unit, its kind (as in `martensite.physics.materials.base`) and its source.
+`datasheet` is a cell that a named text prints; `recalled` is one whose original was not seen. Pull and deformation are
+printed as masses; `pull_force` and `deformation_force` are the weights of these, in newton.
 """
-
-from __future__ import annotations
 
 import math
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Heat loss of an element to its surroundings: one file per model."""
+"""Heat loss of an element to its surroundings."""
 
 from martensite.base.lazy import attach_names
 

@@ -14,12 +14,10 @@ COOLING: Registry[AbstractCooling] = Registry("cooling", "martensite.physics.the
 
 
 class Cylinder(NamedTuple):
-    """The shape that loses heat through its lateral surface."""
+    """The shape that loses heat through its lateral surface [m]."""
 
     diameter: Scalar
-    """[m]"""
     length: Scalar
-    """[m]"""
 
 
 class AbstractCooling(Parametrised):

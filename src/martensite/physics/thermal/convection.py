@@ -7,8 +7,6 @@ length). In free convection a cylinder colder than the fluid counts by |T - T_a|
 infinite slope at T = T_a, so |T - T_a| is never taken smaller than 0.01 K.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 
 from martensite.base.parameters import param, part

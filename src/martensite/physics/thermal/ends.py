@@ -47,9 +47,7 @@ class AdiabaticEnds(AbstractEnds):
 class ClampedEnds(AbstractEnds):
     """Both ends in clamps at ambient temperature."""
 
-    thermal_conductivity: Scalar = param(
-        "W/m/K", "thermal conductivity of the wire", above=0.0, high=1e4, typical="15 W/m/K"
-    )
+    thermal_conductivity: Scalar = param("W/m/K", "thermal conductivity", above=0.0, high=1e4, typical="15 W/m/K")
     contact: Scalar = param("W/K", "contact conductance of one clamp", above=0.0, high=1e9, default=1e3)
 
     def conductance(self, xp: Namespace, film: Scalar, shape: Cylinder) -> Scalar:

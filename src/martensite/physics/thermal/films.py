@@ -1,7 +1,5 @@
 """Film coefficients that depend on temperatures alone: given numbers, radiation, and the sum of two models."""
 
-from __future__ import annotations
-
 from martensite.base.parameters import param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.thermal.base import COOLING, AbstractCooling, Cylinder

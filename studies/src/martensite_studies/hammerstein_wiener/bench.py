@@ -24,8 +24,8 @@ import numpy as np
 
 from martensite.base.parameters import Parametrised, param, part
 from martensite.control.sensors.base import Probe
-from martensite.control.sensors.infrared import InfraredSensor
 from martensite.control.sensors.position import PositionSensor
+from martensite.control.sensors.thermometer import InfraredSensor
 from martensite.kernels import floats
 from martensite.physics.electrical.switches import PwmVoltage
 from martensite_studies.hammerstein_wiener import branches

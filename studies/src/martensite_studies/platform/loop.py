@@ -10,12 +10,11 @@ import math
 from dataclasses import dataclass
 from functools import cache
 
-from martensite.control.controllers.on_off import OnOff
+from martensite.control.controllers.relay import OnOff
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.mounted_sensor import MountedSensor
-from martensite.control.loop.parts import Controllers, Sensors
+from martensite.control.loop.parts import Controllers, MountedSensor, Sensors
 from martensite.control.loop.run import simulate_bench
-from martensite.control.sensors.ideal import IdealSensor
+from martensite.control.sensors.position import IdealSensor
 from martensite.signals.constant import Constant
 from martensite.simulate.result import Result
 from martensite_studies.platform import bench

@@ -1,0 +1,107 @@
+"""Controllers that switch between levels, and one that passes its reference on."""
+
+from collections.abc import Mapping
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option, param, text
+from martensite.base.units import DIFFERENCE
+from martensite.control.controllers.base import CONTROLLERS, AbstractController, Answer, Column, Readings
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.signals.base import DRIVE
+from martensite.signals.levels import HIGH, MARGIN, NEAR
+
+
+@CONTROLLERS.register("on-off")
+class OnOff(AbstractController):
+    """A switch that keeps a measured quantity near its target.
+
+        off if y ≥ r,     on if y < r - band,     else as before
+
+    with the target r, the reference, which may move. A late reading overshoots: with a delay t_d of its sensor and a
+    period T of sampling, what moves at the rate v does so by about v (t_d + T).
+
+    A quantity that falls when the signal is on is controlled with `high` below `low`.
+    """
+
+    band: Scalar = param(DIFFERENCE, "how far below the target it is on again", low=0.0, default=0.0, typical=MARGIN)
+    high: Scalar = param(DRIVE, "signal while it is on", typical=HIGH)
+    low: Scalar = param(DRIVE, "signal while it is off", default=0.0)
+
+    def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
+        """Off."""
+        return (0.0,)
+
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
+        """Signal of this sample, and whether it is on (1) or off (0)."""
+        value, (before,) = readings[self.measured], memory
+        kept = xp.where(value < reference, before, 0.0)
+        on = xp.where(value < reference - self.band, 1.0, kept)
+        return xp.where(on > 0.5, self.high, self.low), (on,)
+
+
+@CONTROLLERS.register("two-level")
+class TwoLevel(AbstractController):
+    """A relay with a full and a reduced level.
+
+        u = u_H   if e ≥ φ
+            u_L   if 0 < e < φ
+            u_0   if e ≤ 0,            e = r - y
+
+    Near the target the lower level brings the element there slowly, so that a relay, whose signal never settles, swings
+    less about it. The switching is without memory: it chatters at the rate at which it is sampled. With `sign` = -1 it
+    acts on -e: the second of two elements that pull against each other gets the same controller with the other sign,
+    and is off while the first is on.
+
+    Source: the variable structure control of Grant and Hayward (1997) for two antagonistic groups of fibres, where u_H
+    and u_L are currents; original not seen.
+    """
+
+    cites = ("grant1997",)
+
+    far: Scalar = param(DIFFERENCE, "error φ from which it is full", above=0.0, typical=MARGIN)
+    high: Scalar = param(DRIVE, "signal u_H far from the target", typical=HIGH)
+    near: Scalar = param(DRIVE, "signal u_L near it", typical=NEAR)
+    low: Scalar = param(DRIVE, "signal u_0 at the target and beyond", default=0.0)
+    sign: str = option("sign of the errors that it acts on", "1", "-1", default="1")
+
+    def check(self) -> None:
+        """Raise `ParameterError` unless the level near the target lies between the others."""
+        least, most = sorted((self.low, self.high))
+        if not least <= self.near <= most:
+            raise ParameterError(
+                f"The level `near` of a two-level relay must be between {least:g} and {most:g}, but is {self.near:g}."
+            )
+
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
+        """The signal of this sample."""
+        error = reference - readings[self.measured]
+        error = error if self.sign == "1" else -error
+        on = xp.where(error >= self.far, self.high, self.near)
+        return xp.where(error > 0.0, on, self.low), ()
+
+
+@CONTROLLERS.register("direct")
+class Direct(AbstractController):
+    """A straight line from the reference to the signal.
+
+        u = K r + u_0
+
+    For tests of a plant, for records to identify from, and as what a controller with feedback is compared with. The
+    reference has the unit of the signal; limits are those of the source.
+    """
+
+    measured: str = text("name of a reading to compare with; it is not read", default="")
+    gain: Scalar = param("1", "signal per reference", default=1.0)
+    offset: Scalar = param(DRIVE, "signal without a reference", default=0.0)
+
+    def reads(self) -> tuple[str, ...]:
+        """Nothing."""
+        return ()
+
+    def reference_unit(self, readings: Mapping[str, str], signal: str) -> str:
+        """That of the signal."""
+        return signal
+
+    def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
+        """The signal of this sample."""
+        return self.gain * reference + self.offset, ()

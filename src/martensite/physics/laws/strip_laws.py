@@ -1,0 +1,130 @@
+r"""Laws with one martensite fraction and two strips: Liang–Rogers, Tanaka, Elahinia–Ashrafiuon.
+
+With u = T - σ/C_M and w = T - σ/C_A they share the strips and the constitutive equation of
+`martensite.physics.kinetics.strips`, in integrated form so that elastic loops close,
+
+    ε = [σ - Θ (T - T_ref)]/E + ε_L ξ,
+
+and differ in their curves and in Young's modulus E. Forward needs du = dT - dσ/C_M < 0, reverse dw = dT - dσ/C_A > 0:
+the sign of dT alone never decides. Θ > 0 means that a free bar shrinks on heating. The cosines, in ratio form (exact,
+and free of 0/0 at the strip ends), are
+
+    forward  1 - ξ = (1 - ξ₀) sin²(θ_M/2)/sin²(θ_M0/2),   θ_M = π (u - M_f)/(M_s - M_f),   M_f < u < M_s
+    reverse      ξ = ξ₀ cos²(θ_A/2)/cos²(θ_A0/2),         θ_A = π (w - A_s)/(A_f - A_s),   A_s < w < A_f
+
+The history rules `resume` and `restart` are this package's (`martensite.physics.kinetics.history`): where the strips
+overlap (C_A > C_M) one process acts, the branch in progress, else the one met first, else reverse.
+"""
+
+import math
+
+from martensite.base.parameters import option
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics.strips import AbstractStripLaw, compute_cosine_rest
+from martensite.physics.laws.base import LAWS, Fractions
+
+
+@LAWS.register("liang-rogers")
+class LiangRogers(AbstractStripLaw):
+    """Liang–Rogers kinetics (cosines) with a constant or ξ-dependent Young's modulus.
+
+    With a transformation stress that is linear in ξ, σ = E ε + Ω ξ + Θ (T - T_ref) and Ω = -ε_L E(1). That differs only
+    between the phases, and only if E depends on ξ.
+
+    Source: Liang and Rogers (1990), J. Intell. Mater. Syst. Struct. 1.
+    """
+
+    cites = ("liang1990",)
+
+    modulus: str = option(
+        "Young's modulus: constant, or the mixture E_A + ξ (E_M - E_A)",
+        "austenite",
+        "martensite",
+        "mixture",
+        default="austenite",
+    )
+    transformation: str = option(
+        "what is linear in ξ: the transformation strain ε_L ξ, or the transformation stress Ω ξ",
+        "strain",
+        "stress",
+        default="strain",
+    )
+
+    def left(self, xp: Namespace, distance: Scalar) -> Scalar:
+        """sin²(π/2 · distance)."""
+        return compute_cosine_rest(xp, distance)
+
+    def young(self, fractions: Fractions) -> Scalar:
+        """Young's modulus [Pa] by the chosen rule."""
+        if self.modulus == "mixture":
+            return self.mixture(fractions)
+        return self.E_A if self.modulus == "austenite" else self.E_M
+
+    def transformation_strain(self, fractions: Fractions) -> Scalar:
+        """ε_L ξ, or -Ω ξ/E with Ω = -ε_L E(1) [-]."""
+        strain = super().transformation_strain(fractions)
+        if self.transformation == "strain":
+            return strain
+        return strain * (self.young(Fractions(1.0, 1.0)) / self.young(fractions))
+
+
+STEEPNESS = 2.0 * math.log(10.0)
+"""Exponent of a whole strip: it leaves 1 %."""
+
+
+@LAWS.register("tanaka")
+class Tanaka(AbstractStripLaw):
+    """Tanaka kinetics with a constant Young's modulus.
+
+        forward  1 - ξ = (1 - ξ₀) exp[-a_M (u₀ - u)],     a_M = 2 ln 10/(M_s - M_f),     u ≤ M_s
+        reverse      ξ = ξ₀ exp[-a_A (w - w₀)],           a_A = 2 ln 10/(A_f - A_s),     w ≥ A_s
+
+    with u₀ = M_s and w₀ = A_s for a process that starts on its start line. The constants mean that 99 % is done on the
+    finish line; the rest follows beyond it and is not cut off. Where the strips overlap the branch in progress goes on
+    until its finish line, then the other until its own.
+
+    Source: Tanaka (1986), Res Mechanica 18, as restated by Kossoski (2018), where ξ₀ in the forward curve, the signs of
+    the exponents and the temperature width in the stress factors are misprinted; the original was not seen.
+    """
+
+    cites = ("tanaka1986", "kossoski2018")
+    endless = True
+
+    modulus: str = option("Young's modulus, constant", "austenite", "martensite", default="austenite")
+
+    def left(self, xp: Namespace, distance: Scalar) -> Scalar:
+        """exp[-2 ln 10 (1 - distance)]."""
+        return xp.exp(-STEEPNESS * (1.0 - distance))
+
+    def young(self, fractions: Fractions) -> Scalar:
+        """Young's modulus [Pa] of the chosen phase."""
+        return self.E_A if self.modulus == "austenite" else self.E_M
+
+
+@LAWS.register("elahinia")
+class Elahinia(AbstractStripLaw):
+    """Cosine kinetics decided by du and dw, with Young's modulus of the phase mixture.
+
+        E(ξ) = E_A + ξ (E_M - E_A)
+        dσ = E dε - ε_L E dξ + (E_M - E_A)(ε - ε_L ξ) dξ + Θ dT
+
+    The rate form is often printed without its third term; then it is the differential of no stress function, and closed
+    loops leave a spurious strain. For strips that overlap the paper has no rule.
+
+    Two statements that are printed about this model: "reduces to Liang–Rogers at constant stress" is true for ξ;
+    strains agree up to E(ξ), and fully with its option `modulus = "mixture"`. "Reduces to Brinson when isothermal" is
+    false: it starts to transform at a stress lower by Brinson's start stress of detwinning, and it does not detwin.
+
+    Source: Elahinia and Ashrafiuon (2002), J. Vib. Acoust. 124, as restated by Kossoski (2018); the original was not
+    seen.
+    """
+
+    cites = ("elahinia2002", "kossoski2018")
+
+    def left(self, xp: Namespace, distance: Scalar) -> Scalar:
+        """sin²(π/2 · distance)."""
+        return compute_cosine_rest(xp, distance)
+
+    def young(self, fractions: Fractions) -> Scalar:
+        """E_A + ξ (E_M - E_A) [Pa]."""
+        return self.mixture(fractions)
