@@ -10,8 +10,6 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from martensite.physics.materials.names import NAMES
-
 import martensite
 from martensite.actuators.assembly import OUTPUTS
 from martensite.base import units

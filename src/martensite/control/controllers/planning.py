@@ -31,7 +31,6 @@ from martensite.base.parameters import Parametrised, param, part
 from martensite.base.units import DIFFERENCE
 from martensite.simulate.api import longest_step
 from martensite.simulate.lanes import Lanes, Numbers
-from martensite.simulate.lanes_native import Numbers
 from martensite.simulate.march import SOLVED
 
 KELVIN, MEGAPASCAL = 1.0, 1e6

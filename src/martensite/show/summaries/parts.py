@@ -10,8 +10,7 @@ from typing import Any
 from martensite.base.formats import write_quantity
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.base.units import OF_READINGS
-from martensite.physics.materials.base import DOUBTFUL, Material
-from martensite.physics.materials.names import NAMES
+from martensite.physics.materials.base import DOUBTFUL, NAMES, Material
 from martensite.scenario.citations import read_bibliography, read_title
 from martensite.signals.base import DRIVE
 
