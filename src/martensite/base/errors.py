@@ -73,6 +73,10 @@ class SolveError(MartensiteError):
     """A simulation could not be completed; the sentence says where and what to try."""
 
 
+class CompileError(MartensiteError):
+    """A program could not be compiled on this machine; on floats it runs all the same."""
+
+
 def suggest_name(name: str, valid: Iterable[str]) -> str:
     """Return 'Did you mean …?' for the nearest valid name, or the list of valid names."""
     names = sorted(valid)
