@@ -77,6 +77,10 @@ class StoppedError(MartensiteError):
     """Something stopped on the way; what was made is kept, and the sentence says how to go on."""
 
 
+class CompileError(MartensiteError):
+    """A program could not be compiled on this machine; on floats it runs all the same."""
+
+
 def suggest_name(name: str, valid: Iterable[str]) -> str:
     """Return 'Did you mean …?' for the nearest valid name, or the list of valid names."""
     names = sorted(valid)

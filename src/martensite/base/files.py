@@ -202,3 +202,13 @@ def cache_folder() -> Path:
     if sys.platform == "win32" and os.environ.get("LOCALAPPDATA"):
         return Path(os.environ["LOCALAPPDATA"]) / "martensite" / "Cache"
     return Path.home() / ".cache" / "martensite"
+
+
+_TOLD: set[str] = set()
+
+
+def tell_once(line: str) -> None:
+    """Say on standard error, once in a process, that something went another way than it should."""
+    if line not in _TOLD:
+        _TOLD.add(line)
+        sys.stderr.write(f"{line}\n")

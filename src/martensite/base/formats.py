@@ -9,7 +9,7 @@ from martensite.base import units
 
 _TYPESET = (("degC", "°C"), ("ohm", "Ω"), ("um", "µm"), ("^2", "²"), ("^3", "³"), ("*", " "))
 _NAMES = "alpha beta gamma delta eps nu rho sigma tau phi xi Theta Delta lambda"
-GREEK = dict(zip(_NAMES.split(), "αβγδενρστφξΘΔλ", strict=True))
+GREEK: dict[str, str] = dict(zip(_NAMES.split(), "αβγδενρστφξΘΔλ", strict=True))
 _LETTER = re.compile(r"^([A-Za-z])(\d*|[a-z])$")
 _SLOPE = re.compile(r"^d([a-z]+)_d([A-Z])$")
 

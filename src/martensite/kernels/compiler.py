@@ -6,21 +6,24 @@ there is no compiler, one way to hand over numbers and arrays.
 
 from __future__ import annotations
 
+import atexit
 import ctypes
 import hashlib
 import os
+import platform
 import shutil
 import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from contextlib import suppress
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from martensite.base.errors import MartensiteError
-from martensite.base.files import cache_folder
+from martensite.base.errors import CompileError
+from martensite.base.files import cache_folder, tell_once
 
 FLAGS = (
     "-std=c99",
@@ -59,16 +62,23 @@ def _find_zig() -> str | None:
     if find_spec("ziglang") is None or os.name != "posix":
         return None
     text = _ZIG.format(python=sys.executable)
-    path = cache_folder() / "c" / f"zig-cc-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
-    if not path.exists():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(text)
-        path.chmod(0o755)
-    return str(path)
+    name = f"zig-cc-{hashlib.sha256(text.encode()).hexdigest()[:12]}"
+    for find_folder in (_locate_folder, _make_own_folder):
+        with suppress(OSError):
+            path = find_folder() / name
+            if not path.exists():
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(text)
+                path.chmod(0o755)
+            return str(path)
+    return None
 
 
 def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
     """Compile C source to a shared library in the cache (by hash) and load it.
+
+    One that is there already is loaded if it is whole, and of this machine; else it is made anew. Where
+    the cache cannot be written, a folder of this process takes its place.
 
     The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler.
 
@@ -77,18 +87,33 @@ def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
         more: further flags of the compiler.
 
     Raises:
-        MartensiteError: there is no compiler, or it failed.
+        CompileError: there is no compiler, it failed, or there is no folder for what it makes.
     """
     command = _build_command(more)
-    path = _kept_as(command, source)
-    if not path.exists():
-        _compile_source(command, source, path)
-    return ctypes.CDLL(str(path))
+    name, reasons = _name_library(command, source), list[str]()
+    for find_folder in (_locate_folder, _make_own_folder):
+        try:
+            return _load_from(find_folder() / name, command, source)
+        except OSError as error:
+            reasons.append(str(error.strerror or error))
+            if find_folder is _locate_folder:
+                tell_once(
+                    f"Warning: what is compiled cannot be kept in the cache folder ({reasons[0]}); it is made anew in "
+                    "every process. Name another folder in XDG_CACHE_HOME."
+                )
+    raise CompileError(
+        f"The C runtime has no folder to compile in ({'; '.join(dict.fromkeys(reasons))}); name one in "
+        "XDG_CACHE_HOME, or use the runtime `floats`."
+    )
 
 
 def is_compiled(source: str, more: tuple[str, ...] = ()) -> bool:
     """Whether `load_library` would find what it needs, so that nothing is compiled."""
-    return find_compiler() is not None and _kept_as(_build_command(more), source).exists()
+    if find_compiler() is None:
+        return False
+    with suppress(OSError):
+        return _is_whole(_locate_folder() / _name_library(_build_command(more), source))
+    return False
 
 
 def call_compiled(function: Any, *arguments: Any) -> None:
@@ -99,7 +124,7 @@ def call_compiled(function: Any, *arguments: Any) -> None:
 def _build_command(more: tuple[str, ...]) -> tuple[str, ...]:
     cc = find_compiler()
     if cc is None:
-        raise MartensiteError(
+        raise CompileError(
             "The C runtime needs a C compiler and none was found; install gcc or clang, or "
             "`pip install 'martensite[cc]'`, or use the runtime `floats`."
         )
@@ -107,9 +132,25 @@ def _build_command(more: tuple[str, ...]) -> tuple[str, ...]:
     return (cc, *FLAGS, *wide, *more, *os.environ.get("MARTENSITE_CFLAGS", "").split())
 
 
-def _kept_as(command: Sequence[str], source: str) -> Path:
+def _name_library(command: Sequence[str], source: str) -> str:
     text = " ".join((*command, _describe_machine(), source))
-    return cache_folder() / "c" / f"{hashlib.sha256(text.encode()).hexdigest()[:24]}.so"
+    return f"{hashlib.sha256(text.encode()).hexdigest()[:24]}.so"
+
+
+def _locate_folder() -> Path:
+    """Where libraries are kept from process to process."""
+    try:
+        return cache_folder() / "c"
+    except RuntimeError as error:  # nobody's home
+        raise OSError(str(error)) from None
+
+
+@cache
+def _make_own_folder() -> Path:
+    """A folder of this process, which goes with it."""
+    folder = tempfile.mkdtemp(prefix="martensite-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return Path(folder)
 
 
 def _describe_machine() -> str:
@@ -117,8 +158,34 @@ def _describe_machine() -> str:
     try:
         text = Path("/proc/cpuinfo").read_text()
     except OSError:
-        return ""
-    return next((line for line in text.splitlines() if line.startswith("flags")), "")
+        return platform.machine()
+    flags = (line for line in text.splitlines() if line.startswith(("flags", "Features")))
+    return f"{platform.machine()} {next(flags, '')}"
+
+
+def _load_from(path: Path, command: Sequence[str], source: str) -> Any:
+    """A library, made where it is missing, damaged, or of another machine."""
+    if _is_whole(path):
+        with suppress(OSError):
+            return ctypes.CDLL(str(path))
+    _compile_source(command, source, path)
+    return ctypes.CDLL(str(path))
+
+
+def _is_whole(path: Path) -> bool:
+    """Whether a library is what was written: to load one whose end is missing kills the process."""
+    try:
+        return _locate_digest(path).read_bytes() == _digest_file(path)
+    except OSError:
+        return False
+
+
+def _locate_digest(path: Path) -> Path:
+    return path.with_suffix(".sha256")
+
+
+def _digest_file(path: Path) -> bytes:
+    return hashlib.sha256(path.read_bytes()).hexdigest().encode()
 
 
 def _compile_source(command: Sequence[str], source: str, path: Path) -> None:
@@ -130,5 +197,8 @@ def _compile_source(command: Sequence[str], source: str, path: Path) -> None:
             [*command, str(code), "-o", str(library), "-lm"], capture_output=True, text=True, check=False
         )
         if done.returncode != 0:
-            raise MartensiteError(f"The C compiler `{command[0]}` failed: {done.stderr.strip()[:500]}")
+            raise CompileError(f"The C compiler `{command[0]}` failed: {done.stderr.strip()[:500]}")
+        digest = _locate_digest(library)
+        digest.write_bytes(_digest_file(library))
+        digest.replace(_locate_digest(path))  # before the library, which nobody takes without it
         library.replace(path)

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from collections.abc import Callable, Sequence
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from martensite.base.errors import MartensiteError
-from martensite.base.files import cache_folder
+from martensite.base.files import cache_folder, tell_once
 from martensite.kernels.arrays import ArrayNamespace
 
 # XLA prefers 256-bit vectors; batches gain a third with 512 where the processor has them
@@ -111,12 +113,30 @@ def jax_namespace() -> JaxNamespace:
             "JAX is not installed; install it with `pip install martensite[jax]`, or take the runtime `c` or `floats`."
         ) from None
     jax.config.update("jax_enable_x64", True)
-    folder = os.environ.get("MARTENSITE_JAX_CACHE", str(cache_folder() / "jax"))
+    folder = _find_cache()
     if folder:
         jax.config.update("jax_compilation_cache_dir", folder)
         jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
         jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
     return JaxNamespace(jax)
+
+
+def _find_cache() -> str:
+    """The folder of what JAX compiles; empty if it is to keep nothing, or cannot."""
+    folder = os.environ.get("MARTENSITE_JAX_CACHE")
+    try:
+        folder = str(cache_folder() / "jax") if folder is None else folder
+        if folder:
+            Path(folder).mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+    except (OSError, RuntimeError) as error:
+        reason = getattr(error, "strerror", None) or error
+        tell_once(
+            f"Warning: what JAX compiles cannot be kept in the cache folder ({reason}); "
+            "it is made anew in every process. Name another folder in XDG_CACHE_HOME or MARTENSITE_JAX_CACHE."
+        )
+        return ""
+    return folder
 
 
 def make_storing_namespace(xp: JaxNamespace, one: Any) -> ArrayNamespace:

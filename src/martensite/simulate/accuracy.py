@@ -16,7 +16,8 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
-from martensite.base.errors import SolveError
+from martensite.base.errors import CompileError, SolveError
+from martensite.base.files import tell_once
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.march import FixedMarch
@@ -88,7 +89,12 @@ class RunEngine:
         try:
             return self._on_floats(plan, hasty=True)
         except TimeoutError:
+            pass
+        try:
             return self._on_c(plan)
+        except CompileError as error:
+            tell_once(f"Warning: the run goes on on floats. {error}")
+            return self._on_floats(plan, hasty=False)
 
     def _readiness(self, plan: MarchPlan) -> str:
         """How near the runtime C is."""

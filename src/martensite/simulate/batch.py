@@ -10,7 +10,8 @@ from typing import Any, cast
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, ParameterError, SolveError, require_known
+from martensite.base.errors import CompileError, InputError, ParameterError, SolveError, require_known
+from martensite.base.files import tell_once
 from martensite.base.status import Status
 from martensite.kernels.compiler import find_compiler
 from martensite.kernels.jax_setup import has_jax
@@ -106,7 +107,14 @@ def simulate_batch(
     if chosen == "jax":
         count = len(next(iter(varied.values())))
         course = replace(course, lanes=count, chunk=chunk or chunk_for(devices_of(devices)))
-    ran = course.run(varied)
+    try:
+        ran = course.run(varied)
+    except CompileError as error:
+        if runtime != "auto":
+            raise
+        tell_once(f"Warning: the batch goes on on floats. {error}")
+        chosen = "floats"
+        ran = replace(course, runtime=chosen).run(varied)
     return _build_result(system, waveform, course.times, ran, varied, course.controlled, chosen)
 
 

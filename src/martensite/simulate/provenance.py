@@ -13,7 +13,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, cast
 
-from martensite.base.files import cache_folder
+from martensite.base.files import cache_folder, tell_once
 from martensite.base.parameters import Parametrised
 
 OWN = "martensite."
@@ -47,17 +47,25 @@ def _name_part(cls: type[Parametrised]) -> str:
 def find_record(cls: type[Parametrised]) -> str:
     """What was found of a part as its file is now."""
     path = _locate_record(cls)
-    if path is None or not path.exists():
+    try:
+        holds = path is not None and json.loads(path.read_text("utf-8"))["holds"]
+    except (OSError, ValueError, KeyError, TypeError):  # none is there, or it is damaged
         return NOT_TRIED
-    return "conforms" if json.loads(path.read_text("utf-8"))["holds"] else "does not conform"
+    if path is None or not isinstance(holds, bool):
+        return NOT_TRIED
+    return "conforms" if holds else "does not conform"
 
 
 def keep_record(cls: type[Parametrised], holds: bool, checks: int) -> None:
     """Keep what was found of a part; nothing of one without a file, or of this package."""
     path = None if cls.__module__.startswith(OWN) else _locate_record(cls)
-    if path is not None:
+    if path is None:
+        return
+    try:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps({"holds": holds, "checks": checks}), "utf-8")
+    except OSError as error:
+        tell_once(f"Warning: what was found of `{_name_part(cls)}` cannot be kept in the cache: {error.strerror}.")
 
 
 def _locate_record(cls: type[Parametrised]) -> Path | None:
