@@ -129,11 +129,10 @@ def _summarise_core(core: CCore, part: str) -> Summary:
         [call, str(sum(found.values())), *(str(found.get(kind, 0)) for kind in kinds)]
         for call, found in core.operations.items()
     ]
-    head = ["operations at most", "sum", *kinds]
     blocks = [
         Sentence(f"{core.description}, {core.precision}"),
         Sentence(f"model: {core.size:,} bytes ({numbers})"),
-        DataTable(head, rows, right=range(1, len(head))),
+        DataTable(("operations at most", "sum", *kinds), rows, right=range(1, len(kinds) + 2)),
     ]
     return Summary("", blocks, data)
 
@@ -193,13 +192,13 @@ def _collect_signals(made: Fmu) -> dict[str, Any]:
         "platforms": list(made.platforms),
     }
     kinds = {"inputs": "input", "outputs": "output", "parameters": "parameter", "fixed": "local"}
-    for key, causality in kinds.items():
-        report[key] = {one.name: one.reference for one in made.named(causality)}
-    return report
+    named = {key: made.named(causality) for key, causality in kinds.items()}
+    return report | {key: {one.name: one.reference for one in signals} for key, signals in named.items()}
 
 
 def _summarise_fmu(made: Fmu) -> Summary:
-    counted = [_count_signals(made, kind) for kind in ("input", "output", "parameter")]
+    counts = {kind: len(made.named(kind)) for kind in ("input", "output", "parameter")}
+    counted = [f"{count} {kind}{'' if count == 1 else 's'}" for kind, count in counts.items()]
     inputs = ", ".join(f"{one.name} [{one.unit or '-'}]" for one in made.named("input"))
     pace = "period" if made.discrete else "inner step of at most"
     known = ", ".join(made.platforms) or "no platform: compile its sources before use"
@@ -209,11 +208,6 @@ def _summarise_fmu(made: Fmu) -> Summary:
         f"wrote {made.path} (FMI {made.fmi}; {known})",
     )
     return Summary("", [Sentence(line) for line in lines], _collect_signals(made))
-
-
-def _count_signals(made: Fmu, kind: str) -> str:
-    count = len(made.named(kind))
-    return f"{count} {kind}{'' if count == 1 else 's'}"
 
 
 class Driving(TyperCommand):

@@ -92,9 +92,9 @@ def tune(
     outputs = answer.check_files(save, ".toml")
     options.check()
     loaded = source.load()
-    from martensite.cli.tune_run import run_tuning
+    from martensite.cli.tune_run import run_tuning, write_tuned
     from martensite.show.figures.design import plot_tuning
-    from martensite.show.summaries.tuning import summarise_tuning, write_tuned
+    from martensite.show.summaries.tuning import summarise_tuning
 
     found = run_tuning(loaded, options)
     outputs.answer(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -232,3 +233,12 @@ def judge_others(runs: LoopRuns, found: TunedBench, others: Plants | None) -> Ra
 
     both = compare_over_plants(runs, {"before": found.before, "after": found.after}, others)
     return both.ratio("after", "before")
+
+
+def write_tuned(found: TuningOutcome) -> str:
+    """The scenario with the new numbers, as TOML."""
+    from martensite.scenario.overrides import as_toml, change_document
+
+    document = tomllib.loads(found.scenario.text)
+    numbers = {found.scenario.places.path(p): float(v) for p, v in found.found.after.items()}
+    return f"# tuned: {found.origin}\n\n{as_toml(change_document(document, numbers))}"

@@ -106,6 +106,7 @@ def describe_number(spot: EntrySpot, value: float | None, unit: str) -> NumberNo
     own = spot.noted in ("scenario", "start")
     material = find_material_number(spot.material, spot.name) if own else None
     usual = default if material is None else material["value"]
+    words = None if default is None else word_quantity(default, unit)
     changed = own and usual is not None and value is not None and not _is_same(value, usual)
     return {
         **spot.common(changed),
@@ -115,15 +116,10 @@ def describe_number(spot: EntrySpot, value: float | None, unit: str) -> NumberNo
         "sort": "number",
         "value": value,
         "unlimited": value is not None and size is None,
-        "usual": None if default is None else _word_default(default, declared),
+        "usual": "no limit" if default is not None and is_unlimited(default, declared) else words,
         "slider": None if size is None else build_slider(size, declared),
         "material": material,
     }
-
-
-def _word_default(default: float, declared: Declared) -> str:
-    unlimited = is_unlimited(default, declared)
-    return "no limit" if unlimited else word_quantity(default, declared.unit)
 
 
 def word_range(declared: Declared) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -16,7 +15,6 @@ from martensite.control.loop.names import list_readings
 from martensite.design.optimise.optimised_design import OptimisedDesign, ReportedMeasure, RoundedDesign
 from martensite.design.tuning.loop_runs import find_judged_output
 from martensite.design.tuning.measures import UNITS
-from martensite.scenario.overrides import as_toml, change_document
 
 if TYPE_CHECKING:
     from martensite.design.rules.rule_starts import LoopTests
@@ -172,13 +170,6 @@ def _list_gains(found: TuningOutcome) -> list[tuple[str, float, str]]:
         unit = base + (PER_TIME.get(name, "") if seconds else "")
         rows.append((path, value, unit if gain else places.unit(leaves[path])))
     return rows
-
-
-def write_tuned(found: TuningOutcome) -> str:
-    """The scenario with the new numbers, as TOML."""
-    document = tomllib.loads(found.scenario.text)
-    numbers = {found.scenario.places.path(p): float(v) for p, v in found.found.after.items()}
-    return f"# tuned: {found.origin}\n\n{as_toml(change_document(document, numbers))}"
 
 
 def summarise_design(found: OptimisedDesign, title: str) -> Summary:
