@@ -95,7 +95,11 @@ def check_ending(path: Path | None, endings: tuple[str, ...]) -> None:
 
 
 def check_folder(path: Path) -> None:
-    """Raise `DataError` if there is no folder for a file, or none to write to."""
+    """Raise `DataError` if there is no folder for a file, none to write to, or no file can have its name."""
+    try:
+        path.exists()
+    except OSError as error:
+        raise DataError(f"The file `{path}` cannot be written: {error.strerror}.") from None
     if not path.parent.is_dir():
         raise DataError(f"There is no folder `{path.parent}` to write `{path.name}` into.")
     if not os.access(path.parent, os.W_OK):
