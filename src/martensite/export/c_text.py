@@ -119,7 +119,7 @@ def _print_indices(title: str, name: str, variables: Sequence[CoreVariable]) -> 
     return f"/* {title}, with their units. */\nenum {{\n" + "\n".join(rows) + "\n};\n\n"
 
 
-_STATUS = {
+STATUS_WORDS = {
     Status.OK: "done",
     Status.LONG_STEP: "done, but coarse: the step crossed much of a transformation",
     Status.UNSOLVED: "not solved to its tolerance: the state is as it was; make a shorter step",
@@ -130,11 +130,11 @@ _STATUS = {
 
 def _print_declarations(core: CoreLayout) -> str:
     name = core.name
-    status = "".join(f"    {name}_{one.name} = {int(one)}, /* {words} */\n" for one, words in _STATUS.items())
+    status = "".join(f"    {name}_{one.name} = {int(one)}, /* {words} */\n" for one, words in STATUS_WORDS.items())
     bad = "/* an argument is not finite, out of its range, or no sample time */"
     return (
         f"/* How a call ended. */\nenum {name}_status {{\n{status}"
-        f"    {name}_BAD_INPUT = {len(_STATUS)} {bad}\n}};\n\n"
+        f"    {name}_BAD_INPUT = {len(STATUS_WORDS)} {bad}\n}};\n\n"
         "/* All that a model knows: only numbers, so copy it to save and to restore it. */\n"
         f"typedef struct {{\n"
         f"    {name}_real p[{count_elements(len(core.parameters))}]; /* parameters */\n"
