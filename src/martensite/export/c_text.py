@@ -111,8 +111,7 @@ def _print_indices(title: str, name: str, variables: Sequence[CoreVariable]) -> 
         return ""
     last = len(variables) - 1
     rows = [
-        f"    {name}_{v.identifier} = {v.index}{',' if v.index < last else ''} "
-        f"/* [{_escape_comment(v.unit)}] "
+        f"    {name}_{v.identifier} = {v.index}{',' if v.index < last else ''} /* [{_escape_comment(v.unit)}] "
         f"{_escape_comment(v.words)}{'' if v.used else ' (changes nothing)'} */"
         for v in variables
     ]
