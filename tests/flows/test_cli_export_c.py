@@ -11,10 +11,12 @@ from pathlib import Path
 
 import pytest
 from c_cores import STRICT
+from fences import ROOT
 from thin_wire import THIN_WIRE
 from typer.testing import CliRunner, Result
 
 from martensite.cli import app
+from martensite.export import c_example
 from martensite.export.c_core import build_c_core, build_c_loop
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.scenario import load
@@ -130,6 +132,26 @@ def test_the_loop_without_its_plant() -> None:
     assert json.loads(done.stdout)["sample_time"] == 0.02
     assert "held_u_position_age" in read("held.h")
     assert "    {1, 0.0199999996f, {" in read("held_example.c")
+
+
+@pytest.mark.parametrize(("name", "time"), [("finger", "4.44"), ("antagonistic_wires", "2.68")])
+def test_a_program_that_stops_is_not_written(c_compiler: str, name: str, time: str) -> None:
+    """Models of activation need more than seven digits; the example, compiled by hand, stops there with status 2."""
+    done = call(str(ROOT / "examples" / f"{name}.toml"), "--precision", "float32")
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert f"In float32 this program stops at {time} s of the scenario: The coupling" in done.stderr
+    assert not list(Path().glob(f"{name}*"))
+
+
+def test_single_precision_says_how_far_it_was_tried(c_compiler: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    tried = json.loads(call("driven.toml", "--precision", "float32", "--json").stdout)["tried"]
+    assert tried == "Tried in float32 over 5 s of the scenario: it does not stop."
+    loop = json.loads(call("held.toml", "--part", "loop", "--precision", "float32", "--json").stdout)["tried"]
+    assert loop == "Tried in float32 over 1 s of the scenario: it does not stop."
+    assert json.loads(call("driven.toml", "--json", "--force").stdout)["tried"] is None
+    monkeypatch.setattr(c_example, "find_compiler", lambda: None)
+    said = call("driven.toml", "--precision", "float32", "--force").stdout
+    assert "Not tried: there is no C compiler here" in said
 
 
 def test_a_file_is_not_replaced_unless_wanted() -> None:

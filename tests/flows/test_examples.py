@@ -7,6 +7,7 @@ the wire's maker for the example with PWM.
 from __future__ import annotations
 
 import itertools
+import json
 import math
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,6 @@ from martensite.base.errors import DataError
 from martensite.design.tuning.averaging import compare_averaging
 from martensite.fit.api import fit_logs
 from martensite.scenario.compare import compare_with_record
-from martensite.scenario.model_files import read_provenance
 from martensite.scenario.scenario import Scenario, load
 from martensite.scenario.tables import read_table
 from martensite.simulate.result import Result
@@ -245,7 +245,7 @@ def test_model_example_runs_as_its_comments_say() -> None:
 
 
 def test_model_of_the_example_has_the_fit_of_its_comments() -> None:
-    (record,) = read_provenance(EXAMPLES / "model_run.json")["records"]
+    (record,) = json.loads((EXAMPLES / "model_run.json").read_text("utf-8"))["provenance"]["records"]
     assert record["fit_percent"]["position"] == pytest.approx(98.8, abs=0.05)
 
 

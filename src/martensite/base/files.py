@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import stat
 import sys
 import tomllib
 from collections.abc import Generator
@@ -144,20 +146,36 @@ MOST_LOG = 2**31
 """Bytes of a log."""
 
 
+def check_ordinary(path: Path, most: int) -> int:
+    """Size [bytes] of an ordinary file, of at most so many.
+
+    Raises:
+        OSError: there is no such file.
+        DataError: it is larger, a name that no file can have, or a device or a pipe, which may never end.
+    """
+    try:
+        found = path.stat()
+    except ValueError:
+        raise DataError(f"No file has the name `{str(path)!r}`.") from None
+    if stat.S_ISDIR(found.st_mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not stat.S_ISREG(found.st_mode):
+        raise DataError(f"`{path}` is a device or a pipe; name an ordinary file.")
+    if found.st_size > most:
+        raise DataError(f"`{path}` is larger than the {most / 2**20:.0f} MiB that are read of it.")
+    return found.st_size
+
+
 def read_bounded(path: Path, most: int) -> bytes:
     """The bytes of an ordinary file, of which there are at most so many.
 
     Raises:
         OSError: it cannot be read.
-        DataError: it is larger, or a device or a pipe, which may never end.
+        DataError: as of `check_ordinary`.
     """
-    if path.exists() and not (path.is_file() or path.is_dir()):
-        raise DataError(f"`{path}` is a device or a pipe; name an ordinary file.")
+    check_ordinary(path, most)
     with path.open("rb") as file:
-        found = file.read(most + 1)
-    if len(found) > most:
-        raise DataError(f"`{path}` is larger than the {most / 2**20:.0f} MiB that are read of it.")
-    return found
+        return file.read(most)
 
 
 def read_text_file(path: Path, what: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -62,12 +63,12 @@ def c(
         raise ParameterError(f"There is no part `{part}`. {suggest_name(part, PARTS)}")
     name = checked_identifier(name or make_identifier(source.file.stem))
     files = _check_files(out, name, force)
-    core, example = _make_core(source.load(), name, part, precision)
+    core, example, tried = _make_core(source.load(), name, part, precision)
     make_folder(out)
     with replace_together():
         core.write(out)
         write_file(files[-1], example)
-    print_summary(_summarise_core(core, part), json, files)
+    print_summary(_summarise_core(core, part, tried), json, files)
 
 
 def _check_files(folder: Path, name: str, force: bool) -> list[Path]:
@@ -94,16 +95,17 @@ def _make_core(loaded: Scenario, name: str, part: str, precision: str) -> tuple[
     if part != "loop":
         system = loaded.system if part == "plant" else loaded.whole
         core = build_c_core(system, name=name, precision=precision)
-        played = played_by_system(system, loaded.waveform, loaded.duration, STEPS)
-        return core, example_text(core, *played)
-    if loaded.bench is None:
+        play = partial(played_by_system, system, loaded.waveform, loaded.duration, STEPS)
+    elif loaded.bench is None:
         raise ParameterError("This scenario has no loop: there is no controller in it.")
-    core = build_c_loop(loaded.bench, name=name, precision=precision)
-    played = played_by_loop(loaded.bench, loaded.waveform, loaded.run(), STEPS)
-    return core, example_text(core, *played)
+    else:
+        core = build_c_loop(loaded.bench, name=name, precision=precision)
+        play = partial(played_by_loop, loaded.bench, loaded.waveform, loaded.run(), STEPS)
+    tried = try_program(core, play(MOST_TRIED)) if core.precision == "float32" else ""
+    return core, example_text(core, *play(MOST)), tried
 
 
-def _summarise_core(core: CCore, part: str) -> Summary:
+def _summarise_core(core: CCore, part: str, tried: str) -> Summary:
     from martensite.export.c_kernels import ORDER
 
     counts = {
@@ -122,6 +124,7 @@ def _summarise_core(core: CCore, part: str) -> Summary:
         **counts,
         "sample_time": core.sample_time,
         "operations": core.operations,
+        "tried": tried or None,
     }
     numbers = ", ".join(f"{kind} {count}" for kind, count in counts.items())
     kinds = [kind for kind in ORDER if any(kind in one for one in core.operations.values())]
@@ -134,6 +137,7 @@ def _summarise_core(core: CCore, part: str) -> Summary:
         Sentence(f"model: {core.size:,} bytes ({numbers})"),
         DataTable(("operations at most", "sum", *kinds), rows, right=range(1, len(kinds) + 2)),
     ]
+        *([Sentence(tried)] if tried else []),
     return Summary("", blocks, data)
 
 

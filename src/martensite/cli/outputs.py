@@ -95,8 +95,13 @@ def check_ending(path: Path | None, endings: tuple[str, ...]) -> None:
 
 
 def check_folder(path: Path) -> None:
-    """Raise `DataError` if there is no folder for a file, or none to write to, or a folder in its place."""
-    if path.is_dir():
+    """Raise `DataError` if there is no folder for a file, none to write to, or no file can have its name."""
+    try:
+        folder = path.is_dir()
+        path.exists()
+    except OSError as error:
+        raise DataError(f"The file `{path}` cannot be written: {error.strerror}.") from None
+    if folder:
         raise DataError(f"`{path}` is a folder; name a file to write.")
     if not path.parent.is_dir():
         raise DataError(f"There is no folder `{path.parent}` to write `{path.name}` into.")

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -22,10 +23,10 @@ from martensite.control.loop.names import AGE, ALARM, JITTER, NOISE, list_readin
 from martensite.control.loop.names import list_estimates as estimate_outputs
 from martensite.control.loop.period import collect_estimates
 from martensite.control.loop.realtime import LoopState, TracedLoop, list_reads, trace_loop
-from martensite.export.c_kernels import Precision, count_operations, precision_of, used_parameters
+from martensite.export.c_kernels import count_operations, precision_of, used_parameters
 from martensite.export.c_names import CoreVariable, checked_identifier, list_parameters, list_variables, make_identifier
 from martensite.export.c_source import source_text
-from martensite.export.c_text import CoreLayout, count_elements, header_text
+from martensite.export.c_text import count_elements, header_text
 from martensite.kernels.program import Function, Program
 from martensite.simulate.compiled import compile_system
 
@@ -40,20 +41,47 @@ class CCore:
     name: str
     """Of the files, and before all names in them."""
     description: str
+    """What it is, in words."""
     precision: str
     """float64 or float32."""
-    header: str
-    source: str
+    program: Program
+    """With functions `init`, `step` and `observe`."""
+    kept: Sequence[int]
+    """Places in the program of the parameters."""
     parameters: tuple[CoreVariable, ...]
     inputs: tuple[CoreVariable, ...]
     outputs: tuple[CoreVariable, ...]
     states: int
-    constants: int
-    """Numbers that follow from the parameters."""
+    reports: bool
+    """Whether steps end with residual and crossing."""
+    sample: str | None
+    """Sample time of a system in discrete time, in C; None if a step may have any length."""
     sample_time: float
     """The length of every step [s] of a system in discrete time; else 0."""
-    operations: dict[str, dict[str, int]]
-    """The most that `prepare`, `start`, `step` and `observe` take, by kind."""
+
+    @cached_property
+    def header(self) -> str:
+        """Text of the header."""
+        return header_text(self)
+
+    @cached_property
+    def source(self) -> str:
+        """Text of the source."""
+        return source_text(self)
+
+    @property
+    def constants(self) -> int:
+        """Numbers that follow from the parameters."""
+        return len(self.program.hoisted_nodes)
+
+    @property
+    def operations(self) -> dict[str, dict[str, int]]:
+        """The most that `prepare`, `start`, `step` and `observe` take, by kind."""
+        graph, known = self.program.graph, self.program.hoisted_nodes
+        found = {"prepare": count_operations(graph, known)}
+        for name, label in {"init": "start", "step": "step", "observe": "observe"}.items():
+            found[label] = count_operations(graph, self.program.functions[name].outputs, known)
+        return found
 
     @property
     def size(self) -> int:
@@ -98,7 +126,7 @@ def build_c_core(system: AbstractSystem, *, name: str | None = None, precision: 
         _describe_drives(system),
         _list_outputs(system, compiled.outputs),
         name=name,
-        precision=precision_of(precision),
+        precision=precision,
         reports=True,
     )
 
@@ -111,7 +139,7 @@ def core_of(
     outputs: Rows,
     *,
     name: str | None,
-    precision: Precision,
+    precision: str,
     reports: bool,
     pruned: bool = False,
 ) -> CCore:
@@ -126,10 +154,10 @@ def core_of(
     kept = sorted(used) if pruned else list(places.values())
     given = list_parameters((leaves[i] for i in kept), (i in used for i in kept))
     sample = f"m->p[{kept.index(places[timed])}]" if timed else None
-    layout = CoreLayout(
+    return CCore(
         name=checked_identifier(name or make_identifier(whole.description())),
         description=whole.description(),
-        precision=precision,
+        precision=precision_of(precision).name,
         program=program,
         kept=kept,
         parameters=given,
@@ -138,20 +166,7 @@ def core_of(
         states=states,
         reports=reports,
         sample=sample,
-    )
-    return CCore(
-        name=layout.name,
-        description=layout.description,
-        precision=precision.name,
-        header=header_text(layout),
-        source=source_text(layout),
-        parameters=layout.parameters,
-        inputs=layout.inputs,
-        outputs=layout.outputs,
-        states=states,
-        constants=layout.constants,
         sample_time=whole.sample_time() if sample else 0.0,
-        operations=_count_operations(program),
     )
 
 
@@ -159,16 +174,6 @@ def _sample_path(whole: AbstractSystem) -> str | None:
     twin = whole.rebuilt({leaf.path: leaf.path for leaf in whole.leaves()})
     found: Any = twin.sample_time()
     return found if isinstance(found, str) else None
-
-
-def _count_operations(program: Program) -> dict[str, dict[str, int]]:
-    graph, known = program.graph, program.hoisted_nodes
-    found = {"prepare": count_operations(graph, known)}
-    called = {"init": "start", "step": "step", "observe": "observe"}
-    for name, label in called.items():
-        if name in program.functions:
-            found[label] = count_operations(graph, program.functions[name].outputs, known)
-    return found
 
 
 # ---------------------------------------------------------------- names, units, words
@@ -219,7 +224,7 @@ def build_c_loop(bench: Bench, *, name: str | None = None, precision: str = "flo
         _loop_inputs(bench),
         seen,
         name=name,
-        precision=precision_of(precision),
+        precision=precision,
         reports=False,
         pruned=True,
     )

@@ -8,25 +8,29 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from string import Template
+from typing import TYPE_CHECKING
 
-from martensite.export.c_kernels import CKernel, kernels_text
+from martensite.export.c_kernels import CKernel, kernels_text, precision_of
 from martensite.export.c_names import CoreVariable
-from martensite.export.c_text import CoreLayout, count_elements
+from martensite.export.c_text import count_elements
 from martensite.simulate.march import COARSE
 
+if TYPE_CHECKING:
+    from martensite.export.c_core import CCore
 
-def source_text(core: CoreLayout) -> str:
+
+def source_text(core: CCore) -> str:
     """NAME.c."""
     traced, count = core.program.functions, len(core.inputs)
     kernels = [CKernel.of(traced["init"], 0, count)]
     kernels += [CKernel.of(traced[name], core.states, count) for name in ("step", "observe")]
     prefix = f"{core.name}_"
-    begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, core.precision) + "\n"
+    begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, precision_of(core.precision)) + "\n"
     return _fill_text(core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + _print_step(core) + _SEEN)
 
 
-def _fill_text(core: CoreLayout, text: str) -> str:
-    precision = core.precision
+def _fill_text(core: CCore, text: str) -> str:
+    precision = precision_of(core.precision)
     return Template(text).substitute(
         NAME=core.name,
         REAL=precision.number,
@@ -44,10 +48,10 @@ def _fill_text(core: CoreLayout, text: str) -> str:
     )
 
 
-def _print_tables(core: CoreLayout) -> str:
+def _print_tables(core: CCore) -> str:
     low = [_print_bound(core, v, v.low) for v in core.parameters]
     high = [_print_bound(core, v, v.high) for v in core.parameters]
-    values = [core.precision.literal(v.default) for v in core.parameters]
+    values = [precision_of(core.precision).literal(v.default) for v in core.parameters]
     return _print_table("low", low) + _print_table("high", high) + _print_table("value", values)
 
 
@@ -56,14 +60,14 @@ def _print_table(name: str, numbers: Sequence[str]) -> str:
     return f"static const $REAL ${{NAME}}_{name}[{count_elements(len(numbers))}] = {{\n{rows}\n}};\n\n"
 
 
-def _print_bound(core: CoreLayout, variable: CoreVariable, value: float) -> str:
+def _print_bound(core: CCore, variable: CoreVariable, value: float) -> str:
     """An end of what is allowed; infinite only if the parameter may be."""
     if math.isinf(value) and not variable.endless:
-        return f"{'-' if value < 0.0 else ''}{core.precision.largest}"
-    return core.precision.literal(value)
+        return f"{'-' if value < 0.0 else ''}{precision_of(core.precision).largest}"
+    return precision_of(core.precision).literal(value)
 
 
-def _print_step(core: CoreLayout) -> str:
+def _print_step(core: CCore) -> str:
     return "".join(
         [
             _STEP_BEGIN,

@@ -1,41 +1,16 @@
-"""Layout of a C core and its header: the numbers of a model in one struct, and who acts on them."""
+"""Header of a C core: the numbers of a model in one struct, and who acts on them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from martensite.base.status import Status
-from martensite.export.c_kernels import Precision
+from martensite.export.c_kernels import precision_of
 from martensite.export.c_names import CoreVariable
-from martensite.kernels.program import Program
 
-
-@dataclass(frozen=True)
-class CoreLayout:
-    """All that the text of a core is made of."""
-
-    name: str
-    description: str
-    """What it is, in words."""
-    precision: Precision
-    program: Program
-    """With functions `init`, `step` and `observe`."""
-    kept: Sequence[int]
-    """Places in the program of the parameters."""
-    parameters: tuple[CoreVariable, ...]
-    inputs: tuple[CoreVariable, ...]
-    outputs: tuple[CoreVariable, ...]
-    states: int
-    reports: bool
-    """Whether steps end with residual and crossing."""
-    sample: str | None
-    """Sample time of a system in discrete time, in C; None if a step may have any length."""
-
-    @property
-    def constants(self) -> int:
-        """Numbers that follow from the parameters."""
-        return len(self.program.hoisted_nodes)
+if TYPE_CHECKING:
+    from martensite.export.c_core import CCore
 
 
 def count_elements(count: int) -> int:
@@ -43,13 +18,13 @@ def count_elements(count: int) -> int:
     return max(1, count)
 
 
-def header_text(core: CoreLayout) -> str:
+def header_text(core: CCore) -> str:
     """NAME.h."""
     name, guard = core.name, f"{core.name.upper()}_H"
     return (
         f"{_describe_core(core)}#ifndef {guard}\n#define {guard}\n\n"
         '#ifdef __cplusplus\nextern "C" {\n#endif\n\n'
-        f"typedef {core.precision.number} {name}_real;\n\n"
+        f"typedef {precision_of(core.precision).number} {name}_real;\n\n"
         f"{_print_counts(core)}"
         f"{_print_indices('Parameters: places in p', name, core.parameters)}"
         f"{_print_indices('Inputs: places in u', name, core.inputs)}"
@@ -59,8 +34,8 @@ def header_text(core: CoreLayout) -> str:
     )
 
 
-def _describe_core(core: CoreLayout) -> str:
-    kind = f"`{core.precision.number}`"
+def _describe_core(core: CCore) -> str:
+    kind = f"`{precision_of(core.precision).number}`"
     pace = "" if core.sample is None else _PACE
     return (
         _format_comment(f"{core.name}: {core.description}.\n\n{_ABOUT.format(kind=kind, name=core.name)}{pace}") + "\n"
@@ -94,7 +69,7 @@ def _escape_comment(text: str) -> str:
     return text.replace("*/", "* /").replace("/*", "/ *")
 
 
-def _print_counts(core: CoreLayout) -> str:
+def _print_counts(core: CCore) -> str:
     counts = {
         "PARAMETERS": len(core.parameters),
         "CONSTANTS": core.constants,
@@ -111,15 +86,14 @@ def _print_indices(title: str, name: str, variables: Sequence[CoreVariable]) -> 
         return ""
     last = len(variables) - 1
     rows = [
-        f"    {name}_{v.identifier} = {v.index}{',' if v.index < last else ''} "
-        f"/* [{_escape_comment(v.unit)}] "
+        f"    {name}_{v.identifier} = {v.index}{',' if v.index < last else ''} /* [{_escape_comment(v.unit)}] "
         f"{_escape_comment(v.words)}{'' if v.used else ' (changes nothing)'} */"
         for v in variables
     ]
     return f"/* {title}, with their units. */\nenum {{\n" + "\n".join(rows) + "\n};\n\n"
 
 
-_STATUS = {
+STATUS_WORDS = {
     Status.OK: "done",
     Status.LONG_STEP: "done, but coarse: the step crossed much of a transformation",
     Status.UNSOLVED: "not solved to its tolerance: the state is as it was; make a shorter step",
@@ -128,13 +102,13 @@ _STATUS = {
 }
 
 
-def _print_declarations(core: CoreLayout) -> str:
+def _print_declarations(core: CCore) -> str:
     name = core.name
-    status = "".join(f"    {name}_{one.name} = {int(one)}, /* {words} */\n" for one, words in _STATUS.items())
+    status = "".join(f"    {name}_{one.name} = {int(one)}, /* {words} */\n" for one, words in STATUS_WORDS.items())
     bad = "/* an argument is not finite, out of its range, or no sample time */"
     return (
         f"/* How a call ended. */\nenum {name}_status {{\n{status}"
-        f"    {name}_BAD_INPUT = {len(_STATUS)} {bad}\n}};\n\n"
+        f"    {name}_BAD_INPUT = {len(STATUS_WORDS)} {bad}\n}};\n\n"
         "/* All that a model knows: only numbers, so copy it to save and to restore it. */\n"
         f"typedef struct {{\n"
         f"    {name}_real p[{count_elements(len(core.parameters))}]; /* parameters */\n"

@@ -62,9 +62,8 @@ def model_of(system: AbstractSystem, *, timestep: float = TIMESTEP) -> Model:
     if write is None:
         known = ", ".join(f"`{cls.registered_name}`" for cls in WRITERS)
         raise InputError(
-            f"Mechanism `{mechanism.registered_name}` cannot be written as MJCF; those that can: "
-            f"{known}. Any model of your own can be driven by `MujocoBridge`; `martensite export "
-            "mujoco --snippet` writes what it needs."
+            f"Mechanism `{mechanism.registered_name}` cannot be written as MJCF; those that can: {known}. Any model "
+            "of your own can be driven by `MujocoBridge`; `martensite export mujoco --snippet` writes what it needs."
         )
     model = new_model(str(mechanism.registered_name), timestep)
     write(model, mechanism, timestep)

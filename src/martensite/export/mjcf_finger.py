@@ -71,9 +71,8 @@ def _check_finger(finger: Finger) -> None:
         )
     if finger.spring == "fixed" and finger.extension > finger.height:
         raise InputError(
-            "Parameter `extension` of `finger` must be at most `height`, "
-            f"{1e3 * finger.height:.6g} mm, but is {1e3 * finger.extension:.6g} mm: no spring of "
-            "MuJoCo is shorter at rest than nothing."
+            f"Parameter `extension` of `finger` must be at most `height`, {1e3 * finger.height:.6g} mm, but is "
+            f"{1e3 * finger.extension:.6g} mm: no spring of MuJoCo is shorter at rest than nothing."
         )
 
 

@@ -15,9 +15,8 @@ from martensite.kernels.namespace import Scalar
 Value = str | Scalar | Sequence[Scalar]
 GREY, BLUE, DARK, ORANGE = "0.6 0.64 0.67 1", "0.12 0.37 0.55 1", "0.3 0.35 0.4 1", "0.84 0.37 0 1"
 HEADER = (
-    " Written by martensite. SI units, angles in rad. The actuators turn control into force, "
-    "for martensite.export.MujocoBridge; custom/numeric holds the force of each element at "
-    "assembly [N]. "
+    " Written by martensite. SI units, angles in rad. The actuators turn control into force, for "
+    "martensite.export.MujocoBridge; custom/numeric holds the force of each element at assembly [N]. "
 )
 
 

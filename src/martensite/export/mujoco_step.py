@@ -83,9 +83,8 @@ def solve_step(
     if not worst <= AGREED:
         name = strands[errors.index(max(errors))].name
         raise SolveError(
-            f"Element and model did not agree on the tension of `{name}` in the step at "
-            f"t = {plant.time:.6g} s (to {worst:.1e} of it). Try a smaller `timestep`, or softer "
-            "contacts."
+            f"Element and model did not agree on the tension of `{name}` in the step at t = {plant.time:.6g} s (to "
+            f"{worst:.1e} of it). Try a smaller `timestep`, or softer contacts."
         )
     return Solved(found.answers, tensions, worst, turn + 1, asked)
 

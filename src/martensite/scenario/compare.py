@@ -96,9 +96,8 @@ def _refuse_outside(times: list[float], record: Record) -> None:
     first, last, hair = times[0], times[-1], ROUNDING * (times[-1] - times[0])
     if min(record.times) < first - hair or max(record.times) > last + hair:
         raise DataError(
-            f"Record `{record.name}` goes from {min(record.times):.6g} to "
-            f"{max(record.times):.6g} s, but the run from {first:.6g} to {last:.6g} s; "
-            "the run must cover the record."
+            f"Record `{record.name}` goes from {min(record.times):.6g} to {max(record.times):.6g} s, but the run from "
+            f"{first:.6g} to {last:.6g} s; the run must cover the record."
         )
 
 

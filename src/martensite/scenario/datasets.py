@@ -174,9 +174,8 @@ def _verify_file(path: Path, dataset: DataSet, file: DataFile) -> None:
     found = hashlib.sha256(path.read_bytes()).hexdigest()
     if found != file.sha256:
         raise DataError(
-            f"`{path}` is not the file that data set `{dataset.name}` lists: its SHA-256 is "
-            f"{found[:12]}…, not {file.sha256[:12]}…; remove it, or replace it with "
-            f"`martensite data fetch {dataset.name} --force`."
+            f"`{path}` is not the file that data set `{dataset.name}` lists: its SHA-256 is {found[:12]}…, not "
+            f"{file.sha256[:12]}…; remove it, or replace it with `martensite data fetch {dataset.name} --force`."
         )
 
 
@@ -190,9 +189,8 @@ def _download_file(dataset: DataSet, file: DataFile) -> bytes:
     except (OSError, HTTPException) as error:
         reason = f"answer {error.code}" if isinstance(error, HTTPError) else _describe_reason(error)
         raise DataError(
-            f"Cannot download {url} ({reason}). Where there is no network, take the file from "
-            f"another machine: save it as `{dataset.name}/{file.name}` in a folder, and set "
-            f"{VARIABLE} to that folder."
+            f"Cannot download {url} ({reason}). Where there is no network, take the file from another machine: save "
+            f"it as `{dataset.name}/{file.name}` in a folder, and set {VARIABLE} to that folder."
         ) from None
     found = hashlib.sha256(content).hexdigest()
     if found != file.sha256:

@@ -99,16 +99,6 @@ def read_model(path: str | Path) -> Chain:
         raise DataError(f"{where} cannot be used: {error}") from None
 
 
-def read_provenance(path: str | Path) -> dict[str, Any]:
-    """What a model file says of where the model comes from; empty if nothing.
-
-    Raises:
-        DataError: there is no such file, or it is damaged.
-    """
-    found = _read_document(Path(path)).get("provenance", {})
-    return dict(cast("dict[str, Any]", found)) if isinstance(found, dict) else {}
-
-
 def model_provenance(found: ChainEstimate) -> dict[str, Any]:
     """What an estimated model rests on: records with hashes, fits, and options.
 

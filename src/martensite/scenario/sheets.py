@@ -10,7 +10,8 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from pathlib import Path
@@ -121,14 +122,8 @@ def _split_line(lines: list[tuple[int, str]], sign: str, where: str) -> list[lis
 
 def _read_text(path: Path, *, binary: bool) -> str:
     """The text of a file, of which single lines may be `binary`."""
-    try:
+    with describe_unreadable(path):
         raw = read_bounded(path, MOST_LOG)
-    except FileNotFoundError:
-        raise DataError(_describe_missing(path)) from None
-    except IsADirectoryError:
-        raise DataError(f"`{path}` is a folder; name a file in it.") from None
-    except OSError as error:
-        raise DataError(f"File `{path}` cannot be read: {error.strerror}.") from None
     if b"\0" in raw and not binary:
         raise DataError(f"`{path.name}` is not a text file; save the table as CSV in UTF-8.")
     try:
@@ -136,6 +131,19 @@ def _read_text(path: Path, *, binary: bool) -> str:
     except UnicodeDecodeError:
         text = raw.decode("latin-1")
     return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+@contextmanager
+def describe_unreadable(path: Path) -> Iterator[None]:
+    """Say in a sentence why a file could not be opened."""
+    try:
+        yield
+    except FileNotFoundError:
+        raise DataError(_describe_missing(path)) from None
+    except IsADirectoryError:
+        raise DataError(f"`{path}` is a folder; name a file in it.") from None
+    except OSError as error:
+        raise DataError(f"File `{path}` cannot be read: {error.strerror}.") from None
 
 
 def _describe_missing(path: Path) -> str:

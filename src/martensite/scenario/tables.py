@@ -21,6 +21,9 @@ from martensite.scenario.sheets import SEPARATORS, Sheet, can_parse, can_read, i
 from martensite.signals.records import Record, not_finite, out_of_order
 
 PREFIX = "data:"
+TEXT = (".csv", ".txt", ".tsv", ".dat")
+BINARY = (".parquet", ".mat", ".nc")
+"""Endings of files that are no text."""
 ASSUMED_INTERVAL = 1.0
 """Time between rows [s] of a file that has no times, if nothing is said."""
 
@@ -34,10 +37,10 @@ def read_table(
     drop: bool = False,
     gaps: bool = False,
 ) -> Record:
-    """Read a text file with columns of numbers.
+    """Read a file with columns of numbers: text, or Parquet, MAT and netCDF files (`.parquet`, `.mat`, `.nc`).
 
     Args:
-        source: a file, or `data:<data set>/<file>` for one of the published data sets.
+        source: a file, of a result too, or `data:<data set>/<file>` for one of the published data sets.
         columns: headings such as `temperature [degC]`, for files that have none; they
             replace the headings of a file that has some. `-` passes a column over.
         interval: time between rows [s] where there is no time column; 1 s if left out.
@@ -56,6 +59,10 @@ def read_table(
     if separator not in ("auto", *SEPARATORS):
         valid = suggest_name(separator, ("auto", *SEPARATORS))
         raise ParameterError(f"Argument `separator` is `{separator}`. {valid}")
+    if str(source).lower().endswith(BINARY):
+        from martensite.scenario.sampled_files import read_array_table
+
+        return read_array_table(Path(source), columns, interval, gaps)
     path, layout, name = _find_origin(source)
     if columns is not None:
         layout = replace(layout, columns=tuple(columns))

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from martensite.base.errors import DataError, InputError, ParameterError, suggest_name
+from martensite.scenario.binary_files import read_arrays
 from martensite.scenario.layout import CLOCK, FileColumn, Layout
-from martensite.scenario.sampled_files import read_arrays
 from martensite.scenario.sheets import SEPARATORS, Sheet, can_parse, is_gap, is_number, read_sheet
+from martensite.scenario.tables import BINARY
 
-BINARY = (".mat", ".nc", ".parquet")
 PREVIEW_ROWS = 20
 """Rows of the preview."""
 MOST_COLUMNS = 200

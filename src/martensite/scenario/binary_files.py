@@ -1,0 +1,185 @@
+"""Columns of numbers in Parquet, MAT and netCDF files.
+
+MAT and netCDF files are read in a process of their own, for so long and into so much memory at most: a damaged one can
+end the process that reads it, or keep it busy.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import subprocess
+import sys
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import DataError
+from martensite.base.files import MOST_LOG, check_ordinary
+from martensite.base.lazy import import_extra
+from martensite.scenario.sheets import describe_unreadable
+from martensite.scenario.tables import BINARY, TEXT
+
+LONGEST = 60.0
+"""Time [s] for reading a file in a process of its own, besides that for its size."""
+SLOWEST = 1e7
+"""Bytes that are read in a second at least."""
+MOST_MEMORY = 2**33
+"""Bytes that such a process may have."""
+_UDUNITS = {"degree_Celsius": "degC", "degrees_Celsius": "degC", "celsius": "degC", "": "1"}
+"""Spellings of other files -> those of headings."""
+Columns = dict[str, Any]
+"""Heading, with or without unit -> numbers."""
+
+
+def name_column(heading: str) -> str:
+    """The name in a heading."""
+    return heading.partition("[")[0].strip().lower()
+
+
+def head_column(heading: str, unit: str) -> str:
+    """A heading with its unit, where it has none."""
+    return heading if "[" in heading or not unit else f"{heading} [{unit}]"
+
+
+def read_arrays(path: Path) -> dict[str, Any]:
+    """Columns of a file that is no text, by heading, with its unit if the file knows it.
+
+    Raises:
+        DataError: the file is missing, of no known kind, or malformed.
+        InputError: it is a Parquet file and pyarrow is not installed.
+    """
+    ending = path.suffix.lower()
+    if ending not in BINARY:
+        raise DataError(f"The log `{path}` has no ending that can be read; use one of {', '.join((*TEXT, *BINARY))}.")
+    with describe_unreadable(path):
+        size = check_ordinary(path, MOST_LOG)
+    return _read_apart(path, size) if ending in _APART else _read_parquet(path)
+
+
+def _read_apart(path: Path, size: int) -> Columns:
+    """Columns that a process of its own finds in a file of so many bytes."""
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "OPENBLAS_NUM_THREADS": "1"}
+    command, most = [sys.executable, "-m", __spec__.name, str(path)], LONGEST + size / SLOWEST
+    try:
+        done = subprocess.run(command, env=environment, capture_output=True, check=False, timeout=most)
+    except subprocess.TimeoutExpired:
+        raise DataError(f"`{path.name}` is damaged: it was not read within {most:.0f} s.") from None
+    if done.returncode == DataError.exit_code:
+        raise DataError(done.stderr.decode("utf-8", "replace"))
+    if done.returncode:
+        raise DataError(f"`{path.name}` is damaged: the process that read it ended at once.")
+    with np.load(io.BytesIO(done.stdout), allow_pickle=False) as found:
+        return {str(name): found[f"column_{k}"] for k, name in enumerate(found["names"])}
+
+
+def _answer_apart(path: Path) -> None:
+    """Write the columns of a file to the standard output, or why there are none as an error."""
+    with suppress(ImportError, ValueError):  # there is no such limit elsewhere
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+    try:
+        found = _APART[path.suffix.lower()](path)
+        if not found:
+            raise DataError(f"`{path.name}` holds no columns of numbers over time.")
+    except Exception as error:  # readers of binary files let errors of any kind pass
+        words = f"`{path.name}` cannot be read as {path.suffix}: {error!r}."
+        words = str(error) if isinstance(error, DataError) else words
+        os.write(sys.stderr.fileno(), words.encode())
+        os._exit(DataError.exit_code)  # nothing that a reader left half open may speak
+    columns = {f"column_{k}": column for k, column in enumerate(found.values())}
+    np.savez(sys.stdout.buffer, names=np.array(list(found), dtype=str), **columns)
+
+
+# ---------------------------------------------------------------- kinds of files
+
+
+def _read_parquet(path: Path) -> Columns:
+    read = import_extra("pyarrow.parquet", "parquet", "pyarrow").read_table
+    try:
+        table = read(path)
+    except (OSError, ValueError, KeyError) as error:
+        raise DataError(f"`{path.name}` cannot be read as .parquet: {error}.") from None
+    return {
+        name: np.asarray(table[name].to_numpy(zero_copy_only=False), dtype=float)
+        for name in table.column_names
+        if _is_numeric(str(table.schema.field(name).type))
+    }
+
+
+def _is_numeric(kind: str) -> bool:
+    return kind.startswith(("int", "uint", "float", "double", "half", "bool"))
+
+
+def _read_mat(path: Path) -> Columns:
+    from scipy.io import loadmat
+
+    try:
+        found: dict[str, Any] = loadmat(str(path))
+    except NotImplementedError:  # version 7.3 is HDF5
+        found = _read_hdf(path)
+    columns = _flatten_arrays({n: a for n, a in found.items() if not n.startswith("__")})
+    if not columns:
+        raise DataError(
+            f"`{path.name}` holds no arrays of numbers; save signals as plain variables, not in structs or timetables."
+        )
+    if "t" in columns and "time" not in columns:
+        columns["time"] = columns.pop("t")
+    return columns
+
+
+def _read_hdf(path: Path) -> dict[str, Any]:
+    """Arrays of a MAT file of version 7.3, which stores them transposed."""
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        return {n: np.asarray(v).T for n, v in file.items() if isinstance(v, h5py.Dataset)}
+
+
+def _flatten_arrays(arrays: Mapping[str, Any]) -> Columns:
+    """Vectors by name, and columns of matrices as name1, name2, …; others are passed over."""
+    columns: Columns = {}
+    for name, array in arrays.items():
+        whole = np.asarray(array)
+        if whole.dtype.kind not in "iufb" or whole.ndim > 2 or whole.size < 2:
+            continue
+        if whole.ndim == 1 or 1 in whole.shape:
+            columns[name] = whole.ravel().astype(float)
+        else:
+            columns |= {f"{name}{k}": c.astype(float) for k, c in enumerate(whole.T, start=1)}
+    return columns
+
+
+def _read_netcdf(path: Path) -> Columns:
+    """Variables over one dimension, that of time if there is one; over a second of texts, one column for each."""
+    import h5netcdf
+
+    columns: Columns = {}
+    with h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
+        own = file.variables["time"].dimensions if "time" in file.variables else None
+        for name, variable in file.variables.items():
+            if variable.dtype.kind not in "iuf" or not variable.dimensions:
+                continue
+            unit = str(variable.attrs.get("units", ""))
+            unit = _UDUNITS.get(unit, unit)
+            (along, *across), values = variable.dimensions, np.asarray(variable[...])
+            labels = file.variables[across[0]] if len(across) == 1 and across[0] in file.variables else None
+            parts = {name: values}
+            if labels is not None and values.ndim == 2 and labels.dtype.kind == "O":
+                parts = {f"{label}.{name}": column for label, column in zip(labels[...], values.T, strict=True)}
+            elif across:
+                continue
+            if own in (None, (along,)):
+                columns |= {head_column(part, unit): column for part, column in parts.items()}
+    return columns
+
+
+_APART = {".mat": _read_mat, ".nc": _read_netcdf}
+"""Kinds of files that a process of its own reads."""
+
+if __name__ == "__main__":
+    _answer_apart(Path(sys.argv[1]))
