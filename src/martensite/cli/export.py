@@ -83,9 +83,17 @@ def _check_files(folder: Path, name: str, force: bool) -> list[Path]:
     return files
 
 
-def _make_core(loaded: Scenario, name: str, part: str, precision: str) -> tuple[CCore, str]:
+def _make_core(loaded: Scenario, name: str, part: str, precision: str) -> tuple[CCore, str, str]:
+    """The core of a part of a scenario, the text of its example, and how far it was tried."""
     from martensite.export.c_core import build_c_core, build_c_loop
-    from martensite.export.c_example import example_text, played_by_loop, played_by_system
+    from martensite.export.c_example import (
+        MOST,
+        MOST_TRIED,
+        example_text,
+        played_by_loop,
+        played_by_system,
+        try_program,
+    )
 
     if loaded.outside and part != "plant":
         kind = next(iter(loaded.outside.values())).registered_name
@@ -136,8 +144,8 @@ def _summarise_core(core: CCore, part: str, tried: str) -> Summary:
         Sentence(f"{core.description}, {core.precision}"),
         Sentence(f"model: {core.size:,} bytes ({numbers})"),
         DataTable(("operations at most", "sum", *kinds), rows, right=range(1, len(kinds) + 2)),
-    ]
         *([Sentence(tried)] if tried else []),
+    ]
     return Summary("", blocks, data)
 
 

@@ -250,13 +250,13 @@ def _save_model(found: Identified, path: Path) -> None:
 
 
 def list_columns(log: str) -> list[str]:
-    """Names of the columns of a text log, without its time; none for logs of other kinds."""
-    from martensite.scenario.sampled_files import TEXT
+    """Names of the columns of a log, without its time."""
+    from martensite.scenario.binary_files import name_column, read_arrays
+    from martensite.scenario.sampled_files import is_text
     from martensite.scenario.tables import read_table
 
-    if not log.startswith("data:") and not log.lower().endswith(TEXT):
-        return []
-    return [name for name in read_table(log, gaps=True, interval=None).columns if name != "time"]
+    known = read_table(log, gaps=True).columns if is_text(log) else map(name_column, read_arrays(Path(log)))
+    return [name for name in known if name != "time"]
 
 
 def choose_columns(log: str, inputs: Sequence[str], output: str | None, named: Sequence[str]) -> tuple[list[str], str]:
