@@ -24,6 +24,7 @@ import tempfile
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -310,6 +311,8 @@ def _run_some(left: Sequence[tuple[str, int]], program: str, cap: float) -> tupl
             os.killpg(process.pid, signal.SIGKILL)
         process.stdout.close()
         code = process.wait()
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)  # what it began and left behind
         if code == -signal.SIGPROF:
             word = Outcome.HANG, "its CPU time is spent"
         elif code != -signal.SIGKILL or word[0] is not Outcome.HANG:
