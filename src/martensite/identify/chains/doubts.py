@@ -18,7 +18,7 @@ from martensite.identify.chains.decimation import coarsen_records
 from martensite.identify.chains.scores import fit_percent
 from martensite.signals.sampling.sampled import Sampled
 
-EXACT = 1e-9
+EXACT = 1e-6
 """Share of an output that is not its input, but for a factor and an offset, below which the two are one."""
 POOR = 80.0
 """Fit [%] below which it is asked whether columns were exchanged."""

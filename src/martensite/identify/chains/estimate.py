@@ -42,6 +42,11 @@ INTERRUPTED = "interrupted"
 """What `watch` is told when Ctrl-C ended a search early; the best so far is kept."""
 ALIKE = 0.1
 """Points of fit within which two searches found the same."""
+SHORT = 30
+"""Known outputs per free number below which records are short."""
+STRENGTHS = (1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-6)
+"""Pulls that are tried on short records, over what moves the outputs."""
+THIRDS = 3
 PROBES = 3
 """Best searches from rest that are gone on with from other initial states."""
 DOUBT = 0.9
@@ -148,6 +153,8 @@ class _Estimation:
 
     def run(self) -> ChainEstimate:
         """Many starts on thin records, the best of them refined, the best of these at the full rate."""
+        if self.options.ridge is None:
+            self._guard_short()
         first = self._search_starts()
         refined, level = first, self.thin
         if not self.goal.halt.is_set():
@@ -166,6 +173,38 @@ class _Estimation:
         self.tell("full rate", 1.0)
         fits = [_compute_fit(end, level, self._goal_for(level)) for end in refined]
         return self._describe(last, sorted(fits, reverse=True), [end.cost for end in first])
+
+    def _guard_short(self) -> None:
+        """Where records are short for their free numbers, pull these towards a linear model."""
+        known = sum(int(np.isfinite(record.outputs[self.options.skip :]).sum()) for record in self.records)
+        count = len(self.chain.theta)
+        if known >= SHORT * count:
+            return
+        rng = np.random.default_rng(self.options.seed)
+        slow = replace(self.chain, interval=self.thin[0].interval)
+        bases = tuple(list_informed_starts(slow, self.thin, rng, 2, self.goal.starts[0]))
+        strength = self._choose_strength(bases)
+        self.goal = replace(self.goal, strength=strength, bases=bases)
+        self.remarks.append(
+            f"The records are short: {known} known outputs for {count} free numbers. A pull of {strength:g} towards "
+            "a linear model, chosen by leaving out a third after the other, keeps them from following the noise; take "
+            "longer records or a smaller structure."
+        )
+
+    def _choose_strength(self, bases: Sequence[Chain]) -> float:
+        """The pull with which chains predict best what was left out of their records; the stronger of equals."""
+        errors = dict.fromkeys(STRENGTHS, 0.0)
+        for fold in range(THIRDS):
+            seen = [hide_block(r, cut_block(r, fold, THIRDS)) for r in self.thin]
+            if not all(np.isfinite(r.outputs).any(axis=0).all() for r in seen):
+                continue
+            chains = list(bases)
+            for strength in STRENGTHS:
+                goal = self._goal_for(self.thin, replace(self.goal, strength=strength, bases=tuple(bases)), 3)
+                ends = _refine_all(chains, seen, goal, lambda count, of: None)
+                chains = [end.chain for end in ends] or chains
+                errors[strength] += _measure_left_out(ends[0], self.thin, seen, goal) if ends else np.inf
+        return min(STRENGTHS, key=lambda strength: errors[strength])
 
     def _describe(self, last: SearchEnd, fits: Sequence[float], coarse: Sequence[float]) -> ChainEstimate:
         found, chain, goal = last.found, last.chain, self.goal
@@ -283,6 +322,29 @@ class _Estimation:
                         f"`{record.name}` does not begin at rest: with another state than rest its first samples "
                         "are repeated much better; estimate it (--initial auto or estimate)."
                     )
+
+
+def cut_block(record: Sampled, fold: int, folds: int) -> slice:
+    """Samples of one of some blocks of equal length."""
+    ends = np.linspace(0, len(record), folds + 1).astype(int)
+    return slice(int(ends[fold]), int(ends[fold + 1]))
+
+
+def hide_block(record: Sampled, block: slice) -> Sampled:
+    """The record with the outputs of a block missing."""
+    outputs = record.outputs.copy()
+    outputs[block] = np.nan
+    return record.with_outputs(outputs)
+
+
+def _measure_left_out(end: SearchEnd, whole: Sequence[Sampled], seen: Sequence[Sampled], goal: Goal) -> float:
+    """Squared error, over the variances, of what a search did not see."""
+    states = goal.bare_squares(end.chain, seen).initial(end.found.theta)
+    total = 0.0
+    for record, part, state in zip(whole, seen, states, strict=True):
+        away = (record.outputs - end.chain.simulate(record.inputs, state)) / np.nanstd(record.outputs, axis=0)
+        total += float(np.nansum(np.where(np.isnan(part.outputs), away, 0.0) ** 2))
+    return total if np.isfinite(total) else np.inf
 
 
 def _find_rested(squares: ResidualSquares, theta: Numbers) -> tuple[str, ...]:

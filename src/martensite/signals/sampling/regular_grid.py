@@ -143,10 +143,8 @@ def split_at_gaps(
     if not long:
         return (from_record(record, inputs, outputs, interval, units),)
     missing = float(np.diff(times[rows])[gaps].sum())
-    said = (
-        f"Inputs are missing for {missing:.4g} s in {int(gaps.sum())} gap{'s' * (gaps.sum() > 1)}; the record is split there into "
-        f"{len(long)} of their own"
-    )
+    count = f"{int(gaps.sum())} gaps" if gaps.sum() > 1 else "a gap"
+    said = f"Inputs are missing for {missing:.4g} s in {count}; the record is split there into {len(long)} of their own"
     short = len(parts) - len(long)
     said += f", {short} shorter than {FEWEST} rows left out." if short else "."
     return (replace(long[0], remarks=(said, *long[0].remarks)), *long[1:])
