@@ -6,7 +6,7 @@ of these ends at the full rate. Records without so many samples skip a level.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from threading import Event
@@ -19,7 +19,7 @@ from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.decimation import MIDDLE, coarsen_records
-from martensite.identify.chains.doubts import describe_copies, describe_exchange
+from martensite.identify.chains.doubts import describe_copies, describe_exchange, describe_motion
 from martensite.identify.chains.fences import fence_chain
 from martensite.identify.chains.goals import (
     AUTO,
@@ -217,7 +217,9 @@ class _Estimation:
         states = ResidualSquares(chain.engine, wanted).initial(found.theta)[: len(self.records)]
         chain = keep_starts(fence_chain(chain, self.records, states), self.records, goal.starts, states)
         if complete:
-            self.remarks += [*self._test_rest(chain), *describe_exchange(self.records, fits[0])]
+            self.remarks += describe_exchange(self.records, fits[0])
+            if self.options.start == "rest":
+                self.remarks += describe_motion([r for r in self.records if not shows_rest(r)])
         return ChainEstimate(
             chain, self.records, wanted, found, tuple(fits), tuple(coarse), self.options, complete, tuple(self.remarks)
         )
@@ -238,14 +240,12 @@ class _Estimation:
         """The ends from rest, or better ones with initial states that are estimated."""
         starts = tuple("estimate" if doubt else "rest" for doubt in doubted)
         free = replace(self.goal, starts=starts)
-        best = [end.chain for end in ends[:PROBES]]
-        probes = _refine_all(best, self.thin, self._goal_for(self.thin, free, 2), self._share("state", 0.4, 0.45))
+        # searches of their own: those from rest may have ended where no other state helps
+        found = self._search_thin(free, [end.chain for end in ends[:PROBES]])
         rested = min(self._bare_cost(end, self.goal) for end in ends[:PROBES])
-        if not probes or min(self._bare_cost(end, free) for end in probes) > DOUBT * rested:
+        if not found or min(self._bare_cost(end, free) for end in found[:PROBES]) > DOUBT * rested:
             return ends
         self.goal = free
-        more = [] if free.halt.is_set() else self._search_thin(free, [end.chain for end in probes])
-        found = sorted([*probes, *more], key=lambda end: end.cost)
         squares = self._goal_for(self.thin, free).bare_squares(found[0].chain, self.thin)
         self.goal = replace(free, starts=_find_rested(squares, found[0].found.theta))
         return found
@@ -311,17 +311,6 @@ class _Estimation:
                 "thin the records or lower the order."
             )
         return last
-
-    def _test_rest(self, chain: Chain) -> Iterator[str]:
-        """Sentences on records that are not at rest where they were taken to be."""
-        for record, start in zip(self.records, self.goal.starts, strict=True):
-            if start == "rest" and self.options.start == "rest" and not shows_rest(record):
-                other = find_start(replace(chain, starts={}), record, AUTO, self.options.skip)
-                if other.state is not None:
-                    yield (
-                        f"`{record.name}` does not begin at rest: with another state than rest its first samples "
-                        "are repeated much better; estimate it (--initial auto or estimate)."
-                    )
 
 
 def cut_block(record: Sampled, fold: int, folds: int) -> slice:

@@ -170,7 +170,7 @@ def _try_candidate(
             score = mean_fit(scores)
         elif complete:
             try:
-                score = cross_validated(text, records, _decided(options, found))
+                score = cross_validated(text, records, _fix_starts(options, found))
             except KeyboardInterrupt:
                 complete = False
     except (SolveError, InputError) as error:
@@ -179,7 +179,7 @@ def _try_candidate(
     return StructureCandidate(text, numbers, found, own, score, time.perf_counter() - begun, complete=complete)
 
 
-def _decided(options: Options, found: ChainEstimate) -> Options:
+def _fix_starts(options: Options, found: ChainEstimate) -> Options:
     """The options, with what an estimation has found out of how the records begin, if all do alike."""
     kinds = {one.kind for one in found.chain.starts.values()}
     if options.start != AUTO or len(kinds) != 1:
