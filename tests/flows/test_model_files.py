@@ -18,7 +18,7 @@ from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.identify.chains.linearise import linearise_chain, operating_point
 from martensite.identify.chains.plant import ModelMechanism, build_plant
-from martensite.scenario.model_files import model_provenance, model_text, read_model, read_provenance, write_model
+from martensite.scenario.model_files import model_provenance, model_text, read_model, write_model
 from martensite.scenario.scenario import load
 from martensite.signals.base import AbstractDrive
 from martensite.signals.sampling.sampled import Sampled
@@ -85,7 +85,7 @@ def test_provenance_of_an_estimate_holds_records_fits_and_options(tmp_path):
     found = estimate_chain("poly1", record, Options(starts=1, iterations=10))
     about = model_provenance(found)
     write_model(found.chain, tmp_path / "m.json", about)
-    (row,) = read_provenance(tmp_path / "m.json")["records"]
+    (row,) = json.loads((tmp_path / "m.json").read_text("utf-8"))["provenance"]["records"]
     assert row["sha256_of_numbers"] == record.hash
     assert row["fit_percent"]["y"] > 99.9 and about["options"]["starts"] == 1
     assert record.hash != record.with_outputs(record.outputs + 1e-15 + 1e-9).hash

@@ -75,7 +75,13 @@ class IdentifyOptions:
             "[default: 0.1 for logs that begin at rest, else 0].",
         ),
     ] = None
-    ridge: Annotated[float, Option(min=0.0, help="Pull of free numbers to their start, e.g. 1e-6.")] = 0.0
+    ridge: Annotated[
+        float | None,
+        Option(
+            min=0.0,
+            help="Pull of free numbers to their start, e.g. 1e-6 [default: chosen where logs are short, else 0].",
+        ),
+    ] = None
 
     def plan_stages(self) -> list[ModelStage]:
         """The stages.

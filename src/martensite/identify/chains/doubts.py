@@ -13,17 +13,21 @@ import numpy as np
 
 from martensite.base.errors import MartensiteError
 from martensite.identify.blocks.base import Numbers
-from martensite.identify.chains.best_linear import best_linear
+from martensite.identify.blocks.transfer_function import TransferFunction
+from martensite.identify.chains.best_linear import best_linear, polish_linear
 from martensite.identify.chains.decimation import coarsen_records
+from martensite.identify.chains.residuals import RecordResidual, ResidualSquares, settle_states
 from martensite.identify.chains.scores import fit_percent
 from martensite.signals.sampling.sampled import Sampled
 
-EXACT = 1e-9
+EXACT = 1e-6
 """Share of an output that is not its input, but for a factor and an offset, below which the two are one."""
 POOR = 80.0
 """Fit [%] below which it is asked whether columns were exchanged."""
 BETTER = 20.0
 """Points of fit by which the exchanged columns must do better."""
+MOVING = 0.8
+"""Squared error of a linear model from the best state, over that from rest, below which a record is in motion."""
 STILL = 2
 """Blocks of a cross-validation, of three, in which nothing is put in, from which on it tells nothing."""
 
@@ -64,6 +68,26 @@ def describe_exchange(records: Sequence[Sampled], fit: float) -> Iterator[str]:
             yield (
                 f"{record.name}: a linear model gives `{given}` from `{name}` with a fit of {back:.0f} %, but "
                 f"`{name}` from `{given}` with {ahead:.0f} %: are input and output exchanged?"
+            )
+
+
+def describe_motion(records: Sequence[Sampled]) -> Iterator[str]:
+    """Records of one input and output that a linear model repeats much better from another state than rest."""
+    for record in coarsen_records(records) if records else ():
+        if (record.inputs.shape[1], record.outputs.shape[1]) != (1, 1):
+            continue
+        errors: list[float] = []
+        for start in ("rest", "estimate"):
+            try:
+                model = polish_linear(TransferFunction(nb=2, nf=2, nk=1), [record], start, iterations=30)
+            except MartensiteError:
+                break
+            squares = ResidualSquares(model.engine, [RecordResidual(record, start=start)])
+            errors.append(settle_states(squares, model.theta, 10).value)
+        if len(errors) == 2 and errors[1] < MOVING * errors[0]:
+            yield (
+                f"{record.name}: it does not begin at rest, as a linear model repeats it much better from another "
+                "state; let the state be found with the model (--initial auto or estimate)."
             )
 
 

@@ -6,7 +6,7 @@ of these ends at the full rate. Records without so many samples skip a level.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from threading import Event
@@ -19,7 +19,7 @@ from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.chain_text import parse_chain
 from martensite.identify.chains.decimation import MIDDLE, coarsen_records
-from martensite.identify.chains.doubts import describe_copies, describe_exchange
+from martensite.identify.chains.doubts import describe_copies, describe_exchange, describe_motion
 from martensite.identify.chains.fences import fence_chain
 from martensite.identify.chains.goals import (
     AUTO,
@@ -42,6 +42,11 @@ INTERRUPTED = "interrupted"
 """What `watch` is told when Ctrl-C ended a search early; the best so far is kept."""
 ALIKE = 0.1
 """Points of fit within which two searches found the same."""
+SHORT = 30
+"""Known outputs per free number below which records are short."""
+STRENGTHS = (1.0, 0.1, 0.01, 1e-3, 1e-4, 1e-6)
+"""Pulls that are tried on short records, over what moves the outputs."""
+THIRDS = 3
 PROBES = 3
 """Best searches from rest that are gone on with from other initial states."""
 DOUBT = 0.9
@@ -148,6 +153,8 @@ class _Estimation:
 
     def run(self) -> ChainEstimate:
         """Many starts on thin records, the best of them refined, the best of these at the full rate."""
+        if self.options.ridge is None:
+            self._guard_short()
         first = self._search_starts()
         refined, level = first, self.thin
         if not self.goal.halt.is_set():
@@ -167,6 +174,38 @@ class _Estimation:
         fits = [_compute_fit(end, level, self._goal_for(level)) for end in refined]
         return self._describe(last, sorted(fits, reverse=True), [end.cost for end in first])
 
+    def _guard_short(self) -> None:
+        """Where records are short for their free numbers, pull these towards a linear model."""
+        known = sum(int(np.isfinite(record.outputs[self.options.skip :]).sum()) for record in self.records)
+        count = len(self.chain.theta)
+        if known >= SHORT * count:
+            return
+        rng = np.random.default_rng(self.options.seed)
+        slow = replace(self.chain, interval=self.thin[0].interval)
+        bases = tuple(list_informed_starts(slow, self.thin, rng, 2, self.goal.starts[0]))
+        strength = self._choose_strength(bases)
+        self.goal = replace(self.goal, strength=strength, bases=bases)
+        self.remarks.append(
+            f"The records are short: {known} known outputs for {count} free numbers. A pull of {strength:g} towards "
+            "a linear model, chosen by leaving out a third after the other, keeps them from following the noise; take "
+            "longer records or a smaller structure."
+        )
+
+    def _choose_strength(self, bases: Sequence[Chain]) -> float:
+        """The pull with which chains predict best what was left out of their records; the stronger of equals."""
+        errors = dict.fromkeys(STRENGTHS, 0.0)
+        for fold in range(THIRDS):
+            seen = [hide_block(r, cut_block(r, fold, THIRDS)) for r in self.thin]
+            if not all(np.isfinite(r.outputs).any(axis=0).all() for r in seen):
+                continue
+            chains = list(bases)
+            for strength in STRENGTHS:
+                goal = self._goal_for(self.thin, replace(self.goal, strength=strength, bases=tuple(bases)), 3)
+                ends = _refine_all(chains, seen, goal, lambda count, of: None)
+                chains = [end.chain for end in ends] or chains
+                errors[strength] += _measure_left_out(ends[0], self.thin, seen, goal) if ends else np.inf
+        return min(STRENGTHS, key=lambda strength: errors[strength])
+
     def _describe(self, last: SearchEnd, fits: Sequence[float], coarse: Sequence[float]) -> ChainEstimate:
         found, chain, goal = last.found, last.chain, self.goal
         wanted = tuple(build_aims(self.records, self.options, goal.starts))
@@ -178,7 +217,9 @@ class _Estimation:
         states = ResidualSquares(chain.engine, wanted).initial(found.theta)[: len(self.records)]
         chain = keep_starts(fence_chain(chain, self.records, states), self.records, goal.starts, states)
         if complete:
-            self.remarks += [*self._test_rest(chain), *describe_exchange(self.records, fits[0])]
+            self.remarks += describe_exchange(self.records, fits[0])
+            if self.options.start == "rest":
+                self.remarks += describe_motion([r for r in self.records if not shows_rest(r)])
         return ChainEstimate(
             chain, self.records, wanted, found, tuple(fits), tuple(coarse), self.options, complete, tuple(self.remarks)
         )
@@ -199,14 +240,12 @@ class _Estimation:
         """The ends from rest, or better ones with initial states that are estimated."""
         starts = tuple("estimate" if doubt else "rest" for doubt in doubted)
         free = replace(self.goal, starts=starts)
-        best = [end.chain for end in ends[:PROBES]]
-        probes = _refine_all(best, self.thin, self._goal_for(self.thin, free, 2), self._share("state", 0.4, 0.45))
+        # searches of their own: those from rest may have ended where no other state helps
+        found = self._search_thin(free, [end.chain for end in ends[:PROBES]])
         rested = min(self._bare_cost(end, self.goal) for end in ends[:PROBES])
-        if not probes or min(self._bare_cost(end, free) for end in probes) > DOUBT * rested:
+        if not found or min(self._bare_cost(end, free) for end in found[:PROBES]) > DOUBT * rested:
             return ends
         self.goal = free
-        more = [] if free.halt.is_set() else self._search_thin(free, [end.chain for end in probes])
-        found = sorted([*probes, *more], key=lambda end: end.cost)
         squares = self._goal_for(self.thin, free).bare_squares(found[0].chain, self.thin)
         self.goal = replace(free, starts=_find_rested(squares, found[0].found.theta))
         return found
@@ -273,16 +312,28 @@ class _Estimation:
             )
         return last
 
-    def _test_rest(self, chain: Chain) -> Iterator[str]:
-        """Sentences on records that are not at rest where they were taken to be."""
-        for record, start in zip(self.records, self.goal.starts, strict=True):
-            if start == "rest" and self.options.start == "rest" and not shows_rest(record):
-                other = find_start(replace(chain, starts={}), record, AUTO, self.options.skip)
-                if other.state is not None:
-                    yield (
-                        f"`{record.name}` does not begin at rest: with another state than rest its first samples "
-                        "are repeated much better; estimate it (--initial auto or estimate)."
-                    )
+
+def cut_block(record: Sampled, fold: int, folds: int) -> slice:
+    """Samples of one of some blocks of equal length."""
+    ends = np.linspace(0, len(record), folds + 1).astype(int)
+    return slice(int(ends[fold]), int(ends[fold + 1]))
+
+
+def hide_block(record: Sampled, block: slice) -> Sampled:
+    """The record with the outputs of a block missing."""
+    outputs = record.outputs.copy()
+    outputs[block] = np.nan
+    return record.with_outputs(outputs)
+
+
+def _measure_left_out(end: SearchEnd, whole: Sequence[Sampled], seen: Sequence[Sampled], goal: Goal) -> float:
+    """Squared error, over the variances, of what a search did not see."""
+    states = goal.bare_squares(end.chain, seen).initial(end.found.theta)
+    total = 0.0
+    for record, part, state in zip(whole, seen, states, strict=True):
+        away = (record.outputs - end.chain.simulate(record.inputs, state)) / np.nanstd(record.outputs, axis=0)
+        total += float(np.nansum(np.where(np.isnan(part.outputs), away, 0.0) ** 2))
+    return total if np.isfinite(total) else np.inf
 
 
 def _find_rested(squares: ResidualSquares, theta: Numbers) -> tuple[str, ...]:

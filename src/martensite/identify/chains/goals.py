@@ -50,8 +50,9 @@ class Options:
     and estimates the state of those that do not."""
     anchor: float = 0.0
     """Weight of the first known outputs as those at rest, in shares of all samples; of records that begin there."""
-    ridge: float = 0.0
-    """Pull towards the start of the last search, per sample."""
+    ridge: float | None = None
+    """Pull towards the start of the last search, per sample; by default none, but where records are short
+    for their free numbers one towards a linear model, chosen by leaving out blocks."""
     sigma: tuple[float, ...] = ()
     """Size of a usual residual of every output, such as 1 K and 0.1 mm; by default its spread."""
     priors: bool = True
@@ -118,6 +119,10 @@ class Goal:
     """State at the first sample of every record: rest, zero, estimate."""
     halt: Event = field(default_factory=Event)
     """Once it is set, searches end with what they have."""
+    strength: float = 0.0
+    """Of the pull towards `bases`, over what moves the outputs."""
+    bases: tuple[Chain, ...] = ()
+    """The plainest chain and the linear one, where records are too short for more."""
 
     @classmethod
     def begin(cls, options: Options, records: Sequence[Sampled]) -> Goal:
@@ -126,15 +131,31 @@ class Goal:
 
     def squares(self, chain: Chain, records: Sequence[Sampled]) -> ResidualSquares:
         """The sum of squares that a search from the numbers of a chain minimises."""
-        expected = find_expected(chain, self.options)
-        return ResidualSquares(
-            chain.engine, build_aims(records, self.options, self.starts), self.options.ridge, *expected, self.halt
-        )
+        expected, weights = find_expected(chain, self.options)
+        if self.strength:
+            base = next((one for one in self.bases if _has_same_blocks(one, chain)), chain)
+            bare = self.bare_squares(base, records)
+            moved = np.diag(bare.normal(bare.extend_parameters(base.theta)).hessian)[: len(chain.theta)]
+            expected = np.where(weights > 0.0, expected, base.theta)
+            weights = np.sqrt(weights**2 + self.strength * np.maximum(moved, _find_floor(moved)))
+        aims = build_aims(records, self.options, self.starts)
+        return ResidualSquares(chain.engine, aims, self.options.ridge or 0.0, expected, weights, self.halt)
 
     def bare_squares(self, chain: Chain, records: Sequence[Sampled]) -> ResidualSquares:
         """The squares of the records alone, without what is expected of numbers and of rest."""
         aims = build_aims(records, replace(self.options, anchor=0.0), self.starts)
         return ResidualSquares(chain.engine, aims, halt=self.halt)
+
+
+def _has_same_blocks(one: Chain, other: Chain) -> bool:
+    """Whether free numbers of two chains of one structure mean the same."""
+    return [b.given() for b in one.blocks] == [b.given() for b in other.blocks]
+
+
+def _find_floor(moved: Numbers) -> float:
+    """A little of what a usual number moves: the pull of those that move nothing at the base."""
+    positive = moved[moved > 0.0]
+    return 1e-3 * float(np.median(positive)) if len(positive) else 0.0
 
 
 def build_aims(
@@ -224,7 +245,7 @@ def whiten_chain(
     aims_ = tuple(wanted)
     prior = find_expected(chain, options)
     for _ in range(TURNS):
-        squares = ResidualSquares(chain.engine, aims_, options.ridge, *prior)
+        squares = ResidualSquares(chain.engine, aims_, options.ridge or 0.0, *prior)
         left: list[Numbers] = []
         theta = found.theta[: len(chain.theta)]
         for aim, state in zip(aims_, squares.initial(found.theta), strict=True):
@@ -233,6 +254,6 @@ def whiten_chain(
         filter_ = noise_model(left, options.noise)
         # a record of one sample, such as that of rest, has no noise to be whitened
         aims_ = tuple(replace(a, whitening=filter_) if len(a.record) > 1 else a for a in aims_)
-        squares = ResidualSquares(chain.engine, aims_, options.ridge, *prior)
+        squares = ResidualSquares(chain.engine, aims_, options.ridge or 0.0, *prior)
         found = minimise_cost(squares, found.theta, options.iterations)
     return found, aims_

@@ -32,13 +32,13 @@ STEPS = 20
 """Of the search for a state."""
 HELD = 20
 """Samples for which inputs must be held at first to tell rest from the record alone."""
-FLAT = 0.025
+FLAT = 0.05
 """Share of the range of an output by which it may drift, at the pace of the hold, over a quarter of the record."""
 EDGE = 0.05
 """Share of the range of an input within which a hold is at an end of it."""
 
 
-class Start(NamedTuple):
+class RunStart(NamedTuple):
     """The state of a chain at the first sample of a record, and where it is from."""
 
     state: Numbers | None
@@ -47,10 +47,10 @@ class Start(NamedTuple):
     """In words."""
 
 
-REST = Start(None, "at rest")
+REST = RunStart(None, "at rest")
 
 
-def find_start(chain: Chain, record: Sampled, start: str = AUTO, skip: int = 0) -> Start:
+def find_start(chain: Chain, record: Sampled, start: str = AUTO, skip: int = 0) -> RunStart:
     """The state in which a chain begins a record.
 
     Args:
@@ -67,16 +67,16 @@ def find_start(chain: Chain, record: Sampled, start: str = AUTO, skip: int = 0) 
     if start == "rest" or not states:
         return REST
     if start == "zero":
-        return Start(np.zeros(states), "zero")
+        return RunStart(np.zeros(states), "zero")
     if start == "estimate":
-        return Start(_settle(chain, record, skip)[0], "estimated from all of it")
+        return RunStart(_settle(chain, record, skip)[0], "estimated from all of it")
     known = chain.starts.get(record.hash) if chain.starts else None
     if known is not None:
-        return REST if known.kind == "rest" else Start(chain.restore_state(known), "as at the fit")
+        return REST if known.kind == "rest" else RunStart(chain.restore_state(known), "as at the fit")
     return _infer_start(chain, record, skip)
 
 
-def _infer_start(chain: Chain, record: Sampled, skip: int) -> Start:
+def _infer_start(chain: Chain, record: Sampled, skip: int) -> RunStart:
     """Rest, or the state that the first samples tell."""
     count = skip + max(round(SHARE * len(record)), FEWEST, 4 * chain.engine.plan.states)
     window = record.rows(0, count)
@@ -90,7 +90,7 @@ def _infer_start(chain: Chain, record: Sampled, skip: int) -> Start:
     with np.errstate(all="ignore"):
         if not np.all(np.isfinite(chain.engine.simulate(chain.theta, record.inputs, state.copy()))):
             return REST
-    return Start(state, f"inferred from its first {format_number(window.duration, 3)} s")
+    return RunStart(state, f"inferred from its first {format_number(window.duration, 3)} s")
 
 
 def _settle(chain: Chain, record: Sampled, skip: int) -> tuple[Numbers, float, float]:

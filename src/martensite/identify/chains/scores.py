@@ -14,7 +14,7 @@ import numpy as np
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.goals import AUTO
-from martensite.identify.chains.record_starts import REST, Start, find_start
+from martensite.identify.chains.record_starts import REST, RunStart, find_start
 from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Sampled
 
@@ -53,7 +53,7 @@ def compute_rms(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
     return np.sqrt(np.nanmean((measured - computed)[skip:] ** 2, axis=0))
 
 
-def free_run(chain: Chain, record: Sampled, start: str = "rest", skip: int = 0) -> Numbers:
+def free_run(chain: Chain, record: Sampled, start: str = AUTO, skip: int = 0) -> Numbers:
     """Outputs of a free run over a record, shape (samples, outputs).
 
     Args:
@@ -66,16 +66,17 @@ def free_run(chain: Chain, record: Sampled, start: str = "rest", skip: int = 0) 
     Raises:
         InputError: record and model do not fit.
     """
-    return _run_from(chain, record, find_start(chain, record, start, skip))
+    return run_from(chain, record, find_start(chain, record, start, skip))
 
 
-def _run_from(chain: Chain, record: Sampled, begin: Start) -> Numbers:
+def run_from(chain: Chain, record: Sampled, begin: RunStart) -> Numbers:
+    """Outputs of a run from a state."""
     rested = chain.engine.rest(chain.theta, record.inputs[0]).state if begin.state is None else begin.state
     return chain.simulate(record, rested)
 
 
 def score_chain(
-    chain: Chain, records: Iterable[Sampled], role: str, start: str = "rest", skip: int = 0, model: str = "model"
+    chain: Chain, records: Iterable[Sampled], role: str, start: str = AUTO, skip: int = 0, model: str = "model"
 ) -> list[OutputScore]:
     """Scores of all outputs over records, at their full rate.
 
@@ -88,7 +89,7 @@ def score_chain(
         if abs(record.interval / chain.interval - 1.0) > 1e-6:
             record = resample_record(record, chain.interval)
         begin = find_start(chain, record, start, skip)
-        computed = _run_from(chain, record, begin)
+        computed = run_from(chain, record, begin)
         fits, errors = (f(record.outputs, computed, skip) for f in (fit_percent, compute_rms))
         worst = np.nanmax(np.abs(record.outputs - computed)[skip:], axis=0)
         found += [

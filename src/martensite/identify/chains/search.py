@@ -20,7 +20,7 @@ from martensite.base.errors import InputError, SolveError
 from martensite.identify.chains.chain import build_untrained
 from martensite.identify.chains.chain_text import expand_pattern, parse_chain
 from martensite.identify.chains.doubts import describe_stillness
-from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
+from martensite.identify.chains.estimate import ChainEstimate, Options, cut_block, estimate_chain, hide_block
 from martensite.identify.chains.goals import AUTO, check_informative, check_records
 from martensite.identify.chains.scores import fit_percent, free_run, mean_fit, score_chain
 from martensite.signals.sampling.sampled import Sampled
@@ -170,7 +170,7 @@ def _try_candidate(
             score = mean_fit(scores)
         elif complete:
             try:
-                score = cross_validated(text, records, _decided(options, found))
+                score = cross_validated(text, records, _fix_starts(options, found))
             except KeyboardInterrupt:
                 complete = False
     except (SolveError, InputError) as error:
@@ -179,7 +179,7 @@ def _try_candidate(
     return StructureCandidate(text, numbers, found, own, score, time.perf_counter() - begun, complete=complete)
 
 
-def _decided(options: Options, found: ChainEstimate) -> Options:
+def _fix_starts(options: Options, found: ChainEstimate) -> Options:
     """The options, with what an estimation has found out of how the records begin, if all do alike."""
     kinds = {one.kind for one in found.chain.starts.values()}
     if options.start != AUTO or len(kinds) != 1:
@@ -196,8 +196,8 @@ def cross_validated(structure: str, records: Sequence[Sampled], options: Options
     """
     left_out: list[list[np.ndarray]] = [[] for _ in records]
     for fold in range(folds):
-        blocks = [_cut_block(record, fold, folds) for record in records]
-        seen = [_hide_block(r, block) for r, block in zip(records, blocks, strict=True)]
+        blocks = [cut_block(record, fold, folds) for record in records]
+        seen = [hide_block(r, block) for r, block in zip(records, blocks, strict=True)]
         made = estimate_chain(structure, seen, options)
         if not made.complete:
             raise KeyboardInterrupt
@@ -209,15 +209,3 @@ def cross_validated(structure: str, records: Sequence[Sampled], options: Options
         for record, parts in zip(records, left_out, strict=True)
     ]
     return float(np.mean(fits))
-
-
-def _cut_block(record: Sampled, fold: int, folds: int) -> slice:
-    ends = np.linspace(0, len(record), folds + 1).astype(int)
-    return slice(int(ends[fold]), int(ends[fold + 1]))
-
-
-def _hide_block(record: Sampled, block: slice) -> Sampled:
-    """The record with the outputs of a block missing."""
-    outputs = record.outputs.copy()
-    outputs[block] = np.nan
-    return record.with_outputs(outputs)

@@ -17,6 +17,7 @@ from martensite.base.errors import DataError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.correlations import LEVEL, Crossed, correlate_residuals
+from martensite.identify.chains.goals import AUTO
 from martensite.identify.chains.record_parts import (
     REVERSAL,
     ErrorStretch,
@@ -25,6 +26,8 @@ from martensite.identify.chains.record_parts import (
     split_by_direction,
     summarise_segments,
 )
+from martensite.identify.chains.record_starts import RunStart, find_start
+from martensite.identify.chains.scores import run_from
 from martensite.search.model_score import Score, score_model
 from martensite.search.quantity_text import format_number, join_phrases
 from martensite.search.whiteness import FEWEST, Whiteness, assess_whiteness
@@ -58,6 +61,8 @@ class Validation:
     """Of the longest stretch without gaps of every output."""
     crossed: tuple[Crossed, ...]
     """Of every output with every input and its square."""
+    begins: str
+    """In which state the run begins, in words."""
 
     @property
     def residuals(self) -> Numbers:
@@ -111,13 +116,15 @@ class Validation:
         """Scores, then what is wrong, then what the residuals remember."""
         whole = [self._score_outputs(one) for one in self.scores]
         good = () if self.failures else ("The tests find nothing that the model misses.",)
-        return (*whole, *self.failures, *good, *(one.sentence for one in self.whiteness))
+        begins = f"Initial state of `{self.record.name}`: {self.begins}."
+        return (*whole, begins, *self.failures, *good, *(one.sentence for one in self.whiteness))
 
     def to_dict(self) -> dict[str, Any]:
         """All figures and sentences, for JSON."""
         return {
             "record": self.record.name,
             "skip": self.skip,
+            "begins": self.begins,
             "fit_percent": self.fit,
             "scores": [one.to_dict() for one in self.scores],
             "stretches": [one.to_dict() for one in self.stretches],
@@ -188,13 +195,14 @@ def validate_chain(
             and of a falling first input.
         reversal: share of the range by which an input must come back to have turned.
         level: of the tests of correlation with the inputs.
-        state: state at the first sample; at rest under the first input if left out.
+        state: state at the first sample; by default as `record_starts.find_start` says.
 
     Raises:
         DataError: an output has fewer than 10 samples that count, or a mask does not fit.
         InputError: the record does not fit the model.
     """
-    computed = chain.simulate(record, state)
+    begin = find_start(chain, record, AUTO, skip) if state is None else RunStart(state, "as given")
+    computed = run_from(chain, record, begin)
     if computed.shape != record.outputs.shape:
         raise DataError(
             f"Model `{chain.name}` has {computed.shape[1]} outputs, but record `{record.name}` "
@@ -220,6 +228,7 @@ def validate_chain(
         ),
         tuple(_test_whiteness(record, residuals)),
         tuple(_test_correlation(record, residuals, level)),
+        begin.said,
     )
     return found
 
