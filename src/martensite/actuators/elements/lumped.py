@@ -288,8 +288,10 @@ class AbstractLumped(AbstractElement, init=False):
         """C T - λ ξ [J], if the latent heat λ is a number."""
         if not self.law.constant_heat:
             return None
-        sensible, (latent,) = self.stored_heat(xp, state)
-        return sensible + latent.force * latent.way
+        memory = state.memory
+        latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
+        fraction = self.law.fractions(memory).martensite
+        return self.heat_capacity_total() * memory.temperature - latent * fraction
 
     def stored_heat(self, xp: Namespace, state: Lumped) -> StoredHeat:
         """C T, and λ along the martensite fraction."""
