@@ -18,7 +18,7 @@ from martensite.cli.options import (
     ScenarioSource,
     Settings,
     import_modules,
-    load_scenario,
+    load_without_log,
     spread_options,
 )
 
@@ -39,14 +39,14 @@ ROUNDING = 1e-9
 @app.command()
 @spread_options
 def check(source: ScenarioSource, json: Json = False) -> None:
-    """Build a scenario, and say where its drives lead if held.
+    """Build a scenario, and say where its drives lead if held; one that follows a log needs none for it.
 
     One that leaves the envelope (melting, 3 GPa, a strain of 20 %, or a bound of your own) is
     refused.
     """
     from martensite.show.terminal import print_summary
 
-    loaded = source.load()
+    loaded = load_without_log(source.file, source.settings, source.modules)
     report = _collect_report(loaded) | _find_ends(loaded)
     if report["leaves"]:
         raise InputError(report["leaves"])
@@ -62,6 +62,11 @@ def _describe_report(report: dict[str, Any]) -> Iterator[Block]:
     for end in report["end_states"]:
         yield Sentence(f"Held at {end['words']}")
         yield from (Sentence(f"  {warning}", "caution") for warning in end["warnings"])
+    if report["follows"]:
+        followed = ", ".join(f"`{drive}` column `{column}`" for drive, column in report["follows"].items())
+        yield Sentence(f"Follows a log: {followed}. Where its drives lead is seen with it: `run --log`, or `fit`.")
+        yield Sentence("The scenario is sound; it lasts as long as its log.")
+        return
     yield Sentence(_tell_steps(report))
 
 
@@ -69,7 +74,7 @@ def _find_ends(scenario: Scenario) -> dict[str, Any]:
     """Where drives that are held lead, and the sentence of a run that leaves the envelope."""
     from martensite.simulate.trial_runs import find_end_states, leaves_envelope
 
-    if scenario.bench is not None:
+    if scenario.bench is not None or scenario.follows:
         return {"end_states": [], "leaves": ""}
     case = scenario.system, scenario.waveform, scenario.duration
     found = find_end_states(*case)
@@ -137,6 +142,7 @@ def _collect_report(scenario: Scenario) -> dict[str, Any]:
         "steps": max(math.ceil(scenario.duration / step - ROUNDING), samples - 1),
         "period": period,
         "tolerance": scenario.tolerance,
+        "follows": scenario.follows,
     }
 
 
@@ -153,7 +159,7 @@ def params(
     from martensite.show.terminal import print_summary
 
     if name.endswith(".toml"):
-        rows = _list_values(load_scenario(name, settings, modules))
+        rows = _list_values(load_without_log(name, settings, modules))
         cells = [(r["path"], write_quantity(r["value"], r["unit"]), r["from"], r["meaning"]) for r in rows]
         table = DataTable(("path", "value", "from", "meaning"), cells)
         print_summary(Summary("", [table], rows), json)

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import math
+import signal
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
+from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,6 +17,7 @@ import typer
 from typer import Argument, Option
 
 from martensite.base.errors import InputError, UnknownNameError
+from martensite.base.formats import write_quantity
 from martensite.cli.fit import LOGS, fit
 from martensite.cli.options import (
     Force,
@@ -37,6 +41,8 @@ if TYPE_CHECKING:
     from martensite.fit.search_monitor import SearchNote
     from martensite.search.profile import Profile
 
+INTERRUPTED = 130
+"""Exit code of an interruption that leaves nothing to show."""
 REPORTS, MATERIAL = (".md", ".html"), (".toml",)
 
 
@@ -204,23 +210,82 @@ def fit_logs(
 
     A scenario follows the log where its waveforms are of kind `log`. All other columns that the
     scenario has outputs for are compared. Ctrl-C ends the search and keeps the best so far; the
-    exit code is 1 then.
+    exit code is 1 then. SIGTERM does the same.
     """
-    import_modules(modules)
-    extras.check_files(force)
-    task = options.read_task(logs, settings)
-    if not run_fit(task, extras, json):
-        raise typer.Exit(1)
+    with end_on_signals():
+        import_modules(modules)
+        extras.check_files(force)
+        code = _run_to_the_end(lambda: options.read_task(logs, settings), extras, json)
+    if code:
+        raise typer.Exit(code)
 
 
-def run_fit(task: FitTask, extras: FitExtras, json: bool) -> bool:
-    """Do what a task says and show what there is of it; False if it was interrupted."""
+def _run_to_the_end(read: Callable[[], FitTask], extras: FitExtras, json: bool) -> int:
+    """Exit code of a fit, which shows the best so far wherever it is interrupted."""
+    latest: dict[str, Any] = {}
+    try:
+        return 0 if run_fit(read(), extras, json, latest) else 1
+    except KeyboardInterrupt:
+        state = _tell_state(extras.resume)
+        if not latest:
+            typer.echo(f"interrupted: nothing was found yet{state}", err=True)
+            return INTERRUPTED
+        problem, note = latest["problem"], latest["note"]
+        numbers = problem.numbers(note.values)
+        if json:
+            typer.echo(dumps({"reason": "interrupted", "cost": note.cost, "numbers": numbers}))
+        else:
+            units = {free.name: free.unit for free in problem.free}
+            best = ", ".join(f"{name} = {write_quantity(x, units[name])}" for name, x in numbers.items())
+            typer.echo(f"Best so far: {best}")
+        typer.echo(f"interrupted: these numbers are not judged{state}", err=True)
+        return 1
+
+
+@contextmanager
+def end_on_signals() -> Iterator[None]:
+    """Let SIGTERM end a search as Ctrl-C does: with the best so far."""
+
+    def interrupt(number: int, frame: Any) -> None:
+        raise KeyboardInterrupt
+
+    try:
+        before = signal.signal(signal.SIGTERM, interrupt)
+    except ValueError:  # not the main thread, which alone is told
+        yield
+        return
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+def _tell_state(path: Path | None) -> str:
+    """Where an interrupted search goes on from."""
+    if path is None or not path.exists():
+        return ""
+    return f"; the search goes on from `{path}` with --resume {path}"
+
+
+def run_fit(task: FitTask, extras: FitExtras, json: bool, latest: dict[str, Any] | None = None) -> bool:
+    """Do what a task says and show what there is of it; False if it was interrupted.
+
+    `latest` is told the problem and the best so far.
+    """
     names = extras.profile or []
     with show_spinner("reading logs, choosing steps"):
         arranged = task.arrange()
         extras.check(arranged)
     with show_search(lambda note: _describe_note(note, task.noise)) as tell:
-        fit = arranged.solve(tell, extras.resume)
+        training = arranged.problem.training
+
+        def remember(note: SearchNote) -> None:
+            if latest is not None and math.isfinite(note.cost):
+                latest.update(problem=training, note=note)
+            if tell is not None:
+                tell(note)
+
+        fit = arranged.solve(remember, extras.resume)
     profiles, posterior = _walk_profiles(fit, names), None
     if extras.posterior is not None and len(profiles) == len(names):
         posterior = _draw_posterior(fit, extras.posterior)
@@ -235,6 +300,8 @@ def run_fit(task: FitTask, extras: FitExtras, json: bool) -> bool:
     whole = len(profiles) == len(names) and (posterior is None) == (extras.posterior is None)
     if not whole:
         typer.echo("interrupted: profiles or samples are missing", err=True)
+    if fit.reason == "interrupted":
+        typer.echo(f"interrupted: this is the best so far{_tell_state(extras.resume)}", err=True)
     return whole and fit.reason != "interrupted"
 
 

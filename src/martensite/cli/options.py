@@ -100,6 +100,16 @@ def load_scenario(path: str | Path, settings: list[str] | None, modules: list[st
     return load(path, read_settings(settings or []))
 
 
+def load_without_log(path: str | Path, settings: list[str] | None, modules: list[str] | None = None) -> Scenario:
+    """The scenario of a file, if need be with a stand-in for the log that it follows."""
+    import_modules(modules)
+    from martensite.scenario.overrides import read_settings
+    from martensite.scenario.recorded_waveforms import UNKNOWN_LOG
+    from martensite.scenario.scenario import load
+
+    return load(path, read_settings(settings or []), log=UNKNOWN_LOG)
+
+
 @dataclass(frozen=True)
 class ScenarioSource:
     """A scenario file, with what `--set` changes and `--import` adds."""

@@ -34,6 +34,7 @@ from martensite.fit.fit import Fit
 from martensite.fit.free_parameters import read_difference, split_list
 from martensite.fit.problem import Problem
 from martensite.fit.solve import solve_problem
+from martensite.scenario.exact_text import shown_range
 from martensite.scenario.scenario import Scenario
 from martensite.signals.records import Record
 
@@ -102,14 +103,29 @@ def match_columns(
 def _match_asked(
     record: Record, wanted: Sequence[ComparedColumn], system: AbstractSystem
 ) -> tuple[dict[str, str], Record, list[str]]:
-    columns, known = {}, system.outputs()
+    columns, known, notes = {}, system.outputs(), list[str]()
     for one in wanted:
         column = _find_column(record, one.column)
         columns[one.output] = column
         if one.factor != 1.0 and one.output in known:
+            notes.append(_describe_scaling(record, column, one, known[one.output].unit))
             record = _scale_column(record, column, one, known[one.output].unit)
             columns[one.output] = one.output
-    return columns, record, []
+    return columns, record, notes
+
+
+def _describe_scaling(record: Record, column: str, one: ComparedColumn, unit: str) -> str:
+    """What a column becomes by its factor, which acts on SI numbers."""
+    finite = [x for x in record[column] if math.isfinite(x)]
+    if not finite:
+        return f"Column `{column}` of record `{record.name}` holds no numbers."
+    before = shown_range((min(finite), max(finite)), record.units[column])
+    low, high = sorted((one.factor * min(finite), one.factor * max(finite)))
+    si = "" if record.units[column] == "1" else f" {record.units[column]}"
+    return (
+        f"Column `{column}` of record `{record.name}`, {before}, is taken in{si or ' plain numbers'} times "
+        f"{one.factor:g} as `{one.output}`: {shown_range((low, high), unit)}."
+    )
 
 
 def _find_column(record: Record, name: str) -> str:

@@ -256,6 +256,7 @@ class Fit:
             values=list(self.numbers.values()),
             scales=self._scales,
             lengths=self.problem.lengths,
+            uneven=bool(self.input_noise),
         )
 
     @property

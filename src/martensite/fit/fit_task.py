@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
 from martensite.fit.column_matching import ComparedColumn, match_columns, read_columns, read_noise, refuse_swapped
 from martensite.fit.experiment import Experiment
@@ -34,8 +35,10 @@ from martensite.fit.solve import INTERRUPTED, MOST_EVALUATIONS, solve_problem
 from martensite.fit.start_checks import check_start, find_silent_outputs
 from martensite.fit.step_choice import choose_step, describe_step_error
 from martensite.scenario.scenario import Scenario
-from martensite.search.free_numbers import SearchRange
+from martensite.search.free_numbers import SearchRange, parse_free
 from martensite.signals.records import Record
+from martensite.signals.table import Table
+from martensite.simulate.drive_waveforms import Waveforms, by_name
 
 Columns = str | Sequence[str] | Mapping[str, str]
 
@@ -77,7 +80,9 @@ class FitTask:
             raise InputError("A fit needs at least one log; none given.")
         found = read_logs(self.logs)
         systems = [one.scenario.system for one in found]
-        free, each = read_ranges(self.free, systems), read_ranges(self.each, systems, own=True)
+        known = _list_paths(found[0].scenario)
+        free = read_ranges(_spell_paths(self.free, known), systems)
+        each = read_ranges(_spell_paths(self.each, known), systems, own=True)
         followed = {c: one.record.units[c] for one in found for c in one.scenario.follows.values()}
         (noise, input_noise), wanted = read_noise(self.noise, systems, followed), read_columns(self.columns)
         made, notes = _build_experiments(found, self, wanted)
@@ -135,11 +140,32 @@ class ArrangedFit:
             SolveError: the runs fail at the start, and at every point tried.
         """
         fit = solve_problem(self.problem, **vars(self.search), tell=tell, state=state)
-        if fit.reason != INTERRUPTED:
-            refuse_swapped(fit, self.models)
         first, _ = next(iter(self.models.values()))
+        if fit.reason == INTERRUPTED:
+            return replace(fit, scenario=first, notes=self.notes)
+        refuse_swapped(fit, self.models)
         cautions = tuple(describe_step_error(fit))
         return replace(fit, scenario=first, notes=(*self.notes, *fit.notes), cautions=cautions)
+
+
+def _list_paths(scenario: Scenario) -> dict[str, str]:
+    """Path in the scenario, as `--set` takes it -> path in the system, where they differ."""
+    paths = {scenario.places.path(leaf.path): leaf.path for leaf in scenario.system.leaves()}
+    own = set(paths.values())
+    return {name: path for name, path in paths.items() if name != path and name not in own}
+
+
+def _spell_paths(ranges: Sequence[str | SearchRange], known: Mapping[str, str]) -> list[str | SearchRange]:
+    """Free parameters with paths of the scenario put into those of the system."""
+    found: list[str | SearchRange] = []
+    for one in [ranges] if isinstance(ranges, str) else ranges:
+        name = one.name if isinstance(one, SearchRange) else parse_free(one)[0]
+        path = known.get(name, name)
+        if isinstance(one, SearchRange):
+            found.append(replace(one, name=path))
+        else:
+            found.append(one.replace(name, path, 1))
+    return found
 
 
 def _choose_steps(
@@ -169,6 +195,7 @@ def _build_experiments(
         system, follows = one.scenario.system, one.scenario.follows
         columns, record, more = match_columns(one.record, system, wanted, follows)
         notes += [*more, *describe_gaps(one, columns.values())]
+        notes += _describe_held(record, system, one.scenario.waveform, follows)
         made.append(
             Experiment(
                 one.name,
@@ -183,6 +210,18 @@ def _build_experiments(
             )
         )
     return made, [*notes, *describe_untimed(found)]
+
+
+def _describe_held(
+    record: Record, system: AbstractSystem, waveform: Waveforms, follows: Mapping[str, str]
+) -> list[str]:
+    """Columns whose levels are held from row to row."""
+    tables = {column: by_name(system, waveform)[drive] for drive, column in follows.items()}
+    held = [column for column, one in tables.items() if isinstance(one, Table) and len(one.times) > len(record) + 1]
+    return [
+        f"Column `{name}` of record `{record.name}` is held: each level acts from its row on until the next."
+        for name in held
+    ]
 
 
 def _choose_held_out(found: Sequence[LoadedLog], hold_out: str | Sequence[str]) -> list[Any]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -130,16 +131,25 @@ def _warn_of_cadence(fit: Fit) -> Iterator[str]:
     for one in rows:
         period = find_period(one.experiment)
         apart = [max(period / p, p / period) for p in fitted if p and period]
-        seen = compute_rms([x for x in rows if x.output == one.output], TRAINING)
-        if one.used.any() or not apart or min(apart) < OTHER_CADENCE or not one.rms(HELD_OUT) > WORSE * seen:
+        if one.used.any() or not apart or min(apart) < OTHER_CADENCE:
             continue
-        speed = "slower" if period > max(fitted) else "faster" if period < min(fitted) else "other"
-        yield (
-            f"`{one.output}` of {one.record} is at a {speed} cadence (a period of about {format_number(period, 2)} s) "
-            f"than what was fitted, and predicted {format_number(one.rms(HELD_OUT) / seen, 2)} times worse: what "
-            "depends on rate (cooling, heat capacity, latent heat, delay) is not held by the records. Record one of "
-            "that cadence, and fit it too."
-        )
+        seen = [_compute_share(x, x.used) for x in rows if x.output == one.output and x.used.any()]
+        worse = _compute_share(one, one.held) / max(seen, default=math.nan)
+        if worse > WORSE:
+            speed = "a slower" if period > max(fitted) else "a faster" if period < min(fitted) else "another"
+            yield (
+                f"`{one.output}` of {one.record} is at {speed} cadence (a period of about "
+                f"{format_number(period, 2)} s) than what was fitted, and predicted {format_number(worse, 2)} times "
+                "worse for what it varies: what depends on rate (cooling, heat capacity, latent heat, delay) is not "
+                "held by the records. Record one of that cadence, and fit it too."
+            )
+
+
+def _compute_share(one: ComparedOutput, rows: Any) -> float:
+    """Error of some rows over what was measured to vary in them."""
+    return float(np.std(one.residuals[rows]) + abs(np.mean(one.residuals[rows]))) / (
+        float(np.std(one.measured[rows])) or math.inf
+    )
 
 
 def _warn_of_search(fit: Fit) -> Iterator[str]:

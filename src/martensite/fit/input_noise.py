@@ -37,7 +37,11 @@ STEPS = (1.0, 1.0, 0.5)
 """By how much in the first rounds, in standard deviations of their noise: far enough to see the slope
 behind a kink; from then on `LAST_STEP`."""
 LAST_STEP = 0.25
-MOST_ROUNDS = 12
+MOVES = (-3.0, -2.0, -1.2, -0.6, 0.6, 1.2, 2.0, 3.0)
+"""By how much single rows are moved to see whether they are on the wrong side of a kink, in the same units."""
+WORTHWHILE = 1.0
+"""By how much such a move must make the sum of squares less."""
+MOST_ROUNDS = 16
 """Linearisations, at most."""
 RESTING = 0.05
 """Change of all numbers in standard errors at which rounds end."""
@@ -148,6 +152,7 @@ class _FollowedRuns:
         """Output and row of every residual that counts."""
         self.at = self.one.times[self.seen[1]] + self.one.lead
         self.sizes = problem.residual_sizes(k)[self.seen[0]]
+        self.measured = self.one.measured[self.seen[1], self.seen[0]] * self.sizes
 
     def inputs(self, rows: Any) -> dict[str, Any]:
         """Rows of all columns by drive."""
@@ -257,6 +262,35 @@ class _FollowedRuns:
                 rows[places] -= self.sigma[places] * (part.T @ twice[seen])
         return rows
 
+    def search_rows(self, u: Any, noise: float) -> float:
+        """Move single rows where that makes the sum of squares less by much; by how much it falls.
+
+        A row on the wrong side of a kink has no slope that would lead it back.
+        """
+        count = len(self.rows)
+        if self.blocks or count > MOST_ROWS:
+            return 0.0
+        moves = np.concatenate([np.diag(share * self.sigma) for share in MOVES])
+        found = self.run(u, np.concatenate([self.rows[None], self.rows + moves]))
+        squares = np.sum((found - self.measured) ** 2, axis=1) / noise**2
+        apart = (self.logged - self.rows) / self.sigma
+        shares = np.asarray(MOVES)[:, None]
+        costs = np.reshape(squares[1:] - squares[0], (len(MOVES), count)) + (apart - shares) ** 2 - apart**2
+        costs = np.where(np.isfinite(costs), costs, math.inf)
+        best = np.argmin(costs, axis=0)
+        gains = -costs[best, np.arange(count)]
+        for chosen in (np.flatnonzero(gains > WORTHWHILE), np.array([np.argmax(gains)])):
+            if not np.any(gains[chosen] > WORTHWHILE):
+                return 0.0
+            trial = self.rows.copy()
+            trial[chosen] += np.asarray(MOVES)[best[chosen]] * self.sigma[chosen]
+            seen = np.sum((self.run(u, trial[None])[0] - self.measured) ** 2) / noise**2
+            fallen = squares[0] + self.misfit(self.rows) - seen - self.misfit(trial)
+            if fallen > WORTHWHILE:
+                self.rows = trial
+                return float(fallen)
+        return 0.0
+
     def misfit(self, rows: Any) -> float:
         """How far rows are from those logged, Σ (X - x̂)²/σ²."""
         return float(np.sum(((self.logged - rows) / self.sigma) ** 2))
@@ -329,12 +363,15 @@ def _iterate(problem: Problem, runs: Sequence[_FollowedRuns], u: Any, descend: D
         errors = noise * np.sqrt(np.diag(np.linalg.pinv(after.jacobian.T @ after.jacobian)))
         resting = settled and bool(np.all(np.abs(end - u) <= RESTING * errors))
         if (resting and step == LAST_STEP) or count == MOST_ROUNDS - 1:
-            return current, end
+            if count == MOST_ROUNDS - 1 or not sum(one.search_rows(end, noise) for one in runs):
+                return current, end
+            u = end
+            continue
         parts = zip(runs, current.split(after.residuals), current.corrections, strict=True)
         wanted = [one.estimate_rows(fix, part, noise) for one, part, fix in parts]
         before, u = u, _step_towards(problem, runs, u, end, wanted, noise)
-        if u is before and step == LAST_STEP:  # no step helps any more
-            return current, end
+        if u is before and step == LAST_STEP and not sum(one.search_rows(u, noise) for one in runs):
+            return current, end  # no step helps any more
     raise SolveError("The rounds of a correction for noise in what drives are none.")
 
 

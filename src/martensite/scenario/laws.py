@@ -140,6 +140,22 @@ def law_caution(material: Material | None, element: Parametrised) -> str | None:
     return None
 
 
+def override_caution(material: Material | None, element: Parametrised) -> str | None:
+    """A sentence if a scenario writes other numbers than those that were fitted for a material."""
+    if material is None:
+        return None
+    fitted = {name: number.value for name, number in material.values.items() if number.kind == "fitted"}
+    laws = [part for part in element.tree() if isinstance(part, AbstractLaw)]
+    names = [n for law in laws for n in law.declarations if n in fitted and getattr(law, n) != fitted[n]]
+    if not names:
+        return None
+    listed = ", ".join(f"`{name}`" for name in dict.fromkeys(names))
+    return (
+        f"Fitted numbers of material `{material.name}` are overridden by the scenario: {listed}. Its errors and "
+        "intervals do not count; leave them out of [element.law] to use what was fitted."
+    )
+
+
 def _describe_mismatch(name: str, meant: dict[str, str], used: dict[str, str]) -> str:
     if meant[KIND] != used[KIND]:
         here = f"law `{used[KIND]}`"

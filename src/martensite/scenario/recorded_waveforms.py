@@ -7,26 +7,28 @@
 the columns of a file without headings, `interval` the time between rows without a clock.
 A waveform may also be listed: `times = ["0 s", "10 s"], values = ["0 V", "5 V"]`.
 
-A waveform of kind `log` names no file: it follows a column of the log that is being fitted, or that a run is given.
-Without `column` it is the one named after what is driven (`NATURAL`). Such a scenario begins with the first row of
-its log (or `[run] lead` before it, at the `from` of the waveform), and rows that miss the column are bridged.
+A waveform of kind `log` names no file: it follows a column of the log that is being fitted, or
+that a run is given. Without `column` it is the one named after what is driven (`NATURAL`). Such
+a scenario begins with the first row of its log (or `[run] lead` before it, at the `from` of the
+waveform), and rows that miss the column are bridged. Between rows a column is a straight line; one
+of volts, amperes, watts or a duty that rests at levels and jumps is held, so that what is logged at
+a row acts from then on. `between = "linear"` or `"hold"` says which.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 from martensite.base import units
 from martensite.base.errors import DataError, ParameterError, UnitError
 from martensite.scenario.build import name_section, refuse_unknown
+from martensite.signals.records import Record, table_waveform
 from martensite.signals.table import Table
-
-if TYPE_CHECKING:
-    from martensite.signals.records import Record
 
 KIND = "table"
 LOG = "log"
@@ -41,8 +43,19 @@ NATURAL = {
     "1": "strain",
 }
 """Unit of a signal -> column that a waveform of kind `log` follows if it names none."""
+UNKNOWN_LOG = Record("log", {"time": [0.0, 1.0]}, {"time": "s"})
+"""Stands for a log that nobody gave, so that the rest of a scenario can be looked at: what follows it rests at 0, or
+at 20 degC."""
 DUTY = "duty"
 """The same for the share of the time that a switch is closed."""
+LINEAR, HOLD = "linear", "hold"
+"""What a column does between its rows."""
+STEPPED = ("V", "A", "W", "1")
+"""Units of drives that are switched; a column of them that rests and jumps is held by itself."""
+JUMP, RESTING, MOSTLY = 0.1, 0.02, 0.9
+"""Change from row to row that is a jump, and the one that is rest, over the range; share of jumps between rests."""
+JUST_BEFORE = 1e-4
+"""How long before a row the level before it ends, in intervals."""
 _KEYS = ("file", "columns", "interval")
 _LISTED = ("kind", "times", "values")
 
@@ -87,8 +100,6 @@ def build_waveform(table: Mapping[str, Any], path: str, folder: Path, unit: str)
     column = _read_text(table, "column", path)
     found = {key: value for key, value in table.items() if key in _KEYS}
     with name_section(path):
-        from martensite.signals.records import table_waveform
-
         record = read_recorded(found, path, folder).read()
         made = table_waveform(record, column)
         if record.units[column] != unit:
@@ -112,8 +123,14 @@ def build_followed(
         lead: time before the log [s], in which the signal goes straight from `from` to its first
             value, or is held there.
     """
-    refuse_unknown(table, ("kind", "column", *(("from",) if lead else ())), f"[{path}]")
+    refuse_unknown(table, ("kind", "column", "between", *(("from",) if lead else ())), f"[{path}]")
+    between = table.get("between")
+    if between not in (None, LINEAR, HOLD):
+        raise ParameterError(f"[{path}] `between` must be `{LINEAR}` or `{HOLD}`, but is {between!r}.")
     column = _read_text(table, "column", path) if "column" in table else natural
+    if log is UNKNOWN_LOG:
+        level = units.parse_quantity("20 degC", "K") if unit == "K" else 0.0
+        return Table(times=(0.0, 1.0), values=(level, level)), column
     if log is None:
         raise DataError(
             f"[{path}] This scenario follows a log; fit it with `martensite fit LOG --scenario "
@@ -126,8 +143,29 @@ def build_followed(
         if lead:
             begin = _read_quantity(table["from"], "from", unit, path) if "from" in table else known[0][1]
             known.insert(0, (0.0, begin))
+        if between == HOLD or (between is None and unit in STEPPED and is_stepped([x for _, x in known])):
+            known = hold_levels(known)
         times, values = zip(*known, strict=True)
         return Table(times=times, values=values), column
+
+
+def is_stepped(values: Sequence[float]) -> bool:
+    """Whether a column rests at levels and jumps between them, as a command that is switched does."""
+    reach = max(values) - min(values)
+    changes = [abs(b - a) for a, b in pairwise(values)]
+    jumps = [k for k, change in enumerate(changes) if change > JUMP * reach]
+    around = [max(changes[max(k - 1, 0) : k] + changes[k + 1 : k + 2], default=0.0) for k in jumps]
+    return bool(jumps) and sum(change <= RESTING * reach for change in around) >= MOSTLY * len(jumps)
+
+
+def hold_levels(rows: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Rows (time, level) with every level held until just before the next row."""
+    found = [rows[0]]
+    for (before, level), (time, new) in pairwise(rows):
+        if new != level:
+            found.append((time - JUST_BEFORE * (time - before), level))
+        found.append((time, new))
+    return found
 
 
 def _check_followed(log: Record, column: str, unit: str) -> None:

@@ -153,6 +153,7 @@ def estimate_uncertainty(
     scales: Sequence[float],
     lengths: Sequence[int] | None = None,
     precision: float = PRECISION,
+    uneven: bool = False,
 ) -> Uncertainty:
     """Errors of the parameters of a fit from its residuals and their derivatives.
 
@@ -164,6 +165,8 @@ def estimate_uncertainty(
         scales: change of each value per search range, in SI (see `Axes`).
         lengths: samples of each record in `residuals`; one record if left out.
         precision: relative precision of the Jacobian.
+        uneven: whether residuals may scatter unevenly for what a linear picture leaves out; errors are
+            then at least those of HC3.
 
     Raises:
         DataError: residuals or Jacobian are not finite, or not equally many.
@@ -181,6 +184,8 @@ def estimate_uncertainty(
     with np.errstate(invalid="ignore", divide="ignore"):
         correlation = np.clip(spread / np.outer(deviations, deviations), -1.0, 1.0)
         own = np.where(np.isinf(deviations), math.inf, noise * deviations)
+    if uneven and spare > 0:
+        own = np.fmax(own, _estimate_uneven(matrix, errors, spread))
     np.fill_diagonal(correlation, 1.0)
     turned = np.outer(np.sign(free.scales), np.sign(free.scales)) * correlation
     return Uncertainty(
@@ -193,6 +198,17 @@ def estimate_uncertainty(
         rank,
         effective,
     )
+
+
+def _estimate_uneven(matrix: Matrix, errors: Any, spread: Matrix) -> Any:
+    """Standard errors of HC3: every residual stands for its own scatter, made larger by its leverage.
+
+    MacKinnon and White (1985), Journal of Econometrics 29; NaN of what is not determined.
+    """
+    inverse = np.where(np.isfinite(spread), spread, 0.0)
+    leverage = np.clip(np.einsum("ij,jk,ik->i", matrix, inverse, matrix), 0.0, 0.99)
+    turned = (errors / (1.0 - leverage))[:, None] * (matrix @ inverse)
+    return np.where(np.isfinite(np.diag(spread)), np.linalg.norm(turned, axis=0), math.nan)
 
 
 def _compute_unit_covariance(matrix: Matrix, precision: float) -> tuple[Matrix, int]:
