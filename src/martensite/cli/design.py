@@ -9,11 +9,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from typer import Option
+from typer import Exit, Option
 
 from martensite.base.errors import InputError, ParameterError
 from martensite.cli.app import app
-from martensite.cli.options import ScenarioSource, Text, Texts, read_quantity, spread_options
+from martensite.cli.options import ScenarioSource, Text, Texts, read_quantity, refuse_idle, spread_options
 from martensite.cli.outputs import AnswerOptions
 from martensite.cli.progress import show_share
 
@@ -41,9 +41,10 @@ class DesignOptions:
         Texts,
         Option(metavar="MEASURE<=LIMIT", help='What must hold, e.g. --subject "max(stress) <= 200 MPa"; repeatable.'),
     ] = None
-    life: Annotated[
-        Text, Option(help='Keep the limits that the elements declare, with this much to spare, e.g. "10 %".')
-    ] = None
+    life: Annotated[Text, Option(help="What is to be left of the limits that the elements declare [default: 0 %].")] = (
+        None
+    )
+    no_limits: Annotated[bool, Option("--no-limits", help="Ignore the limits that the elements declare.")] = False
     case: Annotated[
         Texts,
         Option(
@@ -59,7 +60,8 @@ class DesignOptions:
     seed: Annotated[int, Option(help="Of the sample.")] = 0
 
     def check(self) -> None:
-        """Raise `ParameterError` for a number out of range."""
+        """Raise `InputError` for a number out of range, or an option without effect."""
+        refuse_idle("--life", self.no_limits and self.life is not None, "--no-limits ignores all limits")
         if self.sample < 1 or self.sample & (self.sample - 1):
             raise ParameterError(f"Option `--sample` must be a power of 2, such as 64, but is {self.sample}.")
         if self.descents < 1:
@@ -99,7 +101,7 @@ class DesignOptions:
                 minimise=self.minimise,
                 maximise=self.maximise,
                 subject=self.subject or (),
-                life=read_quantity("life", self.life, "1"),
+                life=None if self.no_limits else read_quantity("life", self.life or "0", "1"),
                 cases=self.case or (),
                 samples=scenario.samples,
                 step=scenario.step,
@@ -127,7 +129,8 @@ def design(
     """Find numbers for which a goal is best and limits are kept.
 
     Goal and limits are measures of its run, such as stroke, rise-time, energy, max(stress) or
-    at(position, time=2 s). The search follows derivatives through the simulation.
+    at(position, time=2 s). The search follows derivatives through the simulation. It exits with 1
+    where no design keeps all limits; those that the elements declare are kept without being asked for.
     """
     outputs = answer.check_files(save, ".toml")
     options.check()
@@ -143,6 +146,8 @@ def design(
         lambda: write_design(found, loaded),
         lambda: plot_design(found, loaded.title),
     )
+    if not found.kept:
+        raise Exit(1)
 
 
 # ---------------------------------------------------------------- the scenario with the numbers found
@@ -192,7 +197,7 @@ def write_design(found: OptimisedDesign, scenario: Scenario) -> str:
     goal = f"# designed for the {sense} {found.question.goal.words}"
     limits = [f"# subject to {one.words}" for one in found.question.subject]
     missed = [f"# NOT KEPT: {words}" for words in found.missed]
-    return "\n".join([goal, *limits, *missed, "", as_toml(document)])
+    return "\n".join([goal, *limits, *missed, f"# {found.life}", "", as_toml(document)])
 
 
 def _write_settings(target: Target, value: float, scenario: Scenario, *, whole: bool) -> dict[str, Any]:

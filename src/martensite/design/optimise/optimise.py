@@ -64,7 +64,7 @@ def optimise_design(
     minimise: str | None = None,
     maximise: str | None = None,
     subject: Sequence[str] = (),
-    life: float | None = None,
+    life: float | None = 0.0,
     cases: Sequence[str] = (),
     samples: int = 1001,
     step: float | None = None,
@@ -84,7 +84,8 @@ def optimise_design(
         minimise: what shall be least, such as `energy` (which it is if neither is given).
         maximise: what shall be most.
         subject: what must hold, such as `max(stress) <= 200 MPa` or `stroke >= 30 deg`.
-        life: share of the declared limits of the elements that is to be left; None to ignore them.
+        life: share of the limits that the elements declare (stress, strain, temperature) that is to be left; None to
+            ignore them.
         cases: further cases in which it must hold, such as `environment.temperature=35 degC`.
         samples: at which measures look.
         step: longest step [s]; chosen and refined if not given.
@@ -133,7 +134,7 @@ def optimise_design(
         held=tuple(_describe_rounded(designs, *one) for one in tried.items()),
         relaxed=tuple(designs.numbers(relaxed.z).tolist()) if tried else None,
         relaxed_goal=designs.restore_goal(relaxed.goal) if tried else None,
-        life=describe_life(limits, life) if life is not None else "",
+        life=describe_life(limits, life),
     )
 
 
