@@ -6,11 +6,13 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import InputError, ParameterError, suggest_name
+from martensite.base.interrupts import rescue_answer
 from martensite.cli.options import read_positive, read_quantity
 from martensite.cli.progress import show_share, show_spinner
-from martensite.show.summaries.tuning import TuningOutcome
+from martensite.show.summaries.tuning import TuningOutcome, write_gains
 
 if TYPE_CHECKING:
+    from martensite.cli.outputs import BestSoFar
     from martensite.cli.tune import TuneOptions
     from martensite.control.loop.bench import Bench
     from martensite.design.rules.rule_starts import LoopTests
@@ -25,8 +27,8 @@ TRIED = 3
 PID = ("Kp", "Ki", "Kd")
 
 
-def run_tuning(scenario: Scenario, options: TuneOptions) -> TuningOutcome:
-    """Do what the command line says.
+def run_tuning(scenario: Scenario, options: TuneOptions, best: BestSoFar) -> TuningOutcome:
+    """Do what the command line says; `best` takes the best so far.
 
     Raises:
         InputError: the scenario has no loop, or an option does not fit it.
@@ -41,7 +43,7 @@ def run_tuning(scenario: Scenario, options: TuneOptions) -> TuningOutcome:
         runs = _make_runs(bench, length, drive, scenario)
     seen, others = draw_both_plants(options.spread or [], options.plants, options.seed, scenario, bench)
     if options.method == "gradient":
-        found, tests, origin = _search_gains(runs, options, length, scenario, seen)
+        found, tests, origin = _search_gains(runs, options, length, scenario, seen, best)
     else:
         found, tests, origin = _apply_rule(runs, options, scenario)
     return TuningOutcome(
@@ -129,7 +131,7 @@ def _apply_rule(runs: LoopRuns, options: TuneOptions, scenario: Scenario) -> tup
 
 
 def _search_gains(
-    runs: LoopRuns, options: TuneOptions, length: float, scenario: Scenario, plants: Plants | None
+    runs: LoopRuns, options: TuneOptions, length: float, scenario: Scenario, plants: Plants | None, best: BestSoFar
 ) -> tuple[TunedBench, LoopTests | None, str]:
     """Gains of least cost."""
     from martensite.control.controllers.pid import Pid
@@ -142,7 +144,11 @@ def _search_gains(
     controller = runs.bench.controllers.members()[runs.drive]
     free = _name_free(options, runs, isinstance(controller, Pid))
     tests, starts = _find_starts(options, runs, scenario, isinstance(controller, Pid))
-    with show_share("tuning") as tell:
+
+    def keep(gains: dict[str, float]) -> None:
+        best.keep(lambda: write_gains(scenario, gains, "best gains so far"))
+
+    with rescue_answer(best.save), show_share("tuning") as tell:
         found = tune_bench(
             runs.bench,
             length,
@@ -154,6 +160,7 @@ def _search_gains(
             search=TuningSearch(seed=options.seed),
             noise_seed=scenario.seed,
             watch=tell,
+            keep=keep,
             waveforms=by_name(scenario.system, scenario.waveform),
         )
     count = plants.count if plants else 1

@@ -31,7 +31,7 @@ from martensite.design.optimise.question import (
     read_aim,
     read_question,
 )
-from martensite.design.optimise.search import DesignSearch, round_design, search_designs, start_search
+from martensite.design.optimise.search import DesignSearch, Keep, round_design, search_designs, start_search
 from martensite.search.box_search import FEASIBLE_VIOLATION, BoxPoint, SearchMark, Tell
 from martensite.simulate.api import longest_step
 from martensite.simulate.drive_waveforms import Waveforms
@@ -72,6 +72,7 @@ def optimise_design(
     search: DesignSearch | None = None,
     written: Mapping[str, str] | None = None,
     watch: Tell | None = None,
+    keep: Keep | None = None,
     native: bool | None = None,
 ) -> OptimisedDesign:
     """Find the best design of a system in a run from rest.
@@ -93,6 +94,7 @@ def optimise_design(
         search: how to search.
         written: path in the system -> path in its scenario, for names.
         watch: called with a sentence and the share that is done.
+        keep: called with every design that is the best so far, whole numbers not yet whole at first.
         native: whether to run in C; by default if there is a compiler.
 
     Raises:
@@ -120,7 +122,7 @@ def optimise_design(
     designs = DesignEvaluator(steering, question, samples=samples, step=first, also=also, native=native)
     how = search or DesignSearch()
     begin = np.array([one.share(one.start) for one in question.free])
-    hunt = search_designs(designs, begin, how, watch)
+    hunt = search_designs(designs, begin, how, watch, keep)
     history = list(hunt.history)
     point, tried, relaxed = round_design(hunt, question.free, hunt.found)
     if tried:

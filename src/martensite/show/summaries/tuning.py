@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -169,6 +169,10 @@ def _list_gains(found: TuningOutcome) -> list[tuple[str, float, str]]:
 
 def write_tuned(found: TuningOutcome) -> str:
     """The scenario with the new numbers, as TOML."""
-    document = tomllib.loads(found.scenario.text)
-    numbers = {found.scenario.places.path(p): float(v) for p, v in found.found.after.items()}
-    return f"# tuned: {found.origin}\n\n{as_toml(change_document(document, numbers))}"
+    return write_gains(found.scenario, found.found.after, f"tuned: {found.origin}")
+
+
+def write_gains(scenario: Scenario, gains: Mapping[str, float], lead: str) -> str:
+    """A scenario with other numbers, by path in its bench, as TOML under a comment."""
+    numbers = {scenario.places.path(path): float(value) for path, value in gains.items()}
+    return f"# {lead}\n\n{as_toml(change_document(tomllib.loads(scenario.text), numbers))}"
