@@ -197,14 +197,14 @@ def test_current_is_the_least_that_does_it_in_time() -> None:
 # ---------------------------------------------------------------- refusals and warnings
 
 
-def test_ranking_puts_the_feasible_first_and_the_frugal_before_others() -> None:
+def test_ranking_puts_the_robust_first_and_the_frugal_before_others() -> None:
     found = size_wire(asked(alloy="90"))
     order = [one.feasible for one in found.candidates]
     assert order == sorted(order, reverse=True)
     assert found.best is found.candidates[0]
-    energies = [one.drive.energy for one in found.candidates if one.feasible and one.drive]
-    assert len(energies) > 1
-    assert energies == sorted(energies)
+    ranks = [(len(one.frail), one.drive.energy) for one in found.candidates if one.feasible and one.drive]
+    assert len(ranks) > 1
+    assert ranks == sorted(ranks)
     assert all(one.reasons for one in found.candidates if not one.feasible)
 
 
@@ -245,8 +245,27 @@ def test_limits_are_warned_of_and_life_is_claimed_only_where_a_source_does() -> 
     assert "not the maker's datasheet" in usual.life
     assert high.statics.hot_stress > 172.4e6
     assert high.life == "no figure in the datasheets at hand"
-    assert any("above the maker's 172 MPa" in text for text in high.warnings)
-    assert not any("above the maker's 172 MPa" in text for text in usual.warnings)
+    bold = judge_candidate(asked(force=1.0, stress=300e6, limits="ignore"), THIN, "90")
+    for inside in (high.reasons, bold.warnings):
+        assert any("above the maker's 172 MPa for repeated use" in text for text in inside)
+    assert not any("for repeated use" in text for text in (*usual.warnings, *usual.reasons, *bold.reasons))
+
+
+def test_a_warmer_day_is_the_same_pulse_on_that_day() -> None:
+    """M_f of the 70 °C alloy under 69 MPa is 28.3 °C, of the 90 °C alloy 20 K more."""
+    for alloy, late in (("70", True), ("90", False)):
+        found = judge_candidate(asked(), THIN, alloy)
+        assert found.feasible
+        assert any("on a day 10 K warmer" in text for text in found.frail) == late
+
+
+def test_more_load_is_said_where_it_exceeds_the_limit() -> None:
+    """20 % of the force, over the section, comes to the stress."""
+    for force, exceeded in ((0.5, False), (0.65, True)):
+        found = judge_candidate(asked(force=force), THIN, "90")
+        stress = found.statics.hot_stress + 0.2 * force / (found.statics.count * THIN.section)
+        assert (stress > 172e6) == exceeded, stress
+        assert any("20% more load it has" in text for text in found.frail) == exceeded
 
 
 def test_recalled_cells_are_named() -> None:

@@ -32,7 +32,7 @@ def scenario(tmp_path: Path) -> Path:
 def test_the_scenario_that_is_saved_does_what_is_shown(scenario: Path) -> None:
     saved, figure = scenario.with_name("found.toml"), scenario.with_name("found.svg")
     files = "--save", str(saved), "--figure", str(figure)
-    shown = DESIGN.report(str(scenario), *FREE, *POWER, *LIMITS, *QUICK, *files)
+    shown = DESIGN.report(str(scenario), *FREE, *POWER, *LIMITS, *QUICK, *files, "--no-limits")
     again = load(saved)
     run = again.run()
     assert shown["kept"]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+import shlex
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -66,12 +68,32 @@ def test_json_is_in_si_and_names_the_chosen_one() -> None:
     assert found["files"] == []
 
 
-def test_no_wire_at_all_is_said_with_the_nearest() -> None:
-    text = fine(*SMALL[:4], "--rate", "30 Hz", "--supply", "5 V", "--strands", "2", "--alloy", "90")
+def test_no_wire_at_all_is_said_with_the_nearest_and_what_would_fit(folder: Path) -> None:
+    done = SIZE(*SMALL[:4], "--rate", "30 Hz", "--supply", "5 V", "--strands", "2", "--alloy", "90", "--out", "x.toml")
+    assert (done.exit_code, done.stderr) == (1, "error: No wire meets the request, so `x.toml` was not written.\n")
+    assert not (folder / "x.toml").exists()
+    text = done.stdout
     assert "No wire meets the request" in text
     assert len(rows(text)) == 5
     assert max(map(len, rows(text))) <= 100
     assert "1 does not: " in text
+    options = re.search(r"What would fit: (.*): 0\.\d+ mm", text)
+    assert options is not None
+    changed = shlex.split(options[1])
+    asked = {"--rate": "30 Hz", "--supply": "5 V", "--strands": "2"}
+    asked |= dict(zip(changed[::2], changed[1::2], strict=True))
+    assert len(asked) == 3
+    fine(*SMALL[:4], *(word for pair in asked.items() for word in pair), "--alloy", "90")
+
+
+def test_limits_of_the_material_are_kept_unless_told_otherwise() -> None:
+    bold = *SMALL, "--alloy", "90", "--stress", "300 MPa"
+    reasons = [one["reasons"] for one in json.loads(SIZE(*bold, "--json").stdout)["candidates"]]
+    assert any("above the maker's 172 MPa" in text for each in reasons for text in each)
+    told = SIZE.report(*bold, "--no-limits")
+    assert told["request"]["limits"] == "ignore"
+    warned = [one for one in told["candidates"] if any("above the maker's 172 MPa" in text for text in one["warnings"])]
+    assert any(one["feasible"] for one in warned)
 
 
 @pytest.mark.slow
@@ -107,11 +129,6 @@ REFUSED = [
     ((*SMALL, "--out", "wire.txt"), "must end in .toml"),
     ((*SMALL, "--out", "nowhere/wire.toml"), "no folder"),
     pytest.param((*SMALL, "--alloy", "90", "--pick", "13"), "between 1 and 12", marks=pytest.mark.slow),
-    pytest.param(
-        (*SMALL[:4], "--rate", "30 Hz", "--supply", "5 V", "--strands", "1", "--out", "x.toml"),
-        "No wire does, so no scenario was written",
-        marks=pytest.mark.slow,
-    ),
     (("--catalogue", "--force", "8 N"), "Option `--force` has no effect with --catalogue"),
     (("--catalogue", "--bias", "weight"), "Option `--bias` has no effect with --catalogue"),
     (("--catalogue", "--all"), "Option `--all` has no effect with --catalogue"),

@@ -53,6 +53,7 @@ def found(
     **options: object,
 ) -> OptimisedDesign:
     given = begin or steering()
+    options = {"life": None, **options}  # these tests say what limits there are
     return optimise_design(
         given.system,
         given.waveforms,
@@ -242,7 +243,19 @@ def test_life_needs_limits() -> None:
     numbers = {name: float("inf") for name in ("stress_limit", "strain_limit", "temperature_limit")}
     system = bare.system.with_values(numbers)
     with pytest.raises(ParameterError, match="No element declares a limit"):
-        build_life_constraints(WaveformLevels(system, bare.waveforms, 3.0), ())
+        build_life_constraints(WaveformLevels(system, bare.waveforms, 3.0), (), 0.1)
+    assert build_life_constraints(WaveformLevels(system, bare.waveforms, 3.0), ()) == []
+
+
+def test_limits_are_kept_unless_told_otherwise() -> None:
+    """Thin wires that carry a lot are best, and break soon."""
+    thin = (DIAMETER, POWER), "stroke >= 5 mm", "max(stress) <= 450 MPa"
+    bold, kept = (found(*thin, **life) for life in ({"life": None}, {"life": 0.0}))
+    stress = [max(next(m.after for m in one.reported if m.words == "max(stress)")) for one in (bold, kept)]
+    assert stress[0] > 1.5 * 172e6
+    assert stress[1] <= 172e6 * (1.0 + 1e-3)
+    assert "are ignored, as asked" in bold.life
+    assert "are kept" in kept.life
 
 
 # ---------------------------------------------------------------- texts

@@ -9,16 +9,18 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from typer import Option
+from typer import Exit, Option
 
 from martensite.base.errors import InputError, ParameterError
+from martensite.base.interrupts import rescue_answer
 from martensite.cli.app import app
-from martensite.cli.options import ScenarioSource, Text, Texts, read_quantity, spread_options
-from martensite.cli.outputs import AnswerOptions
+from martensite.cli.options import ScenarioSource, Text, Texts, read_quantity, refuse_idle, spread_options
+from martensite.cli.outputs import AnswerOptions, BestSoFar, name_interrupted
 from martensite.cli.progress import show_share
 
 if TYPE_CHECKING:
     from martensite.design.optimise.optimised_design import OptimisedDesign
+    from martensite.design.optimise.question import DesignQuestion
     from martensite.scenario.scenario import Scenario
     from martensite.search.free_numbers import Target
 
@@ -41,9 +43,10 @@ class DesignOptions:
         Texts,
         Option(metavar="MEASURE<=LIMIT", help='What must hold, e.g. --subject "max(stress) <= 200 MPa"; repeatable.'),
     ] = None
-    life: Annotated[
-        Text, Option(help='Keep the limits that the elements declare, with this much to spare, e.g. "10 %".')
-    ] = None
+    life: Annotated[Text, Option(help="What is to be left of the limits that the elements declare [default: 0 %].")] = (
+        None
+    )
+    no_limits: Annotated[bool, Option("--no-limits", help="Ignore the limits that the elements declare.")] = False
     case: Annotated[
         Texts,
         Option(
@@ -59,7 +62,8 @@ class DesignOptions:
     seed: Annotated[int, Option(help="Of the sample.")] = 0
 
     def check(self) -> None:
-        """Raise `ParameterError` for a number out of range."""
+        """Raise `InputError` for a number out of range, or an option without effect."""
+        refuse_idle("--life", self.no_limits and self.life is not None, "--no-limits ignores all limits")
         if self.sample < 1 or self.sample & (self.sample - 1):
             raise ParameterError(f"Option `--sample` must be a power of 2, such as 64, but is {self.sample}.")
         if self.descents < 1:
@@ -67,11 +71,12 @@ class DesignOptions:
         if self.grid is not None and self.grid < 2:
             raise ParameterError(f"Option `--grid` must be at least 2, but is {self.grid}.")
 
-    def search(self, scenario: Scenario, *, saved: bool) -> OptimisedDesign:
+    def search(self, scenario: Scenario, best: BestSoFar, *, saved: bool) -> OptimisedDesign:
         """The best design.
 
         Args:
             scenario: where the search begins.
+            best: takes the best so far.
             saved: whether the scenario will be written with the numbers found.
 
         Raises:
@@ -89,7 +94,12 @@ class DesignOptions:
         free = self.free or []
         if saved:
             require_written(scenario, free)
-        with show_share("designing") as tell:
+
+        def keep(question: DesignQuestion, numbers: Sequence[float], kept: bool) -> None:
+            lead = "# best so far" + ("" if kept else ", NOT KEEPING all limits")
+            best.keep(lambda: f"{lead}\n\n{_write_numbers(question, numbers, scenario)}")
+
+        with rescue_answer(best.save), show_share("designing") as tell:
             found = optimise_design(
                 scenario.system,
                 scenario.waveform,
@@ -98,13 +108,14 @@ class DesignOptions:
                 minimise=self.minimise,
                 maximise=self.maximise,
                 subject=self.subject or (),
-                life=read_quantity("life", self.life, "1"),
+                life=None if self.no_limits else read_quantity("life", self.life or "0", "1"),
                 cases=self.case or (),
                 samples=scenario.samples,
                 step=scenario.step,
                 search=DesignSearch(sample=self.sample, descents=self.descents, seed=self.seed),
                 written=name_targets(scenario),
                 watch=tell,
+                keep=keep,
             )
             if self.grid is None:
                 return found
@@ -126,12 +137,13 @@ def design(
     """Find numbers for which a goal is best and limits are kept.
 
     Goal and limits are measures of its run, such as stroke, rise-time, energy, max(stress) or
-    at(position, time=2 s). The search follows derivatives through the simulation.
+    at(position, time=2 s). The search follows derivatives through the simulation. It exits with 1
+    where no design keeps all limits; those that the elements declare are kept without being asked for.
     """
     outputs = answer.check_files(save, ".toml")
     options.check()
     loaded = source.load()
-    found = options.search(loaded, saved=save is not None)
+    found = options.search(loaded, name_interrupted(save, source.file), saved=save is not None)
     from martensite.show.figures.design import plot_design
     from martensite.show.summaries.tuning import summarise_design
 
@@ -141,6 +153,8 @@ def design(
         lambda: write_design(found, loaded),
         lambda: plot_design(found, loaded.title),
     )
+    if not found.kept:
+        raise Exit(1)
 
 
 def name_targets(scenario: Scenario) -> dict[str, str]:
@@ -176,18 +190,24 @@ def require_written(scenario: Scenario, free: Sequence[str]) -> None:
 
 def write_design(found: OptimisedDesign, scenario: Scenario) -> str:
     """The scenario with the numbers found, as TOML."""
-    from martensite.scenario.overrides import as_toml, change_document
-
-    numbers: dict[str, Any] = {}
-    for one, value in zip(found.question.free, found.numbers, strict=True):
-        for target in one.targets:
-            numbers |= _write_settings(target, value, scenario, whole=one.whole)
-    document = change_document(tomllib.loads(scenario.text), numbers)
     sense = "most" if found.question.most else "least"
     goal = f"# designed for the {sense} {found.question.goal.words}"
     limits = [f"# subject to {one.words}" for one in found.question.subject]
     missed = [f"# NOT KEPT: {words}" for words in found.missed]
-    return "\n".join([goal, *limits, *missed, "", as_toml(document)])
+    return "\n".join(
+        [goal, *limits, *missed, f"# {found.life}", "", _write_numbers(found.question, found.numbers, scenario)]
+    )
+
+
+def _write_numbers(question: DesignQuestion, numbers: Sequence[float], scenario: Scenario) -> str:
+    """The scenario with other free numbers [SI], whole ones rounded."""
+    from martensite.scenario.overrides import as_toml, change_document
+
+    changed: dict[str, Any] = {}
+    for one, value in zip(question.free, numbers, strict=True):
+        for target in one.targets:
+            changed |= _write_settings(target, float(round(value)) if one.whole else value, scenario, whole=one.whole)
+    return as_toml(change_document(tomllib.loads(scenario.text), changed))
 
 
 def _write_settings(target: Target, value: float, scenario: Scenario, *, whole: bool) -> dict[str, Any]:

@@ -113,3 +113,31 @@ def check_absent(path: Path, force: bool, option: str = "--force") -> None:
     """Raise `DataError` if a file is there and must not be replaced."""
     if path.exists() and not force:
         raise DataError(f"`{path}` is there already; use {option} to replace it, or write to another file.")
+
+
+@dataclass
+class BestSoFar:
+    """What a search has found up to now: a scenario to go on from, where it is interrupted."""
+
+    file: Path
+    """Where it is written then."""
+    text: Callable[[], str] | None = None
+    """Makes the scenario of the best so far; None before there is one."""
+    judged: int = 0
+    """How often there was a better one."""
+
+    def keep(self, text: Callable[[], str]) -> None:
+        """Take a better one."""
+        self.text, self.judged = text, self.judged + 1
+
+    def save(self) -> str:
+        """Write it, and say so; nothing where there is none yet."""
+        if self.text is None:
+            return ""
+        write_file(self.file, self.text())
+        return f"Interrupted; the best so far is in `{self.file}`: the same command with it goes on from there."
+
+
+def name_interrupted(save: Path | None, scenario: Path) -> BestSoFar:
+    """The best so far of a search: where its result is to be saved, or else beside where one stands."""
+    return BestSoFar(save or Path(f"{scenario.stem}-interrupted.toml"))

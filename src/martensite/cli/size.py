@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Option
 
-from martensite.base.errors import InputError, ParameterError
+from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.cli.app import app
 from martensite.cli.options import Json, Text, read_quantity
 from martensite.cli.outputs import Outputs
@@ -31,6 +31,7 @@ def size(
     current_limit: Annotated[Text, Option(help='Largest current of the supply, e.g. "3 A".')] = None,
     alloy: Annotated[str, Option(help="70, 90, or any.")] = "any",
     strands: Annotated[int | None, Option(help="Most wires side by side [default: 12].")] = None,
+    no_limits: Annotated[bool, Option("--no-limits", help="Ignore the limits of the material: only warn.")] = False,
     every: Annotated[bool, Option("--all", help="Show the wires that do not do, too.")] = (False),
     catalogue: Annotated[bool, Option("--catalogue", help="Only compare the model with the maker's table.")] = False,
     pick: Annotated[int | None, Option(help="Number of the wire to describe and write [default: best].")] = None,
@@ -38,7 +39,7 @@ def size(
     overwrite: Annotated[bool, Option("--overwrite", help="Replace an existing file.")] = False,
     json: Json = False,
 ) -> None:
-    """Find the wire and its current for a force and a stroke."""
+    """Find the wire and its current for a force and a stroke; exits with 1 where none does."""
     given = {
         "force": force,
         "stroke": stroke,
@@ -49,8 +50,9 @@ def size(
         "stress": stress,
         "current_limit": current_limit,
     }
-    chosen = {"bias": bias, "strands": strands}
+    chosen = {"bias": bias, "strands": strands, "limits": "ignore" if no_limits else None}
     if catalogue:
+        chosen |= {"limits": None, "no_limits": no_limits or None}
         unused = {**given, **chosen, "out": out, "pick": pick, "all": every or None}
         _refuse_idle({n: v for n, v in unused.items() if n not in ("stress", "ambient")})
         _check_catalogue(stress, ambient, alloy, json)
@@ -59,13 +61,21 @@ def size(
     request = _read_request(given, {"alloy": alloy, **chosen})
     with show_progress("simulating wires") as progress:
         from martensite.design.sizing.candidates import size_wire
+        from martensite.design.sizing.scenario import format_scenario
+        from martensite.physics.materials.wires import load_wires
 
         sizing = size_wire(request, progress=progress)
     from martensite.show.summaries.sizing import summarise_sizing
 
     best = _choose_candidate(sizing, pick)
-    text = lambda: _write_scenario(sizing, best)  # noqa: E731
-    outputs.answer(summarise_sizing(sizing, best, every=every), json, text)
+    if best is None:
+        Outputs(None, None).answer(summarise_sizing(sizing, best, every=every), json)
+        raise SolveError("No wire meets the request" + ("." if out is None else f", so `{out}` was not written."))
+    outputs.answer(
+        summarise_sizing(sizing, best, every=every),
+        json,
+        lambda: format_scenario(sizing.request, sizing.candidates[best], load_wires()),
+    )
 
 
 def _read_request(given: dict[str, Text], chosen: dict[str, Any]) -> WireRequest:
@@ -95,19 +105,6 @@ def _choose_candidate(sizing: Sizing, pick: int | None) -> int | None:
     if not 1 <= pick <= len(sizing.candidates):
         raise InputError(f"Option `--pick` must be between 1 and {len(sizing.candidates)}, but is {pick}.")
     return pick - 1
-
-
-def _write_scenario(sizing: Sizing, chosen: int | None) -> str:
-    from martensite.design.sizing.scenario import format_scenario
-    from martensite.physics.materials.wires import load_wires
-
-    if chosen is None:
-        nearest = sizing.candidates[0]
-        raise InputError(
-            f"No wire does, so no scenario was written; the nearest is {nearest.size.name}, "
-            f"{nearest.alloy} °C: {nearest.reasons[0]}; choose one with --pick."
-        )
-    return format_scenario(sizing.request, sizing.candidates[chosen], load_wires())
 
 
 def _check_catalogue(stress: Text, ambient: Text, alloy: str, json: bool) -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from martensite.base.interrupts import rescue_answer
 from martensite.base.summary import DataTable, Sentence, Summary, Tone
 from martensite.cli.app import app
 from martensite.cli.options import Json
@@ -46,7 +48,8 @@ def study(
     drawn = _check_figures(found, figures, force)
     reports: list[dict[str, Any]] = []
     for one in found:
-        with show_spinner(f"computing {one.key}"):
+        done = f"Interrupted in `{one.key}`, after {len(reports)} of {len(found)} studies."
+        with rescue_answer(partial(str, done)), show_spinner(f"computing {one.key}"):
             summary = summarise_claims(one, one.claims())
         reports.append(summary.data)
         if not json:

@@ -11,7 +11,7 @@ from typer import Option
 from martensite.base.errors import InputError, UnknownNameError
 from martensite.cli.app import app
 from martensite.cli.options import ScenarioSource, Text, Texts, spread_options
-from martensite.cli.outputs import AnswerOptions
+from martensite.cli.outputs import AnswerOptions, name_interrupted
 
 METHODS = ("rules", "relay", "gradient")
 
@@ -96,7 +96,7 @@ def tune(
     from martensite.show.figures.design import plot_tuning
     from martensite.show.summaries.tuning import summarise_tuning
 
-    found = run_tuning(loaded, options)
+    found = run_tuning(loaded, options, name_interrupted(save, source.file))
     outputs.answer(
         summarise_tuning(found),
         answer.json,

@@ -7,11 +7,13 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import InputError, ParameterError, suggest_name
+from martensite.base.interrupts import rescue_answer
 from martensite.cli.options import read_positive, read_quantity
 from martensite.cli.progress import show_share, show_spinner
 from martensite.show.summaries.tuning import TuningOutcome
 
 if TYPE_CHECKING:
+    from martensite.cli.outputs import BestSoFar
     from martensite.cli.tune import TuneOptions
     from martensite.control.loop.bench import Bench
     from martensite.design.rules.rule_starts import LoopTests
@@ -27,8 +29,8 @@ PID = ("Kp", "Ki", "Kd")
 PLANTS = 64
 
 
-def run_tuning(scenario: Scenario, options: TuneOptions) -> TuningOutcome:
-    """Do what the command line says.
+def run_tuning(scenario: Scenario, options: TuneOptions, best: BestSoFar) -> TuningOutcome:
+    """Do what the command line says; `best` takes the best so far.
 
     Raises:
         InputError: the scenario has no loop, or an option does not fit it.
@@ -43,7 +45,7 @@ def run_tuning(scenario: Scenario, options: TuneOptions) -> TuningOutcome:
         runs = _make_runs(bench, length, drive, scenario)
     seen, others = draw_both_plants(options.spread or [], options.plants, options.seed, scenario, bench)
     if options.method == "gradient":
-        found, tests, origin = _search_gains(runs, options, length, scenario, seen)
+        found, tests, origin = _search_gains(runs, options, length, scenario, seen, best)
     else:
         found, tests, origin = _apply_rule(runs, options, scenario)
     return TuningOutcome(
@@ -132,7 +134,7 @@ def _apply_rule(runs: LoopRuns, options: TuneOptions, scenario: Scenario) -> tup
 
 
 def _search_gains(
-    runs: LoopRuns, options: TuneOptions, length: float, scenario: Scenario, plants: Plants | None
+    runs: LoopRuns, options: TuneOptions, length: float, scenario: Scenario, plants: Plants | None, best: BestSoFar
 ) -> tuple[TunedBench, LoopTests | None, str]:
     from martensite.control.controllers.pid import Pid
     from martensite.design.tuning.bench_tuning import tune_bench
@@ -144,7 +146,11 @@ def _search_gains(
     controller = runs.bench.controllers.members()[runs.drive]
     free = _name_free(options, runs, isinstance(controller, Pid))
     tests, starts = _find_starts(options, runs, scenario, isinstance(controller, Pid))
-    with show_share("tuning") as tell:
+
+    def keep(gains: dict[str, float]) -> None:
+        best.keep(lambda: _write_gains(scenario, gains, "best gains so far"))
+
+    with rescue_answer(best.save), show_share("tuning") as tell:
         found = tune_bench(
             runs.bench,
             length,
@@ -156,6 +162,7 @@ def _search_gains(
             search=TuningSearch(seed=options.seed),
             noise_seed=scenario.seed,
             watch=tell,
+            keep=keep,
             waveforms=by_name(scenario.system, scenario.waveform),
         )
     count = plants.count if plants else 1
@@ -237,8 +244,11 @@ def judge_others(runs: LoopRuns, found: TunedBench, others: Plants | None) -> Ra
 
 def write_tuned(found: TuningOutcome) -> str:
     """The scenario with the new numbers, as TOML."""
+    return _write_gains(found.scenario, found.found.after, f"tuned: {found.origin}")
+
+
+def _write_gains(scenario: Scenario, gains: Mapping[str, float], lead: str) -> str:
     from martensite.scenario.overrides import as_toml, change_document
 
-    document = tomllib.loads(found.scenario.text)
-    numbers = {found.scenario.places.path(p): float(v) for p, v in found.found.after.items()}
-    return f"# tuned: {found.origin}\n\n{as_toml(change_document(document, numbers))}"
+    numbers = {scenario.places.path(path): float(value) for path, value in gains.items()}
+    return f"# {lead}\n\n{as_toml(change_document(tomllib.loads(scenario.text), numbers))}"

@@ -161,6 +161,8 @@ class BoxSearch:
         self.size = len(objective.widths)
         self.history: list[SearchMark] = []
         self.best: BoxPoint | None = None
+        self.keep: Callable[[BoxPoint], None] | None = None
+        """Called with every point that is the best so far."""
         self.ends: list[float] = []
         """Goals at which descents ended."""
         self._memory: dict[bytes, PointSlopes | None] = {}
@@ -177,6 +179,8 @@ class BoxSearch:
         for point in points:
             if self.best is None or point.is_better_than(self.best):
                 self.best = point
+                if self.keep is not None:
+                    self.keep(point)
                 self.history.append(SearchMark(self.objective.runs, point.goal, point.violation))
         return points
 

@@ -31,7 +31,7 @@ from martensite.design.optimise.question import (
     read_aim,
     read_question,
 )
-from martensite.design.optimise.search import DesignSearch, round_design, search_designs, start_search
+from martensite.design.optimise.search import DesignSearch, Keep, round_design, search_designs, start_search
 from martensite.search.box_search import FEASIBLE_VIOLATION, BoxPoint, SearchMark, Tell
 from martensite.simulate.api import longest_step
 from martensite.simulate.drive_waveforms import Waveforms
@@ -64,7 +64,7 @@ def optimise_design(
     minimise: str | None = None,
     maximise: str | None = None,
     subject: Sequence[str] = (),
-    life: float | None = None,
+    life: float | None = 0.0,
     cases: Sequence[str] = (),
     samples: int = 1001,
     step: float | None = None,
@@ -72,6 +72,7 @@ def optimise_design(
     search: DesignSearch | None = None,
     written: Mapping[str, str] | None = None,
     watch: Tell | None = None,
+    keep: Keep | None = None,
     native: bool | None = None,
 ) -> OptimisedDesign:
     """Find the best design of a system in a run from rest.
@@ -84,7 +85,8 @@ def optimise_design(
         minimise: what shall be least, such as `energy` (which it is if neither is given).
         maximise: what shall be most.
         subject: what must hold, such as `max(stress) <= 200 MPa` or `stroke >= 30 deg`.
-        life: share of the declared limits of the elements that is to be left; None to ignore them.
+        life: share of the limits that the elements declare (stress, strain, temperature) that is to be left; None to
+            ignore them.
         cases: further cases in which it must hold, such as `environment.temperature=35 degC`.
         samples: at which measures look.
         step: longest step [s]; chosen and refined if not given.
@@ -92,6 +94,7 @@ def optimise_design(
         search: how to search.
         written: path in the system -> path in its scenario, for names.
         watch: called with a sentence and the share that is done.
+        keep: called with every design that is the best so far, whole numbers not yet whole at first.
         native: whether to run in C; by default if there is a compiler.
 
     Raises:
@@ -119,7 +122,7 @@ def optimise_design(
     designs = DesignEvaluator(steering, question, samples=samples, step=first, also=also, native=native)
     how = search or DesignSearch()
     begin = np.array([one.share(one.start) for one in question.free])
-    hunt = search_designs(designs, begin, how, watch)
+    hunt = search_designs(designs, begin, how, watch, keep)
     history = list(hunt.history)
     point, tried, relaxed = round_design(hunt, question.free, hunt.found)
     if tried:
@@ -133,7 +136,7 @@ def optimise_design(
         held=tuple(_describe_rounded(designs, *one) for one in tried.items()),
         relaxed=tuple(designs.numbers(relaxed.z).tolist()) if tried else None,
         relaxed_goal=designs.restore_goal(relaxed.goal) if tried else None,
-        life=describe_life(limits, life) if life is not None else "",
+        life=describe_life(limits, life),
     )
 
 

@@ -208,7 +208,7 @@ NOTE = "limit of the element"
 def build_life_constraints(
     steering: WaveformLevels, freed: Sequence[FreeNumber], margin: float = 0.0
 ) -> list[Constraint]:
-    """What keeps every element within its limits.
+    """What keeps every element within its limits; nothing where none is declared and no margin asked for.
 
     Args:
         steering: the system.
@@ -216,7 +216,7 @@ def build_life_constraints(
         margin: share of every limit that is left, 0 to below 1.
 
     Raises:
-        ParameterError: the margin is none, or no element declares a limit.
+        ParameterError: the margin is none, or one of limits that no element declares.
     """
     if not 0.0 <= margin < 1.0:
         raise ParameterError(f"A margin of life must be at least 0 and below 1, but is {margin}.")
@@ -225,7 +225,7 @@ def build_life_constraints(
         for form, name, limit in _list_limits(one, margin):
             aim = read_aim(form.format(system.label(port, name)), steering, freed)
             found.append(Constraint(aim, True, limit, NOTE))
-    if not found:
+    if margin and not found:
         raise ParameterError(
             "No element declares a limit, so nothing is known of its life; give it some, such as "
             'stress_limit = "172 MPa" in `limits` of the element, or constrain the stress itself.'
@@ -247,8 +247,12 @@ def _list_limits(one: Actuator, margin: float) -> Iterator[tuple[str, str, float
             yield form, name, limit
 
 
-def describe_life(constraints: Sequence[Constraint], margin: float) -> str:
-    """What is claimed of the life, and what is not."""
+def describe_life(constraints: Sequence[Constraint], margin: float | None) -> str:
+    """What is claimed of the life, and what is not; a margin of None ignores all limits."""
+    if margin is None:
+        return "Life: the limits that the elements declare are ignored, as asked, so nothing is known of it."
+    if not constraints:
+        return "Life: no element declares a limit, so none is kept and nothing is known of it."
     kept = ", ".join(f"{one.words}" for one in constraints)
     left = f" with {100.0 * margin:.3g} % to spare" if margin else ""
     return (

@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError, SolveError
 from martensite.design.optimise.evaluate import DesignEvaluator, Numbers, RunCounts
+from martensite.design.optimise.question import DesignQuestion
 from martensite.search.box_search import FAILED_GOAL, BoxPoint, BoxSearch, JudgedPoints, Tell
 from martensite.search.free_numbers import FreeNumber
 from martensite.search.starts import choose_apart, start_sobol
@@ -55,20 +56,36 @@ class DesignSearch:
     seed: int = 0
 
 
-def start_search(designs: DesignEvaluator, search: DesignSearch, watch: Tell | None = None) -> BoxSearch:
+Keep = Callable[[DesignQuestion, Sequence[float], bool], None]
+"""Is given the question, the free numbers [SI] of the best design so far, and whether it keeps all constraints."""
+
+
+def start_search(
+    designs: DesignEvaluator, search: DesignSearch, watch: Tell | None = None, keep: Keep | None = None
+) -> BoxSearch:
     """A search of designs that has judged nothing yet."""
-    return BoxSearch(designs, iterations=search.iterations, clouds=search.clouds, seed=search.seed, watch=watch)
+    hunt = BoxSearch(designs, iterations=search.iterations, clouds=search.clouds, seed=search.seed, watch=watch)
+    best: list[BoxPoint] = []
+
+    def keep_better(point: BoxPoint) -> None:
+        """What is best with some whole numbers need not be it."""
+        if keep is not None and not (best and best[-1].is_better_than(point)):
+            best.append(point)
+            keep(designs.question, designs.numbers(point.z).tolist(), point.kept)
+
+    hunt.keep = keep_better
+    return hunt
 
 
 def search_designs(
-    designs: DesignEvaluator, begin: Numbers, search: DesignSearch, watch: Tell | None = None
+    designs: DesignEvaluator, begin: Numbers, search: DesignSearch, watch: Tell | None = None, keep: Keep | None = None
 ) -> BoxSearch:
     """Search the box from a sample of it and from one design.
 
     Raises:
         SolveError: no run of the sample can be made.
     """
-    hunt = start_search(designs, search, watch)
+    hunt = start_search(designs, search, watch, keep)
     starts = _choose_starts(_sample_box(hunt, designs, begin, search), search.descents)
     for k, start in enumerate(starts):
         hunt.tell(f"descent {k + 1} of {len(starts)}", 0.1 + 0.6 * k / len(starts))

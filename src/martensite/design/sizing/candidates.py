@@ -9,7 +9,7 @@ goes. What fails is said as a reason; nothing is left out in silence.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
@@ -30,6 +30,10 @@ SPARE = 1.02
 """Margin on the cooling time when the pulse is shortened to fit beside it."""
 SHORTEST = 0.02
 """Shortest pulse, as a share of the period."""
+WARMER, HEAVIER = 10.0, 1.2
+"""What a robust wire withstands: a warmer day [K], and a larger load."""
+MOST_TRIED, MOST_CHANGES, SHOWN_CHANGES, MOST_STRANDS = 12, 4, 3, 1000
+"""Wires for which a request is changed, how often, how many changes are named, and strands that may be asked for."""
 USED_CELLS = ("diameter", "resistance")
 """Cells of the catalogue that the answer rests on."""
 
@@ -68,6 +72,8 @@ class Candidate:
     """Why the request is not met; empty if it is."""
     warnings: tuple[str, ...] = ()
     life: str = ""
+    frail: tuple[str, ...] = ()
+    """What a warmer day or more load would do to it; empty if it withstands both."""
     recalled: tuple[str, ...] = ()
     """Cells the answer rests on that are recalled, not read in a source."""
 
@@ -104,6 +110,7 @@ class Candidate:
             "temperature_limit": self.temperature_limit,
             "life": self.life,
             "warnings": list(self.warnings),
+            "frail": list(self.frail),
             "recalled": list(self.recalled),
         }
 
@@ -114,7 +121,10 @@ class Sizing:
 
     request: WireRequest
     candidates: list[Candidate] = field(default_factory=list[Candidate])
-    """The best first: those that meet the request by energy per cycle and length, then others."""
+    """The best first: those that meet the request, the robust before others and by energy per cycle and length; then
+    those that do not."""
+    changes: tuple[str, ...] = ()
+    """What would fit, if nothing does: changes of the request, the nearest first."""
 
     @property
     def best(self) -> Candidate | None:
@@ -149,18 +159,20 @@ def size_wire(
         found.append(judge_candidate(request, size, alloy))
         if progress is not None:
             progress(len(found), len(pairs))
-    return Sizing(request, sorted(found, key=_rank_candidates))
+    ranked = sorted(found, key=_rank_candidates)
+    fits = any(one.feasible for one in ranked) or len(found) < len(pairs)
+    return Sizing(request, ranked, () if fits else find_changes(request, ranked))
 
 
 def _rank_candidates(candidate: Candidate) -> tuple[float, ...]:
-    """Feasible ones by energy and length, then simulated ones by cooling time, then the rest."""
+    """Feasible ones by robustness, energy and length, then simulated ones by cooling time, then the rest."""
     drive, length = candidate.drive, candidate.statics.strand.length
     if drive is None or candidate.cycle is None:
-        return 2.0, float(candidate.statics.count), length
+        return 2.0, 0.0, float(candidate.statics.count), length
     if candidate.feasible:
-        return 0.0, drive.energy, length
+        return 0.0, float(len(candidate.frail)), drive.energy, length
     cooling = candidate.cycle.cooling
-    return 1.0, math.inf if cooling is None else cooling, length
+    return 1.0, 0.0, math.inf if cooling is None else cooling, length
 
 
 def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candidate:
@@ -170,7 +182,7 @@ def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candida
     wiring, driven = (None, None) if hopeless else _find_drive(request, static)
     limits = list_alloy_numbers(alloy)
     hot = static.strand.steady_current(limits["temperature_limit"])
-    reasons = hopeless or remarks.list_reasons(request, static, wiring, driven, limits)
+    reasons = tuple(hopeless or remarks.list_reasons(request, static, wiring, driven, limits))
     return Candidate(
         size,
         alloy,
@@ -179,9 +191,10 @@ def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candida
         driven,
         hot,
         limits["temperature_limit"],
-        tuple(reasons),
+        reasons,
         tuple(remarks.list_warnings(request, static, driven, hot, limits)),
         remarks.describe_life(static.hot_stress),
+        () if reasons or driven is None else tuple(_list_frailties(request, static, driven, limits)),
         tuple(name for name in USED_CELLS if size.cells()[name].kind in DOUBTFUL),
     )
 
@@ -217,3 +230,66 @@ def _find_pulse(
             return wiring, None
         heating = slower
     return wiring, simulate_cycle(system, request.stroke, current, heating, strand.time_constant())
+
+
+# ---------------------------------------------------------------- what a candidate withstands, and what would fit
+
+
+def _list_frailties(
+    request: WireRequest, static: Statics, cycle: PulseCycle, limits: Mapping[str, float]
+) -> Iterator[str]:
+    """What a day that is 10 K warmer, and 20 % more load, would do to a candidate."""
+    warm = replace(static, strand=replace(static.strand, ambient=request.ambient + WARMER))
+    system = warm.strand.system(warm.mechanism(request.stroke, warm.count))
+    again = simulate_cycle(system, request.stroke, cycle.current, cycle.heating, warm.strand.time_constant())
+    if not again.keeps(request.period):
+        late = "never" if again.cooling is None else f"in {again.cooling:.3g} s, too late,"
+        yield f"on a day {WARMER:g} K warmer it returns {late} under the same pulse"
+    more = static.hot_stress * (1.0 + (HEAVIER - 1.0) * request.force / static.work_force)
+    if more > limits["stress_limit"] * (1.0 + 1e-9):
+        most = limits["stress_limit"] / 1e6
+        yield f"under {HEAVIER - 1.0:.0%} more load it has {more / 1e6:.4g} MPa, above the maker's {most:.4g} MPa"
+    if static.strand.reachable_strain(static.cold_stress, more) < static.strain:
+        yield f"under {HEAVIER - 1.0:.0%} more load it does not give the stroke any more"
+
+
+def find_changes(request: WireRequest, candidates: Sequence[Candidate]) -> tuple[str, ...]:
+    """Changes of a request that nothing meets under which a candidate would do, the nearest first.
+
+    Strands, rate and supply of a candidate are changed one after another, each as far as it needs.
+    """
+    found: list[tuple[float, str]] = []
+    for one in candidates[:MOST_TRIED]:
+        asked, now = request, one
+        for _ in range(MOST_CHANGES):
+            values = _relax_request(asked, now)
+            if now.feasible or values is None:
+                break
+            asked = asked.with_values(values)
+            now = judge_candidate(asked, one.size, one.alloy)
+        if now.feasible:
+            found.append(_describe_change(request, asked, one))
+    words = [said for _, said in sorted(found)]
+    return tuple(dict.fromkeys(words))[:SHOWN_CHANGES]
+
+
+def _relax_request(request: WireRequest, candidate: Candidate) -> dict[str, float] | None:
+    """The number of the request that keeps a candidate from doing, as it would have to be; None if none would help."""
+    cycle, static = candidate.cycle, candidate.statics
+    if static.count > request.strands:
+        return {"strands": float(static.count)} if static.count <= MOST_STRANDS else None
+    if candidate.wiring is not None and cycle is None:
+        return {"supply": 1.5 * request.supply} if math.isinf(request.current_limit) else None
+    if cycle is None or cycle.fastest is None or cycle.keeps(request.period):
+        return None
+    digits = 1 - math.floor(math.log10(0.95 * cycle.fastest))
+    return {"rate": math.floor(0.95 * cycle.fastest * 10.0**digits) / 10.0**digits}
+
+
+def _describe_change(request: WireRequest, asked: WireRequest, one: Candidate) -> tuple[float, str]:
+    """How far a request is from another [factors of e], and the options that make it so."""
+    forms = {"strands": "--strands {:.0f}", "rate": '--rate "{:.4g} Hz"', "supply": '--supply "{:.4g} V"'}
+    apart = {name: getattr(asked, name) / getattr(request, name) for name in forms}
+    changed = {name: factor for name, factor in apart.items() if factor != 1.0}
+    options = [forms[name].format(getattr(asked, name)) for name in changed]
+    return sum(abs(math.log(x)) for x in changed.values()), f"{' '.join(options)}: {one.size.name}, {one.alloy} °C"

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from martensite.design.sizing.cycle import RETURNED, PulseCycle
 from martensite.design.sizing.request import WireRequest, Wiring
-from martensite.design.sizing.statics import Statics
+from martensite.design.sizing.statics import Statics, list_alloy_numbers
 
 if TYPE_CHECKING:
     from martensite.design.sizing.candidates import Candidate
@@ -42,6 +42,8 @@ def describe_life(stress: float) -> str:
 def list_static_reasons(request: WireRequest, static: Statics) -> Iterator[str]:
     """Why a candidate need not be simulated."""
     strand, cold = static.strand, static.cold_stress
+    if request.limits == "keep":
+        yield from _list_exceeded(static)
     if static.count > request.strands:
         yield f"needs {static.count} strands, at most {request.strands:.0f} are allowed"
     start = strand.shifted("M_s", cold)
@@ -71,11 +73,23 @@ def list_reasons(
             f"too slow: {cycle.heating:.2g} s of heating and {cycle.cooling:.3g} s of cooling in a "
             f"period of {request.period:.3g} s{excuse}"
         )
-    if cycle.hottest > limits["temperature_limit"]:
+    if request.limits == "keep" and cycle.hottest > limits["temperature_limit"]:
         yield (
             f"too hot: {_format_celsius(cycle.hottest)}, the limit of the material is "
             f"{_format_celsius(limits['temperature_limit'])}"
         )
+
+
+def _list_exceeded(static: Statics) -> Iterator[str]:
+    """Limits of the material that a stress and a strain exceed."""
+    limits = list_alloy_numbers(static.strand.alloy)
+    if static.hot_stress > limits["stress_limit"] * (1.0 + 1e-9):
+        yield (
+            f"{_format_megapascal(static.hot_stress)} is above the maker's "
+            f"{_format_megapascal(limits['stress_limit'])} for repeated use"
+        )
+    if static.strain > limits["strain_limit"]:
+        yield f"{100.0 * static.strain:.2f} % strain is above the maker's {100.0 * limits['strain_limit']:.0f} %"
 
 
 def _describe_supply(request: WireRequest, static: Statics, wiring: Wiring) -> str:
@@ -94,19 +108,16 @@ def list_warnings(
 ) -> Iterator[str]:
     """What to beware of."""
     yield from _warn_of_cold(request, static)
-    if static.hot_stress > limits["stress_limit"] * (1.0 + 1e-9):
-        yield (
-            f"{_format_megapascal(static.hot_stress)} is above the maker's "
-            f"{_format_megapascal(limits['stress_limit'])} for repeated use"
-        )
-    if static.strain > limits["strain_limit"]:
-        yield (f"{100.0 * static.strain:.2f} % strain is above the maker's {100.0 * limits['strain_limit']:.0f} %")
+    if request.limits == "ignore":
+        yield from _list_exceeded(static)
     if static.strain < request.strain:
         yield (
             f"{100.0 * static.strain:.2f} % strain is used, not {100.0 * request.strain:.2f} %: "
             "the wire gives no more under this load"
         )
     limit = limits["temperature_limit"]
+    if request.limits == "ignore" and cycle is not None and cycle.hottest > limit:
+        yield f"{_format_celsius(cycle.hottest)} is above the limit of the material, {_format_celsius(limit)}"
     if cycle is not None and cycle.running is not None and cycle.running > limit:
         yield (
             f"repeated at {request.rate:.4g} Hz this pulse heats the wire to "

@@ -45,7 +45,7 @@ def _format_head(request: WireRequest, candidate: Candidate) -> str:
     found = f"{_count_samples(candidate)}Flexinol {candidate.size.name}, {candidate.alloy} °C"
     lines = [f"# Sized for {asked}: {found}."]
     lines += [f"# Not met: {reason}." for reason in candidate.reasons]
-    lines += [f"# Beware: {warning}." for warning in candidate.warnings]
+    lines += [f"# Beware: {warning}." for warning in (*candidate.warnings, *candidate.frail)]
     return "\n".join([*lines, f'title = "{found}: {asked}"', ""])
 
 

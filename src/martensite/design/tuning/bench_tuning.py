@@ -9,7 +9,7 @@ Sensors, observers and controllers are those of the bench in every run; what is 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -74,6 +74,7 @@ def tune_bench(
     noise_seed: int | None = 0,
     waveforms: Mapping[str, AbstractWaveform] | None = None,
     watch: Tell | None = None,
+    keep: Callable[[dict[str, float]], None] | None = None,
     native: bool | None = None,
 ) -> TunedBench:
     """Parameters of controllers of least cost.
@@ -91,6 +92,7 @@ def tune_bench(
         noise_seed: of the noise of the sensors, the same in every run; None for none.
         waveforms: of drives of the plant that no controller has.
         watch: called with a sentence and the share that is done.
+        keep: called with every set of numbers, by path, that is the best so far.
         native: whether to run in C; by default if there is a compiler.
 
     Raises:
@@ -105,7 +107,7 @@ def tune_bench(
     course = Course(first.one(0), bench.period) if _is_finite(first) else _find_scales(runs, starts)
     how = search or TuningSearch()
     costs = GainCosts(runs, Cost(goal or TuningGoal(), course), freed, plants, how.slopes)
-    cost, best, ends = search_gains(costs, [before, *[{**before, **start} for start in starts]], how, watch)
+    cost, best, ends = search_gains(costs, [before, *[{**before, **start} for start in starts]], how, watch, keep)
     after = {path: float(value) for path, value in costs.numbers(best).items()}
     found = compare_gains(runs, after, course)
     return replace(

@@ -17,7 +17,7 @@ least to the hundredfold of the largest start, or what is declared of a number t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -177,7 +177,11 @@ class GainCosts:
 
 
 def search_gains(
-    costs: GainCosts, starts: Sequence[Mapping[str, float]], search: TuningSearch, watch: Tell | None
+    costs: GainCosts,
+    starts: Sequence[Mapping[str, float]],
+    search: TuningSearch,
+    watch: Tell | None,
+    keep: Callable[[dict[str, float]], None] | None = None,
 ) -> tuple[float, Numbers, tuple[float, ...]]:
     """Least cost, where it is (the first start if none is less), and where descents ended.
 
@@ -185,6 +189,8 @@ def search_gains(
         SolveError: no start can be run.
     """
     hunt = BoxSearch(costs, iterations=search.iterations, clouds=search.clouds, seed=search.seed, watch=watch)
+    if keep is not None:
+        hunt.keep = lambda point: keep({path: float(value) for path, value in costs.numbers(point.z).items()})
     begun = hunt.judge(np.array([costs.place(start) for start in starts]))
     if hunt.found.goal >= FAILED_COST:
         raise SolveError(f"None of {len(starts)} starts of the tuning can be run.")

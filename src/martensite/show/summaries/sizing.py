@@ -59,6 +59,7 @@ def summarise_sizing(sizing: Sizing, chosen: int | None, *, every: bool = False)
     data = {
         "request": {name: getattr(request, name) for name in request.declarations},
         "chosen": None if chosen is None else chosen + 1,
+        "changes": list(sizing.changes),
         "candidates": [candidate.to_dict() for candidate in sizing.candidates],
     }
     return Summary("", [*_describe_candidates(sizing, chosen, every), *one], data)
@@ -77,6 +78,15 @@ def _describe_candidates(sizing: Sizing, chosen: int | None, every: bool) -> Ite
             yield Sentence(f"{i + 1} does not: {found.reasons[0]}.")
     if not good:
         yield Sentence("No wire meets the request; the nearest come first.", "caution")
+        yield from (Sentence(f"What would fit: {change}.") for change in sizing.changes)
+        if not sizing.changes:
+            yield Sentence("More strands, a lower rate or a higher voltage would not help; ask for less.")
+    if sizing.request.limits == "ignore":
+        yield Sentence("The limits of the material are ignored, as asked.", "caution")
+    robust = sum(not found.frail for _, found in good)
+    if good:
+        who = "All of them" if robust == len(good) else f"The first {robust}" if robust else "None of them"
+        yield Sentence(f"{who} would also return on a day 10 K warmer and carry 20 % more load.")
     left = len(numbered) - len(shown)
     if left:
         yield Sentence(f"{left} more do not do; --all shows them with the reason.")
@@ -86,7 +96,7 @@ def _describe_one(request: WireRequest, found: Candidate) -> Iterator[Block]:
     yield Heading(write_headline(found))
     yield from map(Sentence, list_sentences(request, found))
     yield from (Sentence(f"Not met: {reason}.", "bad") for reason in found.reasons)
-    yield from (Sentence(f"Warning: {warning}.", "caution") for warning in found.warnings)
+    yield from (Sentence(f"Warning: {warning}.", "caution") for warning in (*found.warnings, *found.frail))
     yield from (Sentence(line, "caution") for line in list_doubts(found))
 
 
