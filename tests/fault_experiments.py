@@ -132,8 +132,9 @@ def load_check_run(text: str, runtime: str = "auto") -> Verdict:
     checked = call_command(["check", "wire.toml", "--json"])
     if checked[0] is not Outcome.ANSWERED:
         return checked
-    if max(count_steps(scenario), scenario.samples) > MOST_STEPS:
-        return Outcome.LEFT_OUT, f"{count_steps(scenario):.3g} steps, {scenario.samples} samples"
+    steps = count_steps(scenario) if scenario.bench is None else scenario.duration / scenario.bench.period
+    if max(steps, scenario.samples) > MOST_STEPS:
+        return Outcome.LEFT_OUT, f"{steps:.3g} steps, {scenario.samples} samples"
     result = scenario.run(budget=BUDGET, runtime=None if scenario.bench else runtime)
     return judge_result(result, scenario.duration, None if scenario.bench else scenario.samples)
 

@@ -13,6 +13,7 @@ from scipy.integrate import romb
 from martensite.physics.electrical.sources import CurrentSource, PowerSource
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
+from martensite.simulate.ledger import integrate_effort
 
 AMBIENT = 20 + ZERO
 RULES = pytest.mark.parametrize("rule", ["resume", "restart"])
@@ -175,3 +176,10 @@ def test_wire_geometry():
     wire = wire_a()
     assert wire.surface() == pytest.approx(2.992367e-4, rel=1e-6)
     assert wire.mass() == pytest.approx(1.838398072600609e-4, rel=1e-14)
+
+
+def test_work_of_a_force_along_a_way_is_that_of_parabolas():
+    """1 + 2s + 3s² along 4 + 5s + 6s² for s from 0 to 1: the integral of (1 + 2s + 3s²)(5 + 12s) is 38."""
+    force, way = (lambda s: 1.0 + 2.0 * s + 3.0 * s * s), (lambda s: 4.0 + 5.0 * s + 6.0 * s * s)
+    found = integrate_effort([force(s) for s in (0.0, 0.5, 1.0)], [way(s) for s in (0.0, 0.5, 1.0)])
+    assert found == pytest.approx(38.0, rel=1e-14)
