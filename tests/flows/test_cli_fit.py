@@ -252,7 +252,7 @@ def test_interrupted_search_keeps_the_best_and_is_taken_up_again(monkeypatch: py
     with monkeypatch.context() as patch:
         notes = interrupting(5, patch)
         done = FIT(*SMALL, "--resume", "state.json", "--json")
-    assert done.exit_code == 1
+    assert done.exit_code == 130
     found = json.loads(done.stdout)
     assert found["reason"] == "interrupted"
     assert any("interrupted" in warning for warning in found["warnings"])
@@ -275,7 +275,7 @@ def test_interrupted_profile_does_not_lose_the_fit(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(profiling, "profile_likelihood", interrupted)
     done = FIT(*SMALL, "--profile", "A_s", "--json")
-    assert done.exit_code == 1
+    assert done.exit_code == 130
     found = json.loads(done.stdout)
     assert (found["reason"], found["profiles"]) == ("converged", [])
 

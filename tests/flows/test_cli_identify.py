@@ -132,7 +132,7 @@ def test_an_interrupted_search_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> 
 
     monkeypatch.setattr(stages, "identify_stages", interrupted)
     done = IDENTIFY("pulses.csv", *ONE)
-    assert done.exit_code == 1
+    assert done.exit_code == 130
     assert "best so far" in done.stderr
     assert "temperature" in done.stdout
 

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import math
-import signal
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from json import dumps
@@ -18,6 +16,7 @@ from typer import Argument, Option
 
 from martensite.base.errors import InputError, UnknownNameError
 from martensite.base.formats import write_quantity
+from martensite.base.interrupts import InterruptError, accept_interrupt, rescue_answer
 from martensite.cli.fit import LOGS, fit
 from martensite.cli.options import (
     Force,
@@ -41,8 +40,6 @@ if TYPE_CHECKING:
     from martensite.fit.search_monitor import SearchNote
     from martensite.search.profile import Profile
 
-INTERRUPTED = 130
-"""Exit code of an interruption that leaves nothing to show."""
 REPORTS, MATERIAL = (".md", ".html"), (".toml",)
 
 
@@ -212,52 +209,29 @@ def fit_logs(
     scenario has outputs for are compared. Ctrl-C ends the search and keeps the best so far; the
     exit code is 1 then. SIGTERM does the same.
     """
-    with end_on_signals():
-        import_modules(modules)
-        extras.check_files(force)
-        code = _run_to_the_end(lambda: options.read_task(logs, settings), extras, json)
-    if code:
-        raise typer.Exit(code)
-
-
-def _run_to_the_end(read: Callable[[], FitTask], extras: FitExtras, json: bool) -> int:
-    """Exit code of a fit, which shows the best so far wherever it is interrupted."""
+    import_modules(modules)
+    extras.check_files(force)
     latest: dict[str, Any] = {}
-    try:
-        return 0 if run_fit(read(), extras, json, latest) else 1
-    except KeyboardInterrupt:
-        state = _tell_state(extras.resume)
-        if not latest:
-            typer.echo(f"interrupted: nothing was found yet{state}", err=True)
-            return INTERRUPTED
-        problem, note = latest["problem"], latest["note"]
-        numbers = problem.numbers(note.values)
-        if json:
-            typer.echo(dumps({"reason": "interrupted", "cost": note.cost, "numbers": numbers}))
-        else:
-            units = {free.name: free.unit for free in problem.free}
-            best = ", ".join(f"{name} = {write_quantity(x, units[name])}" for name, x in numbers.items())
-            typer.echo(f"Best so far: {best}")
-        typer.echo(f"interrupted: these numbers are not judged{state}", err=True)
-        return 1
+    with rescue_answer(lambda: _tell_best(latest, extras.resume, json)):
+        whole = run_fit(options.read_task(logs, settings), extras, json, latest)
+    if not whole:
+        raise typer.Exit(InterruptError.exit_code)
 
 
-@contextmanager
-def end_on_signals() -> Iterator[None]:
-    """Let SIGTERM end a search as Ctrl-C does: with the best so far."""
-
-    def interrupt(number: int, frame: Any) -> None:
-        raise KeyboardInterrupt
-
-    try:
-        before = signal.signal(signal.SIGTERM, interrupt)
-    except ValueError:  # not the main thread, which alone is told
-        yield
-        return
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
+def _tell_best(latest: dict[str, Any], resume: Path | None, json: bool) -> str:
+    """Print the best numbers so far; the sentence with which an interrupted fit ends."""
+    state = _tell_state(resume)
+    if not latest:
+        return f"Interrupted; nothing was found yet{state}."
+    problem, note = latest["problem"], latest["note"]
+    numbers = problem.numbers(note.values)
+    if json:
+        typer.echo(dumps({"reason": "interrupted", "cost": note.cost, "numbers": numbers}))
+    else:
+        units = {free.name: free.unit for free in problem.free}
+        best = ", ".join(f"{name} = {write_quantity(x, units[name])}" for name, x in numbers.items())
+        typer.echo(f"Best so far: {best}")
+    return f"Interrupted; these numbers are not judged{state}."
 
 
 def _tell_state(path: Path | None) -> str:
@@ -311,6 +285,7 @@ def _draw_posterior(fit: Fit, draws: int) -> Posterior | None:
     try:
         return sample_posterior(fit, draws=draws, progress=sys.stderr.isatty())
     except KeyboardInterrupt:
+        accept_interrupt()
         return None
 
 
@@ -323,6 +298,7 @@ def _walk_profiles(fit: Fit, names: Sequence[str]) -> list[Profile]:
             with show_spinner(f"profile of {name}"):
                 walked.append(profile_likelihood(fit, name))
     except KeyboardInterrupt:
+        accept_interrupt()
         return walked
     return walked
 

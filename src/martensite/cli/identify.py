@@ -12,6 +12,7 @@ from typer import Argument, Option
 
 from martensite.base.errors import InputError, suggest_name
 from martensite.base.files import replace_together
+from martensite.base.interrupts import InterruptError
 from martensite.cli.app import app
 from martensite.cli.options import Imports, Text, Texts, import_modules, read_positive, read_quantity, spread_options
 from martensite.cli.outputs import AnswerOptions, Outputs
@@ -220,7 +221,7 @@ def identify(
     print_summary(summarise_identified(found, records), answer.json, written)
     if ended or not all(one is None or one.complete for one in found.searches):
         typer.echo("interrupted: this is the best so far", err=True)
-        raise typer.Exit(1)
+        raise typer.Exit(InterruptError.exit_code)
 
 
 def _write_files(found: Identified, outputs: Outputs, records: Sequence[Sampled]) -> list[Path]:

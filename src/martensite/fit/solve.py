@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import InputError, SolveError, require_known
+from martensite.base.interrupts import accept_interrupt
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit, HeldOutRecord
 from martensite.fit.input_noise import Descend, correct_for_inputs
@@ -99,6 +100,7 @@ def solve_problem(
     except KeyboardInterrupt:
         if watch.best is None:
             raise
+        accept_interrupt()
         reason = INTERRUPTED
     watch.save()
     if watch.best is None:
@@ -114,6 +116,7 @@ def solve_problem(
         try:
             training, end, noise, notes = correct_for_inputs(training, end, _make_descent(chosen, plain))
         except (KeyboardInterrupt, SolveError):
+            accept_interrupt()
             notes.append("The noise of columns that drive was not taken into account: that search did not end.")
     evaluation = plain
     if noise:

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from martensite.base.errors import InputError, SolveError
+from martensite.base.interrupts import accept_interrupt
 from martensite.identify.blocks.base import AbstractBlock
 from martensite.identify.chains.chain import Chain, build_untrained
 from martensite.identify.chains.chain_text import parse_chain
@@ -282,6 +283,7 @@ class _Estimation:
         return told
 
     def _halt(self) -> None:
+        accept_interrupt()
         self.goal.halt.set()
         self.tell(INTERRUPTED, 1.0)
 
@@ -368,6 +370,7 @@ def _refine_all(
             pool.shutdown(wait=True, cancel_futures=True)
             if not isinstance(error, KeyboardInterrupt):
                 raise
+            accept_interrupt()
         ends = [one.result() for one in running if not one.cancelled()]
     found = sorted((end for end in ends if end and np.isfinite(end.cost)), key=lambda end: end.cost)
     if goal.halt.is_set():

@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from martensite.base.errors import InputError, SolveError
+from martensite.base.interrupts import accept_interrupt
 from martensite.identify.chains.chain import build_untrained
 from martensite.identify.chains.chain_text import expand_pattern, parse_chain
 from martensite.identify.chains.doubts import describe_stillness
@@ -126,6 +127,7 @@ def search_structures(
         complete = False
         if not done:
             raise
+        accept_interrupt()
     found = _decide_next(done, validation, complete)
     return found if validation else replace(found, remarks=tuple(describe_stillness(records, FOLDS)))
 
@@ -172,6 +174,7 @@ def _try_candidate(
             try:
                 score = cross_validated(text, records, _fix_starts(options, found))
             except KeyboardInterrupt:
+                accept_interrupt()
                 complete = False
     except (SolveError, InputError) as error:
         seconds = time.perf_counter() - begun
