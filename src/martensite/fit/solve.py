@@ -215,7 +215,7 @@ def _verify_optimum(watch: SearchMonitor, loss: Loss, most: int) -> str:
     watch.stage = "verifying the optimum"
     for _ in range(POLISHES):
         point = np.array(watch.best)
-        found = watch.evaluate(point, slopes=True)
+        found = watch.evaluate(point.tolist(), slopes=True)
         if found is None:
             return NOT_STATIONARY
         weights = np.sqrt(loss.weights(found.residuals, _scale_loss(loss, found)))
