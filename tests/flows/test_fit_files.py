@@ -430,7 +430,8 @@ def test_rows_are_steps_enough_where_nothing_depends_on_rates() -> None:
 
 
 def test_step_to_the_tolerance_where_the_wire_is_heated() -> None:
-    (one,) = read_problem("heated.toml", heated(), "h").experiments
+    sloping = {"drive.waveform": {"kind": "log", "between": "linear"}}
+    (one,) = read_problem("heated.toml", heated(), "h", overrides=sloping).experiments
     assert 0.0 < one.step < 1.0
     (coarse,) = read_problem("heated.toml", heated(), "h", step=0.05).experiments
     assert coarse.step == 0.05

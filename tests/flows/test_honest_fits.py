@@ -194,6 +194,7 @@ def test_signals_end_a_search_with_the_best_so_far(number: int, tmp_path: Path) 
             time.sleep(0.1)
         process.send_signal(number)
         out, said = process.communicate(timeout=120.0)
-    assert process.returncode == 130
+    assert process.returncode == 130, said
+    assert out, said
     assert json.loads(out)["reason"] == "interrupted"
     assert "the search goes on from `state.json`" in said

@@ -6,6 +6,7 @@ import math
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib import import_module
 from importlib.util import find_spec
 from json import dumps
 from pathlib import Path
@@ -248,6 +249,8 @@ def run_fit(task: FitTask, extras: FitExtras, json: bool, latest: dict[str, Any]
     """
     names = extras.profile or []
     with show_spinner("reading logs, choosing steps"):
+        for module in ("scipy.optimize", "scipy.stats", "scipy.stats.qmc"):
+            import_module(module)  # not while it searches: an interruption would leave it half imported
         arranged = task.arrange()
         extras.check(arranged)
     with show_search(lambda note: _describe_note(note, task.noise)) as tell:

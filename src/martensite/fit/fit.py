@@ -285,10 +285,12 @@ class Fit:
     def whiteness(self) -> tuple[Whiteness, ...]:
         """Whether the residuals of every record and output look like noise."""
         rows = [one for one in list_compared(self) if one.used.any()]
-        ends = np.cumsum(self.problem.lengths)[:-1]
+        parts = [one.residuals[one.used] for one in rows]
+        if self.input_noise:  # which scatters unevenly before it is whitened
+            parts = np.split(self.evaluation.residuals, np.cumsum(self.problem.lengths)[:-1])
         return tuple(
             assess_whiteness(part, f"{one.record}, {one.output}")
-            for one, part in zip(rows, np.split(self.evaluation.residuals, ends), strict=True)
+            for one, part in zip(rows, parts, strict=True)
             if len(part) >= FEWEST
         )
 

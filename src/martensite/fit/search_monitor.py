@@ -15,10 +15,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from martensite.base.errors import DataError
 from martensite.base.files import write_file
 from martensite.fit.problem import Evaluation, Problem
 
+TOGETHER = 32
+"""Points after which the best so far is noted."""
 EVERY = 2.0
 """Seconds between writings of the state."""
 
@@ -74,11 +78,14 @@ class SearchMonitor:
 
     def costs(self, points: Any) -> Any:
         """As `Problem.costs`."""
-        found = self.problem.costs(points)
-        self.simulations += len(points) * len(self.problem.experiments)
-        least = int(found.argmin())
-        self._record_point(points[least], float(found[least]))
-        return found
+        answers = list[Any]()
+        for some in np.split(points, range(TOGETHER, len(points), TOGETHER)):
+            found = self.problem.costs(some)
+            self.simulations += len(some) * len(self.problem.experiments)
+            least = int(found.argmin())
+            self._record_point(some[least], float(found[least]))
+            answers.append(found)
+        return np.concatenate(answers)
 
     def _record_point(self, u: Sequence[float], cost: float) -> None:
         if cost < self.cost:

@@ -193,6 +193,8 @@ def _run_search(watch: SearchMonitor, method: str, loss: Loss, starts: int, seed
         begins = [(RESUMED, np.array(watch.best))]
     if starts:
         watch.stage = f"{SPREAD * starts} points"
+        if watch.best is None:  # something to show, should the points be interrupted
+            watch.evaluate(problem.start.tolist())
         spread = find_starts(watch.costs, size, count=SPREAD * starts, keep=starts, seed=seed)
         begins += [(f"start {k}", np.array(s.values)) for k, s in enumerate(spread, start=1)]
     return _run_descents(watch, begins, loss, most)
@@ -218,7 +220,7 @@ def _verify_optimum(watch: SearchMonitor, loss: Loss, most: int) -> str:
     watch.stage = "verifying the optimum"
     for _ in range(POLISHES):
         point = np.array(watch.best)
-        found = watch.evaluate(point, slopes=True)
+        found = watch.evaluate(point.tolist(), slopes=True)
         if found is None:
             return NOT_STATIONARY
         weights = np.sqrt(loss.weights(found.residuals, _scale_loss(loss, found)))

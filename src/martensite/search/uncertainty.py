@@ -34,6 +34,8 @@ from martensite.search.whiteness import count_effective_samples
 Matrix: TypeAlias = NDArray[np.float64]
 CONFOUNDED = 0.95
 """Correlation from which on two parameters are named as hardly told apart."""
+CHANCE = 1.1
+"""Errors of HC3 over those for even residuals that chance alone makes, in a hundred or more samples."""
 _TURNED = 1e-3
 _MANY = 10_000
 """Degrees of freedom above which Student's t is taken as with so many; 1e-4 too wide at most."""
@@ -166,7 +168,7 @@ def estimate_uncertainty(
         lengths: samples of each record in `residuals`; one record if left out.
         precision: relative precision of the Jacobian.
         uneven: whether residuals may scatter unevenly for what a linear picture leaves out; errors are
-            then at least those of HC3.
+            then at least those of HC3, less a tenth for chance.
 
     Raises:
         DataError: residuals or Jacobian are not finite, or not equally many.
@@ -185,7 +187,7 @@ def estimate_uncertainty(
         correlation = np.clip(spread / np.outer(deviations, deviations), -1.0, 1.0)
         own = np.where(np.isinf(deviations), math.inf, noise * deviations)
     if uneven and spare > 0:
-        own = np.fmax(own, _estimate_uneven(matrix, errors, spread))
+        own = np.fmax(own, _estimate_uneven(matrix, errors, spread) / CHANCE)
     np.fill_diagonal(correlation, 1.0)
     turned = np.outer(np.sign(free.scales), np.sign(free.scales)) * correlation
     return Uncertainty(

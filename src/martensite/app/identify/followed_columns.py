@@ -17,9 +17,11 @@ from martensite.base.files import toml_document
 from martensite.physics.electrical.base import SOURCES
 from martensite.scenario.assemble import GROUP, SIGNALS, drive_section, waveform_path
 from martensite.scenario.overrides import as_toml, change_document
-from martensite.scenario.recorded_waveforms import KIND, LOG, NATURAL, from_zero
+from martensite.scenario.recorded_waveforms import KIND, LOG, NATURAL, from_zero, hold_levels
 from martensite.scenario.scenario import Scenario
 from martensite.signals.records import Record
+from martensite.signals.table import Table
+from martensite.simulate.drive_waveforms import by_name
 
 WAVEFORM = "waveform"
 SOURCE_OF = {"V": "voltage", "A": "current", "W": "power", "K": "temperature"}
@@ -111,7 +113,8 @@ def embed_log(scenario: Scenario, log: Record, numbers: Mapping[str, str]) -> st
     changes: JsonTable = dict(numbers)
     for name, column in scenario.follows.items():
         path = waveform_path(scenario.system, name, section).removesuffix(".")
-        changes[path] = _list_corners(record, column)
+        table = by_name(scenario.system, scenario.waveform)[name]
+        changes[path] = _list_corners(record, column, isinstance(table, Table) and len(table.times) > len(record) + 1)
     document = change_document(toml_document(scenario.text), changes)
     run = document.get("run")
     if scenario.follows and isinstance(run, dict):
@@ -119,14 +122,16 @@ def embed_log(scenario: Scenario, log: Record, numbers: Mapping[str, str]) -> st
     return as_toml(document)
 
 
-def _list_corners(record: Record, column: str) -> JsonTable:
+def _list_corners(record: Record, column: str, held: bool) -> JsonTable:
+    """A waveform through the corners of a column, which may be held from row to row."""
     known = [(t, x) for t, x in zip(record.times, record[column], strict=True) if math.isfinite(x)]
+    known = hold_levels(known) if held else known
     times, values = zip(*known, strict=True)
     rows, unit = find_corners(times, values), record.units[column]
     spelling = units.choose_readable_unit(unit)
     label = "" if spelling == "1" else f" {spelling}"
     return {
         "kind": KIND,
-        "times": [f"{times[row]:.6g} s" for row in rows],
+        "times": [f"{times[row]:.10g} s" for row in rows],
         "values": [f"{units.from_si(values[row], spelling, unit):.6g}{label}" for row in rows],
     }
