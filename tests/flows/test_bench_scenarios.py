@@ -310,6 +310,7 @@ REFUSED = [
     ({"controller.Kq": 1}, "[controller] `pid` has no `Kq`"),
     ({"controller.kind": "pit"}, "Did you mean `pid`?"),
     ({"controller.measured": "positon"}, "Did you mean `position`?"),
+    ({"controller.measured": []}, "cannot measure"),
     ({"controller.law.high": 0.5}, "`high` and `law.high` are the same; leave one out"),
     ({"sensor.dely": "1 s"}, "[sensor] `position` has no `dely`. Did you mean `delay`?"),
     ({"sensor.of": "strian"}, "looks at `strian`, which the plant does not have"),

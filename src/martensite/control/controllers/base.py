@@ -130,5 +130,6 @@ def require_readings(controller: AbstractController, known: Mapping[str, Any]) -
         if name not in known:
             title = controller.registered_name or type(controller).__name__
             raise ParameterError(
-                f"Controller `{title}` cannot measure `{name}`: there is no such reading. {suggest_name(name, known)}"
+                f"Controller `{title}` cannot measure `{name}`: there is no such reading. "
+                f"{suggest_name(str(name), known)}"
             )
