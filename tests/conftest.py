@@ -2,6 +2,7 @@
 
 import gc
 import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,10 @@ from martensite.kernels.compiler import find_compiler
 BESIDE = Path(__file__).resolve().parents[2] / "shared" / "data"
 if "MARTENSITE_DATA" not in os.environ and BESIDE.is_dir():
     os.environ["MARTENSITE_DATA"] = str(BESIDE)
+
+# a shell lets what it starts in the background ignore Ctrl-C, and so all that is started from there
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # traced graphs are full of cycles: looked for as often as usual, they take an eighth of the time
 gc.set_threshold(20_000, 20, 25)
