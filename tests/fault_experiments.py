@@ -121,8 +121,8 @@ def spoil_scenario(seed: int) -> tuple[str, str]:
 
 def load_check_run(text: str, runtime: str = "auto") -> Verdict:
     """Build a scenario, check it, run it."""
-    from martensite.app.documents import count_steps
     from martensite.scenario.scenario import load
+    from martensite_app.documents import count_steps
 
     Path("wire.toml").write_text(text, encoding="utf-8")
     for name in ("migaone_table2.csv", "kossoski_table2.csv"):

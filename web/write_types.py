@@ -14,8 +14,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 HERE = Path(__file__).parent
-PACKAGE = HERE.parent / "src" / "martensite"
-SOURCES = (PACKAGE / "scenario" / "catalogue.py", PACKAGE / "app" / "forms" / "form_types.py")
+ROOT = HERE.parent
+SOURCES = (ROOT / "src/martensite/scenario/catalogue.py", ROOT / "app/src/martensite_app/forms/form_types.py")
 TARGET = HERE / "src" / "form" / "types.ts"
 HEAD = "// Written by write_types.py from what Python declares; do not edit.\n"
 PLAIN = {"str": "string", "int": "number", "float": "number", "bool": "boolean", "Any": "unknown"}

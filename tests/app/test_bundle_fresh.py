@@ -8,8 +8,6 @@ from pathlib import Path
 
 import pytest
 
-import martensite
-
 WEB = Path(__file__).parents[2] / "web"
 
 
@@ -48,10 +46,10 @@ def test_the_types_of_forms_are_what_python_declares(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     shutil.copytree(WEB / "src" / "form", tmp_path / "web" / "src" / "form")
     shutil.copy(WEB / "write_types.py", tmp_path / "web")
-    for name in ("scenario/catalogue.py", "app/forms/form_types.py"):
-        place = tmp_path / "src" / "martensite" / name
+    for name in ("src/martensite/scenario/catalogue.py", "app/src/martensite_app/forms/form_types.py"):
+        place = tmp_path / name
         place.parent.mkdir(parents=True)
-        text = (Path(martensite.__file__).parent / name).read_text("utf-8")
+        text = (WEB.parent / name).read_text("utf-8")
         place.write_text(text.replace("summary: str", "summary: str | None"))
     done = write_types("--check", folder=tmp_path / "web")
     assert done.returncode == 1

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from martensite.app.site import STATIC
+from martensite_app.site import STATIC
 
 MOST = 1_000_000
 """Bytes of the page with all that it may load, as they go over the wire."""

@@ -11,11 +11,11 @@ import pytest
 from app_server import Bench
 
 from martensite.actuators.mechanisms.drawing import KINDS
-from martensite.app.documents import FOLDER, list_standalone
-from martensite.app.views.scene import LEAST, MOST, describe_scene, draw_row
-from martensite.app.views.scene import measure_lengths as lengths_of
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.result import Result
+from martensite_app.documents import FOLDER, list_standalone
+from martensite_app.views.scene import LEAST, MOST, describe_scene, draw_row
+from martensite_app.views.scene import measure_lengths as lengths_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

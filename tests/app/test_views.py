@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from martensite.app.calls.scenarios import compare_documents
-from martensite.app.messages import BadMessageError
-from martensite.app.views.diagrams import NO_ELEMENT, PRESCRIBED, describe_energy, describe_phase
-from martensite.app.views.traces import list_alarms, list_loops, list_panels, list_stretches
-from martensite.app.worker import Desk
 from martensite.base.errors import DataError, InputError
 from martensite.design.analysis.energy import compute_cycle_energies, find_length
 from martensite.scenario.scenario import load
 from martensite.show.summaries.run import tabulate_key_results
 from martensite.simulate.result import Result
+from martensite_app.calls.scenarios import compare_documents
+from martensite_app.messages import BadMessageError
+from martensite_app.views.diagrams import NO_ELEMENT, PRESCRIBED, describe_energy, describe_phase
+from martensite_app.views.traces import list_alarms, list_loops, list_panels, list_stretches
+from martensite_app.worker import Desk
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

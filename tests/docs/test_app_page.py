@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from fences import ROOT, fences
 
-from martensite.app.routes import ROUTES
+from martensite_app.routes import ROUTES
 
 PAGE = ROOT / "docs" / "howto" / "app.md"
 (PROGRAM,) = [block.text for block in fences(PAGE) if block.language == "python"]

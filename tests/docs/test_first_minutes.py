@@ -165,7 +165,7 @@ def test_a_study_of_ones_own_is_found(python: Path, tmp_path: Path) -> None:
     assert (done.returncode, "martensite[studies]" in done.stderr) == (2, True)
 
 
-@pytest.mark.parametrize("name", ["pytest", "jax", "starlette", "hatchling", "martensite_studies"])
+@pytest.mark.parametrize("name", ["pytest", "jax", "starlette", "hatchling", "martensite_app", "martensite_studies"])
 def test_nothing_else_is_there(python: Path, folder: Path, name: str) -> None:
     assert "ModuleNotFoundError" in call(python, folder, "-c", f"import {name}").stderr
 

@@ -14,13 +14,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from martensite.base.errors import DataError
+from martensite.base.lazy import import_extra
 from martensite.cli.app import app
 from martensite.cli.options import Json
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from martensite.app.server import Served
+    from martensite_app.server import Served
 
 
 @app.command("app")
@@ -39,12 +40,12 @@ def bench_app(
 
     It is reachable from this machine alone, and only with the token in the address. Ctrl-C ends it.
     """
-    from martensite.app.server import serve_bench
+    served = import_extra("martensite_app.server", "app", "the web bench")
 
     text = None if scenario is None else _read_text(scenario)
     if folder is not None and not folder.is_dir():
         raise DataError(f"There is no folder `{folder}`; create it first.")
-    serve_bench(port, folder, _make_opener(text, no_browser, json))
+    served.serve_bench(port, folder, _make_opener(text, no_browser, json))
 
 
 def _read_text(scenario: Path) -> str:

@@ -1,4 +1,4 @@
-// What the server tells of studies; see martensite.app.calls.studies.
+// What the server tells of studies; see martensite_app.calls.studies.
 
 export type Verdict = "reproduced" | "not reproduced" | "calibrated" | "not checkable";
 export type Tally = Record<Verdict, number>;

@@ -1,0 +1,265 @@
+"""Calls about logs: an uploaded table, its records, and a scenario beside them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from martensite.base import units
+from martensite.base.errors import MartensiteError, ParameterError
+from martensite.base.files import toml_document
+from martensite.base.parameters import Leaf
+from martensite.fit.column_matching import list_echoes, match_columns
+from martensite.fit.free_parameters import build_free_numbers
+from martensite.fit.losses import LOSSES
+from martensite.fit.solve import METHODS
+from martensite.scenario.assemble import waveform_path
+from martensite.scenario.heading_guess import Guess, guess_headings, usual_units
+from martensite.scenario.layout import CANONICAL
+from martensite.scenario.overrides import as_toml
+from martensite.scenario.scenario import Scenario
+from martensite.search.free_numbers import SearchRange
+from martensite.signals.records import Record
+from martensite_app.documents import describe_scenarios, list_following
+from martensite_app.identify.fit_request import build_scenario
+from martensite_app.identify.followed_columns import describe_drives, follow_column
+from martensite_app.identify.mapped_table import describe_cuts, read_record, read_records
+from martensite_app.identify.raw_table import RawColumn, RawTable, read_raw
+from martensite_app.messages import JsonTable, Request, require_entry
+from martensite_app.uploads import UploadFolder
+from martensite_app.views.columns import describe_conversion, describe_difference, describe_display, find_envelope
+from martensite_app.worker import Desk
+
+SMALL = 120
+"""Points of the small curve of a column."""
+LONG = 100_000
+"""Rows from which on it is advised to thin out."""
+
+
+def describe_table(request: Request, desk: Desk) -> JsonTable:
+    """What is in an uploaded table, and what its columns may mean.
+
+    {"key": …, "separator": "auto"}
+    -> {"name", "rows", "separator", "preview": [[text, …], …], "columns": [{heading, name, unit,
+    min, max, missing, wrong, curve, …}], "names": {name: [unit, …]}, "notes": […]}
+
+    Cells are text, whatever is in them. Numbers of columns are as they stand in the file.
+    """
+    path = UploadFolder(desk.folder).path(require_entry(request, "key", str))
+    raw = read_raw(path, require_entry(request, "separator", str, "auto"))
+    meant = guess_headings([c.heading for c in raw.columns], [c.sample for c in raw.columns])
+    columns = [_describe_column(c, g) for c, g in zip(raw.columns, meant, strict=True)]
+    return {
+        "name": raw.name,
+        "rows": raw.rows,
+        "separator": raw.separator,
+        "headed": raw.headed,
+        "preview": raw.preview,
+        "columns": columns,
+        "names": {name: usual_units(name) for name in CANONICAL},
+        "notes": list(_list_notes(raw, meant)),
+    }
+
+
+def _describe_column(column: RawColumn, guess: Guess) -> JsonTable:
+    known = [number for number in column.numbers if not math.isnan(number)]
+    rows = find_envelope(column.numbers, SMALL)
+    return {
+        "heading": column.heading,
+        "name": guess.name if known else "",
+        "unit": guess.unit,
+        "min": min(known, default=None),
+        "max": max(known, default=None),
+        "missing": len(column.numbers) - len(known) - column.wrong,
+        "wrong": column.wrong,
+        "first_wrong": column.first_wrong,
+        "curve": [rows, [column.numbers[row] for row in rows]],
+    }
+
+
+def _list_notes(raw: RawTable, meant: list[Guess]) -> Iterator[str]:
+    if not raw.headed:
+        yield "The file has no headings; say for every column what it is."
+    if len(raw.columns) == 1:
+        yield "There is one column only; if the file has more, choose its separator."
+    if raw.ragged and raw.separator:
+        yield (
+            f"{raw.ragged} rows have more or fewer cells than there are columns "
+            f"({len(raw.columns)}): {raw.first_ragged}. Leave them out, or mend the file."
+        )
+    elif raw.ragged:
+        yield f"{raw.first_ragged}."
+    if any(column.wrong for column in raw.columns):
+        yield ("Some cells are no numbers. Do not use their columns, leave out such rows, or mend the file.")
+    if raw.rows > LONG:
+        yield f"The file has {raw.rows:,} rows; thin it out in the next step."
+    if not any(guess.name == "time" for guess in meant):
+        yield "No column seems to be the time; choose one, or give the time between rows."
+
+
+DRAWN = 800
+
+
+def describe_records(request: Request, desk: Desk) -> JsonTable:
+    """The columns of a mapped table over time, to be looked at and cut.
+
+    {"key": …, "columns": [{at, name, unit}], "interval": null, "drop": false, "cuts": [] }
+    -> {"begin": 0, "end": …, "rows": …, "columns": [{name, times, values, unit, shown, …}], "cuts":
+    [{name, rows, refused}]}: curves thinned so that lows and highs stay; times in s, values in SI.
+    """
+    record = read_record(request, desk)
+    columns: list[JsonTable] = []
+    for name, column in record.columns.items():
+        if name == "time":
+            continue
+        rows = find_envelope(column, DRAWN)
+        columns.append(
+            {
+                "name": name,
+                "times": [record.times[row] for row in rows],
+                "values": [column[row] for row in rows],
+                "missing": sum(map(math.isnan, column)),
+                **describe_display(name, record.units[name]),
+            }
+        )
+    return {
+        "begin": record.times[0],
+        "end": record.times[-1],
+        "rows": len(record),
+        "dropped": record.dropped,
+        "columns": columns,
+        "cuts": describe_cuts(request, desk),
+    }
+
+
+def list_followers(request: Request, desk: Desk) -> JsonTable:
+    """Scenarios that come with the package and follow a log.
+
+    {} -> {"scenarios": [{name, title, text}]}
+    """
+    return describe_scenarios(list_following())
+
+
+METHOD_WORDS = {
+    "trf": "least squares within bounds, with exact derivatives",
+    "coordinate": "one parameter after the other, without derivatives",
+    "evolution": "differential evolution over all bounds, then least squares",
+}
+LOSS_WORDS = {
+    "linear": "squares: right where errors are noise",
+    "soft-l1": "large errors count less",
+    "huber": "large errors count by their size, not its square",
+    "cauchy": "very large errors hardly count",
+}
+
+
+def match_scenario(request: Request, desk: Desk) -> JsonTable:
+    """A scenario beside a log: what follows which column, what is compared, and what could be free.
+
+    {the table as `identify.mapped_table` takes it, "text": TOML,
+    "follow": {"path": …, "column": …}}
+    -> {"text": …, "title": …, "refused": "", "drives": […], "numbers": […], "outputs": […],
+    "records": […], "methods": {…}, "losses": {…}}
+
+    Where the scenario cannot be built with the log, `refused` says why; the rest is what is known.
+    """
+    records = read_records(request, desk)
+    text = require_entry(request, "text", str)
+    document = toml_document(text)
+    follow = require_entry(request, "follow", dict, {})
+    if follow:
+        column = require_entry(follow, "column", str)
+        records[0][column]  # refuses what is none
+        path, unit = require_entry(follow, "path", str), records[0].units[column]
+        document = follow_column(document, path, column, unit)
+        text = as_toml(document)
+    known = {
+        "text": text,
+        "drives": describe_drives(document),
+        "columns": {name: unit for name, unit in records[0].units.items() if name != "time"},
+        "records": [one.name for one in records],
+        "methods": {name: METHOD_WORDS.get(name, "") for name in METHODS},
+        "losses": {name: LOSS_WORDS.get(name, "") for name in LOSSES},
+    }
+    try:
+        scenario = build_scenario({"text": text}, records[0])
+    except MartensiteError as error:
+        return {**known, "title": "", "refused": str(error), "numbers": [], "outputs": []}
+    return {**known, **_describe_built(scenario, records[0]), "drives": _list_drives(document, scenario)}
+
+
+def _list_drives(document: Request, scenario: Scenario) -> list[dict[str, str]]:
+    section = scenario.places.drive
+    followed = {
+        waveform_path(scenario.system, name, section).removesuffix("."): column
+        for name, column in scenario.follows.items()
+    }
+    return [one | {"column": followed.get(one["path"], "")} for one in describe_drives(document)]
+
+
+def _describe_built(scenario: Scenario, record: Record) -> JsonTable:
+    system = scenario.system
+    outputs, refused = list[JsonTable](), ""
+    try:
+        found, _, notes = match_columns(record, system, (), scenario.follows)
+        outputs = [{"name": name, **describe_display(name, system.outputs()[name].unit)} for name in found]
+    except MartensiteError as error:
+        refused, notes = str(error), []
+    return {
+        "title": scenario.title,
+        "described": system.description(),
+        "refused": refused,
+        "follows": scenario.follows,
+        "echoes": sorted(list_echoes(system)),
+        "numbers": list_numbers(scenario),
+        "outputs": [{**one, "difference": describe_difference(one["name"], one["unit"])} for one in outputs],
+        "notes": [*notes, *scenario.cautions],
+    }
+
+
+def list_numbers(scenario: Scenario) -> list[JsonTable]:
+    """One entry per number, or per numbers of one name and value, which then move together."""
+    leaves = [leaf for leaf in scenario.system.leaves() if _can_be_free(leaf)]
+    endings: dict[str, list[Leaf]] = {}
+    for leaf in leaves:
+        endings.setdefault(leaf.path.rpartition(".")[2], []).append(leaf)
+    return [entry for name, group in endings.items() for entry in _list_entries(scenario, name, group)]
+
+
+def _can_be_free(leaf: Leaf) -> bool:
+    return leaf.declared.unit not in units.OF_READINGS and math.isfinite(leaf.value)
+
+
+def _list_entries(scenario: Scenario, name: str, group: list[Leaf]) -> Iterator[JsonTable]:
+    if len({(leaf.value, leaf.declared.unit) for leaf in group}) == 1:
+        yield _describe_entry(scenario, name, group)
+    else:
+        yield from (_describe_entry(scenario, leaf.path, [leaf]) for leaf in group)
+
+
+def _describe_entry(scenario: Scenario, name: str, group: list[Leaf]) -> JsonTable:
+    leaf = group[0]
+    path, declared = scenario.places.path(leaf.path), leaf.declared
+    spelling = units.choose_familiar_unit(leaf.value, declared.unit)
+    low, high = _find_bounds(scenario, name)
+    return {
+        "name": name,
+        "group": path.rpartition(".")[0],
+        "places": len(group),
+        "value": leaf.value,
+        "low": low,
+        "high": high,
+        "allowed": declared.allowed(),
+        "doc": declared.doc,
+        "origin": scenario.origins.get(path, ""),
+        **describe_conversion(declared.unit, spelling),
+    }
+
+
+def _find_bounds(scenario: Scenario, name: str) -> tuple[float | None, float | None]:
+    """The bounds that a fit would choose; none where it has to be told."""
+    try:
+        (free,) = build_free_numbers([SearchRange(name)], [scenario.system])
+    except ParameterError:
+        return None, None
+    return free.low, free.high

@@ -1,0 +1,143 @@
+"""Calls about studies: list and describe them, compute one, keep its results.
+
+Results are kept for one version of the package, and for the measured data that were there: they
+are computed anew once either is another.
+"""
+
+from __future__ import annotations
+
+import inspect
+import json
+import time
+from collections import Counter
+from importlib.metadata import version
+from pathlib import Path
+from typing import get_args
+
+from martensite.base.errors import DataError
+from martensite.base.files import write_file
+from martensite.scenario.citations import format_reference
+from martensite.scenario.datasets import describe_dataset, is_here
+from martensite.studies.base import AbstractStudy, Verdict, load_study, study_names
+from martensite_app.messages import JsonTable, Request, require_entry, write_message
+from martensite_app.uploads import UploadFolder
+from martensite_app.worker import Desk
+
+
+def load_named_study(request: Request) -> AbstractStudy:
+    """The study of a request.
+
+    Raises:
+        UnknownNameError: there is none of that name.
+    """
+    return load_study(require_entry(request, "name", str))
+
+
+def describe_study(study: AbstractStudy) -> JsonTable:
+    """What is known of a study without computing anything."""
+    guide = [" ".join(paragraph.split()) for paragraph in study.guide.split("\n\n")]
+    return {
+        "name": study.key,
+        "title": study.title,
+        "guide": [paragraph for paragraph in guide if paragraph],
+        "sources": [format_reference(key) for key in study.cites],
+        "figure": study.caption or (inspect.getdoc(type(study).figure) or "").partition("\n")[0],
+        "missing": list_missing_data(study),
+    }
+
+
+def list_missing_data(study: AbstractStudy) -> list[dict[str, str]]:
+    """Data sets of a study that are not on this machine, wholly or in part."""
+    absent = [
+        name for name in study.data if not all(is_here(f"{name}/{file}") for file in describe_dataset(name).files)
+    ]
+    return [
+        {"name": name, "title": describe_dataset(name).title, "fetch": f"martensite data fetch {name}"}
+        for name in absent
+    ]
+
+
+def count_verdicts(claims: list[JsonTable]) -> dict[str, int]:
+    """How many claims there are of each verdict."""
+    counted = Counter(claim["verdict"] for claim in claims)
+    return {verdict: counted[verdict] for verdict in get_args(Verdict)}
+
+
+def _locate_results(study: AbstractStudy, folder: Path) -> Path:
+    return folder / "studies" / f"{study.key}-{version('martensite')}.json"
+
+
+def read_results(study: AbstractStudy, folder: Path) -> JsonTable | None:
+    """Results that were computed before and still hold; None without any."""
+    try:
+        found: JsonTable = json.loads(_locate_results(study, folder).read_text("utf-8"))
+        UploadFolder(folder).path(found["figure"])
+        same = found["missing"] == [one["name"] for one in list_missing_data(study)]
+    except (OSError, ValueError, KeyError, TypeError, DataError):
+        return None
+    return found if same else None
+
+
+def write_results(study: AbstractStudy, folder: Path, results: Request) -> None:
+    """Keep results until the version or the data are others."""
+    place = _locate_results(study, folder)
+    place.parent.mkdir(exist_ok=True)
+    write_file(place, write_message(results))
+
+
+def list_studies(request: Request, desk: Desk) -> JsonTable:
+    """All studies, each with the tally of its verdicts if it was computed before.
+
+    {} -> {"studies": [{"name": …, "title": …, "sources": […], "tally": {…} or null, …}]}
+    """
+    found: list[JsonTable] = []
+    for study in map(load_study, study_names()):
+        results = read_results(study, desk.folder)
+        found.append(describe_study(study) | {"tally": results["tally"] if results else None})
+    return {"studies": found}
+
+
+def describe_study_page(request: Request, desk: Desk) -> JsonTable:
+    """One study: what it is, the scenarios to open, and its results if they were computed before.
+
+    {"name": …}
+    -> {"name": …, "guide": […], "scenarios": [{title, text}], "results": {…} or null, …}
+    """
+    study = load_named_study(request)
+    scenarios = [{"title": title, "text": text} for title, text in study.scenarios().items()]
+    return describe_study(study) | {
+        "parts": list(study.parts()),
+        "scenarios": scenarios,
+        "results": read_results(study, desk.folder),
+    }
+
+
+def compute_study(request: Request, desk: Desk) -> JsonTable:
+    """Compute a study: its claims, part by part, and its figure. Long work.
+
+    {"name": …} -> {"name": …, "claims": […], "tally": {…}, "figure": key of a file, …}
+
+    Notes: {"doing": words, "done": parts, "of": parts and the figure, "claims": those of the part
+    that is over}. The results are kept in the folder.
+    """
+    study, begun = load_named_study(request), time.perf_counter()
+    claims: list[JsonTable] = []
+    parts = study.parts()
+    new: list[JsonTable] = []
+    for done, (words, part) in enumerate(parts.items()):
+        desk.tell({"doing": words, "done": done, "of": len(parts) + 1, "claims": new})
+        new = [claim.to_dict() for claim in part()]
+        claims += new
+    desk.tell({"doing": "the figure", "done": len(parts), "of": len(parts) + 1, "claims": new})
+    key, path = UploadFolder(desk.folder).place(f"{study.key}.svg")
+    study.figure(path)
+    results = {
+        "name": study.key,
+        "claims": claims,
+        "tally": count_verdicts(claims),
+        "figure": key,
+        "missing": [one["name"] for one in list_missing_data(study)],
+        "seconds": time.perf_counter() - begun,
+    }
+    write_results(study, desk.folder, results)
+    return results

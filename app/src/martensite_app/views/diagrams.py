@@ -1,0 +1,111 @@
+"""The phase diagram of a run, and its energies over time.
+
+`{"diagrams": [{"bands": […], "highest": Pa, "sentence": ""}], "ports": {port: {diagram, x, y}}}`
+with the number of the diagram of a port and the columns of its path. Energies are those of
+`martensite.design.analysis.energy`:
+
+    E = ∫ P dt,   Q = ∫ Q̇ dt,   stored E − Q,   W = ∫ F dx where an element pulls
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from functools import lru_cache
+from typing import Any
+
+from martensite.base.errors import MartensiteError
+from martensite.design.analysis.energy import find_ways, integrate_energies
+from martensite.physics.laws.base import AbstractLaw
+from martensite.show.figures.phase_diagram import LEAST_STRESS, Band, find_bands
+from martensite.simulate.result import Result
+from martensite.simulate.transformation_points import find_isobar
+from martensite_app.messages import JsonTable
+from martensite_app.views.columns import choose_rows
+
+PRESCRIBED = "A drive that prescribes the temperature takes whatever energy it needs; there is no balance."
+NO_ELEMENT = "Nothing is heated here, so there is no energy to be balanced."
+NO_WORK = "The work is left out: this element does not say how far it pulls."
+HEADROOM = 1.12
+"""The diagram reaches so far beyond the highest stress of the run."""
+STRESSES, TEMPERATURES = 100e6, 10.0
+"""Limits are rounded outwards to multiples of these [Pa], [K]: a slider asks for the same ones."""
+NO_LINES = "This law has no transformation lines in the plane of temperature and stress."
+
+
+def describe_energy(result: Result) -> JsonTable:
+    """Courses of the energies, efficiency over time, and what is not known, in a sentence."""
+    actuators = result.system.actuators()
+    if not actuators:
+        return _describe_missing(NO_ELEMENT)
+    if any(one.source.sets_temperature for one in actuators.values()):
+        return _describe_missing(PRESCRIBED)
+    ways = find_ways(result)
+    found = integrate_energies(result, ways or [])
+    kept = choose_rows(len(result.times))
+    stored = found.electrical - found.lost
+    named: list[tuple[str, str, str, str, float, Any]] = [
+        ("electrical", "E", "electrical energy in", "J", 1.0, found.electrical),
+        ("lost", "Q", "heat to the surroundings", "J", 1.0, found.lost),
+        ("stored", "E − Q", "stored in the elements", "J", 1.0, stored),
+    ]
+    if ways is not None:
+        named += [
+            ("work", "W", "work given while pulling", "mJ", 1e3, found.work),
+            ("returned", "W_b", "work taken back while stretched", "mJ", 1e3, found.returned),
+        ]
+    courses = [
+        {
+            "key": key,
+            "symbol": symbol,
+            "long_name": words,
+            "shown": unit,
+            "factor": factor,
+            "values": values[kept].tolist(),
+        }
+        for key, symbol, words, unit, factor, values in named
+    ]
+    efficiency = None if ways is None else found.efficiency[kept].tolist()
+    return {"courses": courses, "efficiency": efficiency, "sentence": NO_WORK if ways is None else ""}
+
+
+def _describe_missing(sentence: str) -> JsonTable:
+    return {"courses": [], "efficiency": None, "sentence": sentence}
+
+
+def describe_phase(result: Result) -> JsonTable:
+    """Bands of the laws of a run; actuators with the same law share a diagram."""
+    laws: dict[AbstractLaw, int] = {}
+    ports: dict[str, JsonTable] = {}
+    highest, coldest = _find_limits(result)
+    for port, actuator in result.system.actuators().items():
+        ports[port] = {
+            "diagram": laws.setdefault(actuator.element.law, len(laws)),
+            "x": result.system.label(port, "temperature"),
+            "y": result.system.label(port, "stress"),
+        }
+    return {"diagrams": [_describe_diagram(law, highest, coldest) for law in laws], "ports": ports}
+
+
+def _find_limits(result: Result) -> tuple[float, float]:
+    """Highest stress [Pa] and lowest temperature [K] of the diagrams, rounded outwards."""
+    system = result.system
+    ports = list(system.actuators())
+    stress = max((max(result[system.label(p, "stress")]) for p in ports), default=0.0)
+    cold = min((min(result[system.label(p, "temperature")]) for p in ports), default=300.0)
+    highest = STRESSES * math.ceil(max(LEAST_STRESS, HEADROOM * stress) / STRESSES)
+    return highest, TEMPERATURES * math.floor((cold - 8.0) / TEMPERATURES)
+
+
+def _describe_diagram(law: AbstractLaw, highest: float, coldest: float) -> JsonTable:
+    try:
+        found = _find_bands(law, highest, coldest)
+    except MartensiteError as error:
+        return {"bands": [], "highest": highest, "sentence": str(error)}
+    said = "" if found else NO_LINES
+    return {"bands": [asdict(band) for band in found], "highest": highest, "sentence": said}
+
+
+@lru_cache(maxsize=64)
+def _find_bands(law: AbstractLaw, highest: float, coldest: float) -> list[Band]:
+    return find_bands(law, highest, min(coldest, find_isobar(law).M_f - 15.0))
