@@ -65,9 +65,6 @@ class TestDesigns:
             assert min(ends) <= column.min()
             assert column.max() <= max(ends)
 
-    def test_a_shape_is_that_of_a_grid(self, name: str) -> None:
-        assert parse_sampling(words(name)).shape(RANGES) == (None if name in SAMPLES else (5, 4, 3))
-
 
 @pytest.mark.parametrize("name", SAMPLES)
 class TestSamples:

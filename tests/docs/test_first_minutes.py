@@ -46,7 +46,7 @@ for convert in (result.to_xarray, result.to_pandas):
     try:
         convert()
     except ms.InputError as error:
-        assert "pip install martensite[xarray]" in str(error), error
+        assert "pip install 'martensite[xarray]'" in str(error), error
     else:
         raise SystemExit("xarray is no part of the core")
 """

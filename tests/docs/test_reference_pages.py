@@ -47,7 +47,7 @@ def all_registries() -> list[Registry[Any]]:
     """Every registry that a module of the package holds; the server's own modules apart."""
     found: dict[str, Registry[Any]] = {}
     for module in pkgutil.walk_packages(martensite.__path__, "martensite."):
-        if module.name.endswith(".base") or "supervisor" in module.name:
+        if module.name.endswith((".base", ".samples")) or "supervisor" in module.name:
             for one in vars(import_module(module.name)).values():
                 if isinstance(one, Registry):
                     found[one.kind] = one

@@ -128,7 +128,12 @@ def test_between_samples_the_last_reading_counts(time: float, every: int) -> Non
 
 
 @settings(max_examples=60)
-@given(delay=st.floats(0.0, 0.05), time=st.floats(0.0, 0.05), jitter=st.floats(0.0, 0.02), seed=st.integers(0, 1000))
+@given(
+    delay=st.floats(0.0, 0.05),
+    time=st.floats(0.0, 0.05),
+    jitter=st.just(0.0) | st.floats(1e-4, 0.02),  # what comes within a hair of a period may count in it or not
+    seed=st.integers(0, 1000),
+)
 def test_readings_arrive_as_messages_do(delay: float, time: float, jitter: float, seed: int) -> None:
     mounted = ideal(delay=delay, sample_time=time, jitter=jitter)
     check(mounted, np.random.default_rng(seed).standard_normal(COUNT))

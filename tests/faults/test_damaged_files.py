@@ -91,7 +91,7 @@ def test_a_name_that_no_file_can_have_is_a_sentence(tmp_path: Path, scenario: Pa
 
 def test_a_reader_that_does_not_come_back_is_ended(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    save_log("log.nc")
+    Path("log.nc").write_bytes(save_log("log.nc")[0])
     monkeypatch.setattr(binary_files, "LONGEST", 1e-3)
     with pytest.raises(DataError, match=r"`log\.nc` is damaged: it was not read within"):
         read_arrays(tmp_path / "log.nc")

@@ -31,7 +31,7 @@ from martensite.control.loop.parts import Controllers, MountedSensor, Observers,
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.observers.extended import ExtendedKalman
 from martensite.control.sensors.position import PositionSensor
-from martensite.export.c_core import CCore, build_c_core, build_c_loop
+from martensite.export.c_core import build_c_core, build_c_loop
 from martensite.export.c_example import example_text, played_by_system
 from martensite.export.c_kernels import PRECISIONS, count_operations
 from martensite.export.c_names import make_identifier
@@ -295,7 +295,8 @@ def test_it_compiles_without_warnings(tmp_path: Path, name: str) -> None:
 
 def test_warnings_are_errors(tmp_path: Path) -> None:
     core = build_c_core(SYSTEM, name="a", precision="float32")
-    bad = CCore(**{**vars(core), "source": core.source.replace("sinf(", "sin(")})
+    bad = replace(core)
+    vars(bad)["source"] = core.source.replace("sinf(", "sin(")
     assert bad.source != core.source
     with pytest.raises(AssertionError, match=r"double-promotion|conversion"):
         compiled(bad, tmp_path, "-fsyntax-only")

@@ -309,7 +309,8 @@ def test_a_scenario_takes_the_law_of_its_material_and_may_change_it(plain: Sampl
     whole = read_scenario(text)
     assert whole.single_system.element.law.__dict__["modulus"] == "mixture"
     assert whole.remarks == []
-    assert read_scenario(text, None, {"element.law.A_s": "60 degC"}).remarks == []
+    (remark,) = read_scenario(text, None, {"element.law.A_s": "60 degC"}).remarks
+    assert "overridden by the scenario: `A_s`" in remark
     changed = read_scenario(text, None, {"element.law.modulus": "austenite"})
     assert changed.single_system.element.law.__dict__["modulus"] == "austenite"
     (remark,) = changed.remarks

@@ -252,7 +252,7 @@ def test_files_need_no_xarray(tmp_path: Path) -> None:
     code = HIDDEN.format(path=path, file=file)
     done = subprocess.run([sys.executable, "-W", "ignore", "-c", code], capture_output=True, text=True, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-    need = "This needs {}, which is not installed; run `pip install martensite[{}]`."
+    need = "This needs {}, which is not installed; run `pip install 'martensite[{}]'`."
     wanted = [
         ("xarray", "xarray"),
         ("xarray", "xarray"),

@@ -41,7 +41,7 @@ def run(text: str, folder: Path) -> str:
 
 def test_runs_batches_and_derivatives_need_no_jax(tmp_path: Path, c_compiler: str) -> None:
     found = run(HIDDEN.format(examples=ROOT / "examples"), tmp_path)
-    assert "JAX is not installed; install it with `pip install martensite[jax]`" in found
+    assert "JAX is not installed; install it with `pip install 'martensite[jax]'`" in found
 
 
 def test_a_packaged_compiler_is_taken_where_the_machine_has_none(

@@ -22,7 +22,7 @@ PACKAGE = Path(__file__).resolve().parents[2] / "src" / "martensite"
 DATA = PACKAGE / "physics" / "materials" / "data"
 MATERIALS = sorted(DATA.glob("*.toml"))
 LAW_FILES = (PACKAGE / "physics" / "laws").glob("*.py")
-LAWS = {path.stem.replace("_", "-") for path in LAW_FILES} - {"base"}
+LAWS = {name for path in LAW_FILES for name in re.findall(r'LAWS.register\("(.+?)"', path.read_text("utf-8"))}
 BIBLIOGRAPHY = PACKAGE / "references.bib"
 
 KINDS = {"datasheet", "measured", "fitted", "assumed", "recalled"}

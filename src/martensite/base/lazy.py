@@ -34,7 +34,7 @@ def import_extra(module: str, extra: str, title: str = "") -> Any:
         return import_module(module)
     except ImportError:
         raise InputError(
-            f"This needs {title or module}, which is not installed; run `pip install martensite[{extra}]`."
+            f"This needs {title or module}, which is not installed; run `pip install 'martensite[{extra}]'`."
         ) from None
 
 

@@ -39,7 +39,9 @@ ROUNDING = 1e-9
 @app.command()
 @spread_options
 def check(source: ScenarioSource, json: Json = False) -> None:
-    """Build a scenario, and say where its drives lead if held; one that follows a log needs none for it.
+    """Build a scenario, and say where its drives lead if held.
+
+    One that follows a log needs none for it.
 
     One that leaves the envelope (melting, 3 GPa, a strain of 20 %, or a bound of your own) is
     refused.

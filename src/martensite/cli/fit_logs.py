@@ -150,7 +150,7 @@ class FitExtras:
         if self.posterior is not None and self.posterior < 1:
             raise InputError(f"Option `--posterior` must be at least 1, but is {self.posterior}.")
         if self.posterior is not None and find_spec("numpyro") is None:
-            raise InputError("Option `--posterior` needs NumPyro; install it with `pip install martensite[posterior]`.")
+            raise InputError("Option `--posterior` needs NumPyro: `pip install 'martensite[posterior]'`.")
 
     def check_files(self, force: bool) -> None:
         """Raise `DataError` if a file has a wrong ending, no folder, or is there already."""

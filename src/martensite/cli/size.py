@@ -39,7 +39,10 @@ def size(
     overwrite: Annotated[bool, Option("--overwrite", help="Replace an existing file.")] = False,
     json: Json = False,
 ) -> None:
-    """Find the wire and its current for a force and a stroke; exits with 1 where none does."""
+    """Find the wire and its current for a force and a stroke.
+
+    Exits with 1 where none does.
+    """
     given = {
         "force": force,
         "stroke": stroke,

@@ -9,7 +9,7 @@ point; `control.linearize` needs a signal a little above that of rest on the hea
 below it on the cooling one. Signals are held for a period. What a bench reads at the end of a
 period, such as the reference of its controller, is one sample earlier here than in `simulate`.
 
-python-control comes with `pip install martensite[control]`.
+python-control comes with `pip install 'martensite[control]'`.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ What is observed, rewarded and drawn is said in `martensite.export.episodes` and
 `martensite.export.learning_task`. Importing this module registers `martensite/Bench-v0`, so that
 `gymnasium.make("martensite.export.gymnasium:martensite/Bench-v0", bench=..., task=...)` works.
 
-Gymnasium comes with `pip install martensite[gymnasium]`.
+Gymnasium comes with `pip install 'martensite[gymnasium]'`.
 """
 
 from __future__ import annotations

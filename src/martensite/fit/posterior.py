@@ -96,7 +96,7 @@ def sample_posterior(
         infer: Any = import_module("numpyro.infer")
     except ImportError:
         raise MartensiteError(
-            "Posterior samples need NumPyro; install it with `pip install martensite[posterior]`."
+            "Posterior samples need NumPyro; install it with `pip install 'martensite[posterior]'`."
         ) from None
     potential = _build_potential(xp.jax, fit, 1.0 / (noise * fit.uncertainty.widening) ** 2)
     kernel = infer.NUTS(potential_fn=potential, dense_mass=True)

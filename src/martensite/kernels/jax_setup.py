@@ -110,7 +110,8 @@ def jax_namespace() -> JaxNamespace:
         jax: Any = import_module("jax")
     except ImportError:
         raise MartensiteError(
-            "JAX is not installed; install it with `pip install martensite[jax]`, or take the runtime `c` or `floats`."
+            "JAX is not installed; install it with `pip install 'martensite[jax]'`, or take the runtime `c` or "
+            "`floats`."
         ) from None
     jax.config.update("jax_enable_x64", True)
     folder = _find_cache()

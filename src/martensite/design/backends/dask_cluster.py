@@ -144,5 +144,5 @@ def _import_distributed() -> Any:
         return import_module("distributed")
     except ImportError:
         raise InputError(
-            "The backend `dask` needs Dask, which is not installed; run `pip install martensite[cluster]`."
+            "The backend `dask` needs Dask, which is not installed; run `pip install 'martensite[cluster]'`."
         ) from None

@@ -152,10 +152,9 @@ def open_sweep(path: Path | str, grid: bool = True) -> xarray.Dataset:
         DataError: there is no sweep, or it is damaged.
         InputError: Zarr or xarray is not installed.
     """
-    store = Store(Path(path))
+    xarray, store = import_extra("xarray", "sweep"), Store(Path(path))
     store.require_sound()
     axes, status = read_axes(store), read_status(store)
-    xarray: Any = import_extra("xarray", "sweep")
     opened = xarray.open_zarr(str(path), consolidated=False, decode_times=False, decode_timedelta=False)
     names = [one.target.name for one in axes]
     traces = [name for name, _ in store.spec["traces"]]

@@ -72,7 +72,7 @@ def import_zarr() -> Any:
     try:
         return import_module("zarr")
     except ImportError:
-        raise InputError("This needs Zarr, which is not installed; run `pip install martensite[sweep]`.") from None
+        raise InputError("This needs Zarr, which is not installed; run `pip install 'martensite[sweep]'`.") from None
 
 
 def create_store(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> Store:
