@@ -331,7 +331,7 @@ def try_saved_result(seed: int) -> Verdict:
     raw, _ = save_whole()
     with fresh_folder():
         Path("out.nc").write_bytes(spoil_bytes(raw, random.Random(seed), within=20_000))
-        return judge_call(lambda: (Outcome.ANSWERED, f"{len(open_result('out.nc'))} variables"))
+        return judge_call(lambda: (Outcome.ANSWERED, f"{len(open_result('out.nc').variables)} variables"))
 
 
 @cache

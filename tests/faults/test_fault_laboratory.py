@@ -40,21 +40,11 @@ CHUNK = 500
 """Trials of a test of the large run."""
 NEEDS_ROOT = ("full disks", "read-only folders", "read-only caches")
 PATIENCE = 300.0
-OPEN = {
-    "stores": "a store holds no checksums, and readers let errors of Zarr pass",
-    "saved results": "errors of HDF5 other than OSError pass through `open_result`",
-    "full disks": "`export c` leaves its header behind",
-    "read-only caches": "what is compiled needs a folder that can be written to",
-    "Markdown titles": "HTML in a title is passed on",
-    "models": "a model of 4e9 plays, and one of width 0 in its first step, end in tracebacks",
-}
-"""What experiments still find; a line goes with its finding."""
 
 
 def list_experiments(names: Iterable[str]) -> list[Any]:
     """Experiments as parameters of a test."""
-    marks = {name: [pytest.mark.xfail(reason=reason, strict=False)] for name, reason in OPEN.items()}
-    return [pytest.param(name, marks=marks.get(name, [])) for name in names]
+    return [pytest.param(name) for name in names]
 
 
 def require_means(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,6 +12,7 @@ import subprocess
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -57,13 +58,17 @@ def read_arrays(path: Path) -> dict[str, Any]:
         raise DataError(f"The log `{path}` has no ending that can be read; use one of {', '.join((*TEXT, *BINARY))}.")
     with describe_unreadable(path):
         size = check_ordinary(path, MOST_LOG)
-    return _read_apart(path, size) if ending in _APART else _read_parquet(path)
+    return read_apart(path, f"{__spec__.name}:{_APART[ending]}", size) if ending in _APART else _read_parquet(path)
 
 
-def _read_apart(path: Path, size: int) -> Columns:
-    """Columns that a process of its own finds in a file of so many bytes."""
+def read_apart(path: Path, reader: str, size: int) -> Columns:
+    """What `reader`, `MODULE:FUNCTION` of a path, finds in a file of so many bytes, in a process of its own.
+
+    Raises:
+        DataError: the file is damaged, or the reader says so.
+    """
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path)), "OPENBLAS_NUM_THREADS": "1"}
-    command, most = [sys.executable, "-m", __spec__.name, str(path)], LONGEST + size / SLOWEST
+    command, most = [sys.executable, "-m", __spec__.name, reader, str(path)], LONGEST + size / SLOWEST
     try:
         done = subprocess.run(command, env=environment, capture_output=True, check=False, timeout=most)
     except subprocess.TimeoutExpired:
@@ -76,14 +81,15 @@ def _read_apart(path: Path, size: int) -> Columns:
         return {str(name): found[f"column_{k}"] for k, name in enumerate(found["names"])}
 
 
-def _answer_apart(path: Path) -> None:
+def _answer_apart(reader: str, path: Path) -> None:
     """Write the columns of a file to the standard output, or why there are none as an error."""
+    module, _, function = reader.partition(":")
     with suppress(ImportError, ValueError):  # there is no such limit elsewhere
         import resource
 
         resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
     try:
-        found = _APART[path.suffix.lower()](path)
+        found = getattr(import_module(module), function)(path)
         if not found:
             raise DataError(f"`{path.name}` holds no columns of numbers over time.")
     except Exception as error:  # readers of binary files let errors of any kind pass
@@ -115,7 +121,8 @@ def _is_numeric(kind: str) -> bool:
     return kind.startswith(("int", "uint", "float", "double", "half", "bool"))
 
 
-def _read_mat(path: Path) -> Columns:
+def read_mat(path: Path) -> Columns:
+    """Vectors and columns of matrices of a MAT file, by name."""
     from scipy.io import loadmat
 
     try:
@@ -154,7 +161,7 @@ def _flatten_arrays(arrays: Mapping[str, Any]) -> Columns:
     return columns
 
 
-def _read_netcdf(path: Path) -> Columns:
+def read_netcdf(path: Path) -> Columns:
     """Variables over one dimension, that of time if there is one; over a second of texts, one column for each."""
     import h5netcdf
 
@@ -178,8 +185,8 @@ def _read_netcdf(path: Path) -> Columns:
     return columns
 
 
-_APART = {".mat": _read_mat, ".nc": _read_netcdf}
+_APART = {".mat": read_mat.__name__, ".nc": read_netcdf.__name__}
 """Kinds of files that a process of its own reads."""
 
 if __name__ == "__main__":
-    _answer_apart(Path(sys.argv[1]))
+    _answer_apart(sys.argv[1], Path(sys.argv[2]))

@@ -27,6 +27,7 @@ from martensite.base.errors import DataError, UnknownNameError
 from martensite.base.files import write_file
 from martensite.base.lazy import import_extra
 from martensite.physics.materials.base import Material
+from martensite.scenario.binary_files import read_apart
 from martensite.simulate.result import Result, Variants
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ TIME = "time"
 CELL = "cell"
 ACTUATOR = "actuator"
 VARIANT = "variant"
+LABELS = "labels of all variables"
 
 
 @dataclass(frozen=True)
@@ -142,25 +144,38 @@ def open_result(path: str | os.PathLike[str]) -> LabelledData:
     Raises:
         DataError: there is no such file, or it holds no result.
     """
-    import h5netcdf
-
     path = Path(path)
     if not path.is_file():
         raise DataError(f"There is no file `{path}`; give a netCDF file written by `save`.")
-    try:
-        with h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
-            variables = {
-                name: Variable(tuple(one.dimensions), np.asarray(one[...]), dict(one.attrs))
-                for name, one in file.variables.items()
-            }
-            found = LabelledData(variables, dict(file.attrs))
-    except (OSError, ValueError, KeyError, RuntimeError) as error:
-        raise DataError(f"The file `{path}` cannot be read as netCDF-4: {error}.") from None
+    arrays = read_apart(path, f"{__name__}:read_variables", path.stat().st_size)
+    labels = json.loads(str(arrays.pop(LABELS)))
+    values = {name: one.astype(object) if one.dtype.kind == "U" else one for name, one in arrays.items()}
+    about = labels["variables"].items()
+    variables = {name: Variable(tuple(dims), values[name], attrs) for name, (dims, attrs) in about}
+    found = LabelledData(variables, labels["attrs"])
     lacking = [TIME] if TIME not in variables else []
     lacking += ["martensite_version"] if "martensite_version" not in found.attrs else []
     if lacking:
         raise DataError(f"The file `{path}` is no saved result: it lacks `{lacking[0]}`.")
     return found
+
+
+def read_variables(path: Path) -> dict[str, Any]:
+    """Arrays of a netCDF file by name, and their dimensions and attributes as JSON under `LABELS`."""
+    import h5netcdf
+
+    def plain(value: Any) -> Any:
+        return value.tolist() if isinstance(value, np.ndarray | np.generic) else value
+
+    with h5netcdf.File(path, "r", decode_vlen_strings=True) as file:
+        arrays = {name: np.asarray(one[...]) for name, one in file.variables.items()}
+        about = {
+            name: (one.dimensions, {key: plain(value) for key, value in one.attrs.items()})
+            for name, one in file.variables.items()
+        }
+        labels = {"variables": about, "attrs": {key: plain(value) for key, value in file.attrs.items()}}
+    texts = {name: one.astype(str) if one.dtype.kind == "O" else one for name, one in arrays.items()}
+    return {LABELS: np.array(json.dumps(labels)), **texts}
 
 
 def _label(dims: tuple[str, ...], unit: str, long_name: str, symbol: str, values: Any, **more: str) -> Variable:

@@ -132,7 +132,7 @@ def _write_figures(summary: Summary, path: Path) -> None:
 def render_markdown(summary: Summary, by: str, folder: str) -> str:
     """The whole text; figures are looked for in `folder`, relative to it."""
     body = "\n\n".join(_render_block(block, folder) for block in summary.blocks)
-    return f"# {_escape_text(summary.title)}\n\n{_escape_text(summary.lead)}\n\n{body}\n\n---\n\n{by}\n"
+    return f"# {_escape_text(summary.title)}\n\n{_escape_text(summary.lead)}\n\n{body}\n\n---\n\n{_escape_text(by)}\n"
 
 
 def _render_block(block: Block, folder: str) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from itertools import islice
 from typing import Any, cast
 
+from martensite.base.errors import SolveError
 from martensite.base.status import Status
 from martensite.signals.moments import Moments
 from martensite.simulate.compiled import CompiledMarch, Functions, feed_step
@@ -21,9 +22,15 @@ def march_floats(functions: Functions, size: int, grid: TimeGrid, border: Border
     """Advance through the grid with traced float functions; failures are a status.
 
     It stops where it comes to the border of the envelope, if there is one.
+
+    Raises:
+        SolveError: its first state has no outputs.
     """
-    walk, observe = FloatWalk(functions, size, grid.sampled[0]), functions["observe"]
-    rows = [observe(*walk.state, *grid.sampled[0])]
+    try:
+        walk, observe = FloatWalk(functions, size, grid.sampled[0]), functions["observe"]
+        rows = [observe(*walk.state, *grid.sampled[0])]
+    except ArithmeticError as error:
+        raise SolveError(f"The run fails at its start, 0 s: {error}; look for a length, width or range of 0.") from None
     steps = zip(grid.drives, grid.lengths, strict=True)
     try:
         for count, drives in zip(grid.counts, grid.sampled[1:], strict=True):

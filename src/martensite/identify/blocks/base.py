@@ -28,6 +28,9 @@ Column = Sequence[Scalar]
 Numbers: TypeAlias = NDArray[Any]
 """Arrays of floats, or of what counts them."""
 
+MOST = 10_000
+"""Of anything that is counted in a block: what is traced for each would not end."""
+
 
 class AbstractBlock(Parametrised):
     """Interface of a block. Its declared parameters are structure, unless named in `fixed`."""
@@ -46,12 +49,16 @@ class AbstractBlock(Parametrised):
     """True if its nonlinear terms must not be taken further than in the records; see `fence_in`."""
 
     def check(self) -> None:
-        """Raise `ParameterError` unless the numbers in the text of the block are whole."""
+        """Raise `ParameterError` unless the numbers in the text of the block are whole, and at most `MOST`."""
         for name in self.shape:
             value = getattr(self, name)
             if isinstance(value, float) and value != int(value):
                 raise ParameterError(
                     f"Parameter `{name}` of `{self.registered_name}` must be a whole number, but is {value:g}."
+                )
+            if isinstance(value, float) and value > MOST:
+                raise ParameterError(
+                    f"Parameter `{name}` of `{self.registered_name}` must be at most {MOST:,}, but is {value:g}."
                 )
 
     @property
