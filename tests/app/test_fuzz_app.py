@@ -14,7 +14,7 @@ from app_server import Bench
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from martensite import app
+import martensite_app as app
 from martensite.base.errors import DataError, MartensiteError, ParameterError
 from martensite_app.documents import check_files, read_request_scenario
 from martensite_app.messages import (

@@ -207,9 +207,8 @@ def test_files_under_way_count(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
             await asyncio.sleep(0.0)
 
     async def both() -> list[object]:
-        return await asyncio.gather(
-            drawer.take("a.csv", slowly()), drawer.take("b.csv", slowly()), return_exceptions=True
-        )
+        takes = drawer.take("a.csv", slowly()), drawer.take("b.csv", slowly())
+        return list(await asyncio.gather(*takes, return_exceptions=True))
 
     found = asyncio.run(both())
     assert sum(isinstance(one, Refusal) for one in found) == 1

@@ -23,7 +23,7 @@ PAGE = ROOT / "docs" / "howto" / "app.md"
     for block in fences(ROOT / "docs" / "tutorial.md")
     if "%%writefile lift.toml" in block.text
 ]
-APP = ROOT / "src" / "martensite" / "app"
+APP = ROOT / "app" / "src" / "martensite_app"
 
 
 def test_the_program_runs(tmp_path: Path) -> None:

@@ -11,9 +11,8 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 from fault_experiments import EXPERIMENTS, LARGE, can_mount, list_wanted
@@ -40,11 +39,6 @@ CHUNK = 500
 """Trials of a test of the large run."""
 NEEDS_ROOT = ("full disks", "read-only folders", "read-only caches")
 PATIENCE = 300.0
-
-
-def list_experiments(names: Iterable[str]) -> list[Any]:
-    """Experiments as parameters of a test."""
-    return [pytest.param(name) for name in names]
 
 
 def require_means(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -75,12 +69,12 @@ def small_run() -> dict[str, list[Trial]]:
     return {name: [one for one in found if one.experiment == name] for name in SMALL}
 
 
-@pytest.mark.parametrize("name", list_experiments(name for name in SMALL if name not in NEEDS_ROOT))
+@pytest.mark.parametrize("name", [name for name in SMALL if name not in NEEDS_ROOT])
 def test_a_few_of_every_kind(small_run: dict[str, list[Trial]], name: str) -> None:
     assert list_faults(small_run[name]) == ""
 
 
-@pytest.mark.parametrize("name", list_experiments(name for name in NEEDS_ROOT if name in SMALL))
+@pytest.mark.parametrize("name", [name for name in NEEDS_ROOT if name in SMALL])
 def test_disks_of_a_few_kilobytes(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     require_means(name, tmp_path, monkeypatch)
     assert list_faults(run_trials(list_wanted(name, SMALL[name], first=1), cap=PATIENCE)) == ""
@@ -101,7 +95,7 @@ def test_thousands_of_scenarios(first: int) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", list_experiments(name for name in LARGE if name != "scenarios"))
+@pytest.mark.parametrize("name", [name for name in LARGE if name != "scenarios"])
 def test_many_of_every_kind(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     require_means(name, tmp_path, monkeypatch)
     assert list_faults(run_trials(list_wanted(name, LARGE[name]), cap=PATIENCE)) == ""

@@ -228,7 +228,7 @@ def test_options_are_known_and_seeds_are_as_many(bench: Bench) -> None:
 
 def test_without_gymnasium_it_says_what_to_install(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "gymnasium", None)
-    with pytest.raises(InputError, match=r"pip install martensite\[gymnasium\]"):
+    with pytest.raises(InputError, match=r"pip install 'martensite\[gymnasium\]'"):
         SmaEnv(bench, PLAIN)
 
 

@@ -71,8 +71,10 @@ def test_every_block_reads_back_exactly(name, tmp_path):
     theta = np.random.default_rng(2).normal(size=len(block.numbers()))
     if block.fixed and not isinstance(block.fixed, property):
         block = block.with_given([v + 0.1 * (k + 1) / 3 for k, v in enumerate(block.given())])
-    names = [tuple(f"{kind}{k}" for k in range(count)) for kind, count in (("u", block.inputs), ("y", block.outputs))]
-    made = Chain((block,), theta, 1.0 / 3.0, *names)
+    inputs, outputs = (
+        tuple(f"{kind}{k}" for k in range(count)) for kind, count in (("u", block.inputs), ("y", block.outputs))
+    )
+    made = Chain((block,), theta, 1.0 / 3.0, inputs, outputs)
     write_model(made, tmp_path / "m.json")
     back = read_model(tmp_path / "m.json")
     assert back.blocks == made.blocks and back.theta.tolist() == theta.tolist()
@@ -246,5 +248,5 @@ def test_python_control_gets_the_linear_system(chain):
 
 def test_without_python_control_a_sentence_says_how_to_get_it(chain, monkeypatch):
     monkeypatch.setitem(sys.modules, "control", None)
-    with pytest.raises(InputError, match=r"pip install martensite\[control\]"):
+    with pytest.raises(InputError, match=r"pip install 'martensite\[control\]'"):
         to_control(chain)

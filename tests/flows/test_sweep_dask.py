@@ -6,6 +6,7 @@ Sources of truth: the same sweep in this process; jobs whose runs double their n
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import time
@@ -130,7 +131,8 @@ def test_a_scheduler_that_is_lost_is_a_sentence(
 def test_a_scheduler_that_is_killed_is_a_sentence(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """Its process is gone, and so is the noise of those that look for it."""
     words = "-m", "distributed.cli.dask_scheduler", "--port", "0", "--no-dashboard", "--scheduler-file", "at.json"
-    with subprocess.Popen([sys.executable, *words], cwd=tmp_path, stderr=subprocess.DEVNULL) as running:
+    same = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}  # the job is of a module of the tests
+    with subprocess.Popen([sys.executable, *words], cwd=tmp_path, stderr=subprocess.DEVNULL, env=same) as running:
         file = tmp_path / "at.json"
         while not file.exists():
             assert running.poll() is None
@@ -151,7 +153,7 @@ def test_a_scheduler_that_does_not_answer_is_bad_input(monkeypatch: pytest.Monke
 
 def test_without_dask_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(InputError, match=r"pip install martensite\[cluster\]"):
+    with pytest.raises(InputError, match=r"pip install 'martensite\[cluster\]'"):
         next(DaskCluster().run(Doubling(Path()), [0]))
 
 

@@ -188,5 +188,5 @@ def test_what_is_no_sweep_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyP
     with pytest.raises(DataError, match="holds no sweep"):
         read_sweep(tmp_path)
     monkeypatch.setitem(sys.modules, "zarr", None)
-    with pytest.raises(InputError, match=r"Zarr.*pip install martensite\[sweep\]"):
+    with pytest.raises(InputError, match=r"Zarr.*pip install 'martensite\[sweep\]'"):
         open_sweep(tmp_path)

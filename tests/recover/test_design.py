@@ -250,7 +250,7 @@ def test_life_needs_limits() -> None:
 def test_limits_are_kept_unless_told_otherwise() -> None:
     """Thin wires that carry a lot are best, and break soon."""
     thin = (DIAMETER, POWER), "stroke >= 5 mm", "max(stress) <= 450 MPa"
-    bold, kept = (found(*thin, **life) for life in ({"life": None}, {"life": 0.0}))
+    bold, kept = (found(*thin, life=life) for life in (None, 0.0))
     stress = [max(next(m.after for m in one.reported if m.words == "max(stress)")) for one in (bold, kept)]
     assert stress[0] > 1.5 * 172e6
     assert stress[1] <= 172e6 * (1.0 + 1e-3)

@@ -26,6 +26,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from martensite.base.errors import SolveError
 from martensite.fit.problem import Evaluation, InputCorrection, Problem
@@ -71,7 +72,7 @@ class FollowedNoise(NamedTuple):
     """Whether it was given, or estimated from the column."""
 
 
-def estimate_column_noise(times: Sequence[float], values: Sequence[float]) -> float:
+def estimate_column_noise(times: ArrayLike, values: ArrayLike) -> float:
     """Standard deviation of what neighbours do not tell of a row: noise of a smooth or resting column.
 
     Every row is interpolated by a polynomial through its 2, 4 or 6 neighbours; what is left has the

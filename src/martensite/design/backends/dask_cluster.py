@@ -97,6 +97,13 @@ def _build_report(dask: Any, future: Any, job: SweepJob, chunk: int) -> Report:
         return future.result()
     except dask.KilledWorker:
         return salvage_chunk(job, chunk)
+    except RuntimeError as error:
+        if not future.cancelled():  # the task's own
+            raise
+        raise StoppedError(
+            f"Dask gave up a task ({str(error).splitlines()[0]}): scheduler and workers need the same packages as this "
+            "process. Chunks that were made are kept; give the same command again."
+        ) from None
 
 
 @contextmanager

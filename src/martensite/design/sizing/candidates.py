@@ -16,7 +16,7 @@ from typing import Any
 from martensite.actuators.assembly import System
 from martensite.design.sizing import remarks
 from martensite.design.sizing.cycle import PulseCycle, find_current, find_hottest, find_reach_time, simulate_cycle
-from martensite.design.sizing.request import WireRequest, Wiring, choose_wiring
+from martensite.design.sizing.request import ALLOYS, WireRequest, Wiring, choose_wiring
 from martensite.design.sizing.statics import Statics, compute_statics, list_alloy_numbers
 from martensite.physics.materials.base import DOUBTFUL
 from martensite.physics.materials.wires import WireCatalogue, WireSize, load_wires
@@ -256,10 +256,14 @@ def _list_frailties(
 def find_changes(request: WireRequest, candidates: Sequence[Candidate]) -> tuple[str, ...]:
     """Changes of a request that nothing meets under which a candidate would do, the nearest first.
 
-    Strands, rate and supply of a candidate are changed one after another, each as far as it needs.
+    Strands, rate and supply of a candidate are changed one after another, each as far as it needs; where one alloy was
+    asked for, the other is tried, too.
     """
     found: list[tuple[float, str]] = []
-    for one in candidates[:MOST_TRIED]:
+    others = [] if request.alloy == "any" else [name for name in ALLOYS if name != request.alloy]
+    tried = list(candidates[:MOST_TRIED])
+    tried += [judge_candidate(request, one.size, name) for name in others for one in candidates[:MOST_TRIED]]
+    for one in tried:
         asked, now = request, one
         for _ in range(MOST_CHANGES):
             values = _relax_request(asked, now)
@@ -292,4 +296,5 @@ def _describe_change(request: WireRequest, asked: WireRequest, one: Candidate) -
     apart = {name: getattr(asked, name) / getattr(request, name) for name in forms}
     changed = {name: factor for name, factor in apart.items() if factor != 1.0}
     options = [forms[name].format(getattr(asked, name)) for name in changed]
+    options += [f"--alloy {one.alloy}"] * (one.alloy not in request.alloys())
     return sum(abs(math.log(x)) for x in changed.values()), f"{' '.join(options)}: {one.size.name}, {one.alloy} °C"
