@@ -66,8 +66,9 @@ class DaskCluster(AbstractBackend):
             with _mute_client(), _open_client(dask, self) as client:
                 yield from _collect_reports(dask, client, job, iter(chunks))
         except (dask.CancelledError, dask.comm.CommClosedError, TimeoutError) as error:
+            first = (str(error).splitlines() or ["no answer"])[0].rstrip(":")
             raise StoppedError(
-                f"The Dask scheduler is gone ({error}). Chunks that were made are kept; give the same command again "
+                f"The Dask scheduler is gone ({first}). Chunks that were made are kept; give the same command again "
                 "with one that runs: it goes on from there."
             ) from None
 
