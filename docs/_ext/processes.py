@@ -14,6 +14,8 @@ from pathlib import Path
 import cells
 
 _OPERATORS = frozenset("();<>|&")
+MAY_FAIL = " || true"
+"""Behind a command that is shown as it fails, with exit code 1."""
 
 
 def run_cells(ways: Connection, folder: str, sources: list[str]) -> None:
@@ -21,11 +23,12 @@ def run_cells(ways: Connection, folder: str, sources: list[str]) -> None:
     os.chdir(folder)
 
     def command(line: str) -> str:
+        line, may_fail = line.removesuffix(MAY_FAIL), line.endswith(MAY_FAIL)
         if not _plain(line):
             return cells.ordinary(line)
         ways.send(("command", (line, str(Path.cwd()), dict(os.environ))))
         code, out, err = ways.recv()
-        if code != 0:
+        if code != 0 and not (may_fail and code == 1):
             raise RuntimeError(f"{line} exited with {code}: {err}")
         return out
 

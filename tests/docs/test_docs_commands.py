@@ -27,7 +27,7 @@ USAGE = typer.BadParameter.__mro__[1]
 def shown() -> list[tuple[str, str]]:
     """(page, command line) for every command in a code block."""
     return [
-        (str(page.relative_to(ROOT)), line.strip())
+        (str(page.relative_to(ROOT)), line.strip().removesuffix(" || true"))
         for page in pages()
         for fence in fences(page)
         if fence.language != "toml"
