@@ -52,6 +52,7 @@ DAMAGES: dict[str, Damage] = {
     "empty": lambda file: file.write_bytes(b""),
     "random": lambda file: file.write_bytes(random.Random(1).randbytes(40)),
     "gone": Path.unlink,
+    "a folder in its place": lambda file: (file.unlink(), file.mkdir()),
 }
 
 

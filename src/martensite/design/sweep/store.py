@@ -106,6 +106,14 @@ def create_store(path: Path, plan: SweepPlan, spec: Mapping[str, Any]) -> Store:
     return store
 
 
+def _remove_path(path: Path) -> None:
+    """Remove what is there, a file or a folder, as a damaged disk may have put it in place of the other."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
+
+
 def _describe_reason(error: OSError) -> str:
     """Why something could not be written."""
     return "the disk is full" if error.errno in FULL else error.strerror or str(error)
@@ -242,10 +250,14 @@ class Store:
         """Write anew what arrays are, and the times of traces, where they are damaged."""
         for name in self._list_damaged_arrays():
             folder = self.path / name
+            if not folder.is_dir():
+                _remove_path(folder)
             folder.mkdir(exist_ok=True)
+            _remove_path(folder / METADATA)
             (folder / METADATA).write_text(json.dumps(self._layout["arrays"][name]))
             for trace in plan.traces:
                 if name == TIME.format(trace.output):
+                    _remove_path(folder / "c")
                     self._root[name][:] = plan.trace_times(trace)
 
     def discard_damaged(self) -> list[int]:
@@ -253,7 +265,7 @@ class Store:
         damaged = self.find_damaged()
         for chunk in damaged:
             for file in (self._flag_file(chunk), *self._list_files(chunk)):
-                file.unlink(missing_ok=True)
+                _remove_path(file)
         return damaged
 
     def _list_damaged_arrays(self) -> list[str]:
@@ -277,6 +289,8 @@ class Store:
                 flag = self._flag_file(chunk).read_bytes()
             except FileNotFoundError:
                 continue
+            except IsADirectoryError:
+                flag = b""
             found[chunk] = np.frombuffer(flag, FLAG)[0] if len(flag) == FLAG.itemsize else -1
         return found
 
