@@ -180,6 +180,20 @@ def find_dimensions(unit: str) -> dict[str, float]:
     return {_BASES[name]: float(power) for name, power in one.unit_items()}
 
 
+MEANT = {
+    ("C", "K"): "degC",
+    ("°", "K"): "degC",
+    ("F", "K"): "degF",
+    ("g", "N"): "gf",
+    ("kg", "N"): "kgf",
+    ("lb", "N"): "lbf",
+    ("oz", "N"): "ozf",
+    ("N", "kg"): "kg",
+    ("gf", "kg"): "g",
+}
+"""Unit of another dimension, and the one wanted -> what was probably meant."""
+
+
 @cache
 def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
     from tokenize import TokenError
@@ -191,7 +205,9 @@ def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
         zero = ureg.Quantity(0.0, _spell_difference(spelling)).to(_spell_difference(unit)).magnitude
         one = ureg.Quantity(1.0, _spell_difference(spelling)).to(_spell_difference(unit)).magnitude
     except pint.DimensionalityError:
-        raise UnitError(f"The unit `{spelling}` cannot be converted to `{unit}`.") from None
+        meant = MEANT.get((spelling, unit))
+        hint = f" Did you mean `{meant}`?" if meant else ""
+        raise UnitError(f"The unit `{spelling}` cannot be converted to `{unit}`.{hint}") from None
     except (pint.PintError, ValueError, TypeError, AssertionError, TokenError):
         raise UnitError(f"`{spelling}` is not a known unit; `{unit}` is expected.") from None
     return float(one - zero), float(zero)

@@ -19,7 +19,7 @@ catalogue has one value; free convection of a vertical wire in still air (`lefev
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
 
@@ -35,7 +35,7 @@ from martensite.physics.electrical.sources import CurrentSource
 from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.materials.base import Material, load_material
 from martensite.physics.materials.wires import GRAVITY, WireSize
-from martensite.physics.thermal.base import Cylinder, Environment
+from martensite.physics.thermal.base import AbstractCooling, Cylinder, Environment
 from martensite.physics.thermal.convection import LeFevreEde
 
 
@@ -60,7 +60,7 @@ def list_alloy_numbers(alloy: str) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Strand:
-    """A piece of catalogue wire of one alloy in still air."""
+    """A piece of catalogue wire of one alloy, in still air unless it is cooled otherwise."""
 
     size: WireSize
     alloy: str
@@ -68,6 +68,7 @@ class Strand:
     """[m]"""
     ambient: float
     """[K]"""
+    cooling: AbstractCooling = field(default_factory=LeFevreEde)
 
     @property
     def law(self) -> LiangRogers:
@@ -96,7 +97,7 @@ class Strand:
     def film(self, temperature: float) -> float:
         """Film coefficient [W/(m² K)] at a wire temperature [K]."""
         shape = Cylinder(self.size.diameter.value, self.length)
-        return LeFevreEde().film(floats, temperature, self.ambient, shape)
+        return self.cooling.film(floats, temperature, self.ambient, shape)
 
     def steady_current(self, temperature: float) -> float:
         """Current [A] that holds the strand at `temperature` [K] for ever."""
@@ -123,7 +124,7 @@ class Strand:
             heat_capacity=numbers["heat_capacity"],
             latent_heat=numbers["latent_heat"],
         )
-        surroundings = Environment(temperature=self.ambient, cooling=LeFevreEde())
+        surroundings = Environment(temperature=self.ambient, cooling=self.cooling)
         return System(element=wire, environment=surroundings, source=CurrentSource(), mechanism=mechanism)
 
 
