@@ -50,6 +50,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "app-addresses": bench.addresses,
     "app-calls": bench.calls,
 }
+_BAR = re.compile(r"(``.*?``)|\|")
 _MARK = re.compile(r"<!-- from-declarations: ([\w-]+) -->")
 
 
@@ -62,6 +63,11 @@ def _fill(app: Any, page: str, content: list[str]) -> None:
     content[0] = filled(content[0])
 
 
+def _keep_bars(app: Any, what: str, name: str, obj: object, options: Any, lines: list[str]) -> None:
+    """Docstrings write |x| for an absolute value, which reStructuredText takes for a substitution."""
+    lines[:] = [_BAR.sub(lambda found: found[1] or r"\|", line) for line in lines]
+
+
 def _always(app: Any, env: Any, added: Any, changed: Any, removed: Any) -> list[str]:
     """Pages with a mark are read at every build: their source is the package."""
     return [page for page in env.found_docs if _MARK.search(env.doc2path(page).read_text("utf-8"))]
@@ -70,5 +76,6 @@ def _always(app: Any, env: Any, added: Any, changed: Any, removed: Any) -> list[
 def setup(app: Any) -> dict[str, Any]:
     """Entry point of the extension."""
     app.connect("source-read", _fill)
+    app.connect("autodoc-process-docstring", _keep_bars)
     app.connect("env-get-outdated", _always)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
