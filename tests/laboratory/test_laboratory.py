@@ -42,9 +42,8 @@ needs_c = pytest.mark.usefixtures("c_compiler")
 @needs_c
 @pytest.mark.parametrize("drive", DRIVES)
 def test_the_accuracy_bounds_the_error(drive: str) -> None:
-    for seed in (1, 2):
-        found = try_case(seed, 1e-4, drive)
-        assert found.true <= found.claimed <= 1e-4
+    found = try_case(1, 1e-4, drive)
+    assert found.true <= found.claimed <= 1e-4
     found = try_layers(18, 1e-3, drive)  # under pulses its rates die out within a step
     assert found.true <= found.claimed <= 1e-3
 
@@ -106,9 +105,9 @@ def test_a_sine_that_divides_the_step_heats() -> None:
 
 @needs_c
 def test_sines_of_round_numbers_heat() -> None:
-    """150 of them, beside the steady voltage that heats as much."""
+    """Forty of them, beside the steady voltage that heats as much."""
     case, rng = switched(), np.random.default_rng(7)
-    for _ in range(150):
+    for _ in range(40):
         duration = float(rng.choice([5, 8, 10, 20]))
         samples = int(rng.choice([101, 201, 501, 1001, 2001]))
         frequency = float(rng.choice([10, 20, 25, 50, 100, 200, 500, 1000]))
@@ -123,9 +122,9 @@ def test_sines_of_round_numbers_heat() -> None:
 
 @needs_c
 def test_strong_pulses_are_within_what_is_claimed() -> None:
-    """50 pulses of 1 to 100 ms that transform, beside steps of a 400th of them."""
+    """Fifteen pulses of 1 to 100 ms that transform, beside steps of a 400th of them."""
     case, rng = switched(), np.random.default_rng(8)
-    for _ in range(50):
+    for _ in range(15):
         width = float(10.0 ** rng.uniform(-3.0, -1.0))
         volts = math.sqrt(rng.uniform(0.5, 1.5) * 30.0 / width)
         pulse = PulseWidthModulation(high=volts, frequency=1.0 / 5.0, duty=width / 5.0)

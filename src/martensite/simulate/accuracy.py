@@ -15,6 +15,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from weakref import WeakKeyDictionary
 
 from martensite.base.errors import CompileError, SolveError
 from martensite.base.files import tell_once
@@ -50,6 +51,8 @@ LEAST = 1e-12
 """No accuracy is claimed below this."""
 
 March = Callable[[MarchPlan], Marched]
+_SPENT: WeakKeyDictionary[CompiledMarch, float] = WeakKeyDictionary()
+"""CPU time [s] that runs of a structure took on floats in this process: many short ones earn a compiler, too."""
 Rows = Sequence[Sequence[float]]
 
 
@@ -86,10 +89,14 @@ class RunEngine:
             return self._on_floats(plan, hasty=False)
         if self.used == "C" or (NATIVE in sys.modules and self._readiness(plan) == "loaded"):
             return self._on_c(plan)
-        try:
-            return self._on_floats(plan, hasty=True)
-        except TimeoutError:
-            pass
+        begin, spent = time.process_time(), _SPENT.get(self.compiled, 0.0)
+        if spent <= PATIENCE:
+            try:
+                return self._on_floats(plan, hasty=True)
+            except TimeoutError:
+                pass
+            finally:
+                _SPENT[self.compiled] = spent + time.process_time() - begin
         try:
             return self._on_c(plan)
         except CompileError as error:

@@ -247,12 +247,12 @@ def find_undelivered(
     source: AbstractSource, times: Sequence[float], drive: Sequence[float], resistance: Sequence[float]
 ) -> Alarm | None:
     """The alarm of a source that is asked for what it cannot deliver; None if it never is."""
-    reached = [source.reach(ohms) for ohms in resistance]
     when = find_excursion(times, undelivered_margins(source, drive, resistance))
     if when is None:
         return None
     worst = drive[when.worst]
-    limit = min(max(worst, reached[when.worst].least), reached[when.worst].most)
+    reached = source.reach(resistance[when.worst])
+    limit = min(max(worst, reached.least), reached.most)
     unit = "" if source.unit == "1" else f" {source.unit}"
     sentence = (
         f"Warning: the drive `{source.registered_name}` cannot deliver what is demanded, at "

@@ -10,6 +10,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from scipy.optimize import brentq
+
 from martensite.actuators.assembly import System
 from martensite.base.status import Status
 from martensite.signals.pwm import PulseWidthModulation
@@ -26,7 +28,8 @@ MOST_STEPS = 4000
 """Steps of a cycle."""
 RUNNING = 4
 """Cycles after which the peak temperature has settled, nearly."""
-HALVINGS = 14
+TOLERANCE = 4e-4
+"""Of a current, relative; it is found within twice of it, and on the side that reaches."""
 WIDENINGS = 12
 WINDOWS = (6.0, 16.0)
 """Time constants after which a cooling wire is looked at again, and given up."""
@@ -82,13 +85,10 @@ def find_current(system: System, position: float, time: float, guess: float) -> 
     low = 0.5 * high
     while simulate_pulse(system, low, time) >= position:
         high, low = low, 0.5 * low
-    for _ in range(HALVINGS):
-        middle = math.sqrt(low * high)
-        if simulate_pulse(system, middle, time) >= position:
-            high = middle
-        else:
-            low = middle
-    return high
+    found = brentq(
+        lambda x: simulate_pulse(system, math.exp(x), time) - position, *map(math.log, (low, high)), xtol=TOLERANCE
+    )
+    return math.exp(found + TOLERANCE)
 
 
 def find_reach_time(system: System, position: float, current: float, longest: float) -> float | None:
