@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import typer
-from typer.core import TyperCommand, TyperGroup
+from typer.core import TyperGroup
 
 from martensite.base.lazy import import_extra
 from martensite.cli.app import app
@@ -19,7 +21,7 @@ class ExportCommands(TyperGroup):
             self.commands = typer.main.get_group(group).commands
         return super().list_commands(ctx)
 
-    def get_command(self, ctx: typer.Context, cmd_name: str) -> TyperCommand | None:
+    def get_command(self, ctx: typer.Context, cmd_name: str) -> Any:
         """The command of a name."""
         return self.commands[cmd_name] if cmd_name in self.list_commands(ctx) else None
 
