@@ -161,6 +161,12 @@ def test_exports_say_what_brings_them(python: Path, folder: Path, words: str) ->
     assert done.stderr == f"error: {need}\n"
 
 
+def test_a_shell_that_completes_words_of_absent_exports_is_told_nothing(python: Path, folder: Path) -> None:
+    code = "import os; os.environ |= dict(_MARTENSITE_COMPLETE='complete_bash', COMP_WORDS='martensite export ', "
+    done = call(python, folder, "-c", code + "COMP_CWORD='2'); from martensite.cli import main; main()")
+    assert (done.stdout.strip(), done.stderr) == ("", "")
+
+
 def test_exports_are_added_by_their_wheel(python: Path, folder: Path, tmp_path: Path) -> None:
     unpack_wheel(ROOT / "export", tmp_path, tmp_path)  # a process begins to look in the folder it is called in
     words = ["export", "fmu", str(folder / "wire.toml"), "--sources-only"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.util import find_spec
 from typing import Any
 
 import typer
@@ -16,7 +17,8 @@ class ExportCommands(TyperGroup):
 
     def list_commands(self, ctx: typer.Context) -> list[str]:
         """Their names; `InputError` says what brings them."""
-        if not self.commands:
+        known = find_spec("martensite_export") is not None
+        if not self.commands and (known or not ctx.resilient_parsing):  # a shell that completes words wants no sentence
             group = import_extra("martensite_export.cli", "export", "`martensite-export`").export
             self.commands = typer.main.get_group(group).commands
         return super().list_commands(ctx)
