@@ -80,11 +80,12 @@ distclean: clean ## clean, and remove .venv too
 	rm -rf $(VENV)
 
 # One stamp per set of extras, so that the environment is touched only when its declaration changed.
-# Every set contains the core and the studies, those of developers the web bench too; nothing is uninstalled on the way from one to another.
+# Every set contains the core and the studies, those of developers the web bench and the exports too; nothing
+# is uninstalled on the way from one to another.
 $(VENV)/.stamp-core: extra =
 $(VENV)/.stamp-dev: extra = dev
 $(VENV)/.stamp-bench: extra = bench
-$(VENV)/.stamp-%: pyproject.toml app/pyproject.toml studies/pyproject.toml uv.lock
+$(VENV)/.stamp-%: pyproject.toml $(wildcard */pyproject.toml) uv.lock
 ifneq ($(UV),)
 	$(UV_SYNC) --extra studies $(if $(extra),--extra $(extra))
 else
@@ -93,6 +94,6 @@ else
 		exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile \
-		-e '.$(if $(extra),[$(extra)])' -e ./studies $(if $(extra),-e ./app)
+		-e '.$(if $(extra),[$(extra)])' -e ./studies $(if $(extra),-e ./app -e ./export)
 endif
 	@touch $(VENV)/.stamp-core $@

@@ -22,8 +22,8 @@ def all_commands() -> str:
 
 def _walk(command: Any, path: tuple[str, ...]) -> list[str]:
     found = [_section(command, path)] if len(path) > 1 else []
-    for name in command.list_commands(None) if hasattr(command, "commands") else ():
-        found += _walk(command.commands[name], (*path, name))
+    for name in command.list_commands(None) if hasattr(command, "list_commands") else ():
+        found += _walk(command.get_command(None, name), (*path, name))
     return found
 
 

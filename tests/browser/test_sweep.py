@@ -1,8 +1,10 @@
 """Sweeps in a browser: begun, seen while they come, cancelled, gone on with, looked at."""
 
+import base64
 import json
 import re
 import time
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,13 +13,19 @@ import pytest
 from app_server import Bench
 from playwright.sync_api import Browser, Page, expect
 
-from martensite.cli.web_bench import unpack_text
 from martensite.scenario.scenario import read_scenario
 
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")
 SHORT = TEXT.replace('duration = "10 s"', 'duration = "2 s"\nsamples = 41')
 LONG = 20_000
 """Patience with processes that start on a busy machine [ms]."""
+
+
+def unpack_text(letters: str) -> str:
+    """The text that `martensite.cli.web_bench.pack_text` has packed into letters of an address."""
+    return zlib.decompress(base64.urlsafe_b64decode(letters + "=" * (-len(letters) % 4)), -15).decode()
+
+
 STORED: dict[str, Any] = {
     "text": SHORT.replace("Constant power", "Ready power"),
     "sample": "grid",

@@ -47,9 +47,9 @@ def parse(line: str) -> None:
     """Parse a command line down to its last subcommand; raises on anything unknown."""
     command = program()
     name, *arguments = shlex.split(line)
-    while arguments and arguments[0] in getattr(command, "commands", {}):
+    while arguments and hasattr(command, "commands") and arguments[0] in command.list_commands(None):
         name, *arguments = arguments
-        command = command.commands[name]
+        command = command.get_command(None, name)
         arguments = getattr(command, "worded", list)(arguments)
     if hasattr(command, "commands") and not command.invoke_without_command:
         raise LookupError(f"no such command: {line}")

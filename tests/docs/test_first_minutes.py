@@ -22,6 +22,7 @@ from fences import README, ROOT, fences
 from packaging.requirements import Requirement
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+ABSENT = ("pytest", "jax", "starlette", "hatchling", "martensite_app", "martensite_export", "martensite_studies")
 TAB = """
 import rlcompleter, martensite as ms
 complete = rlcompleter.Completer({"ms": ms}).complete
@@ -59,6 +60,16 @@ except ms.InputError as error:
 else:
     raise SystemExit("an element was run")
 """
+EXPORT = """
+import martensite as ms
+assert (dir(ms.export), getattr(ms.export, "__path__", None)) == ([], None)
+try:
+    ms.export.to_fmu(ms.load("wire.toml"), "wire.fmu")
+except ms.InputError as error:
+    assert str(error).endswith("not installed; run `pip install 'martensite[export]'`."), error
+else:
+    raise SystemExit("exports are no part of the core")
+"""
 STUDY = """
 from martensite.studies.base import STUDIES, AbstractStudy, Claim
 
@@ -87,17 +98,22 @@ def core_distributions(name: str = "martensite") -> Iterator[Distribution]:
         seen |= wanted
 
 
+def unpack_wheel(source: Path, folder: Path, target: Path) -> None:
+    """Build the wheel of a source tree in a folder, and unpack it where it is imported from."""
+    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
+    subprocess.run(build, cwd=source, check=True, capture_output=True)
+    with zipfile.ZipFile(next(folder.glob("*.whl"))) as wheel:
+        wheel.extractall(target)
+
+
 @pytest.fixture(scope="module")
 def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The interpreter of an environment with the wheel and the core's dependencies alone."""
     folder = tmp_path_factory.mktemp("environment")
-    build = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
-    subprocess.run(build, cwd=ROOT, check=True, capture_output=True)
     made = venv.EnvBuilder(symlinks=os.name != "nt").ensure_directories(folder / "venv")
     venv.create(made.env_dir)
     site = next((folder / "venv").glob("lib*/**/site-packages"))
-    with zipfile.ZipFile(next(folder.glob("*.whl"))) as wheel:
-        wheel.extractall(site)
+    unpack_wheel(ROOT, folder, site)
     for one in core_distributions():
         tops = {file.parts[0] for file in one.files or ()} - {"..", "__pycache__"}
         for top in tops if one.name != "martensite" else ():
@@ -125,7 +141,7 @@ def call(python: Path, folder: Path, *words: str) -> subprocess.CompletedProcess
     return subprocess.run(whole, cwd=folder, env=clean, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.parametrize("code", [TAB, RUN, WRONG], ids=["tab", "run", "wrong"])
+@pytest.mark.parametrize("code", [TAB, RUN, WRONG, EXPORT], ids=["tab", "run", "wrong", "export"])
 def test_it_works_without_any_extra(python: Path, folder: Path, code: str) -> None:
     done = call(python, folder, "-c", code)
     assert done.returncode == 0, done.stderr
@@ -135,6 +151,31 @@ def test_a_law_of_ones_own_conforms(python: Path, folder: Path) -> None:
     done = call(python, folder, "-m", "martensite", "conform", "linear_strips.py")
     assert done.returncode == 0, done.stdout + done.stderr
     assert "linear-strips" in done.stdout
+
+
+@pytest.mark.parametrize("words", ["c wire.toml", "--help", ""])
+def test_exports_say_what_brings_them(python: Path, folder: Path, words: str) -> None:
+    done = call(python, folder, "-m", "martensite", "export", *words.split())
+    assert (done.returncode, done.stdout) == (2, "")
+    need = "This needs `martensite-export`, which is not installed; run `pip install 'martensite[export]'`."
+    assert done.stderr == f"error: {need}\n"
+
+
+def test_a_shell_that_completes_words_of_absent_exports_is_told_nothing(python: Path, folder: Path) -> None:
+    code = "import os; os.environ |= dict(_MARTENSITE_COMPLETE='complete_bash', COMP_WORDS='martensite export ', "
+    done = call(python, folder, "-c", code + "COMP_CWORD='2'); from martensite.cli import main; main()")
+    assert (done.stdout.strip(), done.stderr) == ("", "")
+
+
+def test_exports_are_added_by_their_wheel(python: Path, folder: Path, tmp_path: Path) -> None:
+    unpack_wheel(ROOT / "export", tmp_path, tmp_path)  # a process begins to look in the folder it is called in
+    words = ["export", "fmu", str(folder / "wire.toml"), "--sources-only"]
+    done = call(python, tmp_path, "-m", "martensite", *words)
+    assert done.returncode == 0, done.stderr
+    with zipfile.ZipFile(tmp_path / "wire.fmu") as made:
+        assert "modelDescription.xml" in made.namelist()
+    done = call(python, tmp_path, "-c", "import martensite as ms; print(ms.export.Fmu.__module__, len(dir(ms.export)))")
+    assert done.stdout.split()[0] == "martensite_export.fmu.archive" and int(done.stdout.split()[1]) > 20
 
 
 @pytest.mark.parametrize("words", [["study"], ["study", "migaone"], ["cite", "migaone"]], ids=" ".join)
@@ -165,7 +206,7 @@ def test_a_study_of_ones_own_is_found(python: Path, tmp_path: Path) -> None:
     assert (done.returncode, "martensite[studies]" in done.stderr) == (2, True)
 
 
-@pytest.mark.parametrize("name", ["pytest", "jax", "starlette", "hatchling", "martensite_app", "martensite_studies"])
+@pytest.mark.parametrize("name", ABSENT)
 def test_nothing_else_is_there(python: Path, folder: Path, name: str) -> None:
     assert "ModuleNotFoundError" in call(python, folder, "-c", f"import {name}").stderr
 

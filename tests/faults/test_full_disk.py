@@ -21,14 +21,14 @@ import martensite as ms
 from martensite.base.errors import DataError
 from martensite.base.files import replace_together, write_file
 from martensite.base.summary import Sentence, Summary
-from martensite.export.fmu import to_fmu
-from martensite.export.mujoco_render import _write_gif, _write_png
 from martensite.scenario.csv_files import write_csv
 from martensite.scenario.model_files import write_model
 from martensite.scenario.sampled_files import write_sampled
 from martensite.show.pages import write_page
 from martensite.signals.sampling.sampled import Sampled
 from martensite_app.calls import sweep_form
+from martensite_export.fmu import to_fmu
+from martensite_export.mujoco_render import _write_gif, _write_png
 
 EXAMPLE = ROOT / "examples" / "constant_power.toml"
 SMALL = 512
@@ -41,9 +41,10 @@ def result() -> ms.Result:
 
 
 @pytest.fixture
-def full() -> Iterator[None]:
+def full(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """No file grows beyond `SMALL` bytes, as on a disk without room."""
     resource = pytest.importorskip("resource")
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # what is imported first here would be cut for ever
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     heard = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (SMALL, before[1]))

@@ -430,8 +430,8 @@ def test_every_command_takes_json() -> None:
     commands: dict[str, Any] = get_command(app).commands  # type: ignore[attr-defined]
     assert len(commands) >= 10
     for name, command in commands.items():
-        parts = getattr(command, "commands", {"": command})
-        for part in parts.values():
+        inner = command.list_commands(None) if hasattr(command, "commands") else ()
+        for part in [command.get_command(None, one) for one in inner] or [command]:
             assert any("--json" in option.opts for option in part.params), name
 
 

@@ -1,0 +1,53 @@
+"""The distributions of this repository belong together.
+
+Source of truth: their declarations, `pyproject.toml` and those in `app`, `export` and `studies`.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from martensite.studies.base import STUDIES
+
+ROOT = Path(__file__).resolve().parents[2]
+APART = ("app", "export", "studies")
+"""Folders of what is installed apart, which are extras too."""
+
+
+def read_project(folder: str) -> dict[str, Any]:
+    """What a folder declares."""
+    return tomllib.loads((ROOT / folder / "pyproject.toml").read_text("utf-8"))["project"]
+
+
+CORE = read_project("")
+EXTRAS = CORE["optional-dependencies"]
+
+
+@pytest.mark.parametrize("folder", APART)
+def test_they_agree(folder: str) -> None:
+    other = read_project(folder)
+    for key in ("version", "requires-python", "license", "license-files", "authors"):
+        assert CORE[key] == other[key], key
+    assert (ROOT / "LICENSE").read_bytes() == (ROOT / folder / "LICENSE").read_bytes()
+
+
+@pytest.mark.parametrize("folder", APART)
+def test_each_asks_for_the_other_of_its_own_version(folder: str) -> None:
+    assert f"martensite=={CORE['version']}" in read_project(folder)["dependencies"]
+    assert EXTRAS[folder] == [f"martensite-{folder}=={CORE['version']}"]
+
+
+@pytest.mark.parametrize("extra", ["control", "fmu", "gymnasium", "mujoco"])
+def test_what_an_export_needs_brings_the_exports(extra: str) -> None:
+    assert set(EXTRAS["export"]) < set(EXTRAS[extra])
+
+
+def test_every_study_has_its_entry_point() -> None:
+    points = read_project("studies")["entry-points"][STUDIES.group]
+    folders = {path.parent.name for path in (ROOT / "studies" / "src").rglob("claims.toml")}
+    assert {module.rpartition(".")[2] for module in points.values()} == folders
+    assert {name: STUDIES[name].__module__ for name in points} == points

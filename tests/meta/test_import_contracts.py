@@ -24,7 +24,7 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
         str(ROOT / "pyproject.toml"),
         "--no-cache",
     ]
-    paths = os.pathsep.join([str(folder), str(ROOT / "studies" / "src")])
+    paths = os.pathsep.join([str(folder), *(str(ROOT / one / "src") for one in ("app", "export", "studies"))])
     changes = {"PYTHONPATH": paths, "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "200"}
     environment = os.environ | changes
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
@@ -52,8 +52,9 @@ def test_contracts_hold() -> None:
         ("actuators/elements/wire.py", "import pint", "martensite.base.units imports pint"),
         ("simulate/march.py", "import xarray", "import xarray"),
         ("actuators/assembly/base.py", "import jax", "import jax"),
-        ("studies/base.py", "import martensite_studies", "imports neither"),
-        ("simulate/result.py", "import mujoco", "Only martensite.export imports mujoco"),
+        ("studies/base.py", "import martensite_studies", "imports none"),
+        ("cli/export.py", "import martensite_export.cli", "imports none"),
+        ("simulate/result.py", "import mujoco", "Only martensite_export imports mujoco"),
     ],
 )
 def test_a_violation_is_noticed(copy: Path, file: str, line: str, contract: str) -> None:

@@ -1,310 +1,33 @@
-"""`export`: a scenario in the form of another program: C99, an FMU, or MJCF with a driver."""
+"""`export`: the commands that the distribution `martensite-export` brings."""
 
 from __future__ import annotations
 
-from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from importlib.util import find_spec
+from typing import Any
 
 import typer
-from typer import Option
-from typer.core import TyperCommand
+from typer.core import TyperGroup
 
-from martensite.base.errors import InputError, ParameterError, suggest_name
-from martensite.base.formats import write_quantity
-from martensite.base.summary import DataTable, Sentence, Summary
+from martensite.base.lazy import import_extra
 from martensite.cli.app import app
-from martensite.cli.options import Force, Json, ScenarioSource, Text, Texts, read_quantity, spread_options
-from martensite.cli.outputs import Outputs
-
-if TYPE_CHECKING:
-    from martensite.export.c_core import CCore
-    from martensite.export.fmu import Fmu
-    from martensite.scenario.scenario import Scenario
-
-export = typer.Typer(help="Write a scenario for another program.", no_args_is_help=True)
-PARTS = ("whole", "plant", "loop")
-STEPS = 400
-"""That the example plays at least."""
-HERE = Path("SCENARIO_driver.py")
-"""Stands for the file that is written where `--driver` names none."""
 
 
-app.add_typer(export, name="export")
+class ExportCommands(TyperGroup):
+    """Commands that are imported when one of them, or their list, is asked for."""
+
+    def list_commands(self, ctx: typer.Context) -> list[str]:
+        """Their names; `InputError` says what brings them."""
+        known = find_spec("martensite_export") is not None
+        if not self.commands and (known or not ctx.resilient_parsing):  # a shell that completes words wants no sentence
+            group = import_extra("martensite_export.cli", "export", "`martensite-export`").export
+            self.commands = typer.main.get_group(group).commands
+        return super().list_commands(ctx)
+
+    def get_command(self, ctx: typer.Context, cmd_name: str) -> Any:
+        """The command of a name."""
+        return self.commands[cmd_name] if cmd_name in self.list_commands(ctx) else None
 
 
-@export.command("c")
-@spread_options
-def c(
-    source: ScenarioSource,
-    out: Annotated[Path, Option(metavar="FOLDER", help="Where to write.")] = Path(),
-    name: Annotated[Text, Option(help="Name of the files and in them [default: SCENARIO].")] = None,
-    part: Annotated[
-        str,
-        Option(
-            help="whole; plant: without the loops around it; loop: observers, controllers and "
-            "supervisor without the plant, for a controller board."
-        ),
-    ] = "whole",
-    precision: Annotated[str, Option(help="float64 (double), or float32 (float).")] = "float64",
-    force: Force = False,
-    json: Json = False,
-) -> None:
-    """Write a scenario as C99: header, source, and an example that plays its drive.
-
-    No allocation, no library but libm; in double the results are those of `run`, bit for bit.
-    Operations are counted at worst: what is not chosen in a step is not computed.
-    """
-    from martensite.base.files import make_folder, replace_together, write_file
-    from martensite.export.c_names import checked_identifier, make_identifier
-    from martensite.show.terminal import print_summary
-
-    if part not in PARTS:
-        raise ParameterError(f"There is no part `{part}`. {suggest_name(part, PARTS)}")
-    name = checked_identifier(name or make_identifier(source.file.stem))
-    files = _check_files(out, name, force)
-    core, example, tried = _make_core(source.load(), name, part, precision)
-    make_folder(out)
-    with replace_together():
-        core.write(out)
-        write_file(files[-1], example)
-    print_summary(_summarise_core(core, part, tried), json, files)
-
-
-def _check_files(folder: Path, name: str, force: bool) -> list[Path]:
-    """The files that will be written; `DataError` if one is there already.
-
-    The folder is made if it is missing, but not what it is in.
-    """
-    files = [folder / f"{name}{end}" for end in (".h", ".c", "_example.c")]
-    missing = not folder.exists()
-    for path in [folder.parent / files[1].name] if missing else files:
-        Outputs(path, None).check(force or missing, data=(".h", ".c"))
-    return files
-
-
-def _make_core(loaded: Scenario, name: str, part: str, precision: str) -> tuple[CCore, str, str]:
-    """The core of a part of a scenario, the text of its example, and how far it was tried."""
-    from martensite.export.c_core import build_c_core, build_c_loop
-    from martensite.export.c_example import (
-        MOST,
-        MOST_TRIED,
-        example_text,
-        played_by_loop,
-        played_by_system,
-        try_program,
-    )
-
-    if loaded.outside and part != "plant":
-        kind = next(iter(loaded.outside.values())).registered_name
-        raise ParameterError(
-            f"The controller `{kind}` is no kernel and cannot be written as C; the plant alone can: `--part plant`."
-        )
-    if part != "loop":
-        system = loaded.system if part == "plant" else loaded.whole
-        core = build_c_core(system, name=name, precision=precision)
-        play = partial(played_by_system, system, loaded.waveform, loaded.duration, STEPS)
-    elif loaded.bench is None:
-        raise ParameterError("This scenario has no loop: there is no controller in it.")
-    else:
-        core = build_c_loop(loaded.bench, name=name, precision=precision)
-        play = partial(played_by_loop, loaded.bench, loaded.waveform, loaded.run(), STEPS)
-    tried = try_program(core, play(MOST_TRIED)) if core.precision == "float32" else ""
-    return core, example_text(core, *play(MOST)), tried
-
-
-def _summarise_core(core: CCore, part: str, tried: str) -> Summary:
-    from martensite.export.c_kernels import ORDER
-
-    counts = {
-        "parameters": len(core.parameters),
-        "constants": core.constants,
-        "states": core.states,
-        "inputs": len(core.inputs),
-        "outputs": len(core.outputs),
-    }
-    data = {
-        "name": core.name,
-        "part": part,
-        "described": core.description,
-        "precision": core.precision,
-        "model_bytes": core.size,
-        **counts,
-        "sample_time": core.sample_time,
-        "operations": core.operations,
-        "tried": tried or None,
-    }
-    numbers = ", ".join(f"{kind} {count}" for kind, count in counts.items())
-    kinds = [kind for kind in ORDER if any(kind in one for one in core.operations.values())]
-    rows = [
-        [call, str(sum(found.values())), *(str(found.get(kind, 0)) for kind in kinds)]
-        for call, found in core.operations.items()
-    ]
-    blocks = [
-        Sentence(f"{core.description}, {core.precision}"),
-        Sentence(f"model: {core.size:,} bytes ({numbers})"),
-        DataTable(("operations at most", "sum", *kinds), rows, right=range(1, len(kinds) + 2)),
-        *([Sentence(tried)] if tried else []),
-    ]
-    return Summary("", blocks, data)
-
-
-@export.command("fmu")
-@spread_options
-def fmu(
-    source: ScenarioSource,
-    fmi: Annotated[str, Option(help="Version of FMI: 2.0 or 3.0.")] = "2.0",
-    out: Annotated[Path | None, Option(help="FMU to write [default: ./SCENARIO.fmu].")] = None,
-    step: Annotated[
-        Text,
-        Option(
-            help="Longest step of the model within a step of the co-simulation "
-            "[default: that with which `run` reaches its tolerance]."
-        ),
-    ] = None,
-    name: Annotated[Text, Option(help="Model identifier [default: made of the name of the file].")] = None,
-    platforms: Annotated[
-        Texts,
-        Option(
-            "--platform",
-            help="For which to compile, e.g. x86_64-windows, with gcc or zig; repeatable "
-            "[default: all that gcc is there for].",
-        ),
-    ] = None,
-    sources_only: Annotated[bool, Option("--sources-only", help="Compile nothing.")] = False,
-    force: Force = False,
-    json: Json = False,
-) -> None:
-    """Write a scenario as an FMU for co-simulation: the model in C, compiled and as sources.
-
-    Drives are inputs, everything that can be observed is an output, all numbers of the scenario
-    are parameters; a closed loop has its reference as an input.
-    """
-    from martensite.export.fmu import to_fmu
-    from martensite.show.terminal import print_summary
-
-    if sources_only and platforms:
-        raise InputError("Options `--sources-only` and `--platform` exclude each other.")
-    loaded = source.load()
-    out = out or Path(f"{source.file.stem}.fmu")
-    Outputs(out, None).check(force, data=(".fmu",))
-    chosen = read_quantity("step", step, "s")
-    compiled = [] if sources_only else platforms or None
-    made = to_fmu(loaded, out, fmi=fmi, step=chosen, name=name, platforms=compiled)
-    print_summary(_summarise_fmu(made), json)
-
-
-def _collect_signals(made: Fmu) -> dict[str, Any]:
-    report = {
-        "file": str(made.path),
-        "fmi": made.fmi,
-        "identifier": made.name,
-        "token": made.token,
-        "period" if made.discrete else "step": made.step,
-        "platforms": list(made.platforms),
-    }
-    kinds = {"inputs": "input", "outputs": "output", "parameters": "parameter", "fixed": "local"}
-    named = {key: made.named(causality) for key, causality in kinds.items()}
-    return report | {key: {one.name: one.reference for one in signals} for key, signals in named.items()}
-
-
-def _summarise_fmu(made: Fmu) -> Summary:
-    counts = {kind: len(made.named(kind)) for kind in ("input", "output", "parameter")}
-    counted = [f"{count} {kind}{'' if count == 1 else 's'}" for kind, count in counts.items()]
-    inputs = ", ".join(f"{one.name} [{one.unit or '-'}]" for one in made.named("input"))
-    pace = "period" if made.discrete else "inner step of at most"
-    known = ", ".join(made.platforms) or "no platform: compile its sources before use"
-    lines = (
-        f"{', '.join(counted)}; {pace} {write_quantity(made.step, 's')}",
-        f"inputs: {inputs}",
-        f"wrote {made.path} (FMI {made.fmi}; {known})",
-    )
-    return Summary("", [Sentence(line) for line in lines], _collect_signals(made))
-
-
-class Driving(TyperCommand):
-    """The command, whose option `--driver` may stand without a file."""
-
-    def parse_args(self, ctx: typer.Context, args: list[str]) -> list[str]:
-        """Name the file that was left out."""
-        found: list[str] = []
-        for given, after in zip(args, [*args[1:], "-"], strict=True):
-            found.append(given)
-            if given == "--driver" and (after.startswith("-") or after.endswith(".toml")):
-                found.append(str(HERE))
-        return super().parse_args(ctx, found)
-
-
-@export.command("mujoco", cls=Driving)
-@spread_options
-def mujoco(
-    source: ScenarioSource,
-    out: Annotated[
-        Path | None, Option(help="MJCF file to write [default: ./SCENARIO.xml, or ./SCENARIO_snippet.xml].")
-    ] = None,
-    snippet: Annotated[
-        bool, Option("--snippet", help="Write sites, tendons and motors alone, for a model of your own.")
-    ] = False,
-    driver: Annotated[
-        Path | None,
-        Option(
-            metavar="[FILE.py]",
-            help="Write a Python program too, which plays the drive of the scenario on the model "
-            "[default: SCENARIO_driver.py beside it].",
-        ),
-    ] = None,
-    timestep: Annotated[str, Option(help="Time step of the model.")] = "2 ms",
-    force: Force = False,
-    json: Json = False,
-) -> None:
-    """Write the mechanism of a scenario as an MJCF model, or what another model needs.
-
-    It has a tendon with an actuator at the place of every element. The elements themselves are
-    put there by the driver, by `martensite.export.bridge_of`, or by a `MujocoBridge`
-    with the forces printed.
-    """
-    from martensite.base.files import replace_together, write_file
-    from martensite.export.mjcf import to_mjcf
-    from martensite.export.mjcf_snippet import to_mjcf_snippet
-    from martensite.show.terminal import print_summary
-
-    loaded = source.load()
-    out = out or Path(f"{source.file.stem}{'_snippet' if snippet else ''}.xml")
-    Outputs(out, None).check(force, data=(".xml",))
-    dt = read_quantity("timestep", timestep, "s")
-    texts = {out: to_mjcf_snippet(loaded.system) if snippet else to_mjcf(loaded.system, timestep=dt)}
-    if driver:
-        driver = out.with_name(f"{source.file.stem}_driver.py") if driver == HERE else driver
-        Outputs(driver, None).check(force, data=(".py",))
-        texts[driver] = _write_driver(loaded, driver, None if snippet else out, source.modules or [])
-    with replace_together():
-        for path, text in texts.items():
-            write_file(path, text)
-    print_summary(_summarise_model(loaded), json, texts)
-
-
-def _write_driver(loaded: Scenario, driver: Path, model: Path | None, modules: list[str]) -> str:
-    """The text of the driver; `InputError` if the scenario has nothing to play."""
-    from martensite.export.mujoco_driver import driver_text
-
-    if loaded.outside or (loaded.bench and loaded.bench.controllers.members()):
-        raise InputError(
-            "A driver plays waveforms, but this scenario has a controller; leave out `--driver`, "
-            "and call your controller before every `step` of a `MujocoBridge`."
-        )
-    return driver_text(
-        loaded.system, loaded.text, driver, source=loaded.path or Path(), model=model, modules=tuple(modules)
-    )
-
-
-def _summarise_model(loaded: Scenario) -> Summary:
-    from martensite.export.mjcf import start_forces
-
-    mechanism, tendons = loaded.system.mechanism, start_forces(loaded.system)
-    left_out = list(mechanism.signals())
-    data = {"mechanism": mechanism.registered_name, "tendons": tendons, "left_out": left_out}
-    lines = [
-        *(f"tendon `{one}`: {write_quantity(f, 'N')} at assembly" for one, f in tendons.items()),
-        *(f"signal `{one}` of the mechanism is left out: it is for the model to say" for one in left_out),
-    ]
-    return Summary("", [Sentence(line) for line in lines], data)
+app.add_typer(
+    typer.Typer(cls=ExportCommands, help="Write a scenario for another program.", no_args_is_help=True), name="export"
+)

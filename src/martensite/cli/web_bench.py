@@ -80,12 +80,6 @@ def pack_text(text: str) -> str:
     return base64.urlsafe_b64encode(data).decode().rstrip("=")
 
 
-def unpack_text(letters: str) -> str:
-    """The text of such letters."""
-    data = base64.urlsafe_b64decode(letters + "=" * (-len(letters) % 4))
-    return zlib.decompress(data, -15).decode()
-
-
 def build_address(address: str, text: str) -> str:
     """The address of a bench that begins with a scenario."""
     return f"{address}#/bench?scenario={pack_text(text)}"

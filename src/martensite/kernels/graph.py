@@ -8,7 +8,7 @@ body that runs over rows (`each`) is traced once and stays a loop.
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 from martensite.base.errors import KernelError
@@ -188,19 +188,12 @@ class Graph:
 
     def _outside(self, outputs: Sequence[int], bit: int) -> list[int]:
         """The nodes that the body of a loop takes from around it."""
-        found: dict[int, None] = {}
-        seen: set[int] = set()
-        stack = list(outputs)
-        while stack:
-            index = stack.pop()
-            if index in seen:
-                continue
-            seen.add(index)
-            if not self.depends[index] & bit:
-                found[index] = None
-            elif self.operations[index] != "input":
-                stack += self.arguments[index]
-        return sorted(found)
+
+        def below(index: int) -> tuple[int, ...]:
+            inside = self.depends[index] & bit and self.operations[index] != "input"
+            return self.arguments[index] if inside else ()
+
+        return sorted(index for index in self.walk(outputs, below) if not self.depends[index] & bit)
 
     def _join_dependencies(self, indices: Iterable[int]) -> int:
         depends = 0
@@ -217,6 +210,16 @@ class Graph:
         if operation in ("input", "constant"):
             return ()
         return arguments[:1] if operation == "implicit_root" else arguments
+
+    def walk(self, start: Iterable[int], below: Callable[[int], Iterable[int]]) -> Iterator[int]:
+        """Some nodes and all that they lead to, each once; `below` says where one leads."""
+        seen, left = set[int](), list(start)
+        while left:
+            index = left.pop()
+            if index not in seen:
+                seen.add(index)
+                yield index
+                left += below(index)
 
     def value_of(self, node: Expr) -> float | bool | None:
         """The value of a constant node, else None."""

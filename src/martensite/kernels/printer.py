@@ -231,22 +231,12 @@ class Printer:
 
 def parameter_nodes(graph: Graph, outputs: Iterable[Expr]) -> list[Expr]:
     """The nodes that depend on parameters only and feed nodes that depend on more."""
-    found: dict[int, None] = {}
-    seen: set[int] = set()
-    stack = [node.index for node in outputs]
-    while stack:
-        index = stack.pop()
-        if index in seen:
-            continue
-        seen.add(index)
-        depends = graph.depends[index] & ~SLOPE
-        if depends == 0:
-            continue
-        if depends == PARAMETER:
-            found[index] = None
-        else:
-            stack.extend(graph.children(index))
-    return [Expr(graph, index) for index in sorted(found)]
+
+    def below(index: int) -> tuple[int, ...]:
+        return graph.children(index) if graph.depends[index] & ~SLOPE not in (0, PARAMETER) else ()
+
+    reached = graph.walk([node.index for node in outputs], below)
+    return [Expr(graph, index) for index in sorted(reached) if graph.depends[index] & ~SLOPE == PARAMETER]
 
 
 def python_constant(value: float | bool) -> str:

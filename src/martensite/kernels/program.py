@@ -74,16 +74,8 @@ class Program:
     def needs(self, outputs: Sequence[Expr], inputs: Iterable[str]) -> bool:
         """Whether outputs depend on any of some inputs, by their full names."""
         wanted = {self.graph.input(name, VARYING).index for name in inputs}
-        seen: set[int] = set()
-        stack = [node.index for node in outputs]
-        while stack:
-            index = stack.pop()
-            if index in wanted:
-                return True
-            if index not in seen:
-                seen.add(index)
-                stack += self.graph.children(index)
-        return False
+        start = [node.index for node in outputs]
+        return any(index in wanted for index in self.graph.walk(start, self.graph.children))
 
     @cached_property
     def hoisted_nodes(self) -> list[Expr]:

@@ -15,6 +15,7 @@ has no derivative costs nothing, and what is detached ends a chain.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from martensite.kernels.dual import Dual, DualNamespace
@@ -399,15 +400,8 @@ def _list_dependent(graph: Graph, value: int, variables: frozenset[int]) -> list
 
     None if there are loops among it.
     """
-    reached: set[int] = set()
-    stack = [value]
-    while stack:
-        index = stack.pop()
-        if index not in reached:
-            reached.add(index)
-            stack += _list_arguments(graph, index)
     moving: set[int] = set()
-    for index in sorted(reached):
+    for index in sorted(graph.walk([value], partial(_list_arguments, graph))):
         if index in variables or any(a in moving for a in _list_arguments(graph, index)):
             moving.add(index)
     if any(graph.operations[index] in LOOPS for index in moving):

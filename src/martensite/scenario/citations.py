@@ -86,23 +86,6 @@ def _remove_markup(value: str) -> str:
     return re.sub(r"[{}]", "", value)
 
 
-def format_reference(key: str) -> dict[str, str]:
-    """A work as a reader wants it: `text` in a line, its `note`, and a `link` if there is one.
-
-    Raises:
-        UnknownNameError: it is not in the bibliography.
-    """
-    found = read_fields(list_entries([key])[0])
-    authors = found.get("author", "").replace(" and others", " et al.").replace(" and ", "; ")
-    places = ("journal", "booktitle", "school", "organization", "volume")
-    place = " ".join(found[name] for name in places if name in found)
-    year = f"({found['year']})" if "year" in found else ""
-    pieces = (authors, found.get("title", key), f"{place} {year}".strip())
-    text = ". ".join(piece.rstrip(".") for piece in pieces if piece) + "."
-    link = f"https://doi.org/{found['doi']}" if "doi" in found else found.get("url", "")
-    return {"key": key, "text": text, "note": found.get("note", ""), "link": link}
-
-
 def list_citations(system: Parametrised | Scenario, material: Material | None = None) -> list[str]:
     """Keys of the works behind the parts of a system or scenario, and of its material."""
     every = system.tree() if isinstance(system, Parametrised) else system.parts()

@@ -40,8 +40,6 @@ PROJECTIONS, PROJECTION_MARGIN = 3, 1e-6
 """How often a point that misses constraints by little is put onto them, and how far beyond."""
 GOAL_TOLERANCE = 1e-6
 """Change of the goal at which a descent ends."""
-LINE_SEARCH = 12
-"""Runs of one line search without constraints, at most."""
 
 
 class JudgedPoints(NamedTuple):

@@ -5,22 +5,8 @@
    (or k_rosenbrock if the ORDER of a step is 4, else 2), k_ripple and k_points, and: PLACES (the
    drive of each known heat); of each point its START
    among the numbers of all and its SIZES, the fraction that it is part of (PARTS) and WEIGHTS; and
-   PLACES_OF_RATES in the state. */
+   PLACES_OF_RATES in the state. SAFETY and other numbers are those of adaptive.py, of the same names. */
 
-#define SAFETY 0.9
-#define LEAST_CHANGE 0.2
-#define MOST_CHANGE 3.0
-#define SWING 2.0
-#define PRESCRIBED 0.8
-#define TURN 0.1
-#define NEAR 0.03
-#define SHORT 0.99
-#define BESIDE 1e-3
-#define BETWEEN 1.0
-#define ROUNDING 1e-12
-#define CUBIC 0.385
-#define PER_STRESS (1.0 / 7e6)
-#define LEAST_FALL 1e-9
 #define PART (ORDER == 4 ? 1.0 : 1.0 / 3.0)
 #define CHECKED (ORDER == 4 && b->at_edge)
 

@@ -59,7 +59,7 @@ BESIDE = 1e-3
 """Share of a step before its end, or after its start, in which a turn lies on it."""
 PER_STRESS = 1.0 / 7e6
 """Temperature that drives a transformation like a stress [K/Pa], about: where both turn."""
-LEAST = 1e-9
+LEAST_FALL = 1e-9
 """Distance from a kink that is none."""
 BETWEEN = 1.0
 """Last term of the interpolation as a share of the tolerance."""
@@ -178,7 +178,7 @@ class AdaptiveMarch(AbstractMarch):
         for _, _, size in self.plan.compiled.points:
             for k in range(at + 4, at + size):
                 now, fallen = self.points[k], self.earlier_points[k] - self.points[k]
-                if now > LEAST and fallen > 0.0:
+                if now > LEAST_FALL and fallen > 0.0:
                     there = SHORT * now / fallen * self.last_half
                     length = there if least < there < length else length
             at += size
@@ -536,7 +536,7 @@ def find_fall(ahead: float, first: float, middle: float, last: float) -> float:
     Where it would go on as it did: `ahead` is what it falls by in half a step, before the first of
     its values, which are half steps apart. On the chord if that is not where it falls.
     """
-    if not (first > LEAST and min(middle, last) <= 0.0):
+    if not (first > LEAST_FALL and min(middle, last) <= 0.0):
         return 1.0
     begin, top, bottom = (0.0, first, middle) if middle <= 0.0 else (0.5, middle, last)
     ahead = ahead if middle <= 0.0 else first - middle
@@ -547,7 +547,7 @@ def find_dip(first: float, middle: float, last: float) -> float:
     """Share of a step at which a number turns that may pass 0 there and nowhere else; else 1."""
     share, below = find_extreme(first, middle, last)
     least = min(first, middle, last)
-    return share if middle - first < 0.5 * (last - first) and LEAST < least < 2.0 * below else 1.0
+    return share if middle - first < 0.5 * (last - first) and LEAST_FALL < least < 2.0 * below else 1.0
 
 
 def divided_difference(times: Sequence[float], values: Sequence[float]) -> float:

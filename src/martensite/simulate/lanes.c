@@ -4,27 +4,10 @@
 
    Before this text stand martensite/signals/reader.c, the kernels k_prepare, k_init, k_observe,
    k_judge, k_solve (or k_rosenbrock if the ORDER of a step is 4, else 2), k_ripple and k_points over
-   LANES lanes, what marching.c and adaptive.c ask for, and which numbers of the state are OBSERVED.
-   Loops over lanes are written so that a compiler makes vectors of them: values are chosen, not
-   branched upon, except where few lanes have something to do. */
+   LANES lanes, what marching.c and adaptive.c ask for, the numbers of adaptive.py, and which of the
+   state are OBSERVED. Loops over lanes are written so that a compiler makes vectors of them: values
+   are chosen, not branched upon, except where few lanes have something to do. */
 
-#define HAIR 1e-9
-#define SHORTEST 1e-12
-#define SOLVED 1e-8
-#define SAFETY 0.9
-#define LEAST_CHANGE 0.2
-#define MOST_CHANGE 3.0
-#define SWING 2.0
-#define PRESCRIBED 0.8
-#define TURN 0.1
-#define NEAR 0.03
-#define SHORT 0.99
-#define BESIDE 1e-3
-#define BETWEEN 1.0
-#define ROUNDING 1e-12
-#define CUBIC 0.385
-#define PER_STRESS (1.0 / 7e6)
-#define LEAST_FALL 1e-9
 #define LEAST_ERROR 1e-9
 #define PART (ORDER == 4 ? 1.0 : 1.0 / 3.0)
 #define POWER (ORDER == 4 ? 0.25 : 1.0 / 3.0) /* of an error, for the length of a step */

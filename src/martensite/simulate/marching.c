@@ -8,9 +8,6 @@
    ask for signals; POINTS, all their NUMBERS, and RATES of adaptive.c; ENTRIES and ACCOUNTS of
    ledger.c. */
 
-#define HAIR 1e-9
-#define SHORTEST 1e-12
-#define SOLVED 1e-8
 #define SEEN (JUDGED + ENVELOPE + HEATED)
 #define REPORTS 3
 #define SAID (11 + ACCOUNTS)

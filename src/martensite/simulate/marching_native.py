@@ -26,6 +26,7 @@ from martensite.kernels.compiler import is_compiled, load_library
 from martensite.kernels.compute_once import cache_answers
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
+from martensite.simulate import adaptive
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.ledger import EMPTY, TURNED_OVER
 from martensite.simulate.marching import Marched, MarchPlan
@@ -42,6 +43,11 @@ MOST_SEGMENTS = 1 << 21
 FIRST_RECORD = 4096
 RANGES = 11 + len(ACCOUNTS)
 """Numbers of a run before the ranges of what is judged."""
+SHARED = (
+    *("HAIR", "SHORTEST", "SOLVED", "SAFETY", "LEAST_CHANGE", "MOST_CHANGE", "SWING", "PRESCRIBED", "TURN", "NEAR"),
+    *("SHORT", "BESIDE", "BETWEEN", "ROUNDING", "CUBIC", "PER_STRESS", "LEAST_FALL"),
+)
+"""Numbers of the march on floats, which the same march in C has under the same names."""
 FUSED = ("-ffp-contract=fast",)
 """Flags of the compiler for runs with error control: products and sums may be rounded once. Runs on
 given steps round as they do on floats."""
@@ -367,6 +373,7 @@ class MarchKernel:
             "ACCOUNT_OF": _format_list([*book.held, *book.efforts]),
             "TURNED_OVER": _format_list([int(account in TURNED_OVER) for account in book.efforts]),
             "ENTRY_SIGNALS": int(compiled.asks_for_signals("entries")),
+            **{name: getattr(adaptive, name) for name in SHARED},
         }
         solve = "rosenbrock" if self.order == 4 else "solve"
         names = ["step"] if self.fixed else [solve, "ripple", "points"]

@@ -16,7 +16,7 @@ from typing import get_args
 
 from martensite.base.errors import DataError
 from martensite.base.files import write_file
-from martensite.scenario.citations import format_reference
+from martensite.scenario.citations import list_entries, read_fields
 from martensite.scenario.datasets import describe_dataset, is_here
 from martensite.studies.base import AbstractStudy, Verdict, load_study, study_names
 from martensite_app.messages import JsonTable, Request, require_entry, write_message
@@ -44,6 +44,23 @@ def describe_study(study: AbstractStudy) -> JsonTable:
         "figure": study.caption or (inspect.getdoc(type(study).figure) or "").partition("\n")[0],
         "missing": list_missing_data(study),
     }
+
+
+def format_reference(key: str) -> dict[str, str]:
+    """A work as a reader wants it: `text` in a line, its `note`, and a `link` if there is one.
+
+    Raises:
+        UnknownNameError: it is not in the bibliography.
+    """
+    found = read_fields(list_entries([key])[0])
+    authors = found.get("author", "").replace(" and others", " et al.").replace(" and ", "; ")
+    places = ("journal", "booktitle", "school", "organization", "volume")
+    place = " ".join(found[name] for name in places if name in found)
+    year = f"({found['year']})" if "year" in found else ""
+    pieces = (authors, found.get("title", key), f"{place} {year}".strip())
+    text = ". ".join(piece.rstrip(".") for piece in pieces if piece) + "."
+    link = f"https://doi.org/{found['doi']}" if "doi" in found else found.get("url", "")
+    return {"key": key, "text": text, "note": found.get("note", ""), "link": link}
 
 
 def list_missing_data(study: AbstractStudy) -> list[dict[str, str]]:

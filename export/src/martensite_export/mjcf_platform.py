@@ -12,8 +12,8 @@ from xml.etree.ElementTree import Element
 
 from martensite.actuators.mechanics.platform_kinematics import locate_corners
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
-from martensite.export.mjcf_model import BLUE, DARK, GREY, Model, add_element, append_element
 from martensite.kernels import floats
+from martensite_export.mjcf_model import BLUE, DARK, GREY, Model, add_element, append_element
 
 
 def write_platform(model: Model, platform: ParallelPlatform, timestep: float) -> None:

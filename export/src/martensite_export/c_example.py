@@ -23,15 +23,15 @@ from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import MEASURED, list_references
 from martensite.control.loop.realtime import list_reads
 from martensite.control.loop.run import reference_waveforms
-from martensite.export.c_core import CCore
-from martensite.export.c_kernels import Precision, precision_of
-from martensite.export.c_text import STATUS_WORDS, count_elements
 from martensite.kernels.compiler import find_compiler
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.api import first_step
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.drive_waveforms import Waveforms, by_name, grid_of
 from martensite.simulate.result import Result
+from martensite_export.c_core import CCore
+from martensite_export.c_kernels import Precision, precision_of
+from martensite_export.c_text import STATUS_WORDS, count_elements
 
 Step = tuple[float, tuple[float, ...]]
 """Length [s] and inputs of a step."""

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from martensite.export.fmu.archive import Fmu, to_fmu
+from martensite_export.fmu.archive import Fmu, to_fmu
 
 __all__ = ["Fmu", "to_fmu"]

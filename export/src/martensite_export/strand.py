@@ -21,13 +21,13 @@ from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load
 from martensite.base.errors import SolveError
 from martensite.base.parameters import param
 from martensite.base.status import Status
-from martensite.export.balance import LineStepEnd
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import flatten_numbers
 from martensite.physics.laws.coupling import StepReport
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.march import classify_step
+from martensite_export.balance import LineStepEnd
 
 NOTICED = 1e5
 """Stress [Pa] that counts as one."""

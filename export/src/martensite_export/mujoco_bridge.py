@@ -5,10 +5,10 @@ Over a step dt the length of a tendon is a function of the tensions F in force d
     l_i(F) ≈ l_i(F*) - Σ_j S_ij (F_j - F*_j),        S = -∂l/∂F = dt² J M⁻¹ Jᵀ  for free motion,
 
 with J the Jacobian of the lengths and M the mass matrix. MuJoCo itself is asked for l(F*) and S
-(`martensite.export.mujoco_plant`), so damping, contacts, joint limits and the integrator are in
+(`martensite_export.mujoco_plant`), so damping, contacts, joint limits and the integrator are in
 them. To an element that is a load line. It solves law, heat and force together on it, tension
 only: no force lags behind the motion, nor behind the phase state that it belongs to. Several
-elements are balanced with each other (`martensite.export.balance`). Then MuJoCo is asked where the
+elements are balanced with each other (`martensite_export.balance`). Then MuJoCo is asked where the
 forces lead; if the line was not straight (a contact closes), the next one is laid there.
 
 Which force acts during the step is a choice:
@@ -37,15 +37,15 @@ import numpy as np
 from martensite.actuators.assembly import Actuator
 from martensite.base.errors import InputError, ParameterError, SolveError, UnknownNameError, suggest_name
 from martensite.base.parameters import param, part
-from martensite.export.balance import solve_nonnegative
-from martensite.export.mujoco_plant import TendonPlant, load_mujoco, scalar_joints
-from martensite.export.mujoco_result import MujocoResult
-from martensite.export.mujoco_step import Solved, solve_step
-from martensite.export.strand import CENTRED, END, TracedStrand
 from martensite.kernels.namespace import Scalar
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.simulate.grid import MOST_STEPS, place_signal, require_unit
+from martensite_export.balance import solve_nonnegative
+from martensite_export.mujoco_plant import TendonPlant, load_mujoco, scalar_joints
+from martensite_export.mujoco_result import MujocoResult
+from martensite_export.mujoco_step import Solved, solve_step
+from martensite_export.strand import CENTRED, END, TracedStrand
 
 COUPLINGS = {"end": END, "centred": CENTRED}
 TRIED = 1.0

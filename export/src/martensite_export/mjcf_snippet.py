@@ -2,7 +2,7 @@
 
 Per element that is a tendon through sites and a motor that turns control into force. The document can also be
 included, by MuJoCo's `<include file="..."/>`; sites are in its comment, for they belong into the bodies of the model.
-For a mechanism that has a writer in `martensite.export.mjcf` sites and paths are those of its model; any other gets
+For a mechanism that has a writer in `martensite_export.mjcf` sites and paths are those of its model; any other gets
 two sites per element, at places that are left to the reader.
 
 MuJoCo counts the force of a tendon as positive where it lengthens it, so with `gear="-1"` the
@@ -20,8 +20,8 @@ from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.finger import Finger
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
 from martensite.base.errors import InputError
-from martensite.export.mjcf import WRITERS, model_of, start_forces
-from martensite.export.mjcf_model import ORANGE, append_element
+from martensite_export.mjcf import WRITERS, model_of, start_forces
+from martensite_export.mjcf_model import ORANGE, append_element
 
 FRAMES: dict[type[AbstractMechanism], str] = {
     Finger: "The origin is on the hinge, which turns about +y; the phalanges lie along -x and +x, "

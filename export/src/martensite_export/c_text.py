@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from martensite.base.status import Status
-from martensite.export.c_kernels import precision_of
-from martensite.export.c_names import CoreVariable
+from martensite_export.c_kernels import precision_of
+from martensite_export.c_names import CoreVariable
 
 if TYPE_CHECKING:
-    from martensite.export.c_core import CCore
+    from martensite_export.c_core import CCore
 
 
 def count_elements(count: int) -> int:

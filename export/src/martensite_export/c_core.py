@@ -23,12 +23,12 @@ from martensite.control.loop.names import AGE, ALARM, JITTER, NOISE, list_readin
 from martensite.control.loop.names import list_estimates as estimate_outputs
 from martensite.control.loop.period import collect_estimates
 from martensite.control.loop.realtime import LoopState, TracedLoop, list_reads, trace_loop
-from martensite.export.c_kernels import count_operations, precision_of, used_parameters
-from martensite.export.c_names import CoreVariable, checked_identifier, list_parameters, list_variables, make_identifier
-from martensite.export.c_source import source_text
-from martensite.export.c_text import count_elements, header_text
 from martensite.kernels.program import Function, Program
 from martensite.simulate.compiled import compile_system
+from martensite_export.c_kernels import count_operations, precision_of, used_parameters
+from martensite_export.c_names import CoreVariable, checked_identifier, list_parameters, list_variables, make_identifier
+from martensite_export.c_source import source_text
+from martensite_export.c_text import count_elements, header_text
 
 Rows = list[tuple[str, str, str]]
 """Name, unit and words."""

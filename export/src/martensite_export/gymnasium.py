@@ -2,9 +2,9 @@
 
     environment = SmaEnv(bench, Task(output="position", low=0.0, high=4e-3, duration=20.0))
 
-What is observed, rewarded and drawn is said in `martensite.export.episodes` and
-`martensite.export.learning_task`. Importing this module registers `martensite/Bench-v0`, so that
-`gymnasium.make("martensite.export.gymnasium:martensite/Bench-v0", bench=..., task=...)` works.
+What is observed, rewarded and drawn is said in `martensite_export.episodes` and
+`martensite_export.learning_task`. Importing this module registers `martensite/Bench-v0`, so that
+`gymnasium.make("martensite_export.gymnasium:martensite/Bench-v0", bench=..., task=...)` works.
 
 Gymnasium comes with `pip install 'martensite[gymnasium]'`.
 """
@@ -20,8 +20,8 @@ import numpy as np
 
 from martensite.base.lazy import import_extra
 from martensite.control.loop.bench import Bench
-from martensite.export.episodes import BOUND, Episodes
-from martensite.export.learning_task import LearningTask
+from martensite_export.episodes import BOUND, Episodes
+from martensite_export.learning_task import LearningTask
 
 NAME = "martensite/Bench-v0"
 HERE = find_spec("gymnasium") is not None

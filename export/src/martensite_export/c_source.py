@@ -10,13 +10,13 @@ from collections.abc import Sequence
 from string import Template
 from typing import TYPE_CHECKING
 
-from martensite.export.c_kernels import CKernel, kernels_text, precision_of
-from martensite.export.c_names import CoreVariable
-from martensite.export.c_text import count_elements
 from martensite.simulate.march import COARSE
+from martensite_export.c_kernels import CKernel, kernels_text, precision_of
+from martensite_export.c_names import CoreVariable
+from martensite_export.c_text import count_elements
 
 if TYPE_CHECKING:
-    from martensite.export.c_core import CCore
+    from martensite_export.c_core import CCore
 
 
 def source_text(core: CCore) -> str:

@@ -23,8 +23,8 @@ import numpy as np
 
 from martensite.base.errors import DataError, MartensiteError, ParameterError, UnknownNameError
 from martensite.base.files import replace_file
-from martensite.export.mujoco_plant import load_mujoco
-from martensite.export.mujoco_result import MujocoResult
+from martensite_export.mujoco_plant import load_mujoco
+from martensite_export.mujoco_result import MujocoResult
 
 FILMS = (".mp4", ".gif")
 INSTALL = (
@@ -112,7 +112,7 @@ def _draw_in_process(folder: Path, backend: str) -> str | None:
     here = str(Path(__file__).resolve().parents[2])
     paths = os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH")]))
     environment = os.environ | {"MUJOCO_GL": backend, "PYTHONPATH": paths}
-    command = [sys.executable, "-m", "martensite.export.mujoco_render", str(folder)]
+    command = [sys.executable, "-m", "martensite_export.mujoco_render", str(folder)]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     if done.returncode == 0:
         return None

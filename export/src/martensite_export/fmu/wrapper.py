@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from importlib.resources import files
 
-from martensite.export.fmu.plan import FmuPlan, ModelNumber
-from martensite.export.fmu.variables import KIND
 from martensite.simulate.grid import place_signal
+from martensite_export.fmu.plan import FmuPlan, ModelNumber
+from martensite_export.fmu.variables import KIND
 
 SHARED = ("instance.c", "values.c", "steps.c", "states.c")
 """What both versions of FMI share; each takes in the one before."""
@@ -23,7 +23,7 @@ _LARGEST = 1.7e308
 def write_sources(plan: FmuPlan, version: str, token: str) -> dict[str, str]:
     """All C of an FMU, by file; `token` is its GUID, or instantiation token."""
     found = {"all.c": _write_all(plan, version), "model.h": _write_model(plan, token), **plan.core.files}
-    folder = files("martensite.export.fmu")
+    folder = files("martensite_export.fmu")
     for name in (*SHARED, _read_interface(version)):
         found[name] = (folder / name).read_text(encoding="utf-8")
     return found

@@ -8,8 +8,8 @@ from typing import Any
 
 from martensite.base.errors import UnknownNameError
 from martensite.base.status import Status
-from martensite.export.strand import TracedStrand
 from martensite.simulate.alarms import Alarm, alarms_of
+from martensite_export.strand import TracedStrand
 
 
 @dataclass

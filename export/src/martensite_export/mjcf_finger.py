@@ -30,8 +30,8 @@ from xml.etree.ElementTree import Element
 
 from martensite.actuators.mechanisms.finger import Finger
 from martensite.base.errors import InputError
-from martensite.export.mjcf_model import BLUE, DARK, GREY, Model, Value, add_element, append_element
 from martensite.kernels import floats
+from martensite_export.mjcf_model import BLUE, DARK, GREY, Model, Value, add_element, append_element
 
 SETTLES = 2.0
 """Time constant of a limit, in steps."""

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from importlib.metadata import version
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from martensite.export.fmu.plan import FmuPlan
-from martensite.export.fmu.variables import TIME, FmuVariable, add_units
+from martensite_export.fmu.plan import FmuPlan
+from martensite_export.fmu.variables import TIME, FmuVariable, add_units
 
 CATEGORIES = ("logStatusWarning", "logStatusDiscard", "logStatusError")
 

@@ -17,13 +17,13 @@ from pathlib import Path
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, suggest_name
 from martensite.base.files import write_file
-from martensite.export.c_names import checked_identifier, make_identifier
-from martensite.export.fmu.binaries import TARGETS, build_library, checked_targets
-from martensite.export.fmu.description import build_description, write_description
-from martensite.export.fmu.plan import FmuPlan, plan_of
-from martensite.export.fmu.variables import FmuVariable, list_variables
-from martensite.export.fmu.wrapper import write_sources
 from martensite.scenario.scenario import Scenario
+from martensite_export.c_names import checked_identifier, make_identifier
+from martensite_export.fmu.binaries import TARGETS, build_library, checked_targets
+from martensite_export.fmu.description import build_description, write_description
+from martensite_export.fmu.plan import FmuPlan, plan_of
+from martensite_export.fmu.variables import FmuVariable, list_variables
+from martensite_export.fmu.wrapper import write_sources
 
 VERSIONS = ("2.0", "3.0")
 _EPOCH = (1980, 1, 1, 0, 0, 0)

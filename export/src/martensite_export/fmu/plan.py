@@ -10,9 +10,9 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import Leaf, describe_structure
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.run import reference_waveforms
-from martensite.export.c_core import CCore, build_c_core
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.api import longest_step
+from martensite_export.c_core import CCore, build_c_core
 
 FREE, CONSTANT, HIDDEN = "FREE", "CONSTANT", "HIDDEN"
 

@@ -14,7 +14,7 @@ from string import Template
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
-from martensite.export.mjcf import start_forces
+from martensite_export.mjcf import start_forces
 
 
 def driver_text(
@@ -96,7 +96,7 @@ from pathlib import Path
 
 import martensite as ms
 import mujoco
-${IMPORTED}from martensite.export.mujoco_plant import scalar_joints
+${IMPORTED}from martensite_export.mujoco_plant import scalar_joints
 from martensite.base.files import replace_file
 from martensite.scenario.overrides import read_settings
 from martensite.scenario.scenario import read_scenario

@@ -16,7 +16,7 @@ from xml.etree.ElementTree import Element, SubElement
 
 from martensite.base import units
 from martensite.base.errors import UnitError
-from martensite.export.fmu.plan import CONSTANT, HIDDEN, FmuPlan, ModelNumber
+from martensite_export.fmu.plan import CONSTANT, HIDDEN, FmuPlan, ModelNumber
 
 KIND = 100_000
 TIME, INNER = 3 * KIND, 3 * KIND + 1

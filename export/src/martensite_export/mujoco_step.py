@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from martensite.base.errors import SolveError
-from martensite.export.balance import ForceBalance, LineStepEnd, Trial, compute_share, settle_lines
-from martensite.export.mujoco_plant import TendonPlant
-from martensite.export.strand import ForceWeights, TracedStrand
+from martensite_export.balance import ForceBalance, LineStepEnd, Trial, compute_share, settle_lines
+from martensite_export.mujoco_plant import TendonPlant
+from martensite_export.strand import ForceWeights, TracedStrand
 
 AIM = 1e-6
 """Error of a force, as a share of it, at which no new line is laid."""

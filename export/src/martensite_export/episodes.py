@@ -20,7 +20,10 @@ from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite.control.loop.names import JITTER, NOISE, list_references
 from martensite.control.loop.run import reference_waveforms
-from martensite.export.learning_task import (
+from martensite.signals.base import AbstractWaveform
+from martensite.simulate.lanes import Lanes
+from martensite.simulate.march import SOLVED
+from martensite_export.learning_task import (
     LearningTask,
     Numbers,
     free_signals,
@@ -28,9 +31,6 @@ from martensite.export.learning_task import (
     scale_values,
     spreads_of,
 )
-from martensite.signals.base import AbstractWaveform
-from martensite.simulate.lanes import Lanes
-from martensite.simulate.march import SOLVED
 
 BOUND = 2.0
 """Bound of observations."""

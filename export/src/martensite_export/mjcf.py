@@ -18,13 +18,13 @@ from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.finger import Finger
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
 from martensite.base.errors import InputError, ParameterError
-from martensite.export.mjcf_finger import write_finger
-from martensite.export.mjcf_model import Model, new_model
-from martensite.export.mjcf_platform import write_platform
-from martensite.export.mujoco_bridge import MujocoBridge, TendonActuator
 from martensite.kernels import floats
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
+from martensite_export.mjcf_finger import write_finger
+from martensite_export.mjcf_model import Model, new_model
+from martensite_export.mjcf_platform import write_platform
+from martensite_export.mujoco_bridge import MujocoBridge, TendonActuator
 
 TIMESTEP = 2e-3
 """MuJoCo's own default [s]."""

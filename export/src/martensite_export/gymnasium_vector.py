@@ -16,9 +16,9 @@ import numpy as np
 
 from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.bench import Bench
-from martensite.export.episodes import Episodes, Outcome
-from martensite.export.gymnasium import HERE, build_spaces, import_gymnasium
-from martensite.export.learning_task import LearningTask
+from martensite_export.episodes import Episodes, Outcome
+from martensite_export.gymnasium import HERE, build_spaces, import_gymnasium
+from martensite_export.learning_task import LearningTask
 
 VECTOR: Any = import_module("gymnasium.vector") if HERE else None
 BASE: Any = VECTOR.VectorEnv if HERE else object

@@ -1,5 +1,0 @@
-"""Ways out: martensite elements in the programs of others."""
-
-from martensite.base.lazy import attach_names
-
-__getattr__, __dir__ = attach_names(__name__)
