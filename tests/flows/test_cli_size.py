@@ -40,7 +40,7 @@ def test_table_words_and_a_scenario_that_runs(folder: Path) -> None:
     assert [place for place, *_ in verdicts] == [line.split()[0] for line in rows(text)]
     assert rows(text)[0].split()[:3] == ["1", "0.10", "90"]
     assert "Return spring: preload 0.5594 N" in text
-    assert "Recalled cells of the catalogue: diameter, resistance." in text
+    assert "Recalled or interpolated cells of the catalogue: diameter, resistance." in text
     assert "Assumed or recalled numbers of flexinol-90:" in text
     assert "--all shows them" in text
     assert "wrote wire.toml" in text

@@ -156,7 +156,7 @@ def size_wires(request: Request, desk: Desk) -> JsonTable:
     sizing = size_wire(wire, catalogue, lambda done, of: desk.tell({"done": done, "of": of}), desk.stop.is_set)
     return {
         "asked": read_fields(request),
-        "columns": [" ".join(name.split("\n")).strip() for name in words.COLUMNS],
+        "columns": [" ".join(name.split("\n")).strip() for name in words.choose_columns(wire)],
         "candidates": [
             _describe_candidate(wire, number, found, catalogue)
             for number, found in enumerate(sizing.candidates, start=1)
