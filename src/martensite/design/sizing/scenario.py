@@ -1,10 +1,11 @@
-"""A candidate as a scenario file that `martensite run` accepts, each number with its origin."""
+"""A candidate, or what is at hand, as a scenario file that `martensite run` accepts, each number with its origin."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
 
+from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.base.errors import InputError
 from martensite.base.parameters import Parametrised
 from martensite.design.sizing.candidates import Candidate, Drive
@@ -12,6 +13,7 @@ from martensite.design.sizing.cycle import PulseCycle
 from martensite.design.sizing.remarks import COIL_DOUBT
 from martensite.design.sizing.request import WireRequest
 from martensite.design.sizing.statics import CoilStrand, Strand
+from martensite.design.sizing.wire_ratings import WireRatings
 from martensite.physics.materials.wires import GRAVITY, Cell, WireCatalogue
 from martensite.scenario.overrides import toml_value
 
@@ -104,7 +106,7 @@ def format_strand(strand: Strand, catalogue: WireCatalogue, why: str, own: str =
 
 def _describe_origin(cell: Cell, catalogue: WireCatalogue) -> str:
     """Kind, source and note of a cell."""
-    said = f"{cell.kind}, {catalogue.sources[cell.source].cite}" if cell.source in catalogue.sources else cell.kind
+    said = f"{cell.kind}, {catalogue.sources[cell.source].cite}" if cell.source else cell.kind
     return f"{said}: {cell.note}" if cell.note else said
 
 
@@ -156,3 +158,32 @@ def _format_drive(request: WireRequest, drive: Drive, cycle: PulseCycle, rate: f
     duty = cycle.heating * rate
     wave = f'kind = "pwm", high = "{drive.current:.9g} A", frequency = "{rate:.9g} Hz"'
     return "\n".join([*lines, f"waveform = {{ {wave}, duty = {duty:.9g} }}", ""])
+
+
+def format_ratings(found: WireRatings, catalogue: WireCatalogue) -> str:
+    """The text of a scenario: two pulses through a wire or a coil that is at hand, with what it pulls."""
+    wire, strand, cycle = found.wire, found.strand, found.cycle
+    title = f"{found.size.name}, {wire.alloy} °C, at {wire.supply:.4g} V"
+    current, heating = 0.999 * found.supply_current, found.supply_time or wire.pulse
+    if cycle is not None and found.drivable:
+        current, heating = cycle.current, cycle.heating
+    period = 1.1 * heating + max(1.5 * (cycle.cooling or 0.0) if cycle else 0.0, 6.0 * strand.time_constant())
+    wave = f'kind = "pwm", high = "{current:.6g} A", frequency = "{1.0 / period:.6g} Hz", duty = {heating / period:.6g}'
+    held = f"# Held at {1e3 * found.drawn.length:.4g} mm by a stop, which is not in the file.\n" if found.drawn else ""
+    notes = [f"# Does not do: {fault}." for fault in found.faults]
+    notes += [f"# {COIL_DOUBT}"] * isinstance(strand, CoilStrand)
+    return "\n".join(
+        [
+            *notes,
+            f'{held}title = "Flexinol {title}"\n',
+            f'[element]\nmaterial = "flexinol-{wire.alloy}"\n{format_strand(strand, catalogue, "what was said of it")}',
+            format_environment(strand),
+            f"[mechanism]\n{_format_load(wire.mechanism(strand))}",
+            f'[drive]\nkind = "current"\nvoltage_limit = "{wire.supply:.12g} V"\nwaveform = {{ {wave} }}\n',
+            f'[run]\nduration = "{2.0 * period:.6g} s"\nsamples = {SAMPLES}\n',
+        ]
+    )
+
+
+def _format_load(mechanism: AbstractMechanism) -> str:
+    return "".join(f"{key} = {toml_value(value)}\n" for key, value in _describe_part(mechanism).items())
