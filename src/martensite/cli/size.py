@@ -40,7 +40,7 @@ def size(
     overwrite: Annotated[bool, Option("--overwrite", help="Replace an existing file.")] = False,
     json: Json = False,
 ) -> None:
-    """Find the wire, or the coil, and its current for a force and a stroke.
+    """Find the wire or coil and its current for a force and stroke.
 
     Exits with 1 where none does.
     """

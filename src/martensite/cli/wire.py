@@ -43,7 +43,7 @@ def wire(
     force: Force = False,
     json: Json = False,
 ) -> None:
-    """Say which current, resistor or duty a wire or a coil needs, and what it does.
+    """Say what current a wire or a coil needs, and what it does.
 
     Exits with 1 where the supply cannot make it contract, or it does not come back.
     """
