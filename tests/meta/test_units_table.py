@@ -59,15 +59,22 @@ def test_readable_units_are_in_the_table() -> None:
 MEANT = """
 K degC: 22 C|22 deg C|22 Celsius;  K degF: 60 F;  K K: 300 k;  N gf: 500 g|500 grams|500 gm;  N kgf: 10 kg|10 Kg
 N lbf: 1 lb|1 pound;  N ozf: 2 oz;  N N: 5 Newtons;  kg kg: 5 N;  kg g: 100 gf;  V V: 5 Volt|12 V DC|5 v;  A mA: 200 ma
-A A: 2 amps;  ohm ohm: 3 R|3 Ohm;  ohm kohm: 1 k;  m in: 3";  m thou: 6 mil;  m mm: 0.1 MM;  Pa MPa: 172 mpa
+A A: 2 Amps;  ohm ohm: 3 R|3 Ohm;  ohm kohm: 1 k;  m in: 3";  m thou: 6 mil;  m mm: 0.1 MM;  Pa MPa: 172 mpa
 N/m lbf/in: 5 lb/in;  N/m gf/mm: 5 g/mm;  Hz 1/min: 30 rpm;  Hz Hz: 2 hz;  rad/s rpm: 2 Hz;  1 %: 4 pct;  s s: 1S
 """
 """Unit that is expected, spelling that is meant: what people write."""
 
 
 def test_what_people_write_is_read() -> None:
-    read = {"5 volts": 5.0, "0.1mm": 1e-4, "3 in": 0.0762, "\u221210 °C": 263.15, "25 ksi": 25e3 * 6894.757293168}
-    wanted = dict(zip(read, ("V", "m", "m", "K", "Pa"), strict=True))
+    read = {
+        "5 volts": 5.0,
+        "0.1mm": 1e-4,
+        "3 in": 0.0762,
+        "2 amps": 2.0,
+        "\u221210 °C": 263.15,
+        "25 ksi": 25e3 * 6894.757293168,
+    }
+    wanted = dict(zip(read, ("V", "m", "m", "A", "K", "Pa"), strict=True))
     assert {text: units.parse_quantity(text, unit) for text, unit in wanted.items()} == pytest.approx(read)
 
 

@@ -8,6 +8,7 @@ library there are only SI floats in the declared unit.
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from typing import Any
@@ -217,10 +218,11 @@ def _suggest_unit(spelling: str, unit: str) -> str:
     """A sentence with the spelling that was probably meant; nothing if there is none."""
     small = spelling.lower().strip(". ").removesuffix(" dc").removeprefix("deg ").removeprefix("degree ")
     known = {name.lower(): name for name, (declared, _, _) in EVERYDAY.items() if declared == unit}
-    wanted = _pint_registry().Unit("" if unit == "1" else unit)
-    for meant in (MEANT.get(small), known.get(small)):
-        if meant is not None and _pint_registry().Unit(meant).is_compatible_with(wanted):
-            return f" Did you mean `{meant}`?"
+    with suppress(ValueError, TypeError, AssertionError, AttributeError):  # the unit itself may be none
+        ureg = _pint_registry()
+        for meant in (MEANT.get(small), known.get(small)):
+            if meant is not None and ureg.Unit(meant).is_compatible_with(ureg.Unit("" if unit == "1" else unit)):
+                return f" Did you mean `{meant}`?"
     return ""
 
 
@@ -236,6 +238,7 @@ def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
     import pint
 
     ureg = _pint_registry()
+    spelling = "ampere" if spelling == "amps" else spelling  # which pint takes for attometres per second
     try:
         zero = ureg.Quantity(0.0, _spell_difference(spelling)).to(_spell_difference(unit)).magnitude
         one = ureg.Quantity(1.0, _spell_difference(spelling)).to(_spell_difference(unit)).magnitude
