@@ -190,9 +190,8 @@ def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireR
         raise ParameterError(f"The load leaves no stroke: {cause}.")
     holding = strand.shifted("A_f", hot / strand.bearing) + ABOVE
     full = wire.supply / strand.resistance
-    cycle, slower = _find_cycle(
-        wire, strand, mechanism, (free, held + RETURNED * stroke), min(full, wire.current_limit)
-    )
+    places, most = (held + stroke, held + RETURNED * stroke), min(full, wire.current_limit)
+    cycle, slower = _find_cycle(wire, strand, mechanism, places, most)
     return WireRatings(
         wire,
         strand.size,
