@@ -50,6 +50,20 @@ def test_table_words_and_a_scenario_that_runs(folder: Path) -> None:
     assert "is there already" in refused(*SMALL, "--out", "wire.toml")
 
 
+def test_coils_stand_in_a_table_of_a_terminal_and_run(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    asked = ("--element", "coil", "--force", "1 N", "--stroke", "30 mm", "--rate", "0.05 Hz", "--supply", "5 V")
+    text = fine(*asked, "--alloy", "90", "--out", "coil.toml")
+    shown = rows(text)
+    assert shown and all(line.endswith("does") and len(line) <= 80 for line in shown)
+    coils, turns = (int(shown[0].split()[place]) for place in (3, 6))
+    assert f"{coils} coils side by side of Flexinol {shown[0].split()[1]} mm, 90 °C: {turns} turns" in text
+    assert "a coil that was wound and annealed has temperatures of its own" in text
+    run = RUN.report("coil.toml", "--no-figure")
+    assert run["stroke"] == pytest.approx(0.03, rel=0.05)
+    assert run["warnings"] == []
+
+
 def test_every_size_has_a_reason_or_does() -> None:
     found = report()["candidates"]
     assert len(found) == 12

@@ -157,11 +157,7 @@ def size_wire(
         InputError: the request contradicts itself.
         SolveError: a simulation failed.
     """
-    table = catalogue or load_wires()
-    sizes = [
-        *table.sizes.values(),
-        *map(table.interpolate, THICKER if request.element == "coil" and len(table.sizes) > 1 else ()),
-    ]
+    sizes = list_sizes(request, catalogue or load_wires())
     pairs = [(size, alloy) for alloy in request.alloys() for size in sizes]
     found: list[Candidate] = []
     for size, alloy in pairs:
@@ -173,6 +169,13 @@ def size_wire(
     ranked = sorted(found, key=_rank_candidates)
     fits = any(one.feasible for one in ranked) or len(found) < len(pairs)
     return Sizing(request, ranked, () if fits else find_changes(request, ranked))
+
+
+def list_sizes(request: WireRequest, catalogue: WireCatalogue) -> list[WireSize]:
+    """Sizes that are put to a request: those of a catalogue, and for coils thicker ones, too."""
+    sizes = list(catalogue.sizes.values())
+    thicker = THICKER if request.element == "coil" and len(sizes) > 1 else ()
+    return sizes + [catalogue.interpolate(diameter) for diameter in thicker]
 
 
 def _rank_candidates(candidate: Candidate) -> tuple[float, ...]:
