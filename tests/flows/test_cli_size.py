@@ -40,7 +40,7 @@ def test_table_words_and_a_scenario_that_runs(folder: Path) -> None:
     assert [place for place, *_ in verdicts] == [line.split()[0] for line in rows(text)]
     assert rows(text)[0].split()[:3] == ["1", "0.10", "90"]
     assert "Return spring: preload 0.5594 N" in text
-    assert "Recalled cells of the catalogue: diameter, resistance." in text
+    assert "Recalled or interpolated cells of the catalogue: diameter, resistance." in text
     assert "Assumed or recalled numbers of flexinol-90:" in text
     assert "--all shows them" in text
     assert "wrote wire.toml" in text
@@ -48,6 +48,20 @@ def test_table_words_and_a_scenario_that_runs(folder: Path) -> None:
     assert run["stroke"] == pytest.approx(3e-3, rel=0.05)
     assert run["warnings"] == []
     assert "is there already" in refused(*SMALL, "--out", "wire.toml")
+
+
+def test_coils_stand_in_a_table_of_a_terminal_and_run(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    asked = ("--element", "coil", "--force", "1 N", "--stroke", "30 mm", "--rate", "0.05 Hz", "--supply", "5 V")
+    text = fine(*asked, "--alloy", "90", "--out", "coil.toml")
+    shown = rows(text)
+    assert shown and all(line.endswith("does") and len(line) <= 80 for line in shown)
+    coils, turns = (int(shown[0].split()[place]) for place in (3, 6))
+    assert f"{coils} coils side by side of Flexinol {shown[0].split()[1]} mm, 90 °C: {turns} turns" in text
+    assert "a coil that was wound and annealed has temperatures of its own" in text
+    run = RUN.report("coil.toml", "--no-figure")
+    assert run["stroke"] == pytest.approx(0.03, rel=0.05)
+    assert run["warnings"] == []
 
 
 def test_every_size_has_a_reason_or_does() -> None:

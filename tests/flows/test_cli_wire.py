@@ -1,6 +1,7 @@
 """`martensite wire`: what a wire at hand needs and does.
 
-Source of truth: Ohm's law, a heat balance written here, the maker's cells, and a run of the same wire.
+Source of truth: Ohm's law, a heat balance and the formulas of helical springs written here, the maker's cells, and a
+run of the same wire or coil.
 """
 
 from __future__ import annotations
@@ -13,11 +14,15 @@ import pytest
 from command import Command
 
 from martensite.base.errors import ParameterError
-from martensite.design.sizing.wire_ratings import COOLINGS, WireInHand, rate_wire
+from martensite.design.sizing.coil_in_hand import CoilInHand, draw_out
+from martensite.design.sizing.statics import CoilStrand
+from martensite.design.sizing.wire_in_hand import COOLINGS, WireInHand
+from martensite.design.sizing.wire_ratings import rate_wire
 from martensite.kernels import floats
 from martensite.physics.materials.base import load_material
 from martensite.physics.materials.wires import load_wires
 from martensite.physics.thermal.base import Cylinder
+from martensite.scenario.scenario import load
 
 WIRE = Command("wire")
 USUAL = "--diameter", "0.1 mm", "--length", "10 cm", "--supply", "5 V"
@@ -92,3 +97,97 @@ def test_bad_input_is_answered_with_what_is_meant() -> None:
     assert "air" in WIRE.refused(*USUAL, "--cooling", "airr")
     with pytest.raises(ParameterError, match="a weight or pulls a spring"):
         WireInHand(diameter=1e-4, length=0.1, supply=5.0, load=1.0, spring=1.0)
+
+
+# ---------------------------------------------------------------- a coil
+
+BAG = "--coil", "--diameter", "0.5 mm", "--solid", "25 mm", "--resistance", "3 ohm", "--supply", "12 V"
+COIL = {"diameter": 5e-4, "solid": 0.025, "resistance": 3.0, "supply": 12.0, "pulse": 5.0}
+
+
+def make_coil(**changes: float) -> CoilStrand:
+    strand = CoilInHand(**(COIL | changes)).make_strand(load_wires())  # type: ignore[arg-type]
+    assert isinstance(strand, CoilStrand)
+    return strand
+
+
+def test_a_bag_says_turns_and_width() -> None:
+    """N = L_s/d; ohms of a helix of that many turns of pitch d."""
+    by_ohms = make_coil()
+    assert by_ohms.turns == pytest.approx(50.0)
+    ohms_per_metre = load_wires().interpolate(5e-4).resistance.value
+    wire = 50.0 * math.hypot(math.pi * by_ohms.coil_diameter, 5e-4)
+    assert wire * ohms_per_metre == pytest.approx(3.0) and by_ohms.resistance == pytest.approx(3.0)
+    by_width = make_coil(resistance=0.0, outer=by_ohms.coil_diameter + 5e-4)
+    assert by_width.length == pytest.approx(by_ohms.length) and by_width.index == pytest.approx(by_ohms.index)
+    both = make_coil(outer=5e-3, turns=49.0)
+    assert both.coil_diameter == pytest.approx(4.5e-3) and both.turns == pytest.approx(49.0)
+    assert both.resistance == pytest.approx(3.0)
+
+
+def test_strain_and_pull_of_a_coil_that_is_drawn_out() -> None:
+    """gamma = d y/(pi N D^2) and F = G d^4 y/(8 N D^3) of flat turns, which a coil drawn to twice its length has."""
+    coil = make_coil()
+    drawn, wire, across = draw_out(coil, 0.05), 5e-4, coil.coil_diameter
+    assert drawn.shear == pytest.approx(wire * 0.025 / (math.pi * 50.0 * across**2), rel=5e-3)
+    shear_modulus = load_material("flexinol-90").values["E_A"].value / 3.0
+    assert drawn.hot_force == pytest.approx(shear_modulus * wire**4 * 0.025 / (8.0 * 50.0 * across**3), rel=5e-3)
+
+
+def test_stroke_starts_where_the_coil_is_held() -> None:
+    free, held = (rate_wire(CoilInHand(**(COIL | more))) for more in ({}, {"stretched": 0.1}))  # type: ignore[arg-type]
+    shape = free.describe_coil()
+    assert shape is not None and free.cycle is not None and held.cycle is not None
+    assert free.stroke == pytest.approx(0.98 * (shape["cold_length"] - shape["hot_length"]))
+    assert held.stroke == pytest.approx(0.98 * (0.1 - shape["hot_length"]))
+    assert held.cycle.current == pytest.approx(free.cycle.current, rel=0.05)
+    assert held.cycle.cooling is not None and free.cycle.cooling is not None
+    assert held.cycle.cooling < 0.9 * free.cycle.cooling
+
+
+def test_the_coil_that_is_saved_runs(tmp_path: Path) -> None:
+    file, figure = tmp_path / "bag.toml", tmp_path / "bag.svg"
+    text = WIRE.fine(*BAG, "--pulse", "5 s", "--save", str(file), "--figure", str(figure))
+    assert "50 turns of 4.28 mm between centres" in text and figure.is_file()
+    found, run = rate_wire(CoilInHand(**COIL)), load(file).run()  # type: ignore[arg-type]
+    assert max(run["position"]) == pytest.approx(found.stroke, rel=0.02)
+    assert max(run["resistance"]) == pytest.approx(3.0)
+
+
+def test_the_time_of_a_weak_supply_is_one_that_does() -> None:
+    weak = rate_wire(CoilInHand(**(COIL | {"supply": 5.0, "pulse": 1.0})))  # type: ignore[arg-type]
+    assert weak.supply_time is not None and any('--pulse "' in fault for fault in weak.faults)
+    longer = math.ceil(10.2 * weak.supply_time) / 10.0
+    assert rate_wire(CoilInHand(**(COIL | {"supply": 5.0, "pulse": longer}))).drivable  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"turns": 30.0}, "are 50.0 turns, but `turns` is 30"),
+        ({"outer": 9e-3}, "have 5.95 ohm by the maker's table, but `resistance` is 3 ohm"),
+        ({"resistance": 0.05}, "which no coil has"),
+        ({"resistance": 0.0}, "Say how wide"),
+        ({"solid": 0.0}, "Say how many turns"),
+        ({"stretched": 0.024}, "not longer than the closed coil"),
+        ({"stretched": 0.1, "spring": 100.0}, "a stop"),
+        ({"stretched": 0.03}, "hot, it is longer under it"),
+        ({"outer": 5e-3, "length": 1.0}, "but `length` is 1000 mm"),
+    ],
+)
+def test_a_bag_that_contradicts_itself_is_refused(change: dict[str, float], words: str) -> None:
+    with pytest.raises(ParameterError) as refused:
+        rate_wire(CoilInHand(**(COIL | change)))  # type: ignore[arg-type]
+    assert words in str(refused.value)
+
+
+def test_options_of_a_coil_need_one() -> None:
+    assert "add --coil" in WIRE.refused(*USUAL, "--turns", "20")
+    assert "`--supply` is needed" in WIRE.refused(*BAG[:-2])
+    overdrawn = WIRE(*BAG, "--pulse", "5 s", "--stretched", "600 mm")
+    assert overdrawn.exit_code == 1 and "above the maker's 5 %" in " ".join(overdrawn.stdout.split())
+
+
+def test_measured_ohms_are_those_of_the_file(tmp_path: Path) -> None:
+    WIRE.fine(*USUAL, "--resistance", "10 ohm", "--save", str(tmp_path / "wire.toml"))
+    assert load(tmp_path / "wire.toml").run()["resistance"][0] == pytest.approx(10.0)

@@ -1,6 +1,8 @@
 """The table of everyday units equals pint, so that a run without pint reads the same numbers.
 
-Source of truth: pint. Every spelling of the table is converted by pint and must give the same
+What people write is read, or answered with a spelling that is read.
+
+Source of truth: pint, and what is meant. Every spelling of the table is converted by pint and must give the same
 factor and offset; every spelling used in a material file must be in the table.
 """
 
@@ -14,6 +16,7 @@ import pint
 import pytest
 
 from martensite.base import units
+from martensite.base.errors import UnitError
 from martensite.physics.materials import base as materials
 from martensite.physics.materials.base import NAMES
 
@@ -51,3 +54,43 @@ def test_readable_units_are_in_the_table() -> None:
     for declared, shown in units.READABLE.items():
         kelvin = "K" if declared == units.DEGREES else declared
         assert units.EVERYDAY[shown][0] == kelvin
+
+
+MEANT = """
+K degC: 22 C|22 deg C|22 Celsius;  K degF: 60 F;  K K: 300 k;  N gf: 500 g|500 grams|500 gm;  N kgf: 10 kg|10 Kg
+N lbf: 1 lb|1 pound;  N ozf: 2 oz;  N N: 5 Newtons;  kg kg: 5 N;  kg g: 100 gf;  V V: 5 Volt|12 V DC|5 v;  A mA: 200 ma
+A A: 2 Amps;  ohm ohm: 3 R|3 Ohm;  ohm kohm: 1 k;  m in: 3";  m thou: 6 mil;  m mm: 0.1 MM;  Pa MPa: 172 mpa
+N/m lbf/in: 5 lb/in;  N/m gf/mm: 5 g/mm;  Hz 1/min: 30 rpm;  Hz Hz: 2 hz;  rad/s rpm: 2 Hz;  1 %: 4 pct;  s s: 1S
+"""
+"""Unit that is expected, spelling that is meant: what people write."""
+
+
+def test_what_people_write_is_read() -> None:
+    read = {
+        "5 volts": 5.0,
+        "0.1mm": 1e-4,
+        "3 in": 0.0762,
+        "2 amps": 2.0,
+        "\u221210 °C": 263.15,
+        "25 ksi": 25e3 * 6894.757293168,
+    }
+    wanted = dict(zip(read, ("V", "m", "m", "A", "K", "Pa"), strict=True))
+    assert {text: units.parse_quantity(text, unit) for text, unit in wanted.items()} == pytest.approx(read)
+
+
+@pytest.mark.parametrize("line", re.split(r";\s*|\n", MEANT.strip()))
+def test_what_is_not_read_is_answered_with_what_is(line: str) -> None:
+    unit, meant, written = re.split(r":? ", line, maxsplit=2)
+    for text in written.split("|"):
+        with pytest.raises(UnitError, match=f"Did you mean `{re.escape(meant)}`"):
+            units.parse_quantity(text, unit)
+    units.parse_quantity(f"1 {meant}", unit)
+
+
+def test_what_cannot_be_meant_is_said() -> None:
+    words = {"AWG 38": "copper wire, 0.101 mm", "24awg": "0.511 mm", "1,5 mm": "decimal point", "5 V": "to `m`.$"}
+    for text, said in words.items():
+        with pytest.raises(UnitError, match=said):
+            units.parse_quantity(text, "m")
+    with pytest.raises(UnitError, match="2 pi rad"):
+        units.parse_quantity("10 rad/s", "Hz")

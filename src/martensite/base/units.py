@@ -8,6 +8,7 @@ library there are only SI floats in the declared unit.
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from functools import cache
 from importlib import import_module
 from typing import Any
@@ -77,8 +78,10 @@ PERCENT = ("strain",)
 _LARGER = {"Pa": ("GPa", 1e9), "J/kg": ("kJ/kg", 1e3)}
 
 _QUANTITY = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
+_GAUGE = re.compile(r"(?i)^\s*(?:awg\s*#?(\d{1,2})|(\d{1,2})\s*awg)\s*$")
 _SPELLINGS = str.maketrans(
-    {"°": "deg", "\u03a9": "ohm", "\u2126": "ohm", "\u00b5": "u", "\u03bc": "u"} | {"·": "*", "²": "^2", "³": "^3"}
+    {"°": "deg", "\u03a9": "ohm", "\u2126": "ohm", "\u00b5": "u", "\u03bc": "u", "\u2212": "-"}
+    | {"·": "*", "²": "^2", "³": "^3"}
 )
 
 
@@ -88,7 +91,12 @@ def parse_quantity(text: str, unit: str) -> float:
     Raises:
         UnitError: the text is no number with a unit, or the unit has another dimension.
     """
+    if unit == "m" and (gauge := _GAUGE.match(text)):
+        diameter = 0.127 * 92.0 ** ((36 - int(gauge[1] or gauge[2])) / 39.0)
+        raise UnitError(f"`{text}` is a gauge of copper wire, {diameter:.3g} mm; write the diameter of yours.")
     match = _QUANTITY.match(text.translate(_SPELLINGS))
+    if match is not None and match[2][:1] == ",":
+        raise UnitError(f"`{text}` has a comma; write a decimal point, and nothing between thousands.")
     if match is None:
         raise UnitError(f"`{text}` is not a number with a unit; write for example `1.5 {unit}`.")
     if not match[2] and unit != "1":
@@ -180,18 +188,47 @@ def find_dimensions(unit: str) -> dict[str, float]:
     return {_BASES[name]: float(power) for name, power in one.unit_items()}
 
 
-MEANT = {
-    ("C", "K"): "degC",
-    ("°", "K"): "degC",
-    ("F", "K"): "degF",
-    ("g", "N"): "gf",
-    ("kg", "N"): "kgf",
-    ("lb", "N"): "lbf",
-    ("oz", "N"): "ozf",
-    ("N", "kg"): "kg",
-    ("gf", "kg"): "g",
+_SAME = {
+    "degC": "c celsius centigrade degree degrees deg",
+    "degF": "f fahrenheit degf",
+    "gf": "g gm gr gram grams gram-force",
+    "kgf": "kg kgs kilo kilos kilogram kilograms kp",
+    "lbf": "lb lbs pound pounds",
+    "ozf": "oz ounce ounces",
+    "g": "gf",
+    "kg": "n kgf",
+    "thou": "mil mils",
+    "in": "\" '' inch inches",
+    "V": "volt volts vdc vac",
+    "A": "amp amps ampere amperes",
+    "W": "watt watts",
+    "ohm": "ohms r",
+    "kohm": "k kohms",
+    "N": "newton newtons",
+    "1/min": "rpm cpm bpm",
+    "%": "pct",
+    "gf/mm": "g/mm",
+    "lbf/in": "lb/in lbs/in",
 }
-"""Unit of another dimension, and the one wanted -> what was probably meant."""
+MEANT = {other: name for name, others in _SAME.items() for other in others.split()}
+"""What people write, in small letters -> a spelling of it that is known."""
+
+
+def _suggest_unit(spelling: str, unit: str) -> str:
+    """A sentence with the spelling that was probably meant; nothing if there is none."""
+    small = spelling.lower().strip(". ").removesuffix(" dc").removeprefix("deg ").removeprefix("degree ")
+    known = {name.lower(): name for name, (declared, _, _) in EVERYDAY.items() if declared == unit}
+    with suppress(ValueError, TypeError, AssertionError, AttributeError):  # the unit itself may be none
+        ureg = _pint_registry()
+        for meant in (MEANT.get(small), known.get(small)):
+            if meant is not None and ureg.Unit(meant).is_compatible_with(ureg.Unit("" if unit == "1" else unit)):
+                return f" Did you mean `{meant}`?"
+    return ""
+
+
+def _is_turning(spelling: str) -> bool:
+    """Whether there is an angle in a unit: 1 rad/s is no Hz, though both are 1/s."""
+    return "radian" in {name for name, _ in _pint_registry().Quantity(1.0, spelling).to_base_units().unit_items()}
 
 
 @cache
@@ -201,15 +238,19 @@ def _ask_pint(spelling: str, unit: str) -> tuple[float, float]:
     import pint
 
     ureg = _pint_registry()
+    spelling = "ampere" if spelling == "amps" else spelling  # which pint takes for attometres per second
     try:
         zero = ureg.Quantity(0.0, _spell_difference(spelling)).to(_spell_difference(unit)).magnitude
         one = ureg.Quantity(1.0, _spell_difference(spelling)).to(_spell_difference(unit)).magnitude
+        if unit in ("Hz", "rad/s") and _is_turning(spelling) != _is_turning(unit):
+            hint = _suggest_unit(spelling, unit) if unit == "Hz" else " Did you mean `rpm`?"
+            raise UnitError(f"The unit `{spelling}` is not `{unit}`: a cycle has an angle of 2 pi rad.{hint}")
     except pint.DimensionalityError:
-        meant = MEANT.get((spelling, unit))
-        hint = f" Did you mean `{meant}`?" if meant else ""
+        hint = _suggest_unit(spelling, unit)
         raise UnitError(f"The unit `{spelling}` cannot be converted to `{unit}`.{hint}") from None
     except (pint.PintError, ValueError, TypeError, AssertionError, TokenError):
-        raise UnitError(f"`{spelling}` is not a known unit; `{unit}` is expected.") from None
+        hint = _suggest_unit(spelling, unit)
+        raise UnitError(f"`{spelling}` is not a known unit; `{unit}` is expected.{hint}") from None
     return float(one - zero), float(zero)
 
 

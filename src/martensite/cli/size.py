@@ -27,6 +27,7 @@ def size(
     ambient: Annotated[Text, Option(help="Temperature of the still air [default: 22 degC].")] = None,
     strain: Annotated[Text, Option(help="Largest strain used [default: 4 %].")] = None,
     stress: Annotated[Text, Option(help="Largest stress [default: 172 MPa].")] = None,
+    element: Annotated[Text, Option(help="What pulls: wire, or coil (a spring of it) [default: wire].")] = None,
     bias: Annotated[Text, Option(help="What stretches the wire: spring, or weight [default: spring].")] = None,
     current_limit: Annotated[Text, Option(help='Largest current of the supply, e.g. "3 A".')] = None,
     alloy: Annotated[str, Option(help="70, 90, or any.")] = "any",
@@ -39,7 +40,7 @@ def size(
     overwrite: Annotated[bool, Option("--overwrite", help="Replace an existing file.")] = False,
     json: Json = False,
 ) -> None:
-    """Find the wire and its current for a force and a stroke.
+    """Find the wire or coil and its current for a force and stroke.
 
     Exits with 1 where none does.
     """
@@ -53,7 +54,7 @@ def size(
         "stress": stress,
         "current_limit": current_limit,
     }
-    chosen = {"bias": bias, "strands": strands, "limits": "ignore" if no_limits else None}
+    chosen = {"element": element, "bias": bias, "strands": strands, "limits": "ignore" if no_limits else None}
     if catalogue:
         chosen |= {"limits": None, "no_limits": no_limits or None}
         unused = {**given, **chosen, "out": out, "pick": pick, "all": every or None}

@@ -21,8 +21,9 @@ from martensite.design.rules.rule_starts import gains_by_tests as gains_by_tests
 from martensite.design.rules.rule_starts import run_loop_tests as run_loop_tests
 from martensite.design.rules.step_test import run_step_test as run_step_test
 from martensite.design.sizing.candidates import size_wire as size_wire
+from martensite.design.sizing.coil_in_hand import CoilInHand as CoilInHand
 from martensite.design.sizing.request import WireRequest as WireRequest
-from martensite.design.sizing.wire_ratings import WireInHand as WireInHand
+from martensite.design.sizing.wire_in_hand import WireInHand as WireInHand
 from martensite.design.sizing.wire_ratings import rate_wire as rate_wire
 from martensite.design.sweep.api import run_sweep as run_sweep
 from martensite.design.sweep.indices import SensitivityIndices as SensitivityIndices

@@ -9,7 +9,7 @@ from typing import Any
 from martensite.base import units
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.parameters import REQUIRED, Declared
-from martensite.design.sizing.candidates import Candidate, size_wire
+from martensite.design.sizing.candidates import Candidate, list_sizes, size_wire
 from martensite.design.sizing.catalogue_check import AMBIENT, STRESS, check_catalogue
 from martensite.design.sizing.remarks import Margin, find_tightest, list_margins
 from martensite.design.sizing.request import ALLOYS, WireRequest
@@ -151,12 +151,12 @@ def size_wires(request: Request, desk: Desk) -> JsonTable:
     Notes: {"done": candidates, "of": candidates}.
     """
     wire, catalogue = read_request(request), load_wires()
-    total = len(catalogue.sizes) * len(wire.alloys())
+    total = len(list_sizes(wire, catalogue)) * len(wire.alloys())
     desk.tell({"done": 0, "of": total})
     sizing = size_wire(wire, catalogue, lambda done, of: desk.tell({"done": done, "of": of}), desk.stop.is_set)
     return {
         "asked": read_fields(request),
-        "columns": [" ".join(name.split("\n")).strip() for name in words.COLUMNS],
+        "columns": [" ".join(name.split("\n")).strip() for name in words.choose_columns(wire)],
         "candidates": [
             _describe_candidate(wire, number, found, catalogue)
             for number, found in enumerate(sizing.candidates, start=1)

@@ -1,7 +1,8 @@
 """`size_wire`: every size and alloy of a catalogue put to the request, the best first.
 
 For each the statics are closed, and one strand is simulated: the current that makes the stroke in
-1 s (or half a period, if that is less), and the cooling after it. If both together take longer
+1 s (or half a period, if that is less; a coil takes up to a quarter of the period, or half its time constant), and the
+cooling after it. If both together take longer
 than a period, the current is raised until the pulse fits beside the cooling, as far as the supply
 goes. What fails is said as a reason; nothing is left out in silence.
 """
@@ -14,10 +15,11 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from martensite.actuators.assembly import System
+from martensite.control.faults.plant import Multiplied
 from martensite.design.sizing import remarks
 from martensite.design.sizing.cycle import PulseCycle, find_current, find_hottest, find_reach_time, simulate_cycle
 from martensite.design.sizing.request import ALLOYS, WireRequest, Wiring, choose_wiring
-from martensite.design.sizing.statics import Statics, compute_statics, list_alloy_numbers
+from martensite.design.sizing.statics import HEAVIER, CoilStrand, Statics, compute_statics, list_alloy_numbers
 from martensite.physics.materials.base import DOUBTFUL
 from martensite.physics.materials.wires import WireCatalogue, WireSize, load_wires
 
@@ -30,10 +32,14 @@ SPARE = 1.02
 """Margin on the cooling time when the pulse is shortened to fit beside it."""
 SHORTEST = 0.02
 """Shortest pulse, as a share of the period."""
-WARMER, HEAVIER = 10.0, 1.2
-"""What a robust wire withstands: a warmer day [K], and a larger load."""
+WARMER = 10.0
+"""A warmer day [K], which a robust wire withstands."""
+SHADED = 0.5
+"""Share of the heat that a coil, whose turns warm one another, still loses when it is robust."""
 MOST_TRIED, MOST_CHANGES, SHOWN_CHANGES, MOST_STRANDS = 12, 4, 3, 1000
 """Wires for which a request is changed, how often, how many changes are named, and strands that may be asked for."""
+THICKER = (0.75e-3, 1.0e-3)
+"""Wires of coils [m] beyond the table."""
 USED_CELLS = ("diameter", "resistance")
 """Cells of the catalogue that the answer rests on."""
 
@@ -75,7 +81,7 @@ class Candidate:
     frail: tuple[str, ...] = ()
     """What a warmer day or more load would do to it; empty if it withstands both."""
     recalled: tuple[str, ...] = ()
-    """Cells the answer rests on that are recalled, not read in a source."""
+    """Cells the answer rests on that are recalled, or interpolated, not read in a source."""
 
     @property
     def feasible(self) -> bool:
@@ -102,6 +108,7 @@ class Candidate:
             "reasons": list(self.reasons),
             **own,
             "length": mine.strand.length,
+            "coil": mine.describe_coil(),
             "strand_resistance": mine.strand.resistance,
             "wiring": self.wiring.kind if self.wiring else None,
             "drive": asdict(self.drive) if self.drive else None,
@@ -150,7 +157,7 @@ def size_wire(
         InputError: the request contradicts itself.
         SolveError: a simulation failed.
     """
-    sizes = (catalogue or load_wires()).sizes.values()
+    sizes = list_sizes(request, catalogue or load_wires())
     pairs = [(size, alloy) for alloy in request.alloys() for size in sizes]
     found: list[Candidate] = []
     for size, alloy in pairs:
@@ -162,6 +169,13 @@ def size_wire(
     ranked = sorted(found, key=_rank_candidates)
     fits = any(one.feasible for one in ranked) or len(found) < len(pairs)
     return Sizing(request, ranked, () if fits else find_changes(request, ranked))
+
+
+def list_sizes(request: WireRequest, catalogue: WireCatalogue) -> list[WireSize]:
+    """Sizes that are put to a request: those of a catalogue, and for coils thicker ones, too."""
+    sizes = list(catalogue.sizes.values())
+    thicker = THICKER if request.element == "coil" and len(sizes) > 1 else ()
+    return sizes + [catalogue.interpolate(diameter) for diameter in thicker]
 
 
 def _rank_candidates(candidate: Candidate) -> tuple[float, ...]:
@@ -193,7 +207,7 @@ def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candida
         limits["temperature_limit"],
         reasons,
         tuple(remarks.list_warnings(request, static, driven, hot, limits)),
-        remarks.describe_life(static.hot_stress),
+        remarks.describe_life(static.hot_stress, request.element),
         () if reasons or driven is None else tuple(_list_frailties(request, static, driven, limits)),
         tuple(name for name in USED_CELLS if size.cells()[name].kind in DOUBTFUL),
     )
@@ -202,8 +216,9 @@ def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candida
 def _find_drive(request: WireRequest, static: Statics) -> tuple[Wiring, PulseCycle | None]:
     """The wiring and the cycle of one strand; no cycle if the supply cannot make the stroke."""
     system = static.strand.system(static.mechanism(request.stroke, static.count))
-    quick = HASTE * static.strand.time_constant()
-    first = min(PULSE, max(0.5 * request.period, quick))
+    slowness = static.strand.time_constant()
+    longest = max(PULSE, min(0.25 * request.period, 0.5 * slowness)) if request.element == "coil" else PULSE
+    first = min(longest, max(0.5 * request.period, HASTE * slowness))
     wiring, found = _find_pulse(request, static, system, first)
     if found is not None and found.cooling is not None:
         left = request.period - SPARE * found.cooling
@@ -238,13 +253,18 @@ def _find_pulse(
 def _list_frailties(
     request: WireRequest, static: Statics, cycle: PulseCycle, limits: Mapping[str, float]
 ) -> Iterator[str]:
-    """What a day that is 10 K warmer, and 20 % more load, would do to a candidate."""
-    warm = replace(static, strand=replace(static.strand, ambient=request.ambient + WARMER))
-    system = warm.strand.system(warm.mechanism(request.stroke, warm.count))
-    again = simulate_cycle(system, request.stroke, cycle.current, cycle.heating, warm.strand.time_constant())
-    if not again.keeps(request.period):
-        late = "never" if again.cooling is None else f"in {again.cooling:.3g} s, too late,"
-        yield f"on a day {WARMER:g} K warmer it returns {late} under the same pulse"
+    """What a day that is 10 K warmer, 20 % more load, and turns that warm one another would do to a candidate."""
+    strand = static.strand
+    trials = {f"on a day {WARMER:g} K warmer": replace(strand, ambient=request.ambient + WARMER)}
+    if isinstance(strand, CoilStrand):
+        shaded = replace(strand, cooling=Multiplied(cooling=strand.cooling, factor=SHADED))
+        trials["if its turns warm one another, so that half of the heat is lost,"] = shaded
+    for when, other in trials.items():
+        system = other.system(replace(static, strand=other).mechanism(request.stroke, static.count))
+        again = simulate_cycle(system, request.stroke, cycle.current, cycle.heating, other.time_constant())
+        if not again.keeps(request.period):
+            late = "never" if again.cooling is None else f"in {again.cooling:.3g} s, too late,"
+            yield f"{when} it returns {late} under the same pulse"
     more = static.hot_stress * (1.0 + (HEAVIER - 1.0) * request.force / static.work_force)
     if more > limits["stress_limit"] * (1.0 + 1e-9):
         most = limits["stress_limit"] / 1e6

@@ -32,10 +32,16 @@ KNOWN_LIFE = (
     "within 25 ksi (172 MPa), which nitinolactuators.com names as design limit for a million "
     "cycles: a secondary page, not the maker's datasheet"
 )
+COIL_DOUBT = (
+    "Numbers are those of straight trained wire: a coil that was wound and annealed has temperatures of its own, and "
+    "its section is taken as one."
+)
 
 
-def describe_life(stress: float) -> str:
+def describe_life(stress: float, element: str = "wire") -> str:
     """What a source says about the life at a stress [Pa]."""
+    if element == "coil":
+        return f"{UNKNOWN_LIFE} for coils"
     return KNOWN_LIFE if stress <= LIFE_STRESS else UNKNOWN_LIFE
 
 
@@ -110,7 +116,7 @@ def list_warnings(
     yield from _warn_of_cold(request, static)
     if request.limits == "ignore":
         yield from _list_exceeded(static)
-    if static.strain < request.strain:
+    if static.strain < request.strain and request.element == "wire":
         yield (
             f"{100.0 * static.strain:.2f} % strain is used, not {100.0 * request.strain:.2f} %: "
             "the wire gives no more under this load"

@@ -40,6 +40,7 @@ class WireRequest(Parametrised):
     )
     current_limit: Scalar = param("A", "largest current of the supply", above=0.0, default=math.inf)
     strands: Scalar = param("1", "most wires side by side", low=1.0, high=1000.0, default=12.0)
+    element: str = option("what pulls: straight wire, or a coil spring of it", "wire", "coil", default="wire")
     bias: str = option("what stretches the cold wire", "spring", "weight", default="spring")
     limits: str = option("limits of the material: stress, strain, temperature", "keep", "ignore", default="keep")
     alloy: str = option("which of the maker's alloys", "any", *ALLOYS, default="any")

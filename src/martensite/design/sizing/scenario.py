@@ -1,14 +1,21 @@
-"""A candidate as a scenario file that `martensite run` accepts, each number with its origin."""
+"""A candidate, or what is at hand, as a scenario file that `martensite run` accepts, each number with its origin."""
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
+from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.base.errors import InputError
+from martensite.base.parameters import Parametrised
 from martensite.design.sizing.candidates import Candidate, Drive
 from martensite.design.sizing.cycle import PulseCycle
+from martensite.design.sizing.remarks import COIL_DOUBT
 from martensite.design.sizing.request import WireRequest
+from martensite.design.sizing.statics import CoilStrand, Strand
+from martensite.design.sizing.wire_ratings import WireRatings
 from martensite.physics.materials.wires import GRAVITY, Cell, WireCatalogue
+from martensite.scenario.overrides import toml_value
 
 CYCLES = 3
 SAMPLES = 3001
@@ -30,7 +37,7 @@ def format_scenario(request: WireRequest, candidate: Candidate, catalogue: WireC
     parts = [
         _format_head(request, candidate),
         _format_element(candidate, catalogue),
-        _format_environment(request),
+        format_environment(candidate.statics.strand),
         _format_mechanism(request, candidate),
         _format_drive(request, drive, cycle, rate),
         f'[run]\nduration = "{CYCLES / rate:.9g} s"\nsamples = {SAMPLES}\n',
@@ -46,6 +53,7 @@ def _format_head(request: WireRequest, candidate: Candidate) -> str:
     lines = [f"# Sized for {asked}: {found}."]
     lines += [f"# Not met: {reason}." for reason in candidate.reasons]
     lines += [f"# Beware: {warning}." for warning in (*candidate.warnings, *candidate.frail)]
+    lines += [f"# {COIL_DOUBT}"] * (request.element == "coil")
     return "\n".join([*lines, f'title = "{found}: {asked}"', ""])
 
 
@@ -53,34 +61,44 @@ def _count_samples(candidate: Candidate) -> str:
     wiring = candidate.wiring
     if wiring is None or wiring.count == 1:
         return ""
-    return f"{wiring.count} in {wiring.kind}, "
+    return f"{wiring.count} in {wiring.kind}, "  # electrically; they pull side by side
 
 
 def _format_element(candidate: Candidate, catalogue: WireCatalogue) -> str:
-    static, size, wiring = candidate.statics, candidate.size, candidate.wiring
-    bundle = wiring is not None and wiring.count > 1
-    own = "element.strand" if bundle else "element"
-    lines = ["[element]"]
-    if bundle and wiring is not None:
-        lines += ['kind = "bundle"', f"count = {wiring.count}", f'wiring = "{wiring.kind}"']
-    else:
-        lines.append('kind = "wire"')
-    lines.append(f'material = "flexinol-{candidate.alloy}"')
-    if bundle:
-        lines += ["", f"[{own}]", 'kind = "wire"']
-    length = f"the stroke at {100.0 * static.strain:.4g} % strain"
-    ohms = size.resistance.text
+    static, wiring = candidate.statics, candidate.wiring
+    why = f"the stroke at {100.0 * static.strain:.4g} % strain"
+    if wiring is None or wiring.count == 1:
+        return f'[element]\nmaterial = "flexinol-{candidate.alloy}"\n{format_strand(static.strand, catalogue, why)}'
+    head = f'kind = "bundle"\ncount = {wiring.count}\nwiring = "{wiring.kind}"\nmaterial = "flexinol-{candidate.alloy}"'
+    strand = format_strand(static.strand, catalogue, why, "element.strand")
+    return f"[element]\n{head}\n\n[element.strand]\n{strand}"
+
+
+def format_strand(strand: Strand, catalogue: WireCatalogue, why: str, own: str = "element") -> str:
+    """The lines of a strand, and the section `own`.resistance; `why` says where its length is from."""
+    size, ohms = strand.size, strand.size.resistance.text
+    lines = ['kind = "wire"']
+    shape = [f'length = "{1e3 * strand.length:.12g} mm"   # computed: {why}']
+    if isinstance(strand, CoilStrand):
+        lines = ['kind = "coil-spring"', f"turns = {strand.turns:.9g}   # computed: {why}"]
+        shape = [
+            f'coil_diameter = "{1e3 * strand.coil_diameter:.9g} mm"   # index {strand.index:.4g}',
+            'coil_measure = "mean"',
+            f'free_length = "{1e3 * strand.solid:.12g} mm"   # hot and unloaded: closed',
+            'deflection = "large"',
+            'stress_factor = "wahl"   # the inner fibre drives the law, and meets the limit',
+        ]
     return "\n".join(
         [
             *lines,
             f'diameter = "{size.diameter.text}"   # {_describe_origin(size.diameter, catalogue)}',
-            f'length = "{1e3 * static.strand.length:.12g} mm"   # computed: {length}',
+            *shape,
             'law = { kind = "liang-rogers", modulus = "mixture" }',
             "",
             f"[{own}.resistance]   # {_describe_origin(size.resistance, catalogue)}",
             'kind = "per-length"',
             f'r_A = "{ohms}"',
-            f'r_M = "{ohms}"   # the catalogue has one value for both phases',
+            f'r_M = "{ohms}"   # one value for both phases',
             "",
         ]
     )
@@ -88,16 +106,22 @@ def _format_element(candidate: Candidate, catalogue: WireCatalogue) -> str:
 
 def _describe_origin(cell: Cell, catalogue: WireCatalogue) -> str:
     """Kind, source and note of a cell."""
-    said = f"{cell.kind}, {catalogue.sources[cell.source].cite}"
+    said = f"{cell.kind}, {catalogue.sources[cell.source].cite}" if cell.source else cell.kind
     return f"{said}: {cell.note}" if cell.note else said
 
 
-def _format_environment(request: WireRequest) -> str:
-    return (
-        "[environment]   # a vertical wire in still air\n"
-        f'temperature = "{request.ambient - 273.15:.12g} degC"\n'
-        'cooling = { kind = "lefevre-ede", fluid = { kind = "air" } }\n'
-    )
+def format_environment(strand: Strand) -> str:
+    """The section of what is around a strand."""
+    ambient, cooling = strand.ambient - 273.15, toml_value(_describe_part(strand.cooling))
+    return f'[environment]\ntemperature = "{ambient:.12g} degC"\ncooling = {cooling}\n'
+
+
+def _describe_part(part: Parametrised) -> dict[str, Any]:
+    """A part as a file has it: kind, numbers that are not the usual ones, parts of its own."""
+    numbers = {name: d for name, d in part.declarations.items() if d.kind == "parameter"}
+    said = {n: f"{getattr(part, n):.9g} {d.unit}" for n, d in numbers.items() if getattr(part, n) != d.default}
+    inner = {name: _describe_part(child) for name, child in part.children()}
+    return {"kind": part.registered_name, **said, **inner}
 
 
 def _format_mechanism(request: WireRequest, candidate: Candidate) -> str:
@@ -134,3 +158,32 @@ def _format_drive(request: WireRequest, drive: Drive, cycle: PulseCycle, rate: f
     duty = cycle.heating * rate
     wave = f'kind = "pwm", high = "{drive.current:.9g} A", frequency = "{rate:.9g} Hz"'
     return "\n".join([*lines, f"waveform = {{ {wave}, duty = {duty:.9g} }}", ""])
+
+
+def format_ratings(found: WireRatings, catalogue: WireCatalogue) -> str:
+    """The text of a scenario: two pulses through a wire or a coil that is at hand, with what it pulls."""
+    wire, strand, cycle = found.wire, found.strand, found.cycle
+    title = f"{found.size.name}, {wire.alloy} °C, at {wire.supply:.4g} V"
+    current, heating = 0.999 * found.supply_current, found.supply_time or wire.pulse
+    if cycle is not None and found.drivable:
+        current, heating = cycle.current, cycle.heating
+    period = 1.1 * heating + max(1.5 * (cycle.cooling or 0.0) if cycle else 0.0, 6.0 * strand.time_constant())
+    wave = f'kind = "pwm", high = "{current:.6g} A", frequency = "{1.0 / period:.6g} Hz", duty = {heating / period:.6g}'
+    held = f"# Held at {1e3 * found.drawn.length:.4g} mm by a stop, which is not in the file.\n" if found.drawn else ""
+    notes = [f"# Does not do: {fault}." for fault in found.faults]
+    notes += [f"# {COIL_DOUBT}"] * isinstance(strand, CoilStrand)
+    return "\n".join(
+        [
+            *notes,
+            f'{held}title = "Flexinol {title}"\n',
+            f'[element]\nmaterial = "flexinol-{wire.alloy}"\n{format_strand(strand, catalogue, "what was said of it")}',
+            format_environment(strand),
+            f"[mechanism]\n{_format_load(wire.mechanism(strand))}",
+            f'[drive]\nkind = "current"\nvoltage_limit = "{wire.supply:.12g} V"\nwaveform = {{ {wave} }}\n',
+            f'[run]\nduration = "{2.0 * period:.6g} s"\nsamples = {SAMPLES}\n',
+        ]
+    )
+
+
+def _format_load(mechanism: AbstractMechanism) -> str:
+    return "".join(f"{key} = {toml_value(value)}\n" for key, value in _describe_part(mechanism).items())

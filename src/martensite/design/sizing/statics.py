@@ -7,36 +7,54 @@ With A the section of a strand, n strands, force F, stroke s, return stress σ_r
     strain   ε = min(ε_m, 0.98 ε_f)             ε_f = ε_L + σ_c/E_M - σ_h/E_A
     length   l = s/ε
 
+A close-wound coil of index C = D/d and N turns is the element `coil-spring`, at large deflection. Its wire carries
+σ = √3 τ with Wahl's factor K(C) at the inner fibre, which drives the law and is what the limits hold for, so that
+
+    A = F/σ = π d²/(8 √3 C K)      carries,      y/ε = √3 l²/(π N d)      is the elongation per strain,
+
+and ε_f = d [y_M(σ_c) - y_A(σ_h)] π N/(√3 l²) with the lengths of the two phases that the element has. The widest coil
+is taken that needs no more coils than the narrowest, under 20 % more load where that takes no more than are allowed.
+Turns are whole: the strain is a little less then.
+
 σ_c is the stress of the cold wire and σ_h that of the hot one at the end of the stroke: what the
 wire stretches as its load grows is taken off its stroke. ρ is the growth of the return spring's
 force over the stroke as a share of its preload.
 
 A strand is a system that can be simulated: law `liang-rogers` with the mixture modulus, numbers of the material
 `flexinol-70` or `flexinol-90`; resistance per metre from the catalogue, the same for both phases, since the
-catalogue has one value; free convection of a vertical wire in still air (`lefevre-ede`).
+catalogue has one value; free convection of a vertical wire in still air (`lefevre-ede`), or of the wire of a coil as a
+horizontal one (`churchill-chu`), whose turns do not warm one another.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
-from functools import cache
-from typing import Any
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
+from typing import Any, Self
 
 from martensite.actuators.assembly import System
+from martensite.actuators.elements.base import Spring
+from martensite.actuators.elements.coil_spring import CoilSpring
 from martensite.actuators.elements.limits import ElementLimits
-from martensite.actuators.elements.wire import Wire
+from martensite.actuators.elements.wire import AbstractRoundWire, Wire
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
 from martensite.design.sizing.request import WireRequest
 from martensite.kernels import floats
 from martensite.physics.electrical.resistances import PerLengthResistance
 from martensite.physics.electrical.sources import CurrentSource
+from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.physics.materials.base import Material, load_material
 from martensite.physics.materials.wires import GRAVITY, WireSize
 from martensite.physics.thermal.base import AbstractCooling, Cylinder, Environment
-from martensite.physics.thermal.convection import LeFevreEde
+from martensite.physics.thermal.convection import ChurchillChu, LeFevreEde
+
+INDICES = (8.0, 7.0, 6.0, 5.0, 4.0)
+"""Spring indices D/d of a coil that are tried, the widest first."""
+HEAVIER = 1.2
+"""A larger load, which a robust wire withstands."""
 
 
 @cache
@@ -69,6 +87,20 @@ class Strand:
     ambient: float
     """[K]"""
     cooling: AbstractCooling = field(default_factory=LeFevreEde)
+
+    @property
+    def bearing(self) -> float:
+        """Force per stress [m²]."""
+        return self.size.section
+
+    @property
+    def reach(self) -> float:
+        """Elongation per strain [m]."""
+        return self.length
+
+    def cut_for(self, stroke: float, strain: float) -> Self:
+        """As much of it as makes a stroke [m] at a strain [-]."""
+        return replace(self, length=stroke / strain * (self.length / self.reach))
 
     @property
     def law(self) -> LiangRogers:
@@ -110,22 +142,112 @@ class Strand:
         per_area = 0.25 * self.size.diameter.value * numbers["density"] * numbers["heat_capacity"]
         return per_area / self.film(self.ambient + 50.0)
 
-    def system(self, mechanism: AbstractMechanism) -> System:
-        """The strand, pulling on a mechanism, driven by a current."""
+    def make_element(self) -> AbstractRoundWire:
+        """The strand as an element."""
+        return Wire(length=self.length, **self.list_parts())
+
+    def list_parts(self) -> dict[str, Any]:
+        """Arguments of an element of this wire, but for its shape."""
         numbers = list_alloy_numbers(self.alloy)
         per_metre = self.size.resistance.value
-        wire = Wire(
-            diameter=self.size.diameter.value,
-            length=self.length,
-            law=self.law,
-            resistance=PerLengthResistance(r_A=per_metre, r_M=per_metre),
-            limits=ElementLimits(**{k: v for k, v in numbers.items() if k in ElementLimits.declarations}),
-            density=numbers["density"],
-            heat_capacity=numbers["heat_capacity"],
-            latent_heat=numbers["latent_heat"],
-        )
+        return {
+            "diameter": self.size.diameter.value,
+            "law": self.law,
+            "resistance": PerLengthResistance(r_A=per_metre, r_M=per_metre),
+            "limits": ElementLimits(**{k: v for k, v in numbers.items() if k in ElementLimits.declarations}),
+            **{name: numbers[name] for name in ("density", "heat_capacity", "latent_heat")},
+        }
+
+    def system(self, mechanism: AbstractMechanism) -> System:
+        """The strand, pulling on a mechanism, driven by a current."""
         surroundings = Environment(temperature=self.ambient, cooling=self.cooling)
-        return System(element=wire, environment=surroundings, source=CurrentSource(), mechanism=mechanism)
+        return System(
+            element=self.make_element(), environment=surroundings, source=CurrentSource(), mechanism=mechanism
+        )
+
+
+@dataclass(frozen=True)
+class CoilStrand(Strand):
+    """A close-wound coil of such a wire; `length` is that of the wire in it."""
+
+    cooling: AbstractCooling = field(default_factory=ChurchillChu)
+    index: float = field(kw_only=True)
+    """Mean coil diameter over that of the wire."""
+
+    @property
+    def turns(self) -> float:
+        """Number of turns."""
+        return self.length / (self.size.diameter.value * math.hypot(math.pi * self.index, 1.0))
+
+    def cut_for(self, stroke: float, strain: float) -> Self:
+        """As many whole turns of it as make a stroke [m] at no more than a strain [-]."""
+        found = super().cut_for(stroke, strain)
+        return replace(found, length=found.length * (math.ceil(found.turns - 1e-9) / found.turns))
+
+    @property
+    def coil_diameter(self) -> float:
+        """Between centres of the wire [m]."""
+        return self.index * self.size.diameter.value
+
+    @cached_property
+    def element(self) -> CoilSpring:
+        """The coil as an element."""
+        turns = self.turns
+        return CoilSpring(
+            coil_diameter=self.coil_diameter,
+            coil_measure="mean",
+            turns=turns,
+            free_length=self.solid,
+            deflection="large",
+            stress_factor="wahl",
+            **self.list_parts(),
+        )
+
+    def make_element(self) -> CoilSpring:
+        """The coil as an element."""
+        return self.element
+
+    @property
+    def bearing(self) -> float:
+        """Force per stress at the inner fibre [m²]."""
+        return 1.0 / self.element.stress(floats, 1.0)
+
+    @property
+    def reach(self) -> float:
+        """Elongation per strain [m]."""
+        return self.element.reach()
+
+    def spring(self, martensite: float, force: float) -> Spring:
+        """Tangent of one phase, 1 or 0 of martensite, under a force [N]."""
+        return self.element.spring(floats, Fractions(martensite, martensite), self.ambient, force)
+
+    def elongation(self, martensite: float, force: float) -> float:
+        """Elongation [m] of one phase under a force [N]."""
+        spring = self.spring(martensite, force)
+        return spring.free + spring.compliance * force
+
+    @property
+    def solid(self) -> float:
+        """Length of the closed coil [m]."""
+        return self.turns * self.size.diameter.value
+
+    def describe_shape(self, cold: float, hot: float) -> dict[str, float]:
+        """Turns, diameters, lengths and rates, under the stresses [Pa] of the cold and of the hot coil; SI."""
+        return {
+            "turns": self.turns,
+            "mean_diameter": self.coil_diameter,
+            "outer_diameter": self.coil_diameter + self.size.diameter.value,
+            "solid_length": self.solid,
+            "hot_length": self.solid + self.elongation(0.0, hot * self.bearing),
+            "cold_length": self.solid + self.elongation(1.0, cold * self.bearing),
+            "hot_rate": 1.0 / self.spring(0.0, hot * self.bearing).compliance,
+            "cold_rate": 1.0 / self.spring(1.0, cold * self.bearing).compliance,
+        }
+
+    def reachable_strain(self, cold: float, hot: float) -> float:
+        """Martensite at `cold` [Pa] to austenite at `hot` [Pa] [-]."""
+        between = self.elongation(1.0, cold * self.bearing) - self.elongation(0.0, hot * self.bearing)
+        return between / self.reach
 
 
 USABLE = 0.98
@@ -155,6 +277,12 @@ class Statics:
     work_force: float
     """Force of the strands at the end of the stroke [N]."""
 
+    def describe_coil(self) -> dict[str, float] | None:
+        """Turns, diameters and lengths of a coil; None of a straight wire."""
+        if not isinstance(self.strand, CoilStrand):
+            return None
+        return self.strand.describe_shape(self.cold_stress, self.hot_stress)
+
     def mechanism(self, stroke: float, share: int = 1) -> AbstractMechanism:
         """Return and load together, or that part of them which one of `share` strands carries."""
         if self.stiffness == 0.0:
@@ -165,24 +293,36 @@ class Statics:
 
 def compute_statics(request: WireRequest, size: WireSize, alloy: str) -> Statics:
     """The smallest number of strands of a size that carries the request, and their length."""
-    area = size.section
+    one, count = _choose_strand(request, size, alloy)
+    area = one.bearing
     if request.bias == "spring":
-        left = request.stress - (1.0 + request.spring_rise) * request.return_stress
-        count = _count_strands(request.force, area * left)
         preload = count * area * request.return_stress
         stiffness, extra = request.spring_rise * preload / request.stroke, 0.0
         work = request.force + preload + stiffness * request.stroke
     else:
-        count = _count_strands(request.force, area * request.stress)
         preload = work = max(request.force, count * area * request.return_stress)
         stiffness, extra = 0.0, preload - request.force
     cold, hot = preload / (count * area), work / (count * area)
-    reachable = Strand(size, alloy, 1.0, request.ambient).reachable_strain(cold, hot)
-    strain = min(request.strain, USABLE * reachable)
-    strand = Strand(size, alloy, request.stroke / strain, request.ambient)
+    reachable = one.reachable_strain(cold, hot)
+    strand = one.cut_for(request.stroke, min(request.strain, USABLE * reachable))
+    strain = request.stroke / strand.reach
     return Statics(count, strand, strain, reachable, cold, hot, preload, stiffness, extra, work)
 
 
-def _count_strands(force: float, each: float) -> int:
+def _choose_strand(request: WireRequest, size: WireSize, alloy: str) -> tuple[Strand, int]:
+    """One metre of wire, straight or wound as wide as the load allows, and how many are needed."""
+    if request.element == "wire":
+        one = Strand(size, alloy, 1.0, request.ambient)
+        return one, _count_strands(request, one)
+    coils = [CoilStrand(size, alloy, 1.0, request.ambient, index=index) for index in INDICES]
+    spare = _count_strands(request, coils[-1], HEAVIER) <= request.strands
+    counts = [_count_strands(request, coil, HEAVIER if spare else 1.0) for coil in coils]
+    widest = counts.index(counts[-1])
+    return coils[widest], counts[widest]
+
+
+def _count_strands(request: WireRequest, one: Strand, heavier: float = 1.0) -> int:
     """Whole strands for a force; a rounding error does not make one more."""
-    return max(1, math.ceil(force / each * (1.0 - 1e-12)))
+    taken = (1.0 + request.spring_rise) * request.return_stress if request.bias == "spring" else 0.0
+    each = one.bearing * (request.stress - taken)
+    return max(1, math.ceil(heavier * request.force / each * (1.0 - 1e-12)))

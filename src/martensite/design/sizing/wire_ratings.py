@@ -1,4 +1,4 @@
-"""A piece of wire that is at hand: what current, resistor or duty it needs, how fast it is, what it lifts.
+"""A wire or a coil that is at hand: what current, resistor or duty it needs, how fast it is, what it lifts.
 
     i_full = U/R                    without anything in series
     i_1    contracts in the pulse asked for (simulated)
@@ -6,93 +6,39 @@
     i_max  the same at the temperature limit of the material: more must not stay on
     R_s = U/i - R,  P_s = i² R_s        or a duty D = (i/i_full)² of a switch: heat goes with i² D
     L = μ₀ l/(2π) (ln(4 l/d) - 1)       of a straight wire, which a flyback diode would be for
+    L = μ₀ N² π D²/4/(L_s + 0.45 D)     of a coil
 
 Resistance per metre, pull and current in 1 s are the cells of the catalogue. A wire of another resistance
 (`resistance`) is that of the catalogue with this one. Loads are a weight, or a spring with a preload; without
-either, the weight is the maker's pull. The law is that of `statics`.
+either, the weight is the maker's pull. A coil that is drawn out to a length starts its stroke there, and is back when
+it reaches it again. The law is that of `statics`.
 
-Source: the catalogue's cells, each with its kind; the inductance of a straight round wire is that of textbooks.
+Source: the catalogue's cells, each with its kind; the inductances are those of textbooks (that of a coil is Wheeler's).
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from martensite.actuators.mechanisms.base import AbstractMechanism
-from martensite.actuators.mechanisms.load_line import BiasSpring, DeadWeight
+from martensite.actuators.mechanisms.load_line import BiasSpring
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import Parametrised, option, param
-from martensite.design.sizing.cycle import PulseCycle, find_current, simulate_cycle
-from martensite.design.sizing.request import ALLOYS
-from martensite.design.sizing.statics import USABLE, Strand, list_alloy_numbers
-from martensite.kernels.namespace import Scalar
-from martensite.physics.fluids.oil import Oil
-from martensite.physics.fluids.water import Water
+from martensite.design.sizing.coil_in_hand import CoilInHand, Drawn, draw_out
+from martensite.design.sizing.cycle import RETURNED, PulseCycle, find_current, find_reach_time, simulate_cooling
+from martensite.design.sizing.statics import USABLE, CoilStrand, Strand, list_alloy_numbers
+from martensite.design.sizing.wire_in_hand import WireInHand
 from martensite.physics.materials.wires import GRAVITY, WireCatalogue, WireSize, load_wires
-from martensite.physics.thermal.base import AbstractCooling
-from martensite.physics.thermal.convection import ChurchillBernstein, ChurchillChu, LeFevreEde
 
-COOLINGS: dict[str, AbstractCooling] = {
-    "air": LeFevreEde(),
-    "horizontal": ChurchillChu(),
-    "fan": ChurchillBernstein(speed=2.0),
-    "water": ChurchillChu(fluid=Water()),
-    "oil": ChurchillChu(fluid=Oil()),
-}
-"""What is around the wire: still air (vertical or horizontal), a stream of air of 2 m/s, still water or oil."""
 ABOVE = 10.0
 """How far above A_f a wire is held [K]."""
-NEAR = 0.04
-"""Relative difference of a diameter from one of the catalogue that is the same size."""
 ROUNDED = 1.01
 """What rounding makes of the maker's pull, over his working stress."""
+HALVINGS = 60
+"""Of the stroke, in the search for that against a spring."""
 VACUUM = 4e-7 * math.pi
 """Permeability of the vacuum [H/m]."""
-
-
-class WireInHand(Parametrised):
-    """A piece of wire, what drives it and what it pulls."""
-
-    diameter: Scalar = param("m", "diameter of the wire, one of the maker's", above=0.0, high=0.01)
-    length: Scalar = param("m", "length of the wire", above=0.0, high=100.0)
-    supply: Scalar = param("V", "voltage of the supply", above=0.0, high=1e4)
-    current_limit: Scalar = param("A", "largest current of the supply", above=0.0, default=math.inf)
-    load: Scalar = param("N", "weight that hangs on it; 0 for the maker's pull", low=0.0, high=1e5, default=0.0)
-    spring: Scalar = param("N/m", "rate of a spring that it pulls; 0 for a weight", low=0.0, high=1e7, default=0.0)
-    preload: Scalar = param("N", "force of the spring when cold; 0 for the maker's", low=0.0, high=1e5, default=0.0)
-    pulse: Scalar = param("s", "time in which it is to contract", low=0.01, high=60.0, default=1.0)
-    ambient: Scalar = param("K", "ambient temperature", low=250.0, high=400.0, default=295.15)
-    resistance: Scalar = param("ohm", "as measured; 0 for the maker's", low=0.0, high=1e6, default=0.0)
-    alloy: str = option("which of the maker's alloys", *ALLOYS, default="90")
-    cooling: str = option("what is around the wire", *COOLINGS, default="air")
-
-    def check(self) -> None:
-        """Raise `ParameterError` if a weight and a spring are given."""
-        if self.load > 0.0 and (self.spring > 0.0 or self.preload > 0.0):
-            raise ParameterError("A wire lifts a weight or pulls a spring; give `load`, or `spring` and `preload`.")
-
-    def find_size(self, catalogue: WireCatalogue) -> WireSize:
-        """The size of the catalogue, with the resistance that was measured.
-
-        Raises:
-            ParameterError: the catalogue has no such wire.
-        """
-        sizes = sorted(catalogue.sizes.values(), key=lambda one: abs(math.log(one.diameter.value / self.diameter)))
-        best = sizes[0]
-        if abs(best.diameter.value / self.diameter - 1.0) > NEAR:
-            near = " and ".join(sorted(one.name for one in sizes[:2]))
-            raise ParameterError(f"The catalogue has no wire of {1e3 * self.diameter:.4g} mm; the nearest are {near}.")
-        if self.resistance == 0.0:
-            return best
-        return replace(best, resistance=replace(best.resistance, value=self.resistance / self.length, kind="measured"))
-
-    def mechanism(self, size: WireSize) -> AbstractMechanism:
-        """What the wire pulls."""
-        if self.spring == 0.0 and self.preload == 0.0:
-            return DeadWeight(mass=(self.load or size.pull_force) / GRAVITY)
-        return BiasSpring(stiffness=self.spring, preload=self.preload or size.deformation_force)
 
 
 @dataclass(frozen=True)
@@ -103,7 +49,7 @@ class WireRatings:
     size: WireSize
     strand: Strand
     stroke: float
-    """98 % of what it gives between the pure phases under its load [m]."""
+    """98 % of what it gives between the pure phases under its load, or from where it is drawn to [m]."""
     cold_force: float
     hot_force: float
     hot_stress: float
@@ -111,6 +57,8 @@ class WireRatings:
     """Of the supply without anything in series [A]."""
     cycle: PulseCycle | None
     """A pulse that contracts it in the time asked for, and the cooling after it; None if none does."""
+    supply_time: float | None
+    """In which all that the supply drives contracts it [s], where that is longer than the time asked for."""
     holding_temperature: float
     holding_current: float
     """Keeps it contracted, for ever [A]."""
@@ -118,8 +66,11 @@ class WireRatings:
     """Heats it to the temperature limit of the material in the long run [A]."""
     temperature_limit: float
     stress_limit: float
+    strain_limit: float
     returns: bool
     """Whether the ambient is below M_f under the cold load."""
+    drawn: Drawn | None = None
+    """A coil at the length to which it is drawn out."""
 
     @property
     def faults(self) -> tuple[str, ...]:
@@ -128,22 +79,32 @@ class WireRatings:
         if self.cycle is None:
             found.append(f"no current contracts it in {self.wire.pulse:.3g} s")
         elif not self.drivable:
-            most = min(self.full_current, self.wire.current_limit)
+            slower = "more volts or a shorter wire would do"
+            if self.supply_time is not None:
+                slower = f'more volts would do, or --pulse "{math.ceil(10.2 * self.supply_time) / 10.0:.4g} s"'
             found.append(
-                f"the supply drives {most:.3g} A, but {self.cycle.current:.3g} A contract it in "
-                f"{self.wire.pulse:.3g} s; a shorter wire, more volts or a longer --pulse would do"
+                f"the supply drives {self.supply_current:.3g} A, but {self.cycle.current:.3g} A contract it in "
+                f"{self.wire.pulse:.3g} s; {slower}"
             )
         if not self.returns or (self.cycle is not None and self.cycle.cooling is None):
             found.append("it does not come back at this ambient under this load when cold")
         stress, limit = self.hot_stress / 1e6, self.stress_limit / 1e6
         if stress > limit * ROUNDED:
             found.append(f"{stress:.4g} MPa is above the maker's {limit:.4g} MPa for repeated use")
+        if self.drawn is not None and self.drawn.strain > self.strain_limit:
+            strains = f"{100.0 * self.drawn.strain:.3g} % strain, above the maker's {100.0 * self.strain_limit:.3g} %"
+            found.append(f"drawn out to {1e3 * self.drawn.length:.4g} mm it has {strains}")
         return tuple(found)
+
+    @property
+    def supply_current(self) -> float:
+        """All that the supply drives [A]."""
+        return min(self.full_current, self.wire.current_limit)
 
     @property
     def drivable(self) -> bool:
         """Whether the supply drives the current of the pulse."""
-        return self.cycle is not None and self.cycle.current <= min(self.full_current, self.wire.current_limit)
+        return self.cycle is not None and self.cycle.current <= self.supply_current
 
     def series_resistor(self, current: float) -> tuple[float, float]:
         """Resistor that leaves a current [A]: [ohm], and the heat in it while it flows [W]."""
@@ -161,9 +122,18 @@ class WireRatings:
 
     @property
     def inductance(self) -> float:
-        """Of the straight wire [H]."""
+        """Of the straight wire, or of the closed coil [H]."""
+        if isinstance(self.strand, CoilStrand):
+            across = self.strand.coil_diameter
+            return VACUUM * self.strand.turns**2 * 0.25 * math.pi * across**2 / (self.strand.solid + 0.45 * across)
         shape = math.log(4.0 * self.strand.length / self.size.diameter.value) - 1.0
         return VACUUM * self.strand.length / (2.0 * math.pi) * shape
+
+    def describe_coil(self) -> dict[str, float] | None:
+        """Turns, diameters and lengths of a coil; None of a straight wire."""
+        if not isinstance(self.strand, CoilStrand):
+            return None
+        return self.strand.describe_shape(self.cold_force / self.strand.bearing, self.hot_stress)
 
     @property
     def count(self) -> int | None:
@@ -187,6 +157,9 @@ class WireRatings:
             "series_resistor": series and series[0],
             "series_power": series and series[1],
             "duty": None if series is None or current is None else self.duty(current),
+            "coil": self.describe_coil(),
+            "drawn": self.drawn and asdict(self.drawn),
+            "supply_time": self.supply_time,
             "table_current": self.size.current.value,
             "count": self.count,
             "faults": list(self.faults),
@@ -194,54 +167,86 @@ class WireRatings:
 
 
 def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireRatings:
-    """What a piece of wire needs and does.
+    """What a piece of wire, or a coil, needs and does.
 
     Args:
-        wire: the wire, its supply and its load.
+        wire: the wire or coil, its supply and its load.
         catalogue: the maker's table; that of Flexinol if not given.
 
     Raises:
-        ParameterError: the catalogue has no such wire, or the load leaves no stroke.
+        ParameterError: the catalogue has no such wire, a coil contradicts itself, or the load leaves no stroke.
     """
-    size = wire.find_size(catalogue or load_wires())
-    strand = Strand(size, wire.alloy, wire.length, wire.ambient, COOLINGS[wire.cooling])
-    mechanism, limits = wire.mechanism(size), list_alloy_numbers(wire.alloy)
-    stroke, cold, hot = _find_stroke(strand, mechanism)
-    if stroke <= 0.0:
-        raise ParameterError(
-            f"The load leaves the wire no stroke: it would stand under {cold / size.section / 1e6:.4g} MPa when cold."
-        )
-    holding = strand.shifted("A_f", hot / size.section) + ABOVE
-    system = strand.system(mechanism)
-    current = find_current(system, stroke, wire.pulse, size.current.value)
-    cycle = None if current is None else simulate_cycle(system, stroke, current, wire.pulse, strand.time_constant())
+    strand = wire.make_strand(catalogue or load_wires())
+    mechanism, limits = wire.mechanism(strand), list_alloy_numbers(wire.alloy)
+    free, cold, hot = _find_stroke(strand, mechanism)
+    stop = wire.stretched if isinstance(wire, CoilInHand) else 0.0
+    drawn = draw_out(strand, stop) if stop and isinstance(strand, CoilStrand) else None
+    held = _find_held(strand, drawn, cold)
+    stroke = free - USABLE * held
+    if free <= 0.0 or stroke <= 0.0:
+        cause = f"it would stand under {cold / strand.bearing / 1e6:.4g} MPa when cold"
+        if free > 0.0 and drawn is not None:
+            cause = f"hot, it is longer under it than the {1e3 * drawn.length:.4g} mm to which it is drawn out"
+        raise ParameterError(f"The load leaves no stroke: {cause}.")
+    holding = strand.shifted("A_f", hot / strand.bearing) + ABOVE
+    full = wire.supply / strand.resistance
+    places, most = (held + stroke, held + RETURNED * stroke), min(full, wire.current_limit)
+    cycle, slower = _find_cycle(wire, strand, mechanism, places, most)
     return WireRatings(
         wire,
-        size,
+        strand.size,
         strand,
         stroke,
         cold,
         hot,
-        hot / size.section,
-        wire.supply / strand.resistance,
+        hot / strand.bearing,
+        full,
         cycle,
+        slower,
         holding,
         strand.steady_current(holding),
         strand.steady_current(limits["temperature_limit"]),
         limits["temperature_limit"],
         limits["stress_limit"],
-        wire.ambient < strand.shifted("M_f", cold / size.section),
+        limits["strain_limit"],
+        wire.ambient < strand.shifted("M_f", cold / strand.bearing),
+        drawn,
     )
 
 
+def _find_held(strand: Strand, drawn: Drawn | None, cold: float) -> float:
+    """How much less than its load draws it out to a coil is held at [m]."""
+    if drawn is None or not isinstance(strand, CoilStrand):
+        return 0.0
+    return max(0.0, strand.solid + strand.elongation(1.0, cold) - drawn.length)
+
+
+def _find_cycle(
+    wire: WireInHand, strand: Strand, mechanism: AbstractMechanism, places: tuple[float, float], most: float
+) -> tuple[PulseCycle | None, float | None]:
+    """The cycle between two places [m], contracted and back, and the time [s] that the supply needs if it is longer."""
+    system, slowness, (contracted, back) = strand.system(mechanism), strand.time_constant(), places
+    current = find_current(system, contracted, wire.pulse, strand.size.current.value)
+    if current is None:
+        return None, None
+    run, cooling = simulate_cooling(system, back, current, wire.pulse, slowness)
+    cycle = PulseCycle(current, wire.pulse, cooling, max(run.columns["temperature"]))
+    return cycle, None if current <= most else find_reach_time(system, contracted, most, 16.0 * slowness + wire.pulse)
+
+
 def _find_stroke(strand: Strand, mechanism: AbstractMechanism) -> tuple[float, float, float]:
-    """Stroke [m], and the forces [N] before and after it."""
-    area = strand.size.section
+    """Stroke [m] without a stop, and the forces [N] before and after it."""
+    area, rate = strand.bearing, 0.0
     if isinstance(mechanism, BiasSpring):
         cold, rate = float(mechanism.preload), float(mechanism.stiffness)
-        share = USABLE * strand.length
-        free = share * strand.reachable_strain(cold / area, cold / area)
-        stroke = free / (1.0 + share * rate / (area * strand.law.E_A))
-        return stroke, cold, cold + rate * stroke
-    weight = float(getattr(mechanism, "mass")) * GRAVITY  # noqa: B009
-    return USABLE * strand.length * strand.reachable_strain(weight / area, weight / area), weight, weight
+    else:
+        cold = float(getattr(mechanism, "mass")) * GRAVITY  # noqa: B009
+    share = USABLE * strand.reach
+    low, high = 0.0, share * strand.reachable_strain(cold / area, cold / area)
+    for _ in range(HALVINGS if rate else 0):
+        middle = 0.5 * (low + high)
+        if middle < share * strand.reachable_strain(cold / area, (cold + rate * middle) / area):
+            low = middle
+        else:
+            high = middle
+    return high, cold, cold + rate * high

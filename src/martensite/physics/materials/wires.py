@@ -104,6 +104,25 @@ class WireCatalogue:
             raise UnknownNameError("wire size", name, self.sizes)
         return self.sizes[name]
 
+    def interpolate(self, diameter: float) -> WireSize:
+        """A size that is not in the table: its cells on the lines, in logarithms, through the two sizes beside it.
+
+        Beyond the last size they are those through the last two. The cells are of the kind `assumed`.
+        """
+        sizes = list(self.sizes.values())
+        place = sum(one.diameter.value < diameter for one in sizes)
+        above = min(max(place, 1), len(sizes) - 1)
+        one, other = sizes[above - 1], sizes[above]
+        share = math.log(diameter / one.diameter.value) / math.log(other.diameter.value / one.diameter.value)
+        note = f"not in the table: on the line, in logarithms, through {one.name} and {other.name}"
+        values = {name: cell.value ** (1.0 - share) for name, cell in one.cells().items()}
+        values = {name: value * other.cells()[name].value ** share for name, value in values.items()}
+        cells = {
+            name: MaterialNumber(value, f"{value:.4g} {UNITS[name]}", UNITS[name], "assumed", cell.source, note=note)
+            for (name, value), cell in zip(values.items(), one.cells().values(), strict=True)
+        }
+        return WireSize(f"{1e3 * diameter:.4g} mm", **cells)
+
 
 def wire_catalogues() -> list[str]:
     """Names of the wire catalogues that come with the package."""

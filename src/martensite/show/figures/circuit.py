@@ -1,7 +1,8 @@
-"""The circuit of a wire: a resistor in series with a switch, or the switch alone under a duty."""
+"""The circuit of a wire or a coil: a resistor in series with a switch, or the switch alone under a duty."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from martensite.design.sizing.wire_ratings import WireRatings
@@ -12,6 +13,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 WIDTH, HEIGHT = 7.0, 3.1
+LOOPS = 7
+"""Turns of a coil as it is drawn."""
 
 
 def plot_circuit(found: WireRatings) -> Figure:
@@ -48,9 +51,17 @@ def _draw_loop(axes: Axes, found: WireRatings, resistor: str, gate: str) -> None
         axes.plot([3.9, 4.6], [8.0, 8.0], **line)
     else:
         axes.plot([2.4, 4.6], [8.0, 8.0], **line)
-    axes.plot([4.6, 7.2], [8.0, 8.0], color=HEATING, linewidth=2.6)
-    name = f"{found.size.name}, {1e3 * found.wire.length:.4g} mm\n{found.strand.resistance:.3g} Ω"
-    axes.text(5.9, 7.55, name, ha="center", va="top", color=HEATING)
+    coil = found.describe_coil()
+    if coil is None:
+        axes.plot([4.6, 7.2], [8.0, 8.0], color=HEATING, linewidth=2.6)
+        shape = f"{1e3 * found.wire.length:.4g} mm"
+    else:
+        angles = [2.0 * math.pi * LOOPS * k / 240.0 for k in range(241)]
+        along = [4.6 + 2.6 * k / 240.0 - 0.12 * math.sin(a) for k, a in enumerate(angles)]
+        axes.plot(along, [8.0 + 0.35 * (1.0 - math.cos(a)) for a in angles], color=HEATING, linewidth=1.8)
+        shape = f"{coil['turns']:.3g} × {1e3 * coil['mean_diameter']:.3g} mm"
+    name = f"{found.size.name}, {shape}\n{found.strand.resistance:.3g} Ω"
+    axes.text(5.3, 7.55, name, ha="center", va="top", color=HEATING)
     axes.plot([7.2, 8.0, 8.0], [8.0, 8.0, 5.6], **line)
     axes.add_patch(_make_box(7.45, 3.9, 1.1, 1.7))
     axes.text(8.0, 4.75, "MOS\nFET", ha="center", va="center", color=INK, fontsize="small")

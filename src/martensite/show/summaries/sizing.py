@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
@@ -11,7 +11,7 @@ from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.design.sizing.candidates import Candidate, Sizing
 from martensite.design.sizing.catalogue_check import CheckRow, RatioSpread, summarise_ratios
 from martensite.design.sizing.cycle import PulseCycle
-from martensite.design.sizing.remarks import describe_life
+from martensite.design.sizing.remarks import COIL_DOUBT, describe_life
 from martensite.design.sizing.request import WireRequest
 from martensite.design.sizing.wire_ratings import ROUNDED, WireRatings
 from martensite.physics.materials.base import DOUBTFUL, MaterialNumber, load_material
@@ -33,6 +33,21 @@ COLUMNS = (
     "",
 )
 """So narrow that the table of wires stands side by side in 80 columns."""
+COIL_COLUMNS = (
+    "",
+    "wire\nmm",
+    "\n°C",
+    "coils",
+    "D\nmm",
+    "turns",
+    "length\nmm",
+    "stress\nMPa",
+    "pulse\nA",
+    "heat\ns",
+    "cool\ns",
+    "",
+)
+"""The same of coils: mean diameter, and the length under load, hot and cold."""
 CHECKED = (
     "wire\nmm",
     "alloy\n°C",
@@ -74,7 +89,8 @@ def _describe_candidates(sizing: Sizing, chosen: int | None, every: bool) -> Ite
     if chosen is not None and chosen not in [i for i, _ in shown]:
         shown.append(numbered[chosen])
     rows = [list_cells(i + 1, found) for i, found in shown]
-    yield DataTable(COLUMNS, rows, right=(0, *range(4, len(COLUMNS) - 1)))
+    columns = choose_columns(sizing.request)
+    yield DataTable(columns, rows, right=(0, *range(4, len(columns) - 1)))
     for i, found in shown:
         if not found.feasible:
             yield Sentence(f"{i + 1} does not: {found.reasons[0]}.")
@@ -87,8 +103,10 @@ def _describe_candidates(sizing: Sizing, chosen: int | None, every: bool) -> Ite
         yield Sentence("The limits of the material are ignored, as asked.", "caution")
     robust = sum(not found.frail for _, found in good)
     if good:
-        who = "All of them" if robust == len(good) else f"The first {robust}" if robust else "None of them"
-        yield Sentence(f"{who} would also return on a day 10 K warmer and carry 20 % more load.")
+        some = "The first" if robust == 1 else f"The first {robust}" if robust else "None of them"
+        who = "All of them" if robust == len(good) else some
+        slow = ", with half of the heat loss," if sizing.request.element == "coil" else ""
+        yield Sentence(f"{who} would also return on a day 10 K warmer{slow} and carry 20 % more load.")
     left = len(numbered) - len(shown)
     if left:
         yield Sentence(f"{left} more do not do; --all shows them with the reason.")
@@ -102,8 +120,13 @@ def _describe_one(request: WireRequest, found: Candidate) -> Iterator[Block]:
     yield from (Sentence(line, "caution") for line in list_doubts(found))
 
 
+def choose_columns(request: WireRequest) -> tuple[str, ...]:
+    """Headings of the table of wires, or of coils."""
+    return COIL_COLUMNS if request.element == "coil" else COLUMNS
+
+
 def list_cells(number: int, found: Candidate) -> tuple[str, ...]:
-    """Its cells below `COLUMNS`; the number is the place in the list."""
+    """Its cells below the columns of `choose_columns`; the number is the place in the list."""
     static, drive, cycle = found.statics, found.drive, found.cycle
     stress = f"{static.hot_stress / 1e6:.0f}"
     if static.cold_stress < static.hot_stress:
@@ -115,8 +138,14 @@ def list_cells(number: int, found: Candidate) -> tuple[str, ...]:
     if cycle is not None:
         times = (f"{cycle.heating:.2g}", write_seconds(cycle.cooling))
     wiring = "" if found.wiring is None or static.count == 1 else f" {found.wiring.kind}"
+    coil = static.describe_coil()
     verdict = "does" if found.feasible else "no"
     wire, strands = strip_unit(found.size.name), f"{static.count}{wiring}"
+    if coil is not None:
+        lengths = f"{1e3 * coil['hot_length']:.3g}..{1e3 * coil['cold_length']:.3g}"
+        shape = (f"{1e3 * coil['mean_diameter']:.3g}", f"{coil['turns']:.0f}", lengths)
+        coils = f"{static.count}{wiring[:4]}"
+        return (str(number), wire, found.alloy, coils, *shape, stress, electric[0], *times, verdict)
     length = f"{1e3 * static.strand.length:.1f}"
     return (str(number), wire, found.alloy, strands, length, stress, *electric, *times, verdict)
 
@@ -135,12 +164,28 @@ def write_headline(found: Candidate) -> str:
     """The wire in one sentence."""
     static = found.statics
     each = "" if static.count == 1 else " each"
+    if (coil := static.describe_coil()) is not None:
+        many = "" if static.count == 1 else f"{static.count} coils side by side of "
+        return (
+            f"{many}Flexinol {found.size.name}, {found.alloy} °C: {describe_coil(coil)}; "
+            f"{static.strand.resistance:.3g} ohm{each}."
+        )
     many = "" if static.count == 1 else f"{static.count} strands of "
     return (
         f"{many}Flexinol {found.size.name}, {found.alloy} °C, "
         f"{1e3 * static.strand.length:.1f} mm{each}: {write_percent(static.strain, 2)} strain over "
         f"the stroke (at most {write_percent(static.reachable, 2)}), "
         f"{static.strand.resistance:.3g} ohm{each}."
+    )
+
+
+def describe_coil(coil: Mapping[str, float]) -> str:
+    """Turns, diameters and lengths of a coil."""
+    mm = {name: f"{1e3 * value:.4g}" for name, value in coil.items()}
+    return (
+        f"{coil['turns']:.4g} turns of {mm['mean_diameter']} mm between centres ({mm['outer_diameter']} mm over all), "
+        f"{mm['solid_length']} mm when closed; under load {mm['hot_length']} mm hot and {mm['cold_length']} mm cold, "
+        f"{coil['hot_rate'] / 1e3:.3g} and {coil['cold_rate'] / 1e3:.3g} N/mm"
     )
 
 
@@ -151,7 +196,7 @@ def list_sentences(request: WireRequest, found: Candidate) -> Iterator[str]:
     if found.cycle is not None:
         yield from _tell_pulse(request, found, found.cycle)
     yield f"Life: {found.life}."
-    yield _tell_catalogue(found)
+    yield COIL_DOUBT if request.element == "coil" else _tell_catalogue(found)
 
 
 def _tell_return(request: WireRequest, found: Candidate) -> str:
@@ -181,7 +226,7 @@ def _tell_pulse(request: WireRequest, found: Candidate, cycle: PulseCycle) -> li
     drive, static = found.drive, found.statics
     if drive is None:
         return []
-    each = f" ({cycle.current:.3g} A per strand)" if static.count > 1 else ""
+    each = f" ({cycle.current:.3g} A each)" if static.count > 1 else ""
     running = ""
     if cycle.running is not None:
         running = f" in the first cycle, {cycle.running - 273.15:.0f} °C when it is repeated"
@@ -221,7 +266,7 @@ def list_doubts(found: Candidate) -> list[str]:
     doubtful = [key for key, number in numbers if number.kind in DOUBTFUL]
     lines = [f"Assumed or recalled numbers of {name}: {', '.join(doubtful)}."]
     if found.recalled:
-        lines.insert(0, f"Recalled cells of the catalogue: {', '.join(found.recalled)}.")
+        lines.insert(0, f"Recalled or interpolated cells of the catalogue: {', '.join(found.recalled)}.")
     return lines
 
 
@@ -310,12 +355,15 @@ def summarise_ratings(found: WireRatings) -> Summary:
 
 def _describe_wire(found: WireRatings) -> Iterator[Block]:
     wire, size, cycle = found.wire, found.size, found.cycle
-    yield Heading(
-        f"Flexinol {size.name}, {wire.alloy} °C, {1e3 * wire.length:.4g} mm, {found.strand.resistance:.3g} ohm"
-    )
+    coil, maker = found.describe_coil(), found.stress_limit / 1e6
+    length = f"{1e3 * found.strand.length:.4g} mm" + (" of wire in a coil" if coil else "")
+    yield Heading(f"Flexinol {size.name}, {wire.alloy} °C, {length}, {found.strand.resistance:.3g} ohm")
+    if coil is not None:
+        yield from _describe_shape(found, coil)
+    share = "" if coil else f", {write_percent(found.stroke / wire.length, 2)} of its length"
     yield Sentence(
-        f"Pulls {found.hot_force:.3g} N ({found.hot_stress / 1e6:.4g} MPa; the maker's pull: {size.pull_force:.3g} N) "
-        f"over {1e3 * found.stroke:.3g} mm, {write_percent(found.stroke / wire.length, 2)} of its length."
+        f"Pulls {found.hot_force:.3g} N ({found.hot_stress / 1e6:.4g} MPa; the maker's {maker:.4g} MPa are "
+        f"{found.stress_limit * found.strand.bearing:.3g} N) over {1e3 * found.stroke:.3g} mm{share}."
     )
     rows = [_drive_row(found, f"contract in {wire.pulse:.3g} s", cycle.current)] if cycle is not None else []
     rows.append(_drive_row(found, "hold contracted", found.holding_current))
@@ -327,14 +375,28 @@ def _describe_wire(found: WireRatings) -> Iterator[Block]:
             f"{1.0 / (cycle.heating + cycle.cooling):.2g} cycles a second, {found.energy:.3g} J each, "
             f"at up to {cycle.hottest - 273.15:.0f} °C."
         )
-    if cycle is not None and wire.pulse == 1.0 and wire.cooling == "air":
+    if cycle is not None and wire.pulse == 1.0 and wire.cooling == "air" and coil is None:
         table = size.current.value
         yield Sentence(
             f"The maker's table has {1e3 * table:.4g} mA for 1 s; the model's current is {cycle.current / table:.2f} "
             "of it. With more a wire contracts faster, and must be switched off in time."
         )
-    yield Sentence(f"Life: {describe_life(found.hot_stress / ROUNDED)}.")
+    yield Sentence(f"Life: {describe_life(found.hot_stress / ROUNDED, 'coil' if coil else 'wire')}.")
     yield from (Sentence(f"Does not do: {fault}.", "bad") for fault in found.faults)
+
+
+def _describe_shape(found: WireRatings, coil: Mapping[str, float]) -> Iterator[Block]:
+    drawn = found.drawn
+    yield Sentence(f"It has {describe_coil(coil)}.")
+    if drawn is not None:
+        pulls = f"it pulls {drawn.hot_force:.3g} N ({drawn.hot_stress / 1e6:.4g} MPa)"
+        if drawn.hot_stress > found.stress_limit * ROUNDED:
+            pulls = f"it has more than the maker's {found.stress_limit / 1e6:.4g} MPa: give it a load instead"
+        yield Sentence(
+            f"Drawn out to {1e3 * drawn.length:.4g} mm its wire is sheared by {write_percent(drawn.shear, 2)} (a "
+            f"strain of {write_percent(drawn.strain, 2)}); held there and heated {pulls}."
+        )
+    yield Sentence(COIL_DOUBT, "caution")
 
 
 def _drive_row(found: WireRatings, name: str, current: float) -> tuple[str, ...]:
@@ -356,8 +418,9 @@ def _describe_parts(found: WireRatings) -> Iterator[Block]:
         f"Switch: a logic-level N-channel MOSFET for at least {2.0 * wire.supply:.3g} V and {2.0 * full:.2g} A, below "
         f"{0.05 * ohms:.2g} ohm when on ({0.05 * ohms * full**2:.2g} W at most); a pin of a controller gives 20 mA."
     )
+    what = "This coil" if found.describe_coil() else "A straight wire"
     yield Sentence(
-        f"A straight wire has {1e6 * found.inductance:.2g} µH and stores {1e6 * stored:.2g} µJ: it needs no flyback "
+        f"{what} has {1e6 * found.inductance:.2g} µH and stores {1e6 * stored:.2g} µJ: it needs no flyback "
         "diode; a motor or relay beside it does."
     )
     if found.count:

@@ -1,0 +1,147 @@
+"""A coil spring that is at hand, from what is written on its bag or measured on it.
+
+    N = L_s/d                         turns, from the closed length
+    D = √[(l/N)² - d²]/π, l = R/r     mean diameter, from the resistance (a helix of pitch d)
+    D = D_o - d                       or from the diameter over all
+
+What is given twice must agree: turns within a tenth or one and a half, the resistance of the wire within a third.
+Measured ohms are then those that count. Drawn to a length by hand its wire has the strain of the element there; where
+that is less than its load would draw it to, it is a stop, from which the stroke starts and to which it returns.
+
+Source: the mapping of the element `coil-spring`; resistance per metre from the maker's table, or on its continuation.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from martensite.actuators.elements.limits import STRONGEST
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
+from martensite.design.sizing.statics import CoilStrand, Strand, list_alloy_numbers
+from martensite.design.sizing.wire_in_hand import COOLINGS, WireInHand, take_resistance
+from martensite.kernels import floats
+from martensite.kernels.namespace import Scalar
+from martensite.physics.materials.wires import WireCatalogue, WireSize
+
+LISTED = 0.005
+"""Relative difference of a diameter from one of the catalogue that is the same wire."""
+SLACK_TURNS, SLACK_SHARE, SLACK_OHMS = 1.5, 0.1, 1.0 / 3.0
+"""How far turns, as a number or a share of them, and ohms may be off what the rest says."""
+INDICES = (2.0, 50.0)
+"""Spring index between which a coil is believed."""
+HALVINGS = 60
+"""Of the force with which a coil pulls, up to the stress that no wire has borne."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A coil that is held at a length; SI."""
+
+    length: float
+    strain: float
+    """Equivalent, at the surface of the wire [-]."""
+    shear: float
+    """√3 times that [-]."""
+    hot_force: float
+    """With which it pulls when it is heated there, as far as the law goes [N]."""
+    hot_stress: float
+    """[Pa]"""
+
+
+class CoilInHand(WireInHand):
+    """A close-wound coil, what drives it and what it pulls; 0 stands for what is not known."""
+
+    diameter: Scalar = param("m", "diameter of the wire", low=2e-5, high=2e-3)
+    length: Scalar = param("m", "length of the wire, if it is known", low=0.0, high=100.0, default=0.0)
+    turns: Scalar = param("1", "number of turns", low=0.0, high=1e5, default=0.0)
+    solid: Scalar = param("m", "length of the closed coil", low=0.0, high=100.0, default=0.0)
+    outer: Scalar = param("m", "coil diameter over all", low=0.0, high=1.0, default=0.0)
+    stretched: Scalar = param("m", "length to which it is drawn out when cold", low=0.0, high=100.0, default=0.0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` if too little is known of it, or what is known contradicts itself."""
+        super().check()
+        if self.turns == 0.0 and self.solid == 0.0:
+            raise ParameterError("Say how many turns the coil has: by `solid`, its closed length, or by `turns`.")
+        counted, measured = self.turns, self.solid / self.diameter
+        if counted and measured and abs(counted - measured) > max(SLACK_TURNS, SLACK_SHARE * counted):
+            raise ParameterError(
+                f"{1e3 * self.solid:.4g} mm of closed {1e3 * self.diameter:.4g} mm wire are {measured:.1f} turns, but "
+                f"`turns` is {counted:.4g}: one of the three is wrong, or the coil is not wound closed."
+            )
+        if self.outer == self.length == self.resistance == 0.0:
+            raise ParameterError(
+                "Say how wide the coil is: by `outer`, its diameter over all, or by its `resistance`, which has the "
+                "length of its wire in it."
+            )
+        if self.stretched and self.stretched <= self.count_turns() * self.diameter:
+            raise ParameterError(
+                f"`stretched` is {1e3 * self.stretched:.4g} mm, which is not longer than the closed coil, "
+                f"{1e3 * self.count_turns() * self.diameter:.4g} mm."
+            )
+        if self.stretched and (self.spring or self.preload):
+            raise ParameterError("A coil is drawn out to a stop (`stretched`) or by a spring (`spring`, `preload`).")
+
+    def count_turns(self) -> float:
+        """N [-]: as counted, else from the closed length."""
+        return self.turns or self.solid / self.diameter
+
+    def find_size(self, catalogue: WireCatalogue) -> WireSize:
+        """The wire of the catalogue, or on the continuation of its table."""
+        listed = (one for one in catalogue.sizes.values() if abs(one.diameter.value / self.diameter - 1.0) < LISTED)
+        found = next(listed, None) or catalogue.interpolate(self.diameter)
+        text = f"{1e3 * self.diameter:.9g} mm"
+        given = replace(found.diameter, value=self.diameter, text=text, kind="given", source="", where="", note="")
+        return replace(found, diameter=given)
+
+    def choose_load(self, strand: Strand) -> float:
+        """Weight [N] where none is given: that of the maker's stress in straight wire."""
+        return list_alloy_numbers(self.alloy)["stress_limit"] * strand.bearing
+
+    def make_strand(self, catalogue: WireCatalogue) -> CoilStrand:
+        """The coil.
+
+        Raises:
+            ParameterError: its wire is too short or too long for its turns, or its ohms are not those of its width.
+        """
+        size, turns = self.find_size(catalogue), self.count_turns()
+        per_metre = size.resistance.value
+        wound = turns * math.hypot(math.pi * (self.outer - self.diameter), self.diameter) if self.outer else 0.0
+        length = self.length or wound or self.resistance / per_metre
+        if wound and abs(wound / length - 1.0) > SLACK_SHARE:
+            raise ParameterError(
+                f"Turns this wide are {1e3 * wound:.4g} mm of wire, but `length` is {1e3 * length:.4g} mm."
+            )
+        self._check_ohms(length, per_metre)
+        each = (length / turns) ** 2 - self.diameter**2
+        index = math.sqrt(max(each, 0.0)) / (math.pi * self.diameter)
+        if not INDICES[0] <= index <= INDICES[1]:
+            raise ParameterError(
+                f"{turns:.4g} turns from {1e3 * length:.4g} mm of wire would have a mean diameter of {index:.3g} wire "
+                f"diameters, which no coil has: `diameter`, `solid`, `outer` or `resistance` is wrong."
+            )
+        if self.resistance:
+            size = take_resistance(size, self.resistance, length)
+        cooling = COOLINGS["horizontal" if self.cooling == "air" else self.cooling]
+        return CoilStrand(size, self.alloy, length, self.ambient, cooling, index=index)
+
+    def _check_ohms(self, length: float, per_metre: float) -> None:
+        expected = length * per_metre
+        if self.resistance and abs(math.log(self.resistance / expected)) > math.log1p(SLACK_OHMS):
+            raise ParameterError(
+                f"{self.count_turns():.4g} turns this wide are {1e3 * length:.4g} mm of wire, which have "
+                f"{expected:.3g} ohm by the maker's table, but `resistance` is {self.resistance:.3g} ohm: `diameter`, "
+                "`outer`, `turns` or `resistance` is wrong, or it is another alloy."
+            )
+
+
+def draw_out(coil: CoilStrand, length: float) -> Drawn:
+    """What a coil is like that is drawn out to a length [m], and heated there."""
+    elongation, low, high = length - coil.solid, 0.0, STRONGEST * coil.bearing
+    for _ in range(HALVINGS):
+        force = 0.5 * (low + high)
+        low, high = (low, force) if coil.elongation(0.0, force) > elongation else (force, high)
+    strain = coil.element.strain(floats, elongation)
+    return Drawn(length, strain, math.sqrt(3.0) * strain, high, high / coil.bearing)
