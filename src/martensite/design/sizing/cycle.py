@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 from martensite.actuators.assembly import System
 from martensite.base.status import Status
@@ -85,10 +85,9 @@ def find_current(system: System, position: float, time: float, guess: float) -> 
     low = 0.5 * high
     while simulate_pulse(system, low, time) >= position:
         high, low = low, 0.5 * low
-    found = brentq(
-        lambda x: simulate_pulse(system, math.exp(x), time) - position, *map(math.log, (low, high)), xtol=TOLERANCE
-    )
-    return math.exp(found + TOLERANCE)
+    ends = math.log(low), math.log(high)
+    found = root_scalar(lambda x: simulate_pulse(system, math.exp(x), time) - position, bracket=ends, xtol=TOLERANCE)
+    return math.exp(found.root + TOLERANCE)
 
 
 def find_reach_time(system: System, position: float, current: float, longest: float) -> float | None:

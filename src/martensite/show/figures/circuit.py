@@ -11,6 +11,7 @@ from martensite.show.figures.style import HEATING, INK, QUIET, make_figure, use_
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.patches import Patch
 
 WIDTH, HEIGHT = 7.0, 3.1
 LOOPS = 7
@@ -73,7 +74,7 @@ def _draw_loop(axes: Axes, found: WireRatings, resistor: str, gate: str) -> None
     axes.text(4.8, 0.2, "ground, shared with the controller", ha="center", color=QUIET, fontsize="small")
 
 
-def _make_box(x: float, y: float, width: float, height: float) -> object:
+def _make_box(x: float, y: float, width: float, height: float) -> Patch:
     from matplotlib.patches import Rectangle
 
     return Rectangle((x, y), width, height, fill=False, edgecolor=INK, linewidth=1.1)
