@@ -42,7 +42,7 @@ def shear(force: float, index: float, wire: float) -> float:
 
 def statics(**changes: Any) -> tuple[Statics, CoilStrand, dict[str, float]]:
     static = compute_statics(ask_coil(**changes), SIZE, "90")
-    shape = static.describe_coil()
+    shape = static.strand.describe_shape(static.cold_stress, static.hot_stress)
     assert isinstance(static.strand, CoilStrand) and shape is not None
     return static, static.strand, shape
 

@@ -108,7 +108,7 @@ class Candidate:
             "reasons": list(self.reasons),
             **own,
             "length": mine.strand.length,
-            "coil": mine.describe_coil(),
+            "coil": mine.strand.describe_shape(mine.cold_stress, mine.hot_stress),
             "strand_resistance": mine.strand.resistance,
             "wiring": self.wiring.kind if self.wiring else None,
             "drive": asdict(self.drive) if self.drive else None,

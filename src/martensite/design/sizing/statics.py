@@ -131,6 +131,10 @@ class Strand:
         shape = Cylinder(self.size.diameter.value, self.length)
         return self.cooling.film(floats, temperature, self.ambient, shape)
 
+    def describe_shape(self, cold: float, hot: float) -> dict[str, float] | None:
+        """Of a coil turns, diameters, lengths and rates, at the stresses [Pa] of the cold and of the hot one; SI."""
+        return None
+
     def steady_current(self, temperature: float) -> float:
         """Current [A] that holds the strand at `temperature` [K] for ever."""
         loss = self.film(temperature) * (temperature - self.ambient)
@@ -232,7 +236,7 @@ class CoilStrand(Strand):
         return self.turns * self.size.diameter.value
 
     def describe_shape(self, cold: float, hot: float) -> dict[str, float]:
-        """Turns, diameters, lengths and rates, under the stresses [Pa] of the cold and of the hot coil; SI."""
+        """Turns, diameters, lengths and rates, at the stresses [Pa] of the cold and of the hot coil; SI."""
         return {
             "turns": self.turns,
             "mean_diameter": self.coil_diameter,
@@ -276,12 +280,6 @@ class Statics:
     """Part of the weight that is needed only to stretch the strands [N]; 0 with a spring."""
     work_force: float
     """Force of the strands at the end of the stroke [N]."""
-
-    def describe_coil(self) -> dict[str, float] | None:
-        """Turns, diameters and lengths of a coil; None of a straight wire."""
-        if not isinstance(self.strand, CoilStrand):
-            return None
-        return self.strand.describe_shape(self.cold_stress, self.hot_stress)
 
     def mechanism(self, stroke: float, share: int = 1) -> AbstractMechanism:
         """Return and load together, or that part of them which one of `share` strands carries."""

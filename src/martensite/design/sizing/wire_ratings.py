@@ -131,8 +131,6 @@ class WireRatings:
 
     def describe_coil(self) -> dict[str, float] | None:
         """Turns, diameters and lengths of a coil; None of a straight wire."""
-        if not isinstance(self.strand, CoilStrand):
-            return None
         return self.strand.describe_shape(self.cold_force / self.strand.bearing, self.hot_stress)
 
     @property

@@ -33,20 +33,8 @@ COLUMNS = (
     "",
 )
 """So narrow that the table of wires stands side by side in 80 columns."""
-COIL_COLUMNS = (
-    "",
-    "wire\nmm",
-    "\n°C",
-    "coils",
-    "D\nmm",
-    "turns",
-    "length\nmm",
-    "stress\nMPa",
-    "pulse\nA",
-    "heat\ns",
-    "cool\ns",
-    "",
-)
+_SHAPE = ("\n°C", "coils", "D\nmm", "turns", "length\nmm")
+COIL_COLUMNS = (*COLUMNS[:2], *_SHAPE, *COLUMNS[5:7], *COLUMNS[9:])
 """The same of coils: mean diameter, and the length under load, hot and cold."""
 CHECKED = (
     "wire\nmm",
@@ -138,7 +126,7 @@ def list_cells(number: int, found: Candidate) -> tuple[str, ...]:
     if cycle is not None:
         times = (f"{cycle.heating:.2g}", write_seconds(cycle.cooling))
     wiring = "" if found.wiring is None or static.count == 1 else f" {found.wiring.kind}"
-    coil = static.describe_coil()
+    coil = static.strand.describe_shape(static.cold_stress, static.hot_stress)
     verdict = "does" if found.feasible else "no"
     wire, strands = strip_unit(found.size.name), f"{static.count}{wiring}"
     if coil is not None:
@@ -164,7 +152,7 @@ def write_headline(found: Candidate) -> str:
     """The wire in one sentence."""
     static = found.statics
     each = "" if static.count == 1 else " each"
-    if (coil := static.describe_coil()) is not None:
+    if (coil := static.strand.describe_shape(static.cold_stress, static.hot_stress)) is not None:
         many = "" if static.count == 1 else f"{static.count} coils side by side of "
         return (
             f"{many}Flexinol {found.size.name}, {found.alloy} °C: {describe_coil(coil)}; "
