@@ -15,6 +15,7 @@ from datetime import date
 import numpy as np
 from numpy.typing import NDArray
 
+from martensite.scenario.heading_guess import find_listed
 from martensite.scenario.sheets import GAPS
 
 Numbers = NDArray[np.float64]
@@ -74,7 +75,11 @@ def is_missing(cell: str) -> bool:
 def find_kind(cell: str) -> str:
     """Which of the patterns a cell follows; empty for none."""
     text = cell.strip().strip('"').strip()
-    return next((kind for kind, pattern in _PATTERNS.items() if pattern.fullmatch(text)), "")
+    kind = next((kind for kind, pattern in _PATTERNS.items() if pattern.fullmatch(text)), "")
+    if kind != "quantity":
+        return kind
+    found = _PATTERNS["quantity"].fullmatch(text)
+    return kind if found is not None and find_listed(found[2]) else ""
 
 
 def find_style(cells: Iterable[str]) -> NumberStyle:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from martensite.base import units
 from martensite.base.errors import UnitError
@@ -179,6 +180,7 @@ def _find_unit(spelling: str) -> str:
     return spelling if next(known, None) else ""
 
 
+@lru_cache(maxsize=4096)
 def find_listed(spelling: str) -> str:
     """A unit as it is written here; empty for what is none of the listed ones."""
     spelling = spelling.strip()

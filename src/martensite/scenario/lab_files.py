@@ -256,8 +256,8 @@ def _explain_unknown(raw: RawTable, meant: list[Meaning]) -> str:
     numbered = [
         k for k, column in enumerate(raw.columns) if column.kind == "number" and np.isfinite(column.numbers).any()
     ]
-    if not numbered:
-        return f"`{raw.name}` holds no column of numbers but clocks and dates."
+    if all(meant[k].name == "time" for k in numbered):
+        return f"`{raw.name}` holds no numbers but its times."
     ranges = [
         f"{k + 1} ({np.nanmin(raw.columns[k].numbers):.4g} to {np.nanmax(raw.columns[k].numbers):.4g})"
         for k in numbered[:6]

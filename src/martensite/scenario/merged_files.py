@@ -98,15 +98,16 @@ def _list_matches(one: Record, other: Record) -> list[tuple[float, float, str, s
     found: list[tuple[float, float, str, str]] = []
     for a, b in pairs:
         strength, offset = estimate_lag(
-            (np.array(one.times), np.array(one[a])), (np.array(other.times), np.array(other[b]))
+            (np.array(one.times), np.array(one[a])), (np.array(other.times), np.array(other[b])), a == b
         )
         found.append((strength, offset, a, b))
     return found
 
 
-def estimate_lag(one: tuple[Numbers, Numbers], other: tuple[Numbers, Numbers]) -> tuple[float, float]:
-    """Largest |correlation| of two curves over time, and the lag at which the second must be put [s].
+def estimate_lag(one: tuple[Numbers, Numbers], other: tuple[Numbers, Numbers], alike: bool) -> tuple[float, float]:
+    """Largest correlation of two curves over time, and the lag at which the second must be put [s].
 
+    Of curves that are not `alike`, of other quantities, it may be negative.
     Zero where another lag, farther away than the curve takes to lose its likeness, does as well.
     """
     (times, values), (own, answer) = one, other
@@ -116,6 +117,7 @@ def estimate_lag(one: tuple[Numbers, Numbers], other: tuple[Numbers, Numbers]) -
         return 0.0, 0.0
     lags = np.linspace(low, high, LAGS)
     strengths = np.array([_correlate_at(times, values, own, answer, lag) for lag in lags])
+    strengths = strengths if alike else np.abs(strengths)
     peak = int(np.argmax(strengths))
     left = right = peak
     while left > 0 and strengths[left - 1] <= strengths[left]:
@@ -123,11 +125,12 @@ def estimate_lag(one: tuple[Numbers, Numbers], other: tuple[Numbers, Numbers]) -
     while right < LAGS - 1 and strengths[right + 1] <= strengths[right]:
         right += 1
     rivals = np.concatenate([strengths[:left], strengths[right + 1 :]])
-    if rivals.size and rivals.max() > 0.97 * strengths[peak]:
+    if rivals.size and 1.0 - rivals.max() ** 2 < 1.5 * (1.0 - strengths[peak] ** 2) + 0.005:
         return 0.0, 0.0
     step = float(lags[1] - lags[0])
     near = np.linspace(lags[peak] - step, lags[peak] + step, 101)
     finer = np.array([_correlate_at(times, values, own, answer, lag) for lag in near])
+    finer = finer if alike else np.abs(finer)
     return float(finer.max()), float(near[int(np.argmax(finer))])
 
 
@@ -138,7 +141,7 @@ def _correlate_at(times: Numbers, values: Numbers, own: Numbers, answer: Numbers
     known = np.isfinite(a) & np.isfinite(b)
     if known.sum() < 50 or np.ptp(a[known]) == 0.0 or np.ptp(b[known]) == 0.0:
         return 0.0
-    return abs(float(np.corrcoef(a[known], b[known])[0, 1]))
+    return float(np.corrcoef(a[known], b[known])[0, 1])
 
 
 def _interpolate(grid: Numbers, times: Numbers, values: Numbers) -> Numbers:

@@ -116,6 +116,11 @@ def find_table(
     headings, units, used = find_headings(rows[max(0, first - ABOVE) : first], texts, width, SEPARATORS.get(separator))
     body, again = _choose_block(rows, body, headings, where)
     first, last = body[0], body[-1]
+    if len(body) * 3 < last - first and not again:
+        raise DataError(
+            f"{where} is ragged: of {last - first + 1} rows from row {rows[first][0]} on, only {len(body)} have the "
+            f"{width} cells, with numbers among them, that are most frequent."
+        )
     said = collect_said(rows[:first]) | (collect_said([rows[k] for k in body[:40]]) if 0 not in places else {})
     style = find_style(rows[k][1][p] for k in body[:: max(1, len(body) // 500)] for p in places)
     inside, same = set(body), set(alike)
@@ -126,7 +131,7 @@ def find_table(
     ragged = [rows[k][0] for k in [*spoilt, *behind] if k in numeric and len(rows[k][1]) != width]
     remarks = [rows[k][0] for k in [*before, *spoilt] if rows[k][0] not in ragged and rows[k][0] not in used]
     ends = [rows[k][0] for k in behind if rows[k][0] not in ragged]
-    columns = _read_columns([rows[k] for k in body], headings, units, style)
+    columns = _read_columns([rows[k] for k in body], headings, units, style, places)
     lines = rows[first][0] - 1 if rows[first][0] > 0 else 0
     words = [form[0], *form[1:2], "decimal commas" if style.comma else "", _say_lines(lines), *form[2:]]
     notes = [*again]
@@ -211,7 +216,7 @@ def _choose_block(
 
 
 def _read_columns(
-    body: Sequence[Row], headings: Sequence[str], units: Above, style: NumberStyle
+    body: Sequence[Row], headings: Sequence[str], units: Above, style: NumberStyle, places: Sequence[int]
 ) -> tuple[RawColumn, ...]:
     found: list[RawColumn] = []
     for place, heading in enumerate(headings):
@@ -219,7 +224,7 @@ def _read_columns(
         read = read_cells(cells, style)
         wrong = tuple(f"row {body[k][0]}: {cells[k].strip()[:60]}" for k in read.wrong)
         sample = next((cell.strip()[:60] for cell in cells if cell.strip()), "")
-        kind = read.kind if sample else "text"
+        kind = read.kind if sample and place in places else "text"
         unit = units.get(place) or read.unit
         found.append(RawColumn(heading.strip().strip('"')[:60], unit, kind, read.numbers, sample, wrong, read.unsure))
     return _use_unit_columns(found)

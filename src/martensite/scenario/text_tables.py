@@ -10,7 +10,7 @@ from pathlib import Path
 
 from martensite.base.errors import DataError
 from martensite.base.files import MOST_LOG, read_bounded
-from martensite.scenario.cells import find_kind
+from martensite.scenario.cells import find_kind, is_missing
 from martensite.scenario.raw_table import LOOKED_AT, RawTable, find_table
 from martensite.scenario.sheets import describe_unreadable
 from martensite.scenario.table_headings import SEPARATORS
@@ -103,7 +103,7 @@ def _choose_separator(lines: Sequence[str]) -> str:
         if not widths or (sign and set(widths) == {1}):
             continue
         width = widths.most_common(1)[0][0]
-        score = sum(sum(bool(find_kind(c)) or not c.strip() for c in row) / width for row in rows if len(row) == width)
+        score = sum(sum(bool(find_kind(c)) or is_missing(c) for c in row) / width for row in rows if len(row) == width)
         if score > most * 1.001:
             best, most = name, score
     return best
