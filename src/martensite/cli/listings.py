@@ -131,7 +131,10 @@ def _count_here(name: str) -> str:
     from martensite.scenario.datasets import describe_dataset, locate_file
 
     found = 0
-    files = describe_dataset(name).files
+    dataset = describe_dataset(name)
+    files = dataset.files
+    if dataset.packaged is not None:
+        return "in the package"
     for file in files:
         try:
             locate_file(f"{name}/{file}")
@@ -168,8 +171,10 @@ def fetch(
     from martensite.scenario import datasets
     from martensite.show.terminal import print_summary
 
-    folder = str(datasets.fetch_dataset(name, force))
-    print_summary(Summary(f"{name} is in {folder}", [], {"name": name, "folder": folder}), json)
+    folder = datasets.fetch_dataset(name, force)
+    packaged = folder == datasets.describe_dataset(name).packaged
+    title = f"{name} is in the package: there is nothing to fetch" if packaged else f"{name} is in {folder}"
+    print_summary(Summary(title, [], {"name": name, "folder": str(folder)}), json)
 
 
 @app.command()

@@ -17,7 +17,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from martensite.base.errors import DataError
-from martensite.base.files import MOST_LOG, read_bounded
+from martensite.base.files import MOST_LOG, read_unpacked
 from martensite.scenario.layout import CLOCK, FileColumn, Layout
 
 GAPS = ("", "nan", "na", "n/a", "null")
@@ -128,7 +128,7 @@ def _split_line(lines: list[tuple[int, str]], sign: str, where: str) -> list[lis
 def _read_text(path: Path, *, binary: bool) -> str:
     """The text of a file, of which single lines may be `binary`."""
     with describe_unreadable(path):
-        raw = read_bounded(path, MOST_LOG)
+        raw = read_unpacked(path, MOST_LOG)
     if b"\0" in raw and not binary:
         raise DataError(f"`{path.name}` is not a text file; save the table as CSV in UTF-8.")
     try:

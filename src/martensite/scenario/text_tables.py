@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from martensite.base.errors import DataError
-from martensite.base.files import MOST_LOG, read_bounded
+from martensite.base.files import MOST_LOG, read_unpacked
 from martensite.scenario.cells import find_kind, is_missing
 from martensite.scenario.raw_table import LOOKED_AT, RawTable, find_table
 from martensite.scenario.sheets import describe_unreadable
@@ -31,7 +31,7 @@ def read_text_table(path: Path, separator: str = "auto") -> RawTable:
         DataError: it is missing, empty, no text, or holds no table of numbers.
     """
     with describe_unreadable(path):
-        raw = read_bounded(path, MOST_LOG)
+        raw = read_unpacked(path, MOST_LOG)
     text, encoding = _decode(raw, path)
     lines = [(n, line) for n, line in enumerate(text.splitlines(), start=1) if line.strip()]
     if not lines:
