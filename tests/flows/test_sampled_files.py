@@ -133,7 +133,7 @@ def test_bad_files(tmp_path: Path) -> None:
     log = text(tmp_path / "log.csv", "time [s],duty [%],position [mm]", TIMES, DUTY, MM)
     with pytest.raises(DataError, match="Did you mean `position`"):
         read_sampled(log, ["duty"], ["positon"])
-    with pytest.raises(DataError, match="no ending that can be read"):
+    with pytest.raises(DataError, match="There is no file"):
         read_sampled(tmp_path / "log.xls", ["duty"], ["position"])
     for name in ("absent.mat", "absent.csv"):
         with pytest.raises(DataError, match="There is no file"):

@@ -10,22 +10,24 @@ told is an error that says what to write. `named` corrects: a heading or the num
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from martensite.base import units
-from martensite.base.errors import DataError
-from martensite.base.files import write_file
+from martensite.base.errors import DataError, InputError
+from martensite.base.files import tell_once, write_file
 from martensite.scenario.cells import Numbers
 from martensite.scenario.column_meanings import Meaning, guess_meanings, write_unit
 from martensite.scenario.container_files import KINDS, read_container
 from martensite.scenario.csv_files import format_heading
-from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, read_headings
+from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, Layout, read_headings
 from martensite.scenario.raw_table import LeftOut, RawColumn, RawTable, count_rows
+from martensite.scenario.sheets import is_number, read_sheet
 from martensite.scenario.table_times import TableTimes, build_times, find_interval, find_start
+from martensite.scenario.tables import PREFIX, read_table
 from martensite.scenario.text_tables import read_text_table
 from martensite.scenario.value_guess import mend_fall
 from martensite.signals.records import Record
@@ -73,6 +75,12 @@ class LabFile:
     start: float | None = None
     """Absolute time of the record's zero [s] since the first day of the calendar; below 86 400 it is that of a day."""
 
+    def with_interval(self, interval: float) -> LabFile:
+        """With rows so far apart [s], where the file has no times."""
+        times = [k * interval for k in range(len(self.record))]
+        record = replace(self.record, columns=self.record.columns | {"time": times}, interval=interval)
+        return replace(self, record=record, has_time=True)
+
     def to_csv(self) -> str:
         """The record as text with headings that `read_table` reads; missing samples are empty."""
         names = [name for name in self.record.columns if name != "time" or self.has_time]
@@ -90,6 +98,10 @@ class LabFile:
         write_file(Path(path), self.to_csv())
 
 
+class UntoldError(DataError):
+    """What the columns of a file are cannot be told; the sentence says what to write."""
+
+
 def read_lab_file(path: str | Path, named: Mapping[str, str] | None = None) -> LabFile:
     """Read a file of a laboratory instrument: text of any layout, .xlsx, .mat, .parquet, .nc, .tdms or .mcap.
 
@@ -103,6 +115,68 @@ def read_lab_file(path: str | Path, named: Mapping[str, str] | None = None) -> L
     """
     raw = read_raw(Path(path))
     return interpret_table(raw, Path(path), named or {})
+
+
+def parse_named(texts: Iterable[str]) -> dict[str, str]:
+    """What columns are, from `2=stress[MPa]`.
+
+    Raises:
+        InputError: a text names no column.
+    """
+    parts = [text.rpartition("=") for text in texts]
+    wrong = next((text for key, equals, text in parts if not (key.strip() and equals and text.strip())), None)
+    if wrong is not None:
+        raise InputError(f"`{wrong}` does not say which column it is; write for example `--as 2=stress[MPa]`.")
+    return {key.strip(): text.strip() for key, _, text in parts}
+
+
+def read_log_table(
+    source: str | Path,
+    columns: Sequence[str] | None = None,
+    interval: float | None = None,
+    named: Mapping[str, str] | None = None,
+) -> Record:
+    """A log with headings `name [unit]` as `read_table` reads it, with gaps; any other as `read_lab_file` does.
+
+    How another was understood is said once on standard error. A fault below such headings is no reason to guess.
+
+    Raises:
+        DataError: neither can read it.
+    """
+    if not named:
+        try:
+            return read_table(source, columns, interval=interval, gaps=True)
+        except DataError as error:
+            ours = str(source).startswith(PREFIX) or Path(source).suffix.lower() == ".nc"
+            if columns is not None or ours or not Path(source).is_file():
+                raise
+            refused = error
+        try:
+            found = read_lab_file(source)
+        except UntoldError:
+            raise
+        except DataError:
+            raise refused from None
+        if _has_own_headings(Path(source)):
+            raise DataError(f"{refused} `martensite data show {found.path.name} --save clean.csv` leaves it out.")
+    else:
+        found = read_lab_file(source, named)
+    if interval is not None and not found.has_time:
+        found = found.with_interval(interval)
+    listed = "; ".join(f"{c.name} in {c.unit} is column {c.number}" for c in found.columns if c.si)
+    tell_once(f"{found.path.name}: {found.format}; {listed}. {' '.join(found.notes)}".strip())
+    return found.record
+
+
+def _has_own_headings(path: Path) -> bool:
+    """Whether a text file begins with headings that `read_table` reads."""
+    if path.suffix.lower() in KINDS:
+        return False
+    try:
+        first = read_sheet(path, Layout(())).rows[0]
+        return len(first) > 1 and not any(map(is_number, first)) and bool(read_headings(first, path.name))
+    except DataError:
+        return False
 
 
 def read_raw(path: Path, separator: str = "auto") -> RawTable:
@@ -135,7 +209,7 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
     notes += _list_doubts(raw, meant, clock)
     notes += _mend_columns(columns, meant)
     if not any(name != "time" for name in columns):
-        raise DataError(_explain_unknown(raw, meant))
+        raise UntoldError(_explain_unknown(raw, meant))
     left, interval = raw.left_out + (times.left_out if times else ()), None
     if times is None:
         interval = find_interval(raw.said)
@@ -219,6 +293,9 @@ def _list_doubts(raw: RawTable, meant: list[Meaning], clock: int) -> list[str]:
     doubts: list[str] = []
     for place, (column, one) in enumerate(zip(raw.columns, meant, strict=True)):
         title = f"Column {place + 1}" + (f" `{column.heading}`" if column.heading else "")
+        if column.wrong and column.kind != "text" and one.name not in ("", IGNORED):
+            many = f"{len(column.wrong)} cells hold no finite number and count as missing"
+            doubts.append(f"{title}: {many}, first {column.wrong[0]}.")
         if place == clock or (one.name not in ("", IGNORED, "time") and one.known in ("values", "heading")):
             if one.known == "values" and not one.sure:
                 doubts.append(

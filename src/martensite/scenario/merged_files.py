@@ -66,7 +66,7 @@ def merge_by_clock(files: Sequence[LabFile], offsets: Sequence[float] | None = N
         dropped += other.dropped
     name = "+".join(one.record.name for one in files)
     record = Record(name, columns, si_units, first.path, sum(one.record.dropped for one in files))
-    form = "; ".join(f"{one.path.name}: {one.format}" for one in files)
+    form = "joined: " + "; ".join(f"{one.path.name}: {one.format}" for one in files)
     return replace(first, format=form, record=record, columns=tuple(listed), dropped=tuple(dropped), notes=tuple(notes))
 
 

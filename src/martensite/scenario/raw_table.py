@@ -132,7 +132,7 @@ def find_table(
     remarks = [rows[k][0] for k in [*before, *spoilt] if rows[k][0] not in ragged and rows[k][0] not in used]
     ends = [rows[k][0] for k in behind if rows[k][0] not in ragged]
     columns = _read_columns([rows[k] for k in body], headings, units, style, places)
-    lines = rows[first][0] - 1 if rows[first][0] > 0 else 0
+    lines = max(0, rows[first][0] - 1 - len(before))
     words = [form[0], *form[1:2], "decimal commas" if style.comma else "", _say_lines(lines), *form[2:]]
     notes = [*again]
     if style.unsure:
