@@ -26,7 +26,7 @@ MISSING = {*GAPS, "-", "--", "---", "none", "ol", "ovld", "over", "overload", "#
 MISSING |= {"+over", "-over", "err", "error", "open", "invalid", "no data", "inf", "-inf", "+inf", "infinity"}
 """What stands in the cell of a sample that is missing or out of range, in small letters."""
 
-_NUMBER = r"[+\-−]?(?:\d[\d.,'’]*|[.,]\d+)(?:[eEdD][+\-]?\d+)?"
+_NUMBER = r"[+\-−]?(?:\d+(?:[.,'’]\d{3})*(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][+\-]?\d+)?"
 _CLOCK = r"(\d{1,3}):([0-5]?\d)(?::([0-5]?\d)(?:[.,:](\d+))?|[.](\d+))?(?:\s*([AaPp])\.?[Mm]\.?)?"
 _DATE = r"(?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4}|\d{1,2}[- ][A-Za-z]{3,9}[- ]\d{2,4})"
 _PATTERNS = {
@@ -36,6 +36,7 @@ _PATTERNS = {
     "stamp": re.compile(rf"({_DATE})[T ,;]\s*({_CLOCK})(?:\s*(?:Z|UTC|[+-]\d\d:?\d\d))?"),
     "quantity": re.compile(rf"({_NUMBER})\s*([^\d\s.,;:+\-][^\d\s;:]{{0,11}}(?: ?[A-Za-z°]{{1,7}})?)"),
 }
+_FIRST = frozenset("+-.0123456789")
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
 
 
@@ -75,6 +76,13 @@ def is_missing(cell: str) -> bool:
 def find_kind(cell: str) -> str:
     """Which of the patterns a cell follows; empty for none."""
     text = cell.strip().strip('"').strip()
+    if text[:1] in _FIRST and text[-1:].isdigit() and "_" not in text:
+        try:
+            float(text)
+        except ValueError:
+            pass
+        else:
+            return "number"  # most cells, at a fraction of the time
     kind = next((kind for kind, pattern in _PATTERNS.items() if pattern.fullmatch(text)), "")
     if kind != "quantity":
         return kind

@@ -109,7 +109,11 @@ def _name_apart(raw: RawTable, found: list[Meaning], given: Mapping[int, Meaning
         if one.name == "time" or one.name == IGNORED:
             continue
         if place in given and one.name in taken:
-            raise DataError(f"`{raw.name}`: two columns are to be `{one.name}`; name one of them differently.")
+            raise DataError(f"`{raw.name}` has two columns `{one.name}`; name one of them differently.")
+        if place in given and column.kind == "text":
+            raise DataError(
+                f"`{raw.name}`: column {place + 1} is to be `{one.name}`, but holds no numbers: `{column.sample}`."
+            )
         usable = column.kind == "number" and bool(np.isfinite(column.numbers).any())
         if not usable or (not one.name and not column.heading):
             named[place] = replace(one, name="")

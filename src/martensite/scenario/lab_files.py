@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from martensite.base import units
-from martensite.base.errors import DataError, InputError
+from martensite.base.errors import DataError, InputError, ParameterError, suggest_name
 from martensite.base.files import tell_once, write_file
 from martensite.scenario.cells import Numbers
 from martensite.scenario.column_meanings import Meaning, guess_meanings, write_unit
@@ -26,6 +26,7 @@ from martensite.scenario.csv_files import format_heading
 from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, Layout, read_headings
 from martensite.scenario.raw_table import LeftOut, RawColumn, RawTable, count_rows
 from martensite.scenario.sheets import is_number, read_sheet
+from martensite.scenario.table_headings import SEPARATORS
 from martensite.scenario.table_times import TableTimes, build_times, find_interval, find_start
 from martensite.scenario.tables import PREFIX, read_table
 from martensite.scenario.text_tables import read_text_table
@@ -181,6 +182,8 @@ def _has_own_headings(path: Path) -> bool:
 
 def read_raw(path: Path, separator: str = "auto") -> RawTable:
     """The table of a file of any kind, without a meaning; errors as of `read_lab_file`."""
+    if separator not in ("auto", *SEPARATORS):
+        raise ParameterError(f"There is no separator `{separator}`. {suggest_name(separator, SEPARATORS)}")
     return read_container(path) if path.suffix.lower() in KINDS else read_text_table(path, separator)
 
 
@@ -247,28 +250,34 @@ def _describe_column(
     )
 
 
+def choose_time(raw: RawTable, meant: list[Meaning]) -> int:
+    """The place of the column of time: a number that rises, else a clock; -1 where there is none."""
+    places = [k for k, one in enumerate(meant) if one.name == "time"]
+    numeric = [k for k in places if raw.columns[k].kind == "number"]
+    clocks = [k for k in places if raw.columns[k].kind in ("stamp", "clock")]
+    numeric.sort(key=lambda k: (meant[k].known != "given", not _is_rising(raw.columns[k].numbers)))
+    if numeric and (not clocks or meant[numeric[0]].known == "given" or _is_rising(raw.columns[numeric[0]].numbers)):
+        return numeric[0]
+    return clocks[0] if clocks else -1
+
+
 def _find_times(raw: RawTable, meant: list[Meaning]) -> tuple[TableTimes | None, int]:
     """Times of the rows, and the place of their column; none and -1 where there is no time."""
     seconds, start = find_start(raw)
-    numeric = [k for k, one in enumerate(meant) if one.name == "time" and raw.columns[k].kind == "number"]
-    numeric.sort(key=lambda k: (meant[k].known != "given", not _is_rising(raw.columns[k].numbers)))
-    if numeric and (
-        seconds is None or _is_rising(raw.columns[numeric[0]].numbers) or meant[numeric[0]].known == "given"
-    ):
-        place = numeric[0]
-        times = raw.columns[place].numbers
-        if seconds is not None and meant[place].known == "values":
-            meant[place] = _judge_by_clock(meant[place], times, seconds)
-        factor, _ = units.find_conversion(meant[place].unit or "s", "s")
-        known = times[np.isfinite(times)]
-        absolute = bool(known.size) and known[0] * factor > 1e8  # a stamp of a computer or a spreadsheet
-        times = (times - known[0] if absolute else times) * factor
-        begin = None if start is None or not known.size else start - (0.0 if absolute else float(known[0]) * factor)
-        return build_times(raw, times, begin, True), place
-    if seconds is None or start is None:
+    place = choose_time(raw, meant)
+    if place < 0:
         return None, -1
-    place = next(k for k, column in enumerate(raw.columns) if column.kind in ("stamp", "clock"))
-    return build_times(raw, seconds - start, start, False), place
+    times = raw.columns[place].numbers
+    if raw.columns[place].kind != "number" and seconds is not None and start is not None:
+        return build_times(raw, seconds - start, start, False), place
+    if seconds is not None and meant[place].known == "values":
+        meant[place] = _judge_by_clock(meant[place], times, seconds)
+    factor, _ = units.find_conversion(meant[place].unit or "s", "s")
+    known = times[np.isfinite(times)]
+    absolute = bool(known.size) and known[0] * factor > 1e8  # a stamp of a computer or a spreadsheet
+    times = (times - known[0] if absolute else times) * factor
+    begin = None if start is None or not known.size else start - (0.0 if absolute else float(known[0]) * factor)
+    return build_times(raw, times, begin, True), place
 
 
 def _is_rising(numbers: Numbers) -> bool:

@@ -91,52 +91,34 @@ def find_table(
 ) -> RawTable:
     """The table of numbers among rows of cells.
 
+    Args:
+        path: of the file, whose name is told.
+        rows: that are not empty.
+        form: kind, separator and encoding, in words.
+        separator: a key of `SEPARATORS`, if rows are text.
+        texts: lines of the rows by number, in which headings may be separated otherwise.
+
     Raises:
         DataError: there is none.
     """
     where = f"`{path.name}`"
-    filled = [k for k, (_, row) in enumerate(rows) if any(find_kind(cell) for cell in row)]
-    widths = Counter(len(rows[k][1]) for k in filled)
-    if not widths:
-        raise DataError(
-            f"{where} holds no row of numbers: of {len(rows)} rows the first begins `{_begin(rows[0][1])}`."
-        )
-    width = max(widths, key=lambda n: (widths[n] * n**0.5, n))
-    if width > MOST_COLUMNS:
-        raise DataError(f"{where} has {width} columns; at most {MOST_COLUMNS} are read. Is the separator right?")
-    alike = [k for k in filled if len(rows[k][1]) == width]
+    numeric = {k for k, (_, row) in enumerate(rows) if any(map(find_kind, row))}
+    width = _find_width(rows, numeric, where)
+    alike = [k for k in sorted(numeric) if len(rows[k][1]) == width]
     places = _find_places([rows[k][1] for k in alike])
     if not places:
         raise DataError(f"{where} holds no column of numbers.")
-    body = [k for k in alike if _is_data(rows[k][1], places)]
-    first, last = body[0], body[-1]
-    while len(body) > 2 and _stands_above(rows, body, places):
-        body, first = body[1:], body[1]
-    texts = texts or {}
-    headings, units, used = find_headings(rows[max(0, first - ABOVE) : first], texts, width, SEPARATORS.get(separator))
+    body = _find_body(rows, alike, places, where)
+    sign = SEPARATORS.get(separator)
+    headings, units, used = find_headings(rows[max(0, body[0] - ABOVE) : body[0]], texts or {}, width, sign)
     body, again = _choose_block(rows, body, headings, where)
-    first, last = body[0], body[-1]
-    if len(body) * 3 < last - first and not again:
-        raise DataError(
-            f"{where} is ragged: of {last - first + 1} rows from row {rows[first][0]} on, only {len(body)} have the "
-            f"{width} cells, with numbers among them, that are most frequent."
-        )
-    said = collect_said(rows[:first]) | (collect_said([rows[k] for k in body[:40]]) if 0 not in places else {})
+    said = collect_said(rows[: body[0]]) | (collect_said([rows[k] for k in body[:40]]) if 0 not in places else {})
     style = find_style(rows[k][1][p] for k in body[:: max(1, len(body) // 500)] for p in places)
-    inside, same = set(body), set(alike)
-    spoilt = [k for k in range(first, last + 1) if k not in inside]
-    before = _list_spoilt(rows, first, same, used)
-    behind = [] if again else range(last + 1, len(rows))
-    numeric = set(filled)
-    ragged = [rows[k][0] for k in [*spoilt, *behind] if k in numeric and len(rows[k][1]) != width]
-    remarks = [rows[k][0] for k in [*before, *spoilt] if rows[k][0] not in ragged and rows[k][0] not in used]
-    ends = [rows[k][0] for k in behind if rows[k][0] not in ragged]
+    left, above = _list_left(rows, body, (numeric, set(alike)), used, bool(again))
     columns = _read_columns([rows[k] for k in body], headings, units, style, places)
-    lines = max(0, rows[first][0] - 1 - len(before))
-    words = [form[0], *form[1:2], "decimal commas" if style.comma else "", _say_lines(lines), *form[2:]]
-    notes = [*again]
-    if style.unsure:
-        notes.append("Numbers such as `1,234` may hold thousands: they are read with a decimal comma.")
+    comma = "decimal commas" if style.comma else ""
+    words = [form[0], *form[1:2], comma, _say_lines(max(0, rows[body[0]][0] - 1 - above)), *form[2:]]
+    doubt = ("Numbers such as `1,234` may hold thousands: they are read with a decimal comma.",) * style.unsure
     return RawTable(
         path.name,
         ", ".join(word for word in words if word),
@@ -145,14 +127,56 @@ def find_table(
         columns,
         [rows[k][0] for k in body],
         [[cell[:60] for cell in rows[k][1]] for k in body[:20]],
-        (
-            *count_rows("remarks, or cells that are no numbers", remarks),
-            *count_rows("more or fewer cells than the table has columns", ragged),
-            *count_rows("below the table", ends),
-        ),
+        left,
         said | {key: text for key, text in units.items() if isinstance(key, str)},
-        tuple(notes),
+        again + doubt,
     )
+
+
+def _find_width(rows: Sequence[Row], numeric: set[int], where: str) -> int:
+    """Cells of the rows of the table: the width of most rows with numbers, wider ones preferred."""
+    widths = Counter(len(rows[k][1]) for k in numeric)
+    if not widths:
+        begin = " ".join(rows[0][1]).strip()[:40]
+        raise DataError(f"{where} holds no row of numbers: of {len(rows)} rows the first begins `{begin}`.")
+    width = max(widths, key=lambda n: (widths[n] * n**0.5, n))
+    if width > MOST_COLUMNS:
+        raise DataError(f"{where} has {width} columns; at most {MOST_COLUMNS} are read. Is the separator right?")
+    return width
+
+
+def _find_body(rows: Sequence[Row], alike: Sequence[int], places: Sequence[int], where: str) -> list[int]:
+    """Indices of the rows of the table, of rows of its width."""
+    body = [k for k in alike if _is_data(rows[k][1], places)]
+    while len(body) > 2 and _stands_above(rows, body, places):
+        body = body[1:]
+    reach = body[-1] - body[0] + 1
+    if len(body) * 3 < reach - 1:
+        raise DataError(
+            f"{where} is ragged: of {reach} rows from row {rows[body[0]][0]} on, only {len(body)} have the "
+            f"{len(rows[body[0]][1])} cells, with numbers among them, that are most frequent."
+        )
+    return body
+
+
+def _list_left(
+    rows: Sequence[Row], body: Sequence[int], known: tuple[set[int], set[int]], used: set[int], again: bool
+) -> tuple[tuple[LeftOut, ...], int]:
+    """Rows left out, and how many stand right above the table; `known` are rows with numbers, and of its width."""
+    (numeric, same), inside = known, set(body)
+    spoilt = [k for k in range(body[0], body[-1] + 1) if k not in inside]
+    behind = [] if again else range(body[-1] + 1, len(rows))
+    above = _list_spoilt(rows, body[0], same, used)
+    ragged = [k for k in [*spoilt, *behind] if k in numeric and k not in same]
+    remarks = [k for k in [*above, *spoilt] if k not in ragged and rows[k][0] not in used]
+    ends = [k for k in behind if k not in ragged]
+    reasons = {
+        "remarks, or cells that are no numbers": remarks,
+        "more or fewer cells than the table has columns": ragged,
+        "below the table": ends,
+    }
+    found = [one for reason, listed in reasons.items() for one in count_rows(reason, [rows[k][0] for k in listed])]
+    return tuple(found), len(above)
 
 
 def _stands_above(rows: Sequence[Row], body: Sequence[int], places: Sequence[int]) -> bool:
@@ -174,10 +198,6 @@ def _list_spoilt(rows: Sequence[Row], first: int, same: set[int], used: set[int]
 
 def _say_lines(lines: int) -> str:
     return "" if not lines else "1 heading line" if lines == 1 else f"{lines} heading lines"
-
-
-def _begin(row: Sequence[str]) -> str:
-    return " ".join(row).strip()[:40]
 
 
 def _find_places(rows: Sequence[Sequence[str]]) -> list[int]:

@@ -85,12 +85,20 @@ def _find_labels(line: str) -> list[tuple[str, str, str]]:
 def _split_line(line: str, sign: str) -> list[str]:
     if not sign:
         return line.split()
+    if line.count('"') % 2:
+        return [line]  # an open quote
     if '"' not in line:
         return line.split(sign)
     try:
         return next(csv.reader([line], delimiter=sign, skipinitialspace=True))
     except (csv.Error, StopIteration):
         return line.split(sign)
+
+
+def _is_single(lines: Sequence[str]) -> bool:
+    """Whether lines have no comma, or a heading without one stands above them."""
+    first = next((k for k, line in enumerate(lines) if find_kind(line)), 0)
+    return not any("," in line for line in lines[first:]) or (first > 0 and "," not in lines[first - 1])
 
 
 def _choose_separator(lines: Sequence[str]) -> str:
@@ -104,6 +112,8 @@ def _choose_separator(lines: Sequence[str]) -> str:
             continue
         width = widths.most_common(1)[0][0]
         score = sum(sum(bool(find_kind(c)) or is_missing(c) for c in row) / width for row in rows if len(row) == width)
+        if not sign and width == 1 and not _is_single(looked):
+            score *= 0.45  # `1,5` is rather two cells than one with a decimal comma
         if score > most * 1.001:
             best, most = name, score
     return best
