@@ -159,7 +159,7 @@ def _part_heading(heading: str) -> tuple[str, str]:
     found = _APART.match(heading)
     if found is not None:
         words, last = (part for part in found.groups() if part is not None)
-        if find_listed(last) and words.lower() not in _NUMBERED:
+        if find_listed(last) and not last.isdigit() and words.lower() not in _NUMBERED:
             return words, last
     if heading.endswith("%"):
         return heading[:-1], "%"

@@ -37,7 +37,10 @@ def _describe_file(one: LabFile, several: bool) -> Iterator[Block]:
         [_describe_column(column) for column in one.columns],
         right=(0, 4, 5),
     )
-    left = [f"{one.count} rows left out: {one.reason} (row {_list_rows(one.rows, one.count)})." for one in one.dropped]
+    left = [
+        f"{lost.count} row{'s' * (lost.count > 1)} left out: {lost.reason} (row {_list_rows(lost.rows, lost.count)})."
+        for lost in one.dropped
+    ]
     if left:
         yield BulletList(left)
     if one.notes:
