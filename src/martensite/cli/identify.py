@@ -14,7 +14,16 @@ from martensite.base.errors import InputError, suggest_name
 from martensite.base.files import replace_together
 from martensite.base.interrupts import InterruptError
 from martensite.cli.app import app
-from martensite.cli.options import Imports, Text, Texts, import_modules, read_positive, read_quantity, spread_options
+from martensite.cli.options import (
+    Imports,
+    NamedColumns,
+    Text,
+    Texts,
+    import_modules,
+    read_positive,
+    read_quantity,
+    spread_options,
+)
 from martensite.cli.outputs import AnswerOptions, Outputs
 from martensite.cli.progress import show_share, show_spinner
 
@@ -83,6 +92,7 @@ class IdentifyOptions:
             help="Pull of free numbers to their start, e.g. 1e-6 [default: chosen where logs are short, else 0].",
         ),
     ] = None
+    named: NamedColumns = None
 
     def plan_stages(self) -> list[ModelStage]:
         """The stages.
@@ -114,7 +124,7 @@ class IdentifyOptions:
         arrows = [text.partition("->")[2].strip() for text in self.stage or ()]
         named = [name.strip() for arrow in arrows for name in arrow.split(",") if name.strip()]
         last = arrows[-1] if arrows else ""
-        inputs, output = choose_columns(log, given, self.output or last or None, named)
+        inputs, output = choose_columns(log, given, self.output or last or None, named, self.named or ())
         return replace(self, inputs=inputs, output=output)
 
     def read_records(self, fitted: Sequence[str], outputs: Sequence[str]) -> tuple[list[Sampled], ...]:
@@ -130,6 +140,7 @@ class IdentifyOptions:
         return tuple(groups)
 
     def _read_record(self, log: str, outputs: Sequence[str], interval: float | None) -> Sequence[Sampled]:
+        from martensite.scenario.lab_files import parse_named
         from martensite.scenario.sampled_files import read_pieces
 
         both = set(self.inputs or ()) & set(outputs)
@@ -138,7 +149,7 @@ class IdentifyOptions:
                 f"Column `{min(both)}` is given as input and as output; a column says nothing about itself, so name "
                 "another one."
             )
-        return read_pieces(log, self.inputs or [], outputs, interval, self._read_units())
+        return read_pieces(log, self.inputs or [], outputs, interval, self._read_units(), parse_named(self.named or ()))
 
     def _read_units(self) -> dict[str, str]:
         found: dict[str, str] = {}
@@ -256,17 +267,20 @@ def _save_model(found: Identified, path: Path) -> None:
     write_model(found.model, path, origin | {"scores_of_free_runs": scores})
 
 
-def list_columns(log: str) -> list[str]:
+def list_columns(log: str, given: Sequence[str] = ()) -> list[str]:
     """Names of the columns of a log, without its time."""
     from martensite.scenario.binary_files import name_column, read_arrays
-    from martensite.scenario.sampled_files import is_text
-    from martensite.scenario.tables import read_table
+    from martensite.scenario.lab_files import parse_named, read_log_table
+    from martensite.scenario.sampled_files import is_columnar
 
-    known = read_table(log, gaps=True).columns if is_text(log) else map(name_column, read_arrays(Path(log)))
+    whole = given or not is_columnar(log)
+    known = read_log_table(log, named=parse_named(given)).columns if whole else map(name_column, read_arrays(Path(log)))
     return [name for name in known if name != "time"]
 
 
-def choose_columns(log: str, inputs: Sequence[str], output: str | None, named: Sequence[str]) -> tuple[list[str], str]:
+def choose_columns(
+    log: str, inputs: Sequence[str], output: str | None, named: Sequence[str], given: Sequence[str] = ()
+) -> tuple[list[str], str]:
     """Inputs and last output: those given, else what alone is left in the log.
 
     Raises:
@@ -274,7 +288,7 @@ def choose_columns(log: str, inputs: Sequence[str], output: str | None, named: S
     """
     if inputs and output is not None:
         return list(inputs), output
-    found = list_columns(log)
+    found = list_columns(log, given)
     free = [name for name in found if name not in (*inputs, *named, output)]
     if not inputs:
         last = output is not None or bool(named)
