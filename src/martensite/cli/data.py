@@ -83,7 +83,8 @@ def show_data(
     if len(names) == 1 and names[0] in dataset_names():
         _show_set(names[0], json)
         return
-    from martensite.scenario.lab_files import parse_named, read_lab_file
+    from martensite.scenario.lab_files import read_lab_file
+    from martensite.scenario.log_tables import parse_named
     from martensite.scenario.merged_files import merge_by_clock
     from martensite.show.summaries.lab_file import summarise_lab_files
 
