@@ -12,7 +12,7 @@ from typer import Argument, Option
 from martensite.base.errors import InputError
 from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.cli.app import app
-from martensite.cli.options import Force, Json, NamedColumns, refuse_idle
+from martensite.cli.options import Force, Json, NamedColumns, Texts, read_quantity, refuse_idle
 from martensite.cli.outputs import Outputs, check_absent, check_ending, check_folder
 
 data = typer.Typer(help="Show files of instruments; published measurements.")
@@ -67,6 +67,9 @@ def show_data(
     ],
     named: NamedColumns = None,
     merge: Annotated[bool, Option("--merge", help="Join the files on the clock of the first.")] = False,
+    offset: Annotated[
+        Texts, Option(metavar="TIME", help="Zero of each further file on the clock of the first, if it is known.")
+    ] = None,
     save: Annotated[Path | None, Option(metavar="CSV", help="Write the understood table, in SI: .csv.")] = None,
     force: Force = False,
     json: Json = False,
@@ -80,18 +83,21 @@ def show_data(
     if len(names) == 1 and names[0] in dataset_names():
         _show_set(names[0], json)
         return
-    from martensite.scenario.lab_files import parse_named, read_lab_file
+    from martensite.scenario.lab_files import read_lab_file
+    from martensite.scenario.log_tables import parse_named
     from martensite.scenario.merged_files import merge_by_clock
     from martensite.show.summaries.lab_file import summarise_lab_files
 
     check_ending(save, (".csv",))
     refuse_idle("--merge", merge and len(names) < 2, "there is one file only")
+    refuse_idle("--offset", bool(offset) and not merge, "files are joined by --merge only")
     if save is not None:
         check_folder(save)
         check_absent(save, force)
     found = [read_lab_file(name, parse_named(named or ())) for name in names]
     if merge:
-        found = [merge_by_clock(found)]
+        offsets = [read_quantity("offset", text, "s") or 0.0 for text in offset or ()]
+        found = [merge_by_clock(found, offsets or None)]
     if save is not None and len(found) > 1:
         raise InputError(f"`{save}` takes one table, but there are {len(found)} files; join them by --merge.")
     Outputs(save, None).answer(summarise_lab_files(found), json, found[0].to_csv)

@@ -160,7 +160,7 @@ def read_cycles(logs: Sequence[str], stresses: Sequence[str] | None, cycle: int 
         UnitError: a stress is none.
     """
     from martensite.characterise.tangent_points import find_tangent_points
-    from martensite.scenario.lab_files import read_log_table
+    from martensite.scenario.log_tables import read_log_table
 
     if cycle is not None and cycle < 1:
         raise InputError(f"Option `--cycle` counts from 1 on, but is {cycle}.")

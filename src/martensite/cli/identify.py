@@ -140,7 +140,7 @@ class IdentifyOptions:
         return tuple(groups)
 
     def _read_record(self, log: str, outputs: Sequence[str], interval: float | None) -> Sequence[Sampled]:
-        from martensite.scenario.lab_files import parse_named
+        from martensite.scenario.log_tables import parse_named
         from martensite.scenario.sampled_files import read_pieces
 
         both = set(self.inputs or ()) & set(outputs)
@@ -270,7 +270,7 @@ def _save_model(found: Identified, path: Path) -> None:
 def list_columns(log: str, given: Sequence[str] = ()) -> list[str]:
     """Names of the columns of a log, without its time."""
     from martensite.scenario.binary_files import name_column, read_arrays
-    from martensite.scenario.lab_files import parse_named, read_log_table
+    from martensite.scenario.log_tables import parse_named, read_log_table
     from martensite.scenario.sampled_files import is_columnar
 
     whole = given or not is_columnar(log)

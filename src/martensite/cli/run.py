@@ -75,7 +75,7 @@ class RunOptions:
         Raises:
             InputError: an option has no effect.
         """
-        from martensite.scenario.lab_files import read_log_table
+        from martensite.scenario.log_tables import read_log_table
         from martensite.scenario.overrides import read_settings
         from martensite.scenario.scenario import load
 

@@ -19,7 +19,7 @@ from typing import Any
 
 from martensite.base.errors import DataError, InputError, UnknownNameError
 from martensite.fit.free_parameters import split_list
-from martensite.scenario.lab_files import read_log_table
+from martensite.scenario.log_tables import read_log_table
 from martensite.scenario.recorded_waveforms import from_zero
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.scenario.tables import ASSUMED_INTERVAL

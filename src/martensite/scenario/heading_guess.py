@@ -1,14 +1,13 @@
 """What the heading of a column probably means: a known name, and the unit it is written in.
 
-`T [degC]`, `temp (C)`, `Time_s`, `F/N`, `U in V`, `strain %` are read alike. A guess is only ever
-offered to somebody who looks at it: what reads logs unseen (`martensite.scenario.tables`) guesses
-nothing. A unit that a heading does not name is not guessed at all.
+`T [degC]`, `temp (C)`, `Time_s`, `F/N`, `U in V`, `strain %` are read alike. What reads logs to the letter
+(`martensite.scenario.tables`) guesses nothing; `martensite.scenario.lab_files` says what it guessed. A unit that a
+heading does not name is not guessed here.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -105,7 +104,6 @@ _APART = re.compile(r"^(.*\S)\s*/\s*(\S.*)$|^(.*\S)\s+in\s+(\S+)$|^(.*\S)[\s_]+(
 _PORT = re.compile(r"^([A-Za-z_]\w*\.)(\w+)$")
 _NUMBERED = ("channel", "ch", "kanal", "sensor", "probe", "input", "trace", "analog", "digital")
 """Words behind which a letter is no unit: `Channel A`."""
-_CELL = re.compile(r"^\s*\d{1,2}:\d{1,2}:\d{1,2}([.,]\d*)?\s*$")
 
 
 @dataclass(frozen=True)
@@ -118,26 +116,14 @@ class Guess:
     """As `martensite.base.units` reads it; empty where the heading names none."""
 
 
-def guess_heading(heading: str, cell: str = "") -> Guess:
-    """What a heading means; `cell` is one of those below it, to tell a time of day."""
+def guess_heading(heading: str) -> Guess:
+    """What a heading means."""
     words, spelling = _part_heading(heading.strip())
     unit = _find_unit(spelling)
-    if _CELL.match(cell):
-        return Guess("time", CLOCK)
     found = _PORT.match(words)
     port, plain = (found[1], found[2]) if found else ("", words)
     name = _find_named(plain, unit)
     return Guess(f"{port.lower()}{name}" if name else "", unit)
-
-
-def guess_headings(headings: Iterable[str], cells: Iterable[str]) -> list[Guess]:
-    """Guesses for all columns of a table; of two that mean the same only the first is named."""
-    found: list[Guess] = []
-    for heading, cell in zip(headings, cells, strict=True):
-        one = guess_heading(heading, cell)
-        taken = any(one.name == other.name for other in found)
-        found.append(Guess("", one.unit) if taken else one)
-    return found
 
 
 def usual_units(name: str) -> list[str]:

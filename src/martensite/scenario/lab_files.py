@@ -10,25 +10,23 @@ told is an error that says what to write. `named` corrects: a heading or the num
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from martensite.base import units
-from martensite.base.errors import DataError, InputError, ParameterError, suggest_name
-from martensite.base.files import tell_once, write_file
+from martensite.base.errors import DataError, ParameterError, suggest_name
+from martensite.base.files import write_file
 from martensite.scenario.cells import Numbers
 from martensite.scenario.column_meanings import Meaning, guess_meanings, write_unit
 from martensite.scenario.container_files import KINDS, read_container
 from martensite.scenario.csv_files import format_heading
-from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, Layout, read_headings
+from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, read_headings
 from martensite.scenario.raw_table import LeftOut, RawColumn, RawTable, count_rows
-from martensite.scenario.sheets import is_number, read_sheet
 from martensite.scenario.table_headings import SEPARATORS
 from martensite.scenario.table_times import TableTimes, build_times, find_interval, find_start
-from martensite.scenario.tables import PREFIX, read_table
 from martensite.scenario.text_tables import read_text_table
 from martensite.scenario.value_guess import mend_fall
 from martensite.signals.records import Record
@@ -116,68 +114,6 @@ def read_lab_file(path: str | Path, named: Mapping[str, str] | None = None) -> L
     """
     raw = read_raw(Path(path))
     return interpret_table(raw, Path(path), named or {})
-
-
-def parse_named(texts: Iterable[str]) -> dict[str, str]:
-    """What columns are, from `2=stress[MPa]`.
-
-    Raises:
-        InputError: a text names no column.
-    """
-    parts = [text.rpartition("=") for text in texts]
-    wrong = next((text for key, equals, text in parts if not (key.strip() and equals and text.strip())), None)
-    if wrong is not None:
-        raise InputError(f"`{wrong}` does not say which column it is; write for example `--as 2=stress[MPa]`.")
-    return {key.strip(): text.strip() for key, _, text in parts}
-
-
-def read_log_table(
-    source: str | Path,
-    columns: Sequence[str] | None = None,
-    interval: float | None = None,
-    named: Mapping[str, str] | None = None,
-) -> Record:
-    """A log with headings `name [unit]` as `read_table` reads it, with gaps; any other as `read_lab_file` does.
-
-    How another was understood is said once on standard error. A fault below such headings is no reason to guess.
-
-    Raises:
-        DataError: neither can read it.
-    """
-    if not named:
-        try:
-            return read_table(source, columns, interval=interval, gaps=True)
-        except DataError as error:
-            ours = str(source).startswith(PREFIX) or Path(source).suffix.lower() == ".nc"
-            if columns is not None or ours or not Path(source).is_file():
-                raise
-            refused = error
-        try:
-            found = read_lab_file(source)
-        except UntoldError:
-            raise
-        except DataError:
-            raise refused from None
-        if _has_own_headings(Path(source)):
-            raise DataError(f"{refused} `martensite data show {found.path.name} --save clean.csv` leaves it out.")
-    else:
-        found = read_lab_file(source, named)
-    if interval is not None and not found.has_time:
-        found = found.with_interval(interval)
-    listed = "; ".join(f"{c.name} in {c.unit} is column {c.number}" for c in found.columns if c.si)
-    tell_once(f"{found.path.name}: {found.format}; {listed}. {' '.join(found.notes)}".strip())
-    return found.record
-
-
-def _has_own_headings(path: Path) -> bool:
-    """Whether a text file begins with headings that `read_table` reads."""
-    if path.suffix.lower() in KINDS:
-        return False
-    try:
-        first = read_sheet(path, Layout(())).rows[0]
-        return len(first) > 1 and not any(map(is_number, first)) and bool(read_headings(first, path.name))
-    except DataError:
-        return False
 
 
 def read_raw(path: Path, separator: str = "auto") -> RawTable:

@@ -85,7 +85,7 @@ def find_offset(first: LabFile, other: LabFile) -> tuple[float, str]:
     if best[0] < FEWEST:
         raise DataError(
             f"How the clocks of `{first.path.name}` and `{other.path.name}` stand to one another cannot be told: one "
-            "has no absolute time, and no quantity of the two goes together; give the offset."
+            'has no absolute time, and no quantity of the two goes together; give the offset (`--offset "2.5 s"`).'
         )
     return best[1], f"estimated: `{best[2]}` and `{best[3]}` go together best there (correlation {best[0]:.2f})"
 

@@ -136,7 +136,7 @@ def write_sampled(record: Sampled, path: str | Path) -> None:
 
 def _read_text(path: str | Path, interval: float | None, named: Mapping[str, str] | None) -> Record:
     """A text table; the interval is that of the rows only where there is no time."""
-    from martensite.scenario.lab_files import read_log_table
+    from martensite.scenario.log_tables import read_log_table
 
     record = read_log_table(path, named=named)
     if record.interval is None:

@@ -12,6 +12,8 @@ from martensite.scenario.sheets import split_heading
 SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "pipe": "|", "whitespace": ""}
 COMMENT = "#%!;/"
 """Signs that begin a comment, which may be the line of headings."""
+LONGEST = 20_000
+"""Letters of a line that may be separated otherwise than the table."""
 Row = tuple[int, list[str]]
 """Number of a row in the file, and its cells."""
 Above = dict[int | str, str]
@@ -57,7 +59,7 @@ def _fit_width(cells: Sequence[str], line: str, width: int, sign: str | None) ->
     """A line above the table as that many cells, however it is separated; None if it cannot be."""
     text = line.strip().lstrip(COMMENT + '"').strip()
     splits = [list(cells)]
-    if line:
+    if 0 < len(line) < LONGEST:
         splits += [text.split(sign) if sign else [], split_heading(text), re.split(r"\s{2,}|\t", text)]
         splits += [text.split(other) for other in ",;\t|"] + [text.split()]
     for found in splits:

@@ -17,6 +17,8 @@ from martensite.scenario.table_headings import SEPARATORS
 
 NAMED = {"tab": "tabs", "semicolon": "semicolons", "comma": "commas", "pipe": "|", "whitespace": "blanks"}
 """Separator -> what it is called."""
+LONGEST = 2000
+"""Letters of a line in which labels are looked for."""
 
 _SERIAL = re.compile(r"^(\d\d:\d\d:\d\d[.,:]\d+) -> ?")
 _LABEL = re.compile(
@@ -77,6 +79,8 @@ def _expand_serial(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
 
 def _find_labels(line: str) -> list[tuple[str, str, str]]:
     """Names, numbers and units of a line that holds nothing else."""
+    if len(line) > LONGEST:
+        return []
     parts = [part for part in re.split(r"[,;\t]|\s{2,}|(?<=\d)\s+(?=[A-Za-z_]\w*\s*[:=])", line) if part.strip()]
     found = [_LABEL.fullmatch(part) for part in parts]
     return [(m[1], m[2], m[3]) for m in found if m is not None] if all(found) else []
