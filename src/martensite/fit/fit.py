@@ -79,7 +79,7 @@ class ComparedOutput:
         """Errors of `training` rows, and of `held-out` ones, where there are any."""
         for part, rows in ((TRAINING, self.used), (HELD_OUT, self.held)):
             if rows.any():
-                yield score_model(
+                found = score_model(
                     self.times[rows],
                     self.measured[rows],
                     self.model[rows],
@@ -88,6 +88,7 @@ class ComparedOutput:
                     part=part,
                     unit=self.description.unit,
                 )
+                yield replace(found, place=self.experiment.describe_row(found.maximum_at))
 
     @property
     def raw_rms(self) -> float:
@@ -122,7 +123,7 @@ def _iterate_compared(fit: Fit) -> Iterator[ComparedOutput]:
 
 
 def _split_outputs(one: Experiment, model: Any, used: Any, raw: Any = None) -> Iterator[ComparedOutput]:
-    outputs = one.system.outputs()
+    outputs = one.describe_outputs()
     for k, name in enumerate(one.outputs):
         bare = None if raw is None else raw[:, k]
         yield ComparedOutput(one, name, outputs[name], one.times, one.measured[:, k], model[:, k], used[:, k], bare)
@@ -135,9 +136,7 @@ def find_covered_range(fit: Fit) -> dict[str, tuple[float, float]]:
         system = fit.system(k)
         for name in COVERED:
             outputs = [system.label(port, name) for port in system.actuators()]
-            runner = one.runner(fit.problem.step, outputs)
-            run = runner.run_many(np.array([runner.compiled.values(system)]))[0]
-            rows = run[fit.problem.used[k].any(axis=1)]
+            rows = one.sample_outputs(system, outputs, fit.problem.used[k].any(axis=1), fit.problem.step)
             ends = [float(rows.min()), float(rows.max()), *found.get(name, ())]
             found[name] = min(ends), max(ends)
     return found

@@ -15,6 +15,7 @@ from typing import Any
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
 from martensite.fit.column_matching import ComparedColumn, match_columns, read_columns, read_noise, refuse_swapped
+from martensite.fit.condition_tables import is_condition_table
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.free_parameters import is_nuisance, read_ranges
@@ -78,13 +79,20 @@ class FitTask:
         """
         if not self.logs:
             raise InputError("A fit needs at least one log; none given.")
+        logs = [] if self.columns else [one for one in self.logs if one.interval is None]
+        tables = [one for one in logs if is_condition_table(one.source, one.columns)]
+        if tables:
+            return self._arrange_tables(len(tables))
         found = read_logs(self.logs)
         systems = [one.scenario.system for one in found]
-        known = _list_paths(found[0].scenario)
-        free = read_ranges(_spell_paths(self.free, known), systems)
-        each = read_ranges(_spell_paths(self.each, known), systems, own=True)
+        known = list_paths(found[0].scenario)
+        free = read_ranges(spell_paths(self.free, known), systems)
+        each = read_ranges(spell_paths(self.each, known), systems, own=True)
         followed = {c: one.record.units[c] for one in found for c in one.scenario.follows.values()}
-        (noise, input_noise), wanted = read_noise(self.noise, systems, followed), read_columns(self.columns)
+        (noise, input_noise), wanted = (
+            read_noise(self.noise, systems[0].outputs(), followed),
+            read_columns(self.columns),
+        )
         made, notes = _build_experiments(found, self, wanted)
         if not wanted:
             made, more = _drop_silent_outputs(made, free, each)
@@ -95,6 +103,15 @@ class FitTask:
         notes += [*more, *check_start(whole.training, follows)]
         models = {one.name: (one.scenario, one.log.model) for one in found}
         return ArrangedFit(whole, models, self.search, tuple(notes))
+
+    def _arrange_tables(self, count: int) -> ArrangedFit:
+        from martensite.fit.condition_fits import arrange_conditions
+
+        if count < len(self.logs):
+            raise InputError("A table of conditions and a log over time are fitted one after the other, not together.")
+        found = arrange_conditions(self)
+        models = {one.name: (found.scenario, lambda record: found.scenario) for one in found.problem.experiments}
+        return ArrangedFit(found.problem, models, self.search, found.notes, found.turns)
 
     def with_changes(
         self,
@@ -131,6 +148,8 @@ class ArrangedFit:
     """Record -> its scenario, and what makes it with another record."""
     search: FitSearch = FitSearch()
     notes: tuple[str, ...] = ()
+    turns: bool = False
+    """Whether every record is left out in turn besides."""
 
     def solve(self, tell: Tell | None = None, state: Path | None = None) -> Fit:
         """The fit; see `solve` for what is told and kept.
@@ -143,19 +162,20 @@ class ArrangedFit:
         first, _ = next(iter(self.models.values()))
         if fit.reason == INTERRUPTED:
             return replace(fit, scenario=first, notes=self.notes)
-        refuse_swapped(fit, self.models)
+        if first.follows:
+            refuse_swapped(fit, self.models)
         cautions = tuple(describe_step_error(fit))
         return replace(fit, scenario=first, notes=(*self.notes, *fit.notes), cautions=cautions)
 
 
-def _list_paths(scenario: Scenario) -> dict[str, str]:
+def list_paths(scenario: Scenario) -> dict[str, str]:
     """Path in the scenario, as `--set` takes it -> path in the system, where they differ."""
     paths = {scenario.places.path(leaf.path): leaf.path for leaf in scenario.system.leaves()}
     own = set(paths.values())
     return {name: path for name, path in paths.items() if name != path and name not in own}
 
 
-def _spell_paths(ranges: Sequence[str | SearchRange], known: Mapping[str, str]) -> list[str | SearchRange]:
+def spell_paths(ranges: Sequence[str | SearchRange], known: Mapping[str, str]) -> list[str | SearchRange]:
     """Free parameters with paths of the scenario put into those of the system."""
     found: list[str | SearchRange] = []
     for one in [ranges] if isinstance(ranges, str) else ranges:

@@ -14,7 +14,7 @@ Any parameter of the system may be free for each record as well, such as `initia
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
 from typing import Any
@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.mechanisms.base import Output
 from martensite.base import units
 from martensite.base.errors import ParameterError, require_known, suggest_name
 from martensite.base.formats import write_quantity
@@ -44,7 +45,10 @@ def split_list(texts: str | Sequence[str]) -> list[str]:
 
 
 def read_ranges(
-    texts: Iterable[str | SearchRange], systems: Sequence[AbstractSystem], own: bool = False
+    texts: Iterable[str | SearchRange],
+    systems: Sequence[AbstractSystem],
+    own: bool = False,
+    outputs: Mapping[str, Output] | None = None,
 ) -> list[SearchRange]:
     """Free parameters as asked for.
 
@@ -52,31 +56,33 @@ def read_ranges(
         texts: one per parameter.
         systems: those that have the parameters.
         own: whether every record has them for itself, so that offsets and delays may be asked for.
+        outputs: what may have an offset; those of the first system if left out.
 
     Raises:
         InputError: a text cannot be read, or names no parameter.
     """
     given = [texts] if isinstance(texts, (str, SearchRange)) else texts
-    return [x if isinstance(x, SearchRange) else _read_range(x, systems, own) for x in given]
+    seen = systems[0].outputs() if outputs is None else outputs
+    return [x if isinstance(x, SearchRange) else _read_range(x, systems, own, seen) for x in given]
 
 
-def _read_range(text: str, systems: Sequence[AbstractSystem], own: bool) -> SearchRange:
+def _read_range(text: str, systems: Sequence[AbstractSystem], own: bool, outputs: Mapping[str, Output]) -> SearchRange:
     name, bounds, start, scale = parse_free(text)
     if is_nuisance(name) and not own:
         raise ParameterError(f"`{name}` belongs to a record, not to the system: ask for it under `each` (--each).")
     if bounds is None and start is None:
         return SearchRange(name, scale=scale)
     if is_nuisance(name):
-        unit = _find_own_unit(name, systems[0])
+        unit = _find_own_unit(name, outputs)
         return read_free(text, unit, lambda words: read_difference(words, unit))
     unit = build_free_numbers([SearchRange(name)], systems)[0].unit
     return read_free(text, unit, lambda words: units.parse_quantity(words, unit))
 
 
-def _find_own_unit(name: str, system: AbstractSystem) -> str:
+def _find_own_unit(name: str, known: Mapping[str, Output]) -> str:
     if name == DELAY:
         return "s"
-    output, known = name.removeprefix(OFFSET).removeprefix("."), system.outputs()
+    output = name.removeprefix(OFFSET).removeprefix(".")
     if not output:
         raise ParameterError("Bounds of `offset` need the output they are for, such as `offset.strain=-0.1..0.1 %`.")
     require_known("output", output, known)
@@ -164,7 +170,7 @@ def _build_offset(wanted: SearchRange, output: str, experiment: Experiment) -> F
     require_known("compared output", output, experiment.outputs)
     column = experiment.measured[:, experiment.outputs.index(output)]
     reach = LARGEST_OFFSET * float(np.nanmax(column) - np.nanmin(column))
-    unit = experiment.system.outputs()[output].unit
+    unit = experiment.describe_outputs()[output].unit
     return _build_own(wanted, f"{OFFSET}.{output}", unit, reach, experiment.name, f"zero of {output}")
 
 

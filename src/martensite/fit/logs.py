@@ -54,6 +54,8 @@ class Log:
     """Whether it is kept back."""
     name: str = ""
     """In reports; that of the file if left out."""
+    groups: Mapping[str, str] = field(default_factory=dict[str, str])
+    """What it belongs to, by the kind of group: `specimen` -> A."""
 
     def read(self) -> Record:
         """The record, with NaN for missing samples."""
@@ -164,7 +166,7 @@ def choose_held_out(
     if hold_out == NONE:
         return [() for _ in names]
     if isinstance(hold_out, str) and hold_out.strip().endswith("%"):
-        share = _read_share(hold_out)
+        share = read_share(hold_out)
         return [((rows[-1] - share * (rows[-1] - rows[0]), math.inf),) for rows in times]
     asked = split_list(hold_out)
     for name in asked:
@@ -180,7 +182,12 @@ def _choose_stretches(times: Sequence[float]) -> Stretches:
     return tuple((first + k / STRETCHES * length, first + (k + 1) / STRETCHES * length) for k in KEPT)
 
 
-def _read_share(text: str) -> float:
+def read_share(text: str) -> float:
+    """A share such as `25 %`.
+
+    Raises:
+        InputError: it is none between 0 and 100 %.
+    """
     try:
         share = float(text.strip().removesuffix("%")) / 100.0
     except ValueError:

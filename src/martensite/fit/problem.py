@@ -285,9 +285,9 @@ class Problem:
         if model is None:
             return None
         model, slopes = self.shift_model(k, model, u, slopes)
-        sizes = self.residual_sizes(k)
+        sizes = self.residual_sizes(k) * self.experiments[k].row_factors
         residuals = (model - self.experiments[k].measured) * sizes
-        return FittedRecord(model, residuals, None if slopes is None else slopes * sizes[:, None])
+        return FittedRecord(model, residuals, None if slopes is None else slopes * sizes[..., None])
 
     def residual_sizes(self, k: int) -> Any:
         """What errors of every output of an experiment are multiplied by."""

@@ -182,7 +182,7 @@ def _refuse_units(
         output, elsewhere = one.outputs[k], [_compare_ranges(problem, f, e, k) for _, f in others]
         measured = float(np.ptp(one.measured[problem.used[e][:, k], k]))
         modelled = float(np.ptp(first.fitted[e].model[problem.used[e][:, k], k]))
-        unit = one.system.outputs()[output].unit
+        unit = one.describe_outputs()[output].unit
         seen = (
             f"Column `{one.columns[output]}` of record `{one.record.name}` ranges over "
             f"{format_change(measured, unit, 3)}, the scenario at its start over "

@@ -173,9 +173,8 @@ def _list_facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
     law = _find_law(fit)
     options = join_phrases([f"`{name} = {word}`" for name, word in law.items() if name != KIND])
     yield f"Law: `{law[KIND]}`{f' with {options}' if options else ''}."
-    for output in dict.fromkeys(one.output for one in list_compared(fit)):
+    for output, unit in dict.fromkeys((one.output, one.description.unit) for one in list_compared(fit)):
         known = output in fit.problem.noise
-        unit = fit.system().outputs()[output].unit
         size = format_error(output, fit.problem.scale(output), unit, 4)
         what = "its known noise" if known else "the range over which it was measured"
         yield f"Residuals of `{output}` are divided by {what}, {size}."
