@@ -39,7 +39,7 @@ def fit(table: Path) -> Fit:
 
 
 def arrange(path: Path, **how: object) -> Problem:
-    return build_task(make_coil(), str(path), "A_s").with_changes(**how).arrange().problem  # type: ignore[arg-type]
+    return build_task(make_coil(), str(path), "A_s").with_changes(step=0.05, **how).arrange().problem  # type: ignore[arg-type]
 
 
 def write_table(folder: Path, *lines: str) -> Path:
@@ -63,7 +63,7 @@ def test_a_specimen_that_was_left_out_is_predicted(fit: Fit):
 
 
 def test_derivatives_are_those_of_the_measures(table: Path):
-    problem = build_task(make_coil(), str(table), FREE).arrange().problem
+    problem = build_task(make_coil(), str(table), FREE).with_changes(step=0.05).arrange().problem
     point: Any = np.array([0.45, 0.55, 0.5])
     found = problem.evaluate(point, slopes=True)
     assert found is not None

@@ -257,7 +257,7 @@ def _fit_exchanged(problem: Problem, one: Experiment, record: Record, model: Mod
     try:
         scenario = model(record)
         twin = replace(one, system=scenario.system, waveform=scenario.waveform, record=record)
-        free = tuple(free for free in problem.free if free.record in (None, one.name))
+        free = tuple(free for free in problem.free if free.record in (None, *one.labels))
         alone = replace(problem, experiments=(twin,), free=free, later=())
         scores = solve_problem(alone, most=MOST_EVALUATIONS).scores
     except MartensiteError:

@@ -19,12 +19,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from martensite.base.errors import InputError, ParameterError
+from martensite.base.errors import DataError, InputError, ParameterError
 from martensite.fit.column_matching import read_noise
-from martensite.fit.condition_runs import Condition, ConditionExperiment
+from martensite.fit.condition_runs import SAMPLES, ConditionExperiment, TableRow
 from martensite.fit.condition_tables import ConditionTable, InputColumn, MeasureColumn, read_condition_table
 from martensite.fit.free_parameters import is_nuisance, read_ranges
-from martensite.fit.logs import ALL, AUTO, NONE, Log, choose_held_out, read_share
+from martensite.fit.logs import ALL, AUTO, EACH, NONE, Log, choose_held_out, read_share
 from martensite.fit.problem import Problem, build_problem
 from martensite.fit.start_checks import check_start
 from martensite.scenario.scenario import Scenario, load, read_scenario
@@ -36,13 +36,11 @@ from martensite.simulate.trial_runs import find_step
 if TYPE_CHECKING:
     from martensite.fit.fit_task import FitTask
 
-EACH = "each"
-"""Every record is left out in turn."""
 LEFT_OUT = 0.2
 """Share of the conditions that is kept back by itself."""
 SPECIMENS = 3
 """From which on each is left out in turn by itself."""
-TRIED = 3
+TRIED = 2
 """Rows of a specimen for which a step is looked for."""
 SPARE = 3
 """Repeats to spare from which on their scatter is the noise of a measure."""
@@ -206,13 +204,13 @@ def _build_experiment(
     scenarios = [_set_inputs(scenario, table.inputs, row.places[0]) for row in rows]
     system = scenarios[0].system
     base = {leaf.path: float(leaf.value) for leaf in system.leaves()}
-    conditions = list[Condition]()
+    conditions = list[TableRow]()
     for row, one in zip(rows, scenarios, strict=True):
         if compile_march(one.system) is not compile_march(system):
             raise InputError(f"Rows of `{table.path.name}` make systems of another kind; fit them one by one.")
         changes = {leaf.path: float(leaf.value) for leaf in one.system.leaves() if leaf.value != base[leaf.path]}
         inputs = {column.path: column.values[row.places[0]] for column in table.inputs}
-        conditions.append(Condition(inputs, changes, one.waveform, one.duration, table.numbers[row.places[0]]))
+        conditions.append(TableRow(inputs, changes, one.waveform, one.duration, table.numbers[row.places[0]]))
     measures = [one for one in table.measures if any(math.isfinite(row.values[one.words]) for row in rows)]
     columns = {"time": [float(k + 1) for k in range(len(rows))]}
     columns |= {one.heading: [row.values[one.words] for row in rows] for one in measures}
@@ -244,7 +242,7 @@ def _choose_step(scenarios: Sequence[Scenario]) -> float:
     """The shortest step that some of the rows need to be within the tolerance [s]."""
     places = sorted({round(k) for k in np.linspace(0, len(scenarios) - 1, TRIED)})
     tried = [scenarios[k] for k in places]
-    return min(find_step(one.system, one.waveform, one.duration, one.tolerance).step for one in tried)
+    return min(find_step(one.system, one.waveform, one.duration, one.tolerance, SAMPLES).step for one in tried)
 
 
 # ---------------------------------------------------------------- noise, and what is kept back
@@ -255,6 +253,10 @@ def _choose_scales(
 ) -> tuple[dict[str, float], list[str]]:
     """Noise of single runs by measure, where repeats tell it."""
     found, notes = dict[str, float](), list[str]()
+    for words in dict.fromkeys(words for one in made for words in one.columns):
+        values = np.concatenate([one.measured[:, one.outputs.index(words)] for one in made if words in one.columns])
+        if np.nanmin(values) == np.nanmax(values):
+            raise DataError(f"`{words}` is the same in all rows; nothing can be learned from it. Head it `-`.")
     for words, parts in noise.items():
         spare = sum(n for _, n in parts)
         size = math.sqrt(sum(square for square, _ in parts) / spare)
@@ -273,8 +275,7 @@ def _choose_held_rows(
     """The experiments with what is kept back, and whether each is left out in turn."""
     names = [one.name for one in made]
     if hold_out == EACH or (hold_out == AUTO and len(made) >= SPECIMENS):
-        if len(made) < 2:
-            raise InputError("Only one specimen is given, and none is left to be fitted without it.")
+        choose_held_out(EACH, names, [])
         return list(made), True
     if hold_out == AUTO or (isinstance(hold_out, str) and hold_out.strip().endswith("%")):
         share = LEFT_OUT if hold_out == AUTO else read_share(str(hold_out))

@@ -30,7 +30,7 @@ MOST_EDGES = 50
 """Edges of a waveform up to which runs are sampled there, too."""
 
 
-class Condition(NamedTuple):
+class TableRow(NamedTuple):
     """What one row sets."""
 
     inputs: Mapping[str, float]
@@ -51,7 +51,7 @@ class ConditionExperiment(Experiment):
     Its `times` are numbers of rows, counted from 1; `columns` are measures, and what they are called.
     """
 
-    conditions: tuple[Condition, ...] = ()
+    conditions: tuple[TableRow, ...] = ()
     factors: Mapping[str, tuple[float, ...]] = field(default_factory=dict[str, tuple[float, ...]])
     """Measure -> what the errors of single rows are multiplied by, for repeats and standard deviations."""
     input_units: Mapping[str, str] = field(default_factory=dict[str, str])

@@ -25,6 +25,8 @@ from martensite.signals.table import Table
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, by_name
 from martensite.simulate.grid import LaneGrid, TimeGrid, grid_at, lane_grid
 
+ALL = ((-math.inf, math.inf),)
+"""The stretch that keeps a whole record back."""
 LEAST_ROWS = 8
 """Rows without which nothing can be fitted."""
 MOST_ROWS = 4000

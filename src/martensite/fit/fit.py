@@ -118,8 +118,13 @@ def _iterate_compared(fit: Fit) -> Iterator[ComparedOutput]:
     for one, fitted, used in found:
         yield from _split_outputs(one, fitted.model, used)
     for kept in fit.kept:
-        raw = kept.raw if kept.numbers else None
-        yield from _split_outputs(kept.experiment, kept.model, np.zeros(kept.model.shape, bool), raw)
+        yield from list_held_out(kept)
+
+
+def list_held_out(kept: HeldOutRecord) -> list[ComparedOutput]:
+    """All outputs of a record that was kept back, beside what is predicted."""
+    raw = kept.raw if kept.numbers else None
+    return list(_split_outputs(kept.experiment, kept.model, np.zeros(kept.model.shape, bool), raw))
 
 
 def _split_outputs(one: Experiment, model: Any, used: Any, raw: Any = None) -> Iterator[ComparedOutput]:
@@ -178,6 +183,8 @@ class Fit:
     """(runs, cost) at each improvement."""
     kept: tuple[HeldOutRecord, ...] = ()
     """Records that the search did not see."""
+    transfer: tuple[HeldOutRecord, ...] = ()
+    """Every record as fits to all others predict it, where each was left out in turn."""
     scenario: Scenario | None = None
     """That of the first log, as it was before the fit, of a fit to logs."""
     notes: tuple[str, ...] = ()

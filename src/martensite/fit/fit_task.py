@@ -14,14 +14,16 @@ from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
+from martensite.base.parameters import find_paths
 from martensite.fit.column_matching import ComparedColumn, match_columns, read_columns, read_noise, refuse_swapped
-from martensite.fit.condition_tables import is_condition_table
+from martensite.fit.condition_tables import INPUTS, is_condition_table
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.free_parameters import is_nuisance, read_ranges
 from martensite.fit.logs import (
     ALL,
     AUTO,
+    EACH,
     NONE,
     LoadedLog,
     Log,
@@ -32,7 +34,7 @@ from martensite.fit.logs import (
 )
 from martensite.fit.problem import Problem, build_problem
 from martensite.fit.search_monitor import Tell
-from martensite.fit.solve import INTERRUPTED, MOST_EVALUATIONS, solve_problem
+from martensite.fit.solve import INTERRUPTED, MOST_EVALUATIONS, predict_each, solve_problem
 from martensite.fit.start_checks import check_start, find_silent_outputs
 from martensite.fit.step_choice import choose_step, describe_step_error
 from martensite.scenario.scenario import Scenario
@@ -102,7 +104,7 @@ class FitTask:
         follows = list(dict.fromkeys(found[0].scenario.follows.values()))
         notes += [*more, *check_start(whole.training, follows)]
         models = {one.name: (one.scenario, one.log.model) for one in found}
-        return ArrangedFit(whole, models, self.search, tuple(notes))
+        return ArrangedFit(whole, models, self.search, tuple(notes), self.hold_out == EACH)
 
     def _arrange_tables(self, count: int) -> ArrangedFit:
         from martensite.fit.condition_fits import arrange_conditions
@@ -165,6 +167,8 @@ class ArrangedFit:
         if first.follows:
             refuse_swapped(fit, self.models)
         cautions = tuple(describe_step_error(fit))
+        if self.turns:
+            fit = replace(fit, transfer=predict_each(self.problem, vars(self.search), tell))
         return replace(fit, scenario=first, notes=(*self.notes, *fit.notes), cautions=cautions)
 
 
@@ -172,6 +176,8 @@ def list_paths(scenario: Scenario) -> dict[str, str]:
     """Path in the scenario, as `--set` takes it -> path in the system, where they differ."""
     paths = {scenario.places.path(leaf.path): leaf.path for leaf in scenario.system.leaves()}
     own = set(paths.values())
+    words = {word: places for word, places in INPUTS.items() if " " not in word and not find_paths(word, own)}
+    paths |= {word: paths[place] for word, places in words.items() for place in places if place in paths}
     return {name: path for name, path in paths.items() if name != path and name not in own}
 
 
@@ -180,6 +186,7 @@ def spell_paths(ranges: Sequence[str | SearchRange], known: Mapping[str, str]) -
     found: list[str | SearchRange] = []
     for one in [ranges] if isinstance(ranges, str) else ranges:
         name = one.name if isinstance(one, SearchRange) else parse_free(one)[0]
+        name = name.partition(":")[0]
         path = known.get(name, name)
         if isinstance(one, SearchRange):
             found.append(replace(one, name=path))
@@ -227,6 +234,7 @@ def _build_experiments(
                 weights=dict.fromkeys(columns, one.log.weight),
                 lead=one.scenario.lead,
                 follows=follows,
+                groups=one.log.groups,
             )
         )
     return made, [*notes, *describe_untimed(found)]

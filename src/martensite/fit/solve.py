@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -50,6 +50,12 @@ AT_BOUND = 1e-4
 """Distance from a bound that counts as none."""
 ROUNDING = 1e-7
 """Share of range or noise below which residuals are those of rounding."""
+SPECIMEN = "specimen"
+"""The kind of group whose records are kept back together."""
+FIRST_NOISE = 0.02
+"""Noise as a share of the range with which spreads are first weighed, where it is not known."""
+ROUNDS, BALANCED = 6, 0.05
+"""Fits in which it is found, and the relative change that ends them."""
 MOST_EVALUATIONS = 200
 """Evaluations of one local search."""
 
@@ -86,6 +92,9 @@ def solve_problem(
         SolveError: the runs fail at the start, and at every point tried.
     """
     require_known("method", method, METHODS)
+    if problem.training.spreads and problem.prior_scale == 1.0 and not problem.knows_noise:
+        how = {"method": method, "loss": loss, "starts": starts, "seed": seed, "most": most, "tell": tell}
+        problem = _balance_spreads(problem, lambda one: solve_problem(one, **how, inputs=False))
     if starts < 0:
         raise InputError(f"Argument `starts` must be at least 0, but is {starts}.")
     training = problem.training
@@ -141,6 +150,46 @@ def solve_problem(
     )
 
 
+def _balance_spreads(problem: Problem, solve: Callable[[Problem], Fit]) -> Problem:
+    """The problem with spreads weighed against the noise that a fit with them leaves, s² = Σ r²/(n - tr H).
+
+    n are measurements, and tr H is the sum of their leverages: what of the free numbers they hold.
+    """
+    scale = FIRST_NOISE
+    for _ in range(ROUNDS):
+        fit = solve(replace(problem, prior_scale=scale))
+        count = len(fit.evaluation.residuals) - len(fit.problem.spreads)
+        residuals, jacobian = fit.weights * fit.evaluation.residuals, fit.weights[:, None] * fit.evaluation.jacobian
+        levers = np.sum((jacobian @ np.linalg.pinv(jacobian)).diagonal()[:count])
+        before = scale
+        scale = max(math.sqrt(float(residuals[:count] @ residuals[:count]) / max(count - levers, 1.0)), ROUNDING)
+        if fit.reason == INTERRUPTED or abs(scale - before) <= BALANCED * before:
+            break
+    return replace(problem, prior_scale=scale)
+
+
+def predict_each(problem: Problem, how: Mapping[str, Any], tell: Tell | None = None) -> tuple[HeldOutRecord, ...]:
+    """What fits to all other specimens (records, where there are none) predict for each.
+
+    Args:
+        problem: all records, none of them kept back.
+        how: method, loss and so on, as for `solve_problem`.
+        tell: called after every evaluation.
+
+    Raises:
+        SolveError: the runs of one of the fits fail.
+    """
+    wholes = [one.groups.get(SPECIMEN, one.name) for one in problem.experiments]
+    found = list[HeldOutRecord]()
+    for whole in dict.fromkeys(wholes):
+        names = [one.name for one, of in zip(problem.experiments, wholes, strict=True) if of == whole]
+        fit = solve_problem(problem.hold_out(names), **how, tell=tell, inputs=False)
+        if fit.reason == INTERRUPTED:
+            break
+        found += fit.kept
+    return tuple(found)
+
+
 def _make_descent(loss: Loss, evaluation: Evaluation) -> Descend:
     """A local search of a problem from a point, with the loss of a fit."""
     scale = 1.0
@@ -157,10 +206,11 @@ def _make_descent(loss: Loss, evaluation: Evaluation) -> Descend:
 
 
 def _predict_held_out(problem: Problem, one: Experiment, end: Any) -> HeldOutRecord:
-    free = tuple(f for f in problem.free if f.record is None)
+    labels = (None, *one.groups.values())  # a group may have other records, that were fitted
+    free = tuple(f for f in problem.free if f.record in labels)
     whole = replace(problem, experiments=(replace(one, held=()),), free=free, later=())
-    at = [u for f, u in zip(problem.free, end, strict=True) if f.record is None]
-    own = tuple(f for f in problem.later if f.record == one.name)
+    at = [u for f, u in zip(problem.free, end, strict=True) if f.record in labels]
+    own = tuple(f for f in problem.later if f.record in one.labels)
     found = whole.evaluate(at)
     if found is None:
         raise SolveError(f"The run of record `{one.name}`, which was kept back, fails.")
