@@ -30,6 +30,7 @@ from martensite.fit.free_parameters import (
     delay_model,
     is_nuisance,
 )
+from martensite.fit.ordered_numbers import OrderedNumbers, list_orders
 from martensite.search.batch_runner import BatchRunner
 from martensite.search.free_numbers import FreeNumber, SearchRange
 
@@ -131,7 +132,12 @@ class Problem:
     @property
     def start(self) -> Any:
         """Where the search begins: a number from 0 to 1 for every free parameter."""
-        return np.array([free.share(free.start) for free in self.free])
+        return self.order.repair(np.array([free.share(free.start) for free in self.free]))
+
+    @cached_property
+    def order(self) -> OrderedNumbers:
+        """What keeps the numbers in the order that laws declare."""
+        return OrderedNumbers(self.free, list_orders(self.free, self.experiments))
 
     @property
     def training(self) -> Problem:
