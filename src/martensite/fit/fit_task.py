@@ -168,7 +168,8 @@ class ArrangedFit:
             refuse_swapped(fit, self.models)
         cautions = tuple(describe_step_error(fit))
         if self.turns:
-            fit = replace(fit, transfer=predict_each(self.problem, vars(self.search), tell))
+            weighed = replace(self.problem, prior_scale=fit.problem.prior_scale)
+            fit = replace(fit, transfer=predict_each(weighed, vars(self.search), tell))
         return replace(fit, scenario=first, notes=(*self.notes, *fit.notes), cautions=cautions)
 
 
