@@ -91,7 +91,7 @@ def _describe_transfer(fit: Fit) -> Iterator[str]:
         bare = [one.residuals if one.raw is None else one.raw - one.measured for one in own]
         raw = format_error(name, math.sqrt(float(np.nanmean(np.concatenate(bare) ** 2))), unit)
         but = f" ({list_names(list(alone))} fitted to each, {raw} without)" if alone else ""
-        yield f"`{name}`: rms error {error}{but} {what}: {names} were left out in turn."
+        yield f"`{name}`: rms error {error}{but}, {what}: {names} were left out in turn."
 
 
 def _describe_baselines(fit: Fit) -> Iterator[str]:
