@@ -33,6 +33,10 @@ WAY = np.concatenate([np.linspace(1.0, 5.0, 5), np.linspace(4.0, 1.0, 4)])
         ("rise-time", 0.8 * 2.0),
         ("fall-time", 0.8 * 2.0),
         ("rise-time(position, low=0.25, high=0.75)", 1.0),
+        ("reach-time", 0.9 * 2.0),
+        ("reach-time(position, share=50 %)", 1.0),
+        ("peak-time", 2.0),
+        ("change", 4.0),
         ("integral", 12.0),
         ("mean", 3.0),
         ("energy(position)", 12.0),
@@ -45,6 +49,13 @@ def test_known_curves(words: str, expected: float) -> None:
     if "time" in words and "at" not in words:
         down = one.value(RAMP, 3.0 - WAY[None, :, None])
         assert down == pytest.approx([expected], rel=1e-12)
+
+
+def test_a_change_has_its_sign_and_a_peak_lies_between_samples() -> None:
+    assert parse_measure("change").value(RAMP, 3.0 - WAY[None, :, None]) == [-4.0]
+    times = np.array([0.0, 0.7, 1.2, 2.0, 2.5])
+    curve = -((times - 1.36) ** 2)
+    assert parse_measure("peak-time").value(times, curve[None, :, None]) == pytest.approx([1.36])
 
 
 def test_what_never_happens_takes_forever() -> None:

@@ -239,7 +239,7 @@ def test_bounds_of_an_offset_need_its_output() -> None:
 
 def test_noise_is_a_difference_with_a_unit() -> None:
     given = {"temperature": "0.5 degC", "position": "20 um", "strain": 1e-4, "chamber": "0.3 K"}
-    outputs, inputs = read_noise(given, systems(), {"chamber": "K"})
+    outputs, inputs = read_noise(given, systems()[0].outputs(), {"chamber": "K"})
     assert outputs == pytest.approx({"temperature": 0.5, "position": 2e-5, "strain": 1e-4})
     assert inputs == pytest.approx({"chamber": 0.3})
 
@@ -254,7 +254,7 @@ def test_noise_is_a_difference_with_a_unit() -> None:
 )
 def test_noise_that_cannot_be_is_refused(noise: dict[str, str | float], words: str) -> None:
     with pytest.raises(InputError, match=words):
-        read_noise(noise, systems(), {})
+        read_noise(noise, systems()[0].outputs(), {})
 
 
 # ---------------------------------------------------------------- columns

@@ -242,9 +242,11 @@ def test_predictions_compare_what_was_seen_with_what_was_not(plain: Sample) -> N
     seen, kept = compute_rms(rows, TRAINING), compute_rms(rows, HELD_OUT)
     errors = np.concatenate([one.residuals[one.used] for one in rows])
     assert seen == pytest.approx(float(np.sqrt(np.mean(errors**2))), rel=1e-12)
-    first, own = describe_predictions(plain.fit)
+    first, naive, own = describe_predictions(plain.fit)
     assert f"{100 * seen:.3g} % in the rows that were fitted" in first
     assert f"{100 * kept:.3g} % in those kept back" in first
+    assert "Without a model" in naive
+    assert "% (mean of training)" in naive
     assert "`offset.strain`" in own
     assert math.isnan(compute_rms([rows[0]], HELD_OUT))
 

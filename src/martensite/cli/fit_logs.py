@@ -57,9 +57,12 @@ class FitOptions:
             help='Free parameters, comma-separated or repeated, e.g. A_s,A_f,"C_A=5..12 MPa/K".',
         ),
     ] = None
-    each: Annotated[Texts, Option(help="What every log has for itself: parameters, offset[.OUTPUT], delay.")] = None
+    each: Annotated[
+        Texts,
+        Option(help='What every log has for itself: parameters, offset[.OUTPUT], delay; "h:by=specimen", "h=±20 %".'),
+    ] = None
     hold_out: Annotated[
-        Text, Option(help='Kept back from the fit: auto, none, names of logs, or "25 %" [default: auto].')
+        Text, Option(help='Kept back from the fit: auto, none, each in turn, names, or "25 %" [default: auto].')
     ] = None
     column: Annotated[
         Texts,
@@ -198,8 +201,8 @@ def fit_logs(
         list[str],
         Argument(
             metavar="LOG...",
-            help="Measured tables with headings such as `strain [%]`, or data:SET/FILE for files "
-            "of a published data set; or one fit file (.toml).",
+            help="Measured tables with headings such as `strain [%]`, over time or one row per condition, "
+            "or data:SET/FILE for files of a published data set; or one fit file (.toml).",
         ),
     ],
     options: FitOptions,

@@ -19,6 +19,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.mechanisms.base import Output
 from martensite.base import units
 from martensite.base.errors import (
     DataError,
@@ -159,19 +160,19 @@ def _refuse_nothing(record: Record, system: AbstractSystem, driven: set[str]) ->
 
 
 def read_noise(
-    noise: Mapping[str, str | float], systems: Sequence[AbstractSystem], followed: Mapping[str, str]
+    noise: Mapping[str, str | float], known: Mapping[str, Output], followed: Mapping[str, str]
 ) -> tuple[dict[str, float], dict[str, float]]:
     """Standard deviations in SI of measured outputs, and of columns that drive; numbers are in SI already.
 
     Args:
         noise: name -> amount.
-        systems: the first has the outputs.
+        known: the outputs.
         followed: column that drives -> its SI unit.
 
     Raises:
         InputError: a name is unknown, or an amount is not above 0.
     """
-    outputs = {name: one.unit for name, one in systems[0].outputs().items()}
+    outputs = {name: one.unit for name, one in known.items()}
     found: dict[str, float] = {}
     for name, given in noise.items():
         require_known("output", name, outputs | dict(followed))
@@ -256,7 +257,7 @@ def _fit_exchanged(problem: Problem, one: Experiment, record: Record, model: Mod
     try:
         scenario = model(record)
         twin = replace(one, system=scenario.system, waveform=scenario.waveform, record=record)
-        free = tuple(free for free in problem.free if free.record in (None, one.name))
+        free = tuple(free for free in problem.free if free.record in (None, *one.labels))
         alone = replace(problem, experiments=(twin,), free=free, later=())
         scores = solve_problem(alone, most=MOST_EVALUATIONS).scores
     except MartensiteError:

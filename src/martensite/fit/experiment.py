@@ -16,13 +16,17 @@ from typing import Any, cast
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.mechanisms.base import Output
 from martensite.base.errors import DataError, require_known
 from martensite.search.batch_runner import BatchRunner
+from martensite.search.quantity_text import format_number
 from martensite.signals.records import Record
 from martensite.signals.table import Table
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, by_name
 from martensite.simulate.grid import LaneGrid, TimeGrid, grid_at, lane_grid
 
+ALL = ((-math.inf, math.inf),)
+"""The stretch that keeps a whole record back."""
 LEAST_ROWS = 8
 """Rows without which nothing can be fitted."""
 MOST_ROWS = 4000
@@ -50,6 +54,8 @@ class Experiment:
     state in which the record begins."""
     follows: Mapping[str, str] = field(default_factory=dict[str, str])
     """Drive -> column of the record that its waveform follows."""
+    groups: Mapping[str, str] = field(default_factory=dict[str, str])
+    """What the record belongs to, by the kind of group: `specimen` -> A."""
 
     def __post_init__(self) -> None:
         check_experiment(self)
@@ -89,6 +95,34 @@ class Experiment:
     def held_out(self) -> bool:
         """Whether the whole record is kept back."""
         return bool(self.kept_back.all())
+
+    @property
+    def over_time(self) -> bool:
+        """Whether its rows are times."""
+        return True
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Its name, and the groups that it belongs to: whatever may have numbers of its own."""
+        return self.name, *self.groups.values()
+
+    @property
+    def row_factors(self) -> Any:
+        """What errors of single rows are multiplied by: 1, or (rows, outputs)."""
+        return 1.0
+
+    def describe_outputs(self) -> Mapping[str, Output]:
+        """Everything that it could be compared in."""
+        return self.system.outputs()
+
+    def describe_row(self, time: float) -> str:
+        """What a row is called whose time is given."""
+        return f"{format_number(time)} s"
+
+    def sample_outputs(self, system: AbstractSystem, outputs: Sequence[str], rows: Any, step: float | None) -> Any:
+        """Outputs (samples, outputs) of a run with other numbers, at some of the rows that are compared."""
+        runner = self.runner(step, outputs)
+        return runner.run_many(np.array([runner.compiled.values(system)]))[0][rows]
 
     def followed(self, drive: str) -> Table:
         """The waveform of a drive that follows a column."""

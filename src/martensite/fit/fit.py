@@ -79,7 +79,7 @@ class ComparedOutput:
         """Errors of `training` rows, and of `held-out` ones, where there are any."""
         for part, rows in ((TRAINING, self.used), (HELD_OUT, self.held)):
             if rows.any():
-                yield score_model(
+                found = score_model(
                     self.times[rows],
                     self.measured[rows],
                     self.model[rows],
@@ -88,6 +88,7 @@ class ComparedOutput:
                     part=part,
                     unit=self.description.unit,
                 )
+                yield replace(found, place=self.experiment.describe_row(found.maximum_at))
 
     @property
     def raw_rms(self) -> float:
@@ -117,12 +118,17 @@ def _iterate_compared(fit: Fit) -> Iterator[ComparedOutput]:
     for one, fitted, used in found:
         yield from _split_outputs(one, fitted.model, used)
     for kept in fit.kept:
-        raw = kept.raw if kept.numbers else None
-        yield from _split_outputs(kept.experiment, kept.model, np.zeros(kept.model.shape, bool), raw)
+        yield from list_held_out(kept)
+
+
+def list_held_out(kept: HeldOutRecord) -> list[ComparedOutput]:
+    """All outputs of a record that was kept back, beside what is predicted."""
+    raw = kept.raw if kept.numbers else None
+    return list(_split_outputs(kept.experiment, kept.model, np.zeros(kept.model.shape, bool), raw))
 
 
 def _split_outputs(one: Experiment, model: Any, used: Any, raw: Any = None) -> Iterator[ComparedOutput]:
-    outputs = one.system.outputs()
+    outputs = one.describe_outputs()
     for k, name in enumerate(one.outputs):
         bare = None if raw is None else raw[:, k]
         yield ComparedOutput(one, name, outputs[name], one.times, one.measured[:, k], model[:, k], used[:, k], bare)
@@ -135,9 +141,7 @@ def find_covered_range(fit: Fit) -> dict[str, tuple[float, float]]:
         system = fit.system(k)
         for name in COVERED:
             outputs = [system.label(port, name) for port in system.actuators()]
-            runner = one.runner(fit.problem.step, outputs)
-            run = runner.run_many(np.array([runner.compiled.values(system)]))[0]
-            rows = run[fit.problem.used[k].any(axis=1)]
+            rows = one.sample_outputs(system, outputs, fit.problem.used[k].any(axis=1), fit.problem.step)
             ends = [float(rows.min()), float(rows.max()), *found.get(name, ())]
             found[name] = min(ends), max(ends)
     return found
@@ -179,6 +183,8 @@ class Fit:
     """(runs, cost) at each improvement."""
     kept: tuple[HeldOutRecord, ...] = ()
     """Records that the search did not see."""
+    transfer: tuple[HeldOutRecord, ...] = ()
+    """Every record as fits to all others predict it, where each was left out in turn."""
     scenario: Scenario | None = None
     """That of the first log, as it was before the fit, of a fit to logs."""
     notes: tuple[str, ...] = ()

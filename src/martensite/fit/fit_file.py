@@ -12,7 +12,8 @@
     set = { "mechanism.mass" = "1162.57 g" }
 
 Further keys of the file: title, column, step, method, loss, starts, seed. Further keys of a
-record: name, scenario, columns (headings of a file without), interval, weight, hold_out.
+record: name, scenario, columns (headings of a file without), interval, weight, hold_out, group (what it
+belongs to, such as `{ specimen = "A" }`; see `free_parameters` for what groups may have for themselves).
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ KEYS = (
     "seed",
     "record",
 )
-RECORD = ("file", "name", "scenario", "columns", "interval", "set", "weight", "hold_out")
+RECORD = ("file", "name", "scenario", "columns", "interval", "set", "weight", "hold_out", "group")
 
 
 def is_fit_file(path: str | Path) -> bool:
@@ -99,6 +100,7 @@ def _read_log(document: Mapping[str, Any], entry: Any, path: Path) -> Log:
         weight=float(weight),
         held=_read_flag(table, "hold_out", where),
         name=str(table.get("name", "")),
+        groups={key: str(value) for key, value in as_table(table.get("group", {}), "group").items()},
     )
 
 

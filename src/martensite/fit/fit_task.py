@@ -14,13 +14,16 @@ from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
+from martensite.base.parameters import find_paths
 from martensite.fit.column_matching import ComparedColumn, match_columns, read_columns, read_noise, refuse_swapped
+from martensite.fit.condition_tables import INPUTS, is_condition_table
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.free_parameters import is_nuisance, read_ranges
 from martensite.fit.logs import (
     ALL,
     AUTO,
+    EACH,
     NONE,
     LoadedLog,
     Log,
@@ -31,7 +34,7 @@ from martensite.fit.logs import (
 )
 from martensite.fit.problem import Problem, build_problem
 from martensite.fit.search_monitor import Tell
-from martensite.fit.solve import INTERRUPTED, MOST_EVALUATIONS, solve_problem
+from martensite.fit.solve import INTERRUPTED, MOST_EVALUATIONS, predict_each, solve_problem
 from martensite.fit.start_checks import check_start, find_silent_outputs
 from martensite.fit.step_choice import choose_step, describe_step_error
 from martensite.scenario.scenario import Scenario
@@ -78,13 +81,20 @@ class FitTask:
         """
         if not self.logs:
             raise InputError("A fit needs at least one log; none given.")
+        logs = [] if self.columns else [one for one in self.logs if one.interval is None]
+        tables = [one for one in logs if is_condition_table(one.source, one.columns)]
+        if tables:
+            return self._arrange_tables(len(tables))
         found = read_logs(self.logs)
         systems = [one.scenario.system for one in found]
-        known = _list_paths(found[0].scenario)
-        free = read_ranges(_spell_paths(self.free, known), systems)
-        each = read_ranges(_spell_paths(self.each, known), systems, own=True)
+        known = list_paths(found[0].scenario)
+        free = read_ranges(spell_paths(self.free, known), systems)
+        each = read_ranges(spell_paths(self.each, known), systems, own=True)
         followed = {c: one.record.units[c] for one in found for c in one.scenario.follows.values()}
-        (noise, input_noise), wanted = read_noise(self.noise, systems, followed), read_columns(self.columns)
+        (noise, input_noise), wanted = (
+            read_noise(self.noise, systems[0].outputs(), followed),
+            read_columns(self.columns),
+        )
         made, notes = _build_experiments(found, self, wanted)
         if not wanted:
             made, more = _drop_silent_outputs(made, free, each)
@@ -94,7 +104,16 @@ class FitTask:
         follows = list(dict.fromkeys(found[0].scenario.follows.values()))
         notes += [*more, *check_start(whole.training, follows)]
         models = {one.name: (one.scenario, one.log.model) for one in found}
-        return ArrangedFit(whole, models, self.search, tuple(notes))
+        return ArrangedFit(whole, models, self.search, tuple(notes), self.hold_out == EACH)
+
+    def _arrange_tables(self, count: int) -> ArrangedFit:
+        from martensite.fit.condition_fits import arrange_conditions
+
+        if count < len(self.logs):
+            raise InputError("A table of conditions and a log over time are fitted one after the other, not together.")
+        found = arrange_conditions(self)
+        models = {one.name: (found.scenario, lambda record: found.scenario) for one in found.problem.experiments}
+        return ArrangedFit(found.problem, models, self.search, found.notes, found.turns)
 
     def with_changes(
         self,
@@ -131,6 +150,8 @@ class ArrangedFit:
     """Record -> its scenario, and what makes it with another record."""
     search: FitSearch = FitSearch()
     notes: tuple[str, ...] = ()
+    turns: bool = False
+    """Whether every record is left out in turn besides."""
 
     def solve(self, tell: Tell | None = None, state: Path | None = None) -> Fit:
         """The fit; see `solve` for what is told and kept.
@@ -143,23 +164,30 @@ class ArrangedFit:
         first, _ = next(iter(self.models.values()))
         if fit.reason == INTERRUPTED:
             return replace(fit, scenario=first, notes=self.notes)
-        refuse_swapped(fit, self.models)
+        if first.follows:
+            refuse_swapped(fit, self.models)
         cautions = tuple(describe_step_error(fit))
+        if self.turns:
+            weighed = replace(self.problem, prior_scale=fit.problem.prior_scale)
+            fit = replace(fit, transfer=predict_each(weighed, vars(self.search), tell))
         return replace(fit, scenario=first, notes=(*self.notes, *fit.notes), cautions=cautions)
 
 
-def _list_paths(scenario: Scenario) -> dict[str, str]:
+def list_paths(scenario: Scenario) -> dict[str, str]:
     """Path in the scenario, as `--set` takes it -> path in the system, where they differ."""
     paths = {scenario.places.path(leaf.path): leaf.path for leaf in scenario.system.leaves()}
     own = set(paths.values())
+    words = {word: places for word, places in INPUTS.items() if " " not in word and not find_paths(word, own)}
+    paths |= {word: paths[place] for word, places in words.items() for place in places if place in paths}
     return {name: path for name, path in paths.items() if name != path and name not in own}
 
 
-def _spell_paths(ranges: Sequence[str | SearchRange], known: Mapping[str, str]) -> list[str | SearchRange]:
+def spell_paths(ranges: Sequence[str | SearchRange], known: Mapping[str, str]) -> list[str | SearchRange]:
     """Free parameters with paths of the scenario put into those of the system."""
     found: list[str | SearchRange] = []
     for one in [ranges] if isinstance(ranges, str) else ranges:
         name = one.name if isinstance(one, SearchRange) else parse_free(one)[0]
+        name = name.partition(":")[0]
         path = known.get(name, name)
         if isinstance(one, SearchRange):
             found.append(replace(one, name=path))
@@ -207,6 +235,7 @@ def _build_experiments(
                 weights=dict.fromkeys(columns, one.log.weight),
                 lead=one.scenario.lead,
                 follows=follows,
+                groups=one.log.groups,
             )
         )
     return made, [*notes, *describe_untimed(found)]

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from martensite.base import units
-from martensite.fit.experiment import Experiment
-from martensite.fit.fit import HELD_OUT, TRAINING, ComparedOutput, Fit, compute_rms, list_compared
+from martensite.fit.baselines import BaselineScore, find_period, pool_baselines, score_baselines
+from martensite.fit.fit import HELD_OUT, TRAINING, ComparedOutput, Fit, compute_rms, list_compared, list_held_out
 from martensite.search.quantity_text import format_change, format_number, format_quantity, join_phrases, list_names
 
 WORSE = 1.5
@@ -39,7 +39,10 @@ def describe_predictions(fit: Fit) -> list[str]:
     names = dict.fromkeys(one.output for one in rows)
     return [
         *(_describe_prediction([one for one in rows if one.output == name]) for name in names),
+        *_describe_transfer(fit),
+        *_describe_baselines(fit),
         *_describe_own_numbers(fit),
+        *_describe_spreads(fit),
         *_describe_input_noise(fit),
         *_describe_one_cadence(fit),
     ]
@@ -50,6 +53,7 @@ def list_fit_warnings(fit: Fit) -> list[str]:
     return [
         *_warn_of_search(fit),
         *_warn_of_predictions(fit),
+        *_warn_of_baselines(fit),
         *_warn_of_cadence(fit),
         *_warn_of_directions(fit),
         *_warn_of_residuals(fit),
@@ -67,6 +71,74 @@ def _describe_prediction(rows: list[ComparedOutput]) -> str:
         return f"{fitted}; none were kept back."
     times = f" ({format_number(kept / seen, 3)} times)" if seen > 0.0 else ""
     return f"{fitted}, {format_error(name, kept, unit)} in those kept back{times}."
+
+
+def _list_predicted(fit: Fit) -> list[ComparedOutput]:
+    """All that was kept back, and what was left out in turn."""
+    turns = [one for kept in fit.transfer for one in list_held_out(kept)]
+    return [*turns, *(one for one in list_compared(fit) if one.held.any())]
+
+
+def _describe_transfer(fit: Fit) -> Iterator[str]:
+    rows = [one for kept in fit.transfer for one in list_held_out(kept)]
+    names = join_phrases(list(dict.fromkeys(one.record for one in rows)))
+    for name in dict.fromkeys(one.output for one in rows):
+        own = [one for one in rows if one.output == name]
+        unit = own[0].description.unit
+        error = format_error(name, compute_rms(own, HELD_OUT), unit)
+        alone = dict.fromkeys(path.partition("@")[0] for kept in fit.transfer for path in kept.numbers)
+        what = "everything else is predicted" if alone else "where nothing was fitted to it"
+        bare = [one.residuals if one.raw is None else one.raw - one.measured for one in own]
+        raw = format_error(name, math.sqrt(float(np.nanmean(np.concatenate(bare) ** 2))), unit)
+        but = f" ({list_names(list(alone))} fitted to each, {raw} without)" if alone else ""
+        yield f"`{name}`: rms error {error}{but}, {what}: {names} were left out in turn."
+
+
+def _describe_baselines(fit: Fit) -> Iterator[str]:
+    """What predictions without a model get wrong in what was kept back."""
+    scores = score_baselines(fit)
+    parts = [
+        f"`{name}` {_list_baselines(scores, name, unit)}"
+        for name, unit in dict.fromkeys((one.output, one.unit) for one in scores)
+    ]
+    if parts:
+        yield f"Without a model errors there are: {'; '.join(parts)}."
+
+
+def _list_baselines(scores: Sequence[BaselineScore], output: str, unit: str) -> str:
+    found = pool_baselines(scores, output)
+    return ", ".join(f"{format_error(output, rms, unit)} ({name})" for name, rms in found.items())
+
+
+def _warn_of_baselines(fit: Fit) -> Iterator[str]:
+    """Outputs that a prediction without a model predicts as well."""
+    scores, rows = score_baselines(fit), _list_predicted(fit)
+    for name, unit in dict.fromkeys((one.output, one.unit) for one in scores):
+        found = pool_baselines(scores, name)
+        best = min(found, key=lambda one: found[one])
+        error = compute_rms([one for one in rows if one.output == name], HELD_OUT)
+        if error >= found[best]:
+            yield (
+                f"`{name}` in what was kept back is not predicted better than without a model: rms error "
+                f"{format_error(name, error, unit)}, against {format_error(name, found[best], unit)} by the naive "
+                f"baseline ({best}). The fit does not beat it."
+            )
+
+
+def _describe_spreads(fit: Fit) -> Iterator[str]:
+    problem = fit.problem
+    for path in dict.fromkeys(problem.free[i].path for i, _ in problem.spreads):
+        own = [(problem.free[i], centre) for i, centre in problem.spreads if problem.free[i].path == path]
+        free, centre = own[0]
+        size = f"{format_number(100.0 * free.spread, 3)} %" if free.relative else format_change(free.spread, free.unit)
+        at = fit.numbers[problem.free[centre].name] if centre is not None else free.start
+        about = f"{format_quantity(at, free.unit)}, {'as fitted' if centre is not None else 'as declared'}"
+        told = "as declared" if problem.knows_noise else f"taken as {format_number(problem.prior_scale, 2)} of range"
+        yield (
+            f"`{path}` of {join_phrases([str(x.record) for x, _ in own])} is drawn to its centre ({about}) by a spread "
+            f"of ± {size}, which counts as {len(own)} of {len(fit.evaluation.residuals)} data, in the intervals too; "
+            f"noise is {told}. What is kept back has it at the centre: nothing is fitted to that."
+        )
 
 
 def _describe_own_numbers(fit: Fit) -> Iterator[str]:
@@ -107,21 +179,6 @@ def _describe_one_cadence(fit: Fit) -> Iterator[str]:
             f"All records have one cadence (a period of about {period} s): how well the numbers predict a faster or "
             "slower drive is not known; record one with a third or three times of that period."
         )
-
-
-def find_period(experiment: Experiment) -> float:
-    """Mean period [s] of the first column that an experiment follows; its length if it never returns, 0 for none.
-
-    Counted are passages from below a quarter of its range to above three quarters, and back.
-    """
-    if not experiment.follows:
-        return 0.0
-    table = experiment.followed(next(iter(experiment.follows)))
-    x, length = np.asarray(table.values), table.times[-1] - table.times[0]
-    share = (x - x.min()) / (np.ptp(x) or 1.0)
-    sides = np.sign(np.where(np.abs(share - 0.5) >= 0.25, share - 0.5, 0.0))
-    passages = int(np.count_nonzero(np.diff(sides[sides != 0.0])))
-    return 2.0 * length / passages if passages > 1 else length
 
 
 def _warn_of_cadence(fit: Fit) -> Iterator[str]:
@@ -166,7 +223,7 @@ def _warn_of_search(fit: Fit) -> Iterator[str]:
 
 def _warn_of_predictions(fit: Fit) -> Iterator[str]:
     rows = list_compared(fit)
-    if not any(one.held.any() for one in rows):
+    if not _list_predicted(fit):
         yield ("Nothing was kept back: how well the model predicts what it was not fitted to is not known.")
     for name in dict.fromkeys(one.output for one in rows):
         own = [one for one in rows if one.output == name]

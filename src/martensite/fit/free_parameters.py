@@ -8,13 +8,19 @@ What a record has for itself: the zero of a sensor, the delay of its clock.
     offset.OUTPUT   added to what the model says, in the unit of the output
     delay           seconds by which the record lags behind the run
 
-Any parameter of the system may be free for each record as well, such as `initial_fraction`.
+Any parameter of the system may be free for each record as well, such as `initial_fraction`, or for each group of
+records, and may be drawn to a centre by a spread:
+
+    h:by=specimen        every specimen has its own, whatever records belong to it
+    h=±20 %              log-normal about its centre: the scenario's number, or the common one if `h` is free, too
+    h=±5 W/m^2/K@60 W/m^2/K    normal about a centre that is given
 """
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
 from typing import Any
@@ -22,6 +28,7 @@ from typing import Any
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.mechanisms.base import Output
 from martensite.base import units
 from martensite.base.errors import ParameterError, require_known, suggest_name
 from martensite.base.formats import write_quantity
@@ -34,7 +41,13 @@ LONGEST_DELAY = 0.05
 """Longest delay either way, as a share of the record."""
 LARGEST_OFFSET = 2.0
 """Largest offset either way, in measured ranges."""
+SPREADS = 5.0
+"""How far from its centre a number with a spread is searched, in spreads."""
 _AMOUNT = re.compile(r"^\s*([+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
+
+
+_GROUP = re.compile(r"^\s*([^:=@\s]+):by=([^=@\s]+)(.*)$")
+_SPREAD = re.compile(r"^\s*([^=@\s]+)\s*=\s*(?:±|\+/?-)\s*([^@]+?)\s*(@.*)?$")
 
 
 def split_list(texts: str | Sequence[str]) -> list[str]:
@@ -44,7 +57,10 @@ def split_list(texts: str | Sequence[str]) -> list[str]:
 
 
 def read_ranges(
-    texts: Iterable[str | SearchRange], systems: Sequence[AbstractSystem], own: bool = False
+    texts: Iterable[str | SearchRange],
+    systems: Sequence[AbstractSystem],
+    own: bool = False,
+    outputs: Mapping[str, Output] | None = None,
 ) -> list[SearchRange]:
     """Free parameters as asked for.
 
@@ -52,31 +68,65 @@ def read_ranges(
         texts: one per parameter.
         systems: those that have the parameters.
         own: whether every record has them for itself, so that offsets and delays may be asked for.
+        outputs: what may have an offset; those of the first system if left out.
 
     Raises:
         InputError: a text cannot be read, or names no parameter.
     """
     given = [texts] if isinstance(texts, (str, SearchRange)) else texts
-    return [x if isinstance(x, SearchRange) else _read_range(x, systems, own) for x in given]
+    seen = systems[0].outputs() if outputs is None else outputs
+    return [x if isinstance(x, SearchRange) else _read_range(x, systems, own, seen) for x in given]
 
 
-def _read_range(text: str, systems: Sequence[AbstractSystem], own: bool) -> SearchRange:
+def _read_range(text: str, systems: Sequence[AbstractSystem], own: bool, outputs: Mapping[str, Output]) -> SearchRange:
+    text, by = _split_group(text)
+    text, spread = _split_spread(text)
     name, bounds, start, scale = parse_free(text)
-    if is_nuisance(name) and not own:
+    if (is_nuisance(name) or by or spread) and not own:
         raise ParameterError(f"`{name}` belongs to a record, not to the system: ask for it under `each` (--each).")
+    if spread or by:
+        found = _read_range(text, systems, own, outputs)
+        unit = _find_own_unit(name, outputs) if is_nuisance(name) else _find_unit(name, systems)
+        size, relative = _read_spread(spread, name, unit) if spread else (0.0, False)
+        return replace(found, by=by, spread=size, relative=relative)
     if bounds is None and start is None:
         return SearchRange(name, scale=scale)
     if is_nuisance(name):
-        unit = _find_own_unit(name, systems[0])
+        unit = _find_own_unit(name, outputs)
         return read_free(text, unit, lambda words: read_difference(words, unit))
-    unit = build_free_numbers([SearchRange(name)], systems)[0].unit
+    unit = _find_unit(name, systems)
     return read_free(text, unit, lambda words: units.parse_quantity(words, unit))
 
 
-def _find_own_unit(name: str, system: AbstractSystem) -> str:
+def _find_unit(name: str, systems: Sequence[AbstractSystem]) -> str:
+    return build_free_numbers([SearchRange(name)], systems)[0].unit
+
+
+def _split_group(text: str) -> tuple[str, str]:
+    """A text without `:by=GROUP` behind its name, and the group."""
+    found = _GROUP.match(text)
+    return (found[1] + found[3], found[2]) if found else (text, "")
+
+
+def _split_spread(text: str) -> tuple[str, str]:
+    """A text without `=±SPREAD`, and the spread."""
+    found = _SPREAD.match(text)
+    return (found[1] + (found[3] or ""), found[2]) if found else (text, "")
+
+
+def _read_spread(text: str, name: str, unit: str) -> tuple[float, bool]:
+    """A spread [SI], or as a share."""
+    relative = text.endswith("%")
+    size = units.parse_quantity(text, "1") if relative else read_difference(text, unit)
+    if not size > 0.0 or (relative and is_nuisance(name)):
+        raise ParameterError(f"The spread of `{name}` must be above 0 and, of an offset or a delay, in its unit.")
+    return size, relative
+
+
+def _find_own_unit(name: str, known: Mapping[str, Output]) -> str:
     if name == DELAY:
         return "s"
-    output, known = name.removeprefix(OFFSET).removeprefix("."), system.outputs()
+    output = name.removeprefix(OFFSET).removeprefix(".")
     if not output:
         raise ParameterError("Bounds of `offset` need the output they are for, such as `offset.strain=-0.1..0.1 %`.")
     require_known("output", output, known)
@@ -121,6 +171,8 @@ def _build_one(wanted: SearchRange, known: Sequence[Target], record: str | None)
     if not found:
         names = list(dict.fromkeys(x.path.rpartition(".")[2] for x in known))
         raise ParameterError(f"There is no parameter `{name}` to be fitted. {suggest_name(name, names)}")
+    if wanted.spread:
+        wanted = _widen_range(wanted, found[0])
     free = build_free(wanted, found, name if record is None else f"{name}@{record}", record)
     if not free.low <= free.start <= free.high:
         ends = (free.start, free.low, free.high)
@@ -129,7 +181,20 @@ def _build_one(wanted: SearchRange, known: Sequence[Target], record: str | None)
             f"The fit starts with `{name}` = {start}, outside of its bounds {low} to {high}; move "
             "the bounds or the start."
         )
-    return replace(free, targets=())
+    return replace(free, targets=(), spread=wanted.spread, relative=wanted.relative)
+
+
+def _widen_range(wanted: SearchRange, target: Target) -> SearchRange:
+    """A range of some spreads to both sides of the centre, on the scale on which it is normal."""
+    centre, (least, most) = target.value if wanted.start is None else wanted.start, target.bounds
+    if wanted.relative:
+        if not centre > 0.0:
+            raise ParameterError(f"A spread of `{wanted.name}` in % needs a number above 0; give it in its unit.")
+        factor = math.exp(SPREADS * wanted.spread)
+        low, high = centre / factor, centre * factor
+    else:
+        low, high = centre - SPREADS * wanted.spread, centre + SPREADS * wanted.spread
+    return replace(wanted, low=max(low, least), high=min(high, most), scale="log" if wanted.relative else None)
 
 
 def build_own_parameters(ranges: Sequence[SearchRange], experiments: Sequence[Experiment]) -> list[FreeNumber]:
@@ -143,13 +208,27 @@ def build_own_parameters(ranges: Sequence[SearchRange], experiments: Sequence[Ex
     """
     found: list[FreeNumber] = []
     for wanted in ranges:
+        done = set[str]()
         for experiment in experiments:
-            found += _list_own(wanted, experiment)
+            label = _find_label(wanted, experiment)
+            if label not in done:
+                found += _list_own(wanted, experiment, label)
+            done.add(label)
     return found
 
 
-def _list_own(wanted: SearchRange, experiment: Experiment) -> list[FreeNumber]:
-    name, record = wanted.name, experiment.name
+def _find_label(wanted: SearchRange, experiment: Experiment) -> str:
+    """The record or group that has a number for itself."""
+    if not wanted.by:
+        return experiment.name
+    if wanted.by not in experiment.groups:
+        known = ", ".join(f"`{one}`" for one in experiment.groups) or "none"
+        raise ParameterError(f"Record `{experiment.name}` belongs to no `{wanted.by}`; its groups are: {known}.")
+    return experiment.groups[wanted.by]
+
+
+def _list_own(wanted: SearchRange, experiment: Experiment, record: str) -> list[FreeNumber]:
+    name = wanted.name
     if name == DELAY:
         latest = LONGEST_DELAY * float(experiment.times[-1] - experiment.times[0])
         return [_build_own(wanted, DELAY, "s", latest, record, "delay of the record")]
@@ -157,22 +236,23 @@ def _list_own(wanted: SearchRange, experiment: Experiment) -> list[FreeNumber]:
     if head != OFFSET:
         return build_free_numbers([wanted], [experiment.system], record)
     outputs = [output] if output else list(experiment.outputs)
-    return [_build_offset(wanted, one, experiment) for one in outputs]
+    return [_build_offset(wanted, one, experiment, record) for one in outputs]
 
 
-def _build_offset(wanted: SearchRange, output: str, experiment: Experiment) -> FreeNumber:
+def _build_offset(wanted: SearchRange, output: str, experiment: Experiment, record: str) -> FreeNumber:
     require_known("compared output", output, experiment.outputs)
     column = experiment.measured[:, experiment.outputs.index(output)]
     reach = LARGEST_OFFSET * float(np.nanmax(column) - np.nanmin(column))
-    unit = experiment.system.outputs()[output].unit
-    return _build_own(wanted, f"{OFFSET}.{output}", unit, reach, experiment.name, f"zero of {output}")
+    unit = experiment.describe_outputs()[output].unit
+    return _build_own(wanted, f"{OFFSET}.{output}", unit, reach, record, f"zero of {output}")
 
 
 def _build_own(wanted: SearchRange, path: str, unit: str, reach: float, record: str, doc: str) -> FreeNumber:
     low = -reach if wanted.low is None else wanted.low
     high = reach if wanted.high is None else wanted.high
     start = min(max(0.0, low), high) if wanted.start is None else wanted.start
-    return FreeNumber(f"{path}@{record}", path, unit, start, low, high, record=record, doc=doc)
+    spread = {"spread": wanted.spread, "relative": wanted.relative}
+    return FreeNumber(f"{path}@{record}", path, unit, start, low, high, record=record, doc=doc, **spread)
 
 
 def delay_model(times: Any, model: Any, slopes: Any, delay: float, slope: float, place: int) -> tuple[Any, Any]:

@@ -325,13 +325,8 @@ def correct_for_inputs(
     return *_iterate(problem, runs, u, descend), noise, notes
 
 
-def _knows_noise(problem: Problem) -> bool:
-    """Whether the noise of all outputs is declared, so that residuals have a variance of 1."""
-    return all(output in problem.noise for one in problem.experiments for output in one.outputs)
-
-
 def _estimate_output_noise(problem: Problem, residuals: Any) -> float:
-    if _knows_noise(problem):
+    if problem.knows_noise:
         return 1.0
     return math.sqrt(float(residuals @ residuals) / max(len(residuals) - len(problem.free), 1))
 
@@ -415,7 +410,7 @@ def _balance_noise(problem: Problem, runs: Sequence[_FollowedRuns], residuals: S
     """The noise s of the output with which Σ dᵀ V⁻¹ d = n - p; 1 where it is declared."""
     total = np.concatenate(residuals)
     spare = max(len(total) - len(problem.free), 1)
-    if _knows_noise(problem):
+    if problem.knows_noise:
         return 1.0
     found = [one.spectrum(part) for one, part in zip(runs, residuals, strict=True)]
     sizes, along = (np.concatenate([row[k] for row in found]) for k in (0, 1))

@@ -5,6 +5,7 @@ What is kept back from a fit, to see how well it predicts.
 auto     3 or more records: the middle one of the list, whole; fewer: four stretches of each,
 the fifth, tenth, fifteenth and last of twenty equally long ones
 none     nothing
+each     every record, or every specimen of a group `specimen`, in turn: from fits to all others
 25 %     the last quarter of each record (any share below 100 %)
 A, B     records of these names
 """
@@ -18,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from martensite.base.errors import DataError, InputError, UnknownNameError
+from martensite.fit.experiment import ALL
 from martensite.fit.free_parameters import split_list
 from martensite.scenario.log_tables import read_log_table
 from martensite.scenario.recorded_waveforms import from_zero
@@ -27,8 +29,7 @@ from martensite.search.quantity_text import list_names
 from martensite.signals.records import Record
 
 Stretches = tuple[tuple[float, float], ...]
-AUTO, NONE = "auto", "none"
-ALL: Stretches = ((-math.inf, math.inf),)
+AUTO, NONE, EACH = "auto", "none", "each"
 MANY_RECORDS = 3
 """Records from which on a whole one is kept back."""
 STRETCHES, KEPT = 20, (4, 9, 14, 19)
@@ -57,6 +58,8 @@ class Log:
     """In reports; that of the file if left out."""
     named: Mapping[str, str] = field(default_factory=dict[str, str])
     """What columns of the file are, by heading or number, where it is not to be guessed (`read_lab_file`)."""
+    groups: Mapping[str, str] = field(default_factory=dict[str, str])
+    """What it belongs to, by the kind of group: `specimen` -> A."""
 
     def read(self) -> Record:
         """The record, with NaN for missing samples."""
@@ -164,15 +167,17 @@ def choose_held_out(
         if len(names) >= MANY_RECORDS:
             return [ALL if k == len(names) // 2 else () for k in range(len(names))]
         return [_choose_stretches(rows) for rows in times]
-    if hold_out == NONE:
+    if hold_out == EACH and len(names) < 2:
+        raise InputError("Only one record is given, and none is left to be fitted without it.")
+    if hold_out in (NONE, EACH):
         return [() for _ in names]
     if isinstance(hold_out, str) and hold_out.strip().endswith("%"):
-        share = _read_share(hold_out)
+        share = read_share(hold_out)
         return [((rows[-1] - share * (rows[-1] - rows[0]), math.inf),) for rows in times]
     asked = split_list(hold_out)
     for name in asked:
         if name not in names:
-            raise UnknownNameError("record to hold out", name, [*names, AUTO, NONE, "25 %"])
+            raise UnknownNameError("record to hold out", name, [*names, AUTO, NONE, EACH, "25 %"])
     if len(set(asked)) == len(names):
         raise InputError("All records are held out, and none is left to be fitted.")
     return [ALL if name in asked else () for name in names]
@@ -183,7 +188,12 @@ def _choose_stretches(times: Sequence[float]) -> Stretches:
     return tuple((first + k / STRETCHES * length, first + (k + 1) / STRETCHES * length) for k in KEPT)
 
 
-def _read_share(text: str) -> float:
+def read_share(text: str) -> float:
+    """A share such as `25 %`.
+
+    Raises:
+        InputError: it is none between 0 and 100 %.
+    """
     try:
         share = float(text.strip().removesuffix("%")) / 100.0
     except ValueError:

@@ -100,7 +100,8 @@ class MaterialNumbers:
         if moving[0].name in self.fit.identifiability.without_effect:
             return self._idle(name, leaf, moving[0])
         if moving[0].record is None:
-            text = exact_text(leaf.value, leaf.declared.unit, self.digits)
+            value = self.fit[moving[0].name] if moving[1:] else leaf.value  # a centre, with spreads about it
+            text = exact_text(value, leaf.declared.unit, self.digits)
             return _build_number(leaf, text, "fitted", FIT, describe_trust(self.fit, moving[0]))
         return self._each(moving, leaf)
 

@@ -10,7 +10,7 @@ where there is a C compiler, and are taken along the numbers u from 0 to 1 of th
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, fields, replace
 from functools import cache, cached_property
@@ -20,15 +20,17 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import InputError, ParameterError
-from martensite.fit.experiment import Experiment
+from martensite.fit.experiment import ALL, Experiment
 from martensite.fit.free_parameters import (
     DELAY,
     OFFSET,
+    SPREADS,
     build_free_numbers,
     build_own_parameters,
     delay_model,
     is_nuisance,
 )
+from martensite.fit.ordered_numbers import OrderedNumbers, list_orders
 from martensite.search.batch_runner import BatchRunner
 from martensite.search.free_numbers import FreeNumber, SearchRange
 
@@ -100,6 +102,8 @@ class Problem:
     """Column that drives -> standard deviation of its noise [SI], where it is known."""
     corrections: tuple[InputCorrection, ...] = ()
     """One per experiment, where noise in what drives it counts."""
+    prior_scale: float = 1.0
+    """Noise of residuals, by which spreads of numbers are weighed against them; 1 where all noise is known."""
 
     def __post_init__(self) -> None:
         """Raise `ParameterError` for a problem that has no solution."""
@@ -128,12 +132,33 @@ class Problem:
     @property
     def start(self) -> Any:
         """Where the search begins: a number from 0 to 1 for every free parameter."""
-        return np.array([free.share(free.start) for free in self.free])
+        return self.order.repair(np.array([free.share(free.start) for free in self.free]))
+
+    @cached_property
+    def order(self) -> OrderedNumbers:
+        """What keeps the numbers in the order that laws declare."""
+        return OrderedNumbers(self.free, list_orders(self.free, self.experiments))
 
     @property
     def training(self) -> Problem:
         """The problem without the records that are kept back."""
         return replace(self, experiments=tuple(one for one in self.experiments if not one.held_out), later=())
+
+    def hold_out(self, names: Container[str]) -> Problem:
+        """The problem with some records kept back whole.
+
+        What they have for themselves is fitted to them afterwards, but for numbers with a spread: those are at
+        their centres.
+        """
+        made = [replace(one, held=ALL) if one.name in names else one for one in self.experiments]
+        labels = {None, *(label for one in made if not one.held_out for label in one.labels)}
+        rest = [x for x in self.free if x.record not in labels]
+        return replace(
+            self,
+            experiments=tuple(_set_centres(one, rest) if one.held_out else one for one in made),
+            free=tuple(x for x in self.free if x.record in labels),
+            later=(*self.later, *(x for x in rest if not x.spread)),
+        )
 
     def numbers(self, u: Sequence[float]) -> dict[str, float]:
         """The free parameters in SI."""
@@ -148,9 +173,13 @@ class Problem:
     @cached_property
     def _ranges(self) -> dict[str, float]:
         found: dict[str, float] = {}
+        columns: dict[str, list[Any]] = {}
         for one in self.experiments:
             for k, output in enumerate(one.outputs):
                 column = one.measured[:, k]
+                if not one.over_time:  # what varies between specimens counts
+                    columns.setdefault(output, []).append(column)
+                    column = np.concatenate(columns[output])
                 reach = float(np.nanmax(column) - np.nanmin(column))
                 found[output] = max(found.get(output, 0.0), reach)
         return found
@@ -201,11 +230,49 @@ class Problem:
             residuals[k] = fix.whiten(residuals[k] + fix.shift)
             if jacobian is not None:
                 jacobian[k] = fix.whiten(jacobian[k])
+        if self.spreads:
+            apart, slopes = self._weigh_spreads(u)
+            residuals.append(apart)
+            if jacobian is not None:
+                jacobian.append(slopes)
         return Evaluation(fitted, np.concatenate(residuals), None if jacobian is None else np.concatenate(jacobian))
 
     def split(self, residuals: Any) -> list[Any]:
-        """Residuals that count, by experiment."""
-        return np.split(residuals, np.cumsum([int(used.sum()) for used in self.used])[:-1])
+        """Residuals of measurements that count, by experiment."""
+        ends = np.cumsum([int(used.sum()) for used in self.used])
+        return np.split(residuals[: ends[-1]], ends[:-1])
+
+    @property
+    def knows_noise(self) -> bool:
+        """Whether the noise of all that is compared is known."""
+        return all(name in self.noise for one in self.experiments for name in one.outputs)
+
+    @cached_property
+    def spreads(self) -> list[tuple[int, int | None]]:
+        """Every number with a spread, and the common number that is its centre, by their places."""
+        common = {free.path: i for i, free in enumerate(self.free) if free.record is None}
+        return [(i, common.get(free.path)) for i, free in enumerate(self.free) if free.spread and free.record]
+
+    def _weigh_spreads(self, u: Sequence[float]) -> tuple[Any, Any]:
+        """How far numbers are from their centres, in spreads times the noise that measurements have, and slopes.
+
+        (ln v - ln c)/s where a spread is a share, else (v - c)/s.
+        """
+        apart, slopes = np.zeros(len(self.spreads)), np.zeros((len(self.spreads), len(self.free)))
+        for row, (i, centre) in enumerate(self.spreads):
+            free = self.free[i]
+            ends = [(i, free.value(float(u[i])), 1.0)]
+            if centre is None:
+                ends.append((-1, free.start, -1.0))
+            else:
+                ends.append((centre, self.free[centre].value(float(u[centre])), -1.0))
+            for place, value, sign in ends:
+                apart[row] += sign * (math.log(value) if free.relative else value)
+                if place >= 0:
+                    by_value = 1.0 / value if free.relative else 1.0
+                    slopes[row, place] += sign * by_value * self.free[place].slope(float(u[place]))
+            apart[row], slopes[row] = (one * self.prior_scale / free.spread for one in (apart[row], slopes[row]))
+        return apart, slopes
 
     def costs(self, points: Any) -> Any:
         """Costs (m,) of many points (m, free), in batches; inf where a run fails."""
@@ -217,25 +284,29 @@ class Problem:
                 fitted = self._compare_model(k, None if values is None else models[i], u, None)
                 totals[i] += math.inf if fitted is None else self._sum_squares(k, fitted)
             counts += int(self.used[k].sum())
-        return totals / counts
+        if self.spreads:
+            totals += np.array([float(np.sum(self._weigh_spreads(u)[0] ** 2)) for u in points])
+        return totals / (counts + len(self.spreads))
 
     def _sum_squares(self, k: int, fitted: FittedRecord) -> float:
         total = float(np.sum(fitted.residuals[self.used[k]] ** 2))
         return total if math.isfinite(total) else math.inf
 
     def _find_moved_rows(self, k: int) -> list[tuple[int, list[int]]]:
-        name, paths = self.experiments[k].name, self.runners[k].paths
+        labels, paths = self.experiments[k].labels, self.runners[k].paths
+        acting = [(i, x) for i, x in enumerate(self.free) if x.record in (None, *labels) and not is_nuisance(x.path)]
+        spread = [free for _, free in acting if free.record and free.spread]
+        taken = {path for path in paths for free in spread if free.moves(path)}
         return [
-            (i, [j for j, path in enumerate(paths) if free.moves(path)])
-            for i, free in enumerate(self.free)
-            if free.record in (None, name) and not is_nuisance(free.path)
+            (i, [j for j, path in enumerate(paths) if free.moves(path) and (free.record or path not in taken)])
+            for i, free in acting
         ]
 
     @property
     def lengths(self) -> list[int]:
         """How many residuals each output of each experiment has."""
         counts = (int(n) for used in self.used for n in used.sum(axis=0))
-        return [n for n in counts if n]
+        return [n for n in counts if n] + [1] * len(self.spreads)
 
     @cached_property
     def _moving(self) -> list[list[tuple[int, list[int]]]]:
@@ -285,9 +356,9 @@ class Problem:
         if model is None:
             return None
         model, slopes = self.shift_model(k, model, u, slopes)
-        sizes = self.residual_sizes(k)
+        sizes = self.residual_sizes(k) * self.experiments[k].row_factors
         residuals = (model - self.experiments[k].measured) * sizes
-        return FittedRecord(model, residuals, None if slopes is None else slopes * sizes[:, None])
+        return FittedRecord(model, residuals, None if slopes is None else slopes * sizes[..., None])
 
     def residual_sizes(self, k: int) -> Any:
         """What errors of every output of an experiment are multiplied by."""
@@ -298,7 +369,7 @@ class Problem:
         """A run with the offsets and the delay of its record, and derivatives of both."""
         one = self.experiments[k]
         for i, free in enumerate(self.free):
-            if free.record == one.name and is_nuisance(free.path):
+            if free.record in one.labels and is_nuisance(free.path):
                 value, slope = free.value(float(u[i])), free.slope(float(u[i]))
                 if free.path == DELAY:
                     model, slopes = delay_model(one.times, model, slopes, value, slope, i)
@@ -318,10 +389,12 @@ def _start_threads() -> ThreadPoolExecutor:
 
 
 def _refuse_double(one: Experiment, free: Sequence[FreeNumber]) -> None:
-    own = [x for x in free if x.record in (None, one.name) and not is_nuisance(x.path)]
+    own = [x for x in free if x.record in (None, *one.labels) and not is_nuisance(x.path)]
     for leaf in one.system.leaves():
-        movers = [x.name for x in own if x.moves(leaf.path)]
-        if len(movers) > 1:
+        moving = [x for x in own if x.moves(leaf.path)]
+        movers = [x.name for x in moving]
+        centred = {x.record is None for x in moving} == {True, False} and all(x.spread or not x.record for x in moving)
+        if len(movers) > (2 if centred else 1):
             raise ParameterError(
                 f"Free parameters `{movers[0]}` and `{movers[1]}` both move `{leaf.path}` of "
                 f"record `{one.name}`; leave one of them out."
@@ -353,9 +426,29 @@ def build_problem(
     systems = [one.system for one in experiments]
     shared = build_free_numbers([_read_name(x) for x in free], systems)
     ranges = [_read_name(x) for x in each]
-    fitted, kept = ([x for x in experiments if x.held_out is flag] for flag in (False, True))
-    own, later = build_own_parameters(ranges, fitted), build_own_parameters(ranges, kept)
-    return Problem(tuple(experiments), (*shared, *own), noise or {}, step, tuple(later), input_noise or {})
+    own = [_open_range(x, shared) for x in build_own_parameters(ranges, experiments)]
+    whole = Problem(tuple(experiments), (*shared, *own), noise or {}, step, (), input_noise or {})
+    return whole.hold_out([one.name for one in experiments if one.held_out])
+
+
+def _open_range(own: FreeNumber, shared: Sequence[FreeNumber]) -> FreeNumber:
+    """A number with a spread about a centre that is free: searched as far as that goes, and from where it starts."""
+    centre = next((x for x in shared if x.path == own.path and own.spread), None)
+    if centre is None:
+        return own
+    reach = SPREADS * own.spread
+    if own.relative:
+        low, high = centre.low * math.exp(-reach), centre.high * math.exp(reach)
+    else:
+        low, high = centre.low - reach, centre.high + reach
+    return replace(own, low=low, high=high, start=min(max(own.start, low), high))
+
+
+def _set_centres(one: Experiment, rest: Sequence[FreeNumber]) -> Experiment:
+    """A record that is kept back, with numbers that have a spread at their centres."""
+    own = [x for x in rest if x.spread and x.record in one.labels and not is_nuisance(x.path)]
+    centres = {leaf.path: x.start for x in own for leaf in one.system.leaves() if x.moves(leaf.path)}
+    return replace(one, system=one.system.with_values(centres)) if centres else one
 
 
 def _read_name(name: SearchRange | str) -> SearchRange:

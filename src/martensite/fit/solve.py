@@ -5,6 +5,9 @@
     coordinate   coordinate search of the least cost, for comparison
     evolution    differential evolution (SciPy) in batches, then trf from its best point
 
+Starts and trf keep numbers in the order that a law declares (`ordered_numbers`); a start at which nothing transforms
+is left for others.
+
 With `starts`, trf begins from the scenario and from the best of a Sobol' sequence of points over
 the bounds, all evaluated in batches.
 """
@@ -13,7 +16,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -28,13 +31,17 @@ from martensite.fit.input_noise import Descend, correct_for_inputs
 from martensite.fit.losses import Loss, estimate_scale, find_loss
 from martensite.fit.problem import Evaluation, Problem
 from martensite.fit.search_monitor import SearchMonitor, Tell
+from martensite.fit.start_checks import detect_transformation, find_idle
 from martensite.search.coordinate_search import search_coordinates
 from martensite.search.least_squares import SETTLED, Descended, descend_squares
+from martensite.search.quantity_text import format_quantity, join_phrases
 from martensite.search.starts import evolve_start, find_starts
 
 METHODS = ("trf", "coordinate", "evolution")
 SPREAD = 32
 """Sobol' points tried for each start."""
+OTHERS = 4
+"""Starts tried where nothing transforms at the first."""
 RESUMED = "best so far"
 CONVERGED, INTERRUPTED, NOT_STATIONARY = "converged", "interrupted", "not at a stationary point"
 BOUNDED = "stopped at bounds"
@@ -50,6 +57,12 @@ AT_BOUND = 1e-4
 """Distance from a bound that counts as none."""
 ROUNDING = 1e-7
 """Share of range or noise below which residuals are those of rounding."""
+SPECIMEN = "specimen"
+"""The kind of group whose records are kept back together."""
+FIRST_NOISE = 0.02
+"""Noise as a share of the range with which spreads are first weighed, where it is not known."""
+ROUNDS, BALANCED = 6, 0.05
+"""Fits in which it is found, and the relative change that ends them."""
 MOST_EVALUATIONS = 200
 """Evaluations of one local search."""
 
@@ -86,6 +99,9 @@ def solve_problem(
         SolveError: the runs fail at the start, and at every point tried.
     """
     require_known("method", method, METHODS)
+    if problem.training.spreads and problem.prior_scale == 1.0 and not problem.knows_noise:
+        how = {"method": method, "loss": loss, "starts": starts, "seed": seed, "most": most, "tell": tell}
+        problem = _balance_spreads(problem, lambda one: solve_problem(one, **how, inputs=False))
     if starts < 0:
         raise InputError(f"Argument `starts` must be at least 0, but is {starts}.")
     training = problem.training
@@ -95,7 +111,9 @@ def solve_problem(
     try:
         watch.resume()
         reason = _run_search(watch, method, chosen, starts, seed, most)
-        if reason == CONVERGED:
+        if watch.best is not None and _rests(training, watch.best):
+            reason = _describe_rest(training, watch.best)
+        elif reason == CONVERGED:
             reason = _verify_optimum(watch, chosen, most)
     except KeyboardInterrupt:
         if watch.best is None:
@@ -141,6 +159,46 @@ def solve_problem(
     )
 
 
+def _balance_spreads(problem: Problem, solve: Callable[[Problem], Fit]) -> Problem:
+    """The problem with spreads weighed against the noise that a fit with them leaves, s² = Σ r²/(n - tr H).
+
+    n are measurements, and tr H is the sum of their leverages: what of the free numbers they hold.
+    """
+    scale = FIRST_NOISE
+    for _ in range(ROUNDS):
+        fit = solve(replace(problem, prior_scale=scale))
+        count = len(fit.evaluation.residuals) - len(fit.problem.spreads)
+        residuals, jacobian = fit.weights * fit.evaluation.residuals, fit.weights[:, None] * fit.evaluation.jacobian
+        levers = np.sum((jacobian @ np.linalg.pinv(jacobian)).diagonal()[:count])
+        before = scale
+        scale = max(math.sqrt(float(residuals[:count] @ residuals[:count]) / max(count - levers, 1.0)), ROUNDING)
+        if fit.reason == INTERRUPTED or abs(scale - before) <= BALANCED * before:
+            break
+    return replace(problem, prior_scale=scale)
+
+
+def predict_each(problem: Problem, how: Mapping[str, Any], tell: Tell | None = None) -> tuple[HeldOutRecord, ...]:
+    """What fits to all other specimens (records, where there are none) predict for each.
+
+    Args:
+        problem: all records, none of them kept back.
+        how: method, loss and so on, as for `solve_problem`.
+        tell: called after every evaluation.
+
+    Raises:
+        SolveError: the runs of one of the fits fail.
+    """
+    wholes = [one.groups.get(SPECIMEN, one.name) for one in problem.experiments]
+    found = list[HeldOutRecord]()
+    for whole in dict.fromkeys(wholes):
+        names = [one.name for one, of in zip(problem.experiments, wholes, strict=True) if of == whole]
+        fit = solve_problem(problem.hold_out(names), **how, tell=tell, inputs=False)
+        if fit.reason == INTERRUPTED:
+            break
+        found += fit.kept
+    return tuple(found)
+
+
 def _make_descent(loss: Loss, evaluation: Evaluation) -> Descend:
     """A local search of a problem from a point, with the loss of a fit."""
     scale = 1.0
@@ -157,10 +215,11 @@ def _make_descent(loss: Loss, evaluation: Evaluation) -> Descend:
 
 
 def _predict_held_out(problem: Problem, one: Experiment, end: Any) -> HeldOutRecord:
-    free = tuple(f for f in problem.free if f.record is None)
+    labels = (None, *one.groups.values())  # a group may have other records, that were fitted
+    free = tuple(f for f in problem.free if f.record in labels)
     whole = replace(problem, experiments=(replace(one, held=()),), free=free, later=())
-    at = [u for f, u in zip(problem.free, end, strict=True) if f.record is None]
-    own = tuple(f for f in problem.later if f.record == one.name)
+    at = [u for f, u in zip(problem.free, end, strict=True) if f.record in labels]
+    own = tuple(f for f in problem.later if f.record in one.labels)
     found = whole.evaluate(at)
     if found is None:
         raise SolveError(f"The run of record `{one.name}`, which was kept back, fails.")
@@ -185,9 +244,13 @@ def _run_search(watch: SearchMonitor, method: str, loss: Loss, starts: int, seed
 
         return search_coordinates(cost, begin.tolist())[1]
     begins = [("scenario", problem.start)]
+
+    def costs(points: Any) -> Any:
+        return watch.costs(np.array([problem.order.find_shares(v) for v in points]))
+
     if method == "evolution" and "evolution" not in watch.done:
         watch.stage = "differential evolution"
-        begins = [("best of evolution", np.array(evolve_start(watch.costs, size, seed=seed).values))]
+        begins = [("best of evolution", problem.order.find_shares(evolve_start(costs, size, seed=seed).values))]
         watch.finished("evolution")
     if watch.best is not None:
         begins = [(RESUMED, np.array(watch.best))]
@@ -195,9 +258,36 @@ def _run_search(watch: SearchMonitor, method: str, loss: Loss, starts: int, seed
         watch.stage = f"{SPREAD * starts} points"
         if watch.best is None:  # something to show, should the points be interrupted
             watch.evaluate(problem.start.tolist())
-        spread = find_starts(watch.costs, size, count=SPREAD * starts, keep=starts, seed=seed)
-        begins += [(f"start {k}", np.array(s.values)) for k, s in enumerate(spread, start=1)]
+        spread = find_starts(costs, size, count=SPREAD * starts, keep=starts, seed=seed)
+        begins += [(f"start {k}", problem.order.find_shares(s.values)) for k, s in enumerate(spread, start=1)]
+    elif watch.best is None and (problem.evaluate(problem.start) is None or _rests(problem, problem.start)):
+        watch.stage = "other starts: at the first runs fail, or nothing transforms"
+        watch.evaluate(problem.start.tolist())  # which is kept where no point is better
+        try:
+            spread = find_starts(costs, size, count=SPREAD, keep=OTHERS, seed=seed)
+        except SolveError:
+            spread = ()
+        moving = [u for u in (problem.order.find_shares(s.values) for s in spread) if not _rests(problem, u)]
+        begins = [(f"start {k}", u) for k, u in enumerate(moving, start=1)] or begins
     return _run_descents(watch, begins, loss, most)
+
+
+def _rests(problem: Problem, u: Any) -> bool:
+    """Whether numbers move nothing at a point: none of them, or some since nothing transforms."""
+    found = problem.evaluate(u, slopes=True)
+    if found is None or not (idle := find_idle(problem, found)):
+        return False
+    return len(idle) == len(problem.free) or not detect_transformation(problem, u)
+
+
+def _describe_rest(problem: Problem, u: Any) -> str:
+    """How a search ends where nothing transforms."""
+    found = problem.evaluate(u, slopes=True)
+    idle = [] if found is None else find_idle(problem, found)
+    numbers = [format_quantity(problem.free[i].value(float(u[i])), problem.free[i].unit) for i in idle]
+    where = join_phrases([f"{problem.names[i]} = {number}" for i, number in zip(idle, numbers, strict=True)])
+    what = "nothing that is compared changes" if detect_transformation(problem, u) else "nothing transforms"
+    return f"{what} at {where}; the fit did not move"
 
 
 def _run_descents(watch: SearchMonitor, begins: Sequence[tuple[str, Any]], loss: Loss, most: int) -> str:
@@ -224,15 +314,16 @@ def _verify_optimum(watch: SearchMonitor, loss: Loss, most: int) -> str:
         if found is None:
             return NOT_STATIONARY
         weights = np.sqrt(loss.weights(found.residuals, _scale_loss(loss, found)))
-        weighted = weights * found.residuals, weights[:, None] * found.jacobian
-        step, asked = find_step(*weighted, point)
+        order, place = watch.problem.order, watch.problem.order.find_places(point)
+        weighted = weights * found.residuals, weights[:, None] * (found.jacobian @ order.find_slopes(place))
+        step, asked = find_step(*weighted, place)
         if asked <= STATIONARY:
             return CONVERGED if find_step(*weighted, 0.5 + 0.0 * point)[1] <= STATIONARY else BOUNDED
         if loss.name != "linear":
             return NOT_STATIONARY
         before = watch.cost
         for share in LINE:
-            watch.evaluate(np.clip(point + share * step, 0.0, 1.0).tolist())
+            watch.evaluate(order.find_shares(np.clip(place + share * step, 0.0, 1.0)).tolist())
         if watch.cost >= before * (1.0 - SETTLED):  # a kink: the step that is asked for does not help
             return CONVERGED
         descend_from(watch, np.array(watch.best), loss, most)
@@ -285,6 +376,12 @@ def descend_from(watch: SearchMonitor, begin: Any, loss: Loss, most: int = MOST_
 def _descend_to_optimum(
     watch: SearchMonitor, begin: Any, first: Evaluation, most: int, loss: str, scale: float
 ) -> Descended:
-    return descend_squares(
-        lambda u, slopes: watch.evaluate(u.tolist(), slopes=slopes), begin, first, most=most, loss=loss, scale=scale
-    )
+    order = watch.problem.order
+
+    def evaluate(v: Any, slopes: bool) -> Evaluation | None:
+        found = watch.evaluate(order.find_shares(v).tolist(), slopes=slopes)
+        return order.turn_slopes(found, v) if slopes and found is not None else found
+
+    place = order.find_places(begin)
+    found = descend_squares(evaluate, place, order.turn_slopes(first, place), most=most, loss=loss, scale=scale)
+    return found._replace(shares=order.find_shares(found.shares))

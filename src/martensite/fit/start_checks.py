@@ -9,7 +9,7 @@ gives at the start, and not much nearer at any of those points.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,8 @@ POINTS = 8
 """Points over the bounds that are tried before anything is refused."""
 FAR_RATIO, NEAR_RATIO = 100.0, 20.0
 """Ratio of ranges that is doubted; and the one that acquits a column at another point."""
+LEAST_CHANGE = 1e-3
+"""Change of a martensite fraction below which nothing transforms."""
 NO_EFFECT = 1e-9
 """Derivative, per search range and as a share of range, that is none."""
 
@@ -41,19 +43,39 @@ def check_start(problem: Problem, follows: Sequence[str] = ()) -> list[str]:
         ParameterError: a free parameter without effect.
     """
     _require_rows(problem)
+    notes = list(_describe_moved_starts(problem))
     first = problem.evaluate(problem.start, slopes=True)
     if first is None:
-        return ["The runs fail at the start of the fit; other starts are tried if asked for."]
-    idle = _find_idle(problem, first)
+        return [*notes, "The runs fail at the start of the fit; other starts are tried."]
+    idle = find_idle(problem, first)
     doubtful = _find_doubtful(problem, first)
     if not idle and not doubtful:
-        return []
+        return notes
     n = len(problem.free)
-    points = draw_points(n, POINTS)
+    points = [problem.order.find_shares(point) for point in draw_points(n, POINTS)]
     found = [problem.evaluate(u, slopes=bool(idle)) for u in points]
     others = [(u, one) for u, one in zip(points, found, strict=True) if one is not None]
-    notes = _refuse_idle(problem, idle, others, follows)
+    notes += _refuse_idle(problem, idle, others, follows)
     return notes + _refuse_units(problem, first, doubtful, others, follows)
+
+
+def _describe_moved_starts(problem: Problem) -> Iterator[str]:
+    """Starts that were out of the order that a law declares."""
+    for free, u in zip(problem.free, problem.start, strict=True):
+        if abs(free.share(free.start) - u) > NO_EFFECT:
+            begun, at = (format_quantity(x, free.unit) for x in (free.start, free.value(float(u))))
+            yield f"`{free.name}` starts at {at} and not at {begun}, which its law does not allow beside the others."
+
+
+def detect_transformation(problem: Problem, u: Any) -> bool:
+    """Whether the martensite fraction of any element changes in any record at some numbers."""
+    for k, one in enumerate(problem.experiments):
+        system = problem.system(k, u)
+        outputs = [system.label(port, "martensite_fraction") for port in system.actuators()]
+        seen = one.sample_outputs(system, outputs, problem.used[k].any(axis=1), problem.step)
+        if not np.isfinite(seen).all() or (np.ptp(seen, axis=0) > LEAST_CHANGE).any():
+            return True
+    return False
 
 
 def find_silent_outputs(problem: Problem) -> list[tuple[str, str]]:
@@ -79,7 +101,7 @@ def _require_rows(problem: Problem) -> None:
         )
 
 
-def _find_idle(problem: Problem, found: Evaluation) -> list[int]:
+def find_idle(problem: Problem, found: Evaluation) -> list[int]:
     """Free parameters whose derivatives are zero in all that is compared."""
     largest = np.max(np.abs(found.jacobian), axis=0)
     return [i for i in range(len(problem.free)) if not largest[i] > NO_EFFECT]
@@ -91,10 +113,9 @@ def _refuse_idle(
     notes: list[str] = []
     dead: list[int] = []
     for i in idle:
-        if any(i not in _find_idle(problem, one) for _, one in others):
+        if any(i not in find_idle(problem, one) for _, one in others):
             notes.append(
-                f"`{problem.names[i]}` changes nothing at the start of the fit, but does "
-                "elsewhere within the bounds: start from other values, or ask for more starts."
+                f"`{problem.names[i]}` changes nothing at the start of the fit, but does elsewhere within the bounds."
             )
         else:
             dead.append(i)
@@ -182,7 +203,7 @@ def _refuse_units(
         output, elsewhere = one.outputs[k], [_compare_ranges(problem, f, e, k) for _, f in others]
         measured = float(np.ptp(one.measured[problem.used[e][:, k], k]))
         modelled = float(np.ptp(first.fitted[e].model[problem.used[e][:, k], k]))
-        unit = one.system.outputs()[output].unit
+        unit = one.describe_outputs()[output].unit
         seen = (
             f"Column `{one.columns[output]}` of record `{one.record.name}` ranges over "
             f"{format_change(measured, unit, 3)}, the scenario at its start over "

@@ -108,6 +108,10 @@ class BatchRunner:
         failed = np.full((self._samples, len(self.outputs)), np.nan)
         return np.stack([failed if rows is None else rows for rows in found])
 
+    def run_lanes(self, table: Numbers, grid: LaneGrid) -> Numbers:
+        """Outputs (lanes, samples, outputs) of a table (lanes, parameters), each lane with signals of its own, in C."""
+        return self._judge_lanes(list(table.T), grid)
+
     def run_slopes(self, values: Numbers, seeds: Numbers) -> tuple[Numbers, Numbers] | None:
         """One run with its derivatives (samples, outputs, directions); None if it fails.
 

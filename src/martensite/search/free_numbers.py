@@ -97,6 +97,12 @@ class SearchRange:
     """Where to begin [SI]; None for the value in the scenario."""
     scale: str | None = None
     """linear, log or whole."""
+    spread: float = 0.0
+    """Standard deviation about the centre that several have in common: [SI], or a share of it; 0 for none."""
+    relative: bool = False
+    """Whether the spread is a share."""
+    by: str = ""
+    """What has it for itself: a kind of group of records; every record if empty."""
 
 
 @dataclass(frozen=True)
@@ -115,10 +121,14 @@ class FreeNumber:
     logarithmic: bool = False
     whole: bool = False
     record: str | None = None
-    """The one experiment that has it for itself; None if it is common to all."""
+    """The one experiment, or group of them, that has it for itself; None if it is common to all."""
     doc: str = ""
     targets: tuple[Target, ...] = ()
     """What takes its value."""
+    spread: float = 0.0
+    """Standard deviation about the centre that several have in common: [SI], or a share of it; 0 for none."""
+    relative: bool = False
+    """Whether the spread is a share."""
 
     @overload
     def value(self, share: float) -> float: ...

@@ -41,6 +41,8 @@ class Score:
     bias: float
     """Mean of modelled less measured [unit]."""
     samples: int
+    place: str = ""
+    """Where it occurs, where that is no time."""
 
     @property
     def sentence(self) -> str:
@@ -49,9 +51,14 @@ class Score:
         return (
             f"`{self.record}`, `{self.output}` ({self.part}): "
             f"{fit or f'fit {self.fit_percent:.1f} %'}, rms error {self._amount(self.rms)}, "
-            f"at most {self._amount(self.maximum)} at {format_number(self.maximum_at)} s, "
+            f"at most {self._amount(self.maximum)} at {self.where}, "
             f"bias {self._amount(self.bias)}."
         )
+
+    @property
+    def where(self) -> str:
+        """The place of the largest error, in words."""
+        return self.place or f"{format_number(self.maximum_at)} s"
 
     def to_dict(self) -> dict[str, Any]:
         """All fields by name, for JSON."""

@@ -213,7 +213,7 @@ def fitted_text(fit: Fit) -> str:
     numbers: Mapping[str, str] = {
         scenario.places.path(leaf.path): exact_text(fit[free.name], leaf.declared.unit, 9)
         for free in fit.problem.free
-        if free.record in (None, first.name) and not is_nuisance(free.path)
+        if free.record in (None, *first.labels) and not is_nuisance(free.path)
         for leaf in scenario.system.leaves()
         if free.moves(leaf.path)
     }

@@ -8,6 +8,7 @@ with ξ_S the oriented fraction. Tension and elongation are positive; Θ > 0 mea
 """
 
 from abc import abstractmethod
+from typing import ClassVar
 
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, option, param
@@ -31,6 +32,8 @@ def require_order(law: Parametrised, *pairs: tuple[str, str]) -> None:
 
 class AbstractTwoPhaseLaw(AbstractLaw):
     """Moduli of the phases, and the temperatures between which they transform without stress."""
+
+    orders: ClassVar[tuple[tuple[str, str], ...]] = WIDTHS
 
     E_A: Scalar = param("Pa", "Young's modulus of austenite", low=1e8, high=3e11, typical="70 GPa")
     E_M: Scalar = param("Pa", "Young's modulus of martensite", low=1e8, high=3e11, typical="30 GPa")

@@ -101,6 +101,8 @@ class StraightPath(NamedTuple):
 class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
     """Parameters, constants and surfaces; a law adds memory and flow."""
 
+    orders = (*WIDTHS, ("M_f", "A_s"), ("M_s", "A_f"))
+
     C_A: Scalar = param("Pa/K", "slope of the reverse surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K")
     C_M: Scalar = param("Pa/K", "slope of the forward surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K")
     sigma_cal: Scalar = param("Pa", "stress at which both slopes hold", low=0.0, high=2e9, typical="150 MPa")
@@ -123,7 +125,7 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
 
     def check(self) -> None:
         """Raise `ParameterError` where the surfaces have no width, no order or no slope."""
-        require_order(self, *WIDTHS, ("M_f", "A_s"), ("M_s", "A_f"))
+        require_order(self, *self.orders)
         if self.H_min > self.H_sat:
             raise ParameterError(
                 f"Parameter `H_min` of `lagoudas` must not exceed `H_sat`, but is {self.H_min} against {self.H_sat}."

@@ -49,6 +49,8 @@ class AbstractLaw(Parametrised):
     """True if one move changes both fractions in a fixed proportion, wherever it ends."""
     steep: ClassVar[bool] = False
     """True if the law offers `drive`."""
+    orders: ClassVar[tuple[tuple[str, str], ...]] = ()
+    """Pairs of parameters of which the first must be below the second: searches keep them in order."""
     rate_dependent: ClassVar[bool] = False
     """True if time acts, not only the path of stress and temperature."""
     grouped: ClassVar[bool] = False

@@ -22,7 +22,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import two_fractions
-from martensite.physics.kinetics.diagram import AbstractPhaseDiagram
+from martensite.physics.kinetics.diagram import WIDTHS, AbstractPhaseDiagram
 from martensite.physics.kinetics.history import Strip
 from martensite.physics.kinetics.two_fractions import Diagram, TwoFractionDirection, TwoFractionMemory
 from martensite.physics.laws.base import LAWS, Doubt, Fractions
@@ -36,6 +36,7 @@ class Brinson(AbstractPhaseDiagram):
     """Brinson kinetics with two martensite fractions and a ξ-dependent Young's modulus."""
 
     cites = ("brinson1993", "chung2007")
+    orders = (*WIDTHS, ("sigma_s", "sigma_f"))
     twins = True
     one_way = False
 

@@ -50,6 +50,7 @@ MOST = 12
 WARM = 1.0
 """Least range of a measured temperature [K] over which a loop is drawn."""
 TIME = QuantityAxis("time", "time", "t", "s", "s")
+CONDITION = QuantityAxis("condition", "condition", "row of the table", "1", "1")
 MOST_RESIDUALS = 8
 """Records and outputs drawn at most; of more, those spread evenly."""
 ROOM = 1.12
@@ -63,7 +64,7 @@ def plot_fit(fit: Fit, title: str = "") -> Figure:
         figure, panels = make_grid(len(rows), title or "Measured and fitted")
         for axes, one in zip(panels, rows, strict=True):
             shown = make_output_axis(one.output, one.description)
-            _draw_panel(axes, one, TIME, one.times, shown)
+            _draw_panel(axes, one, _choose_axis(one), one.times, shown)
         _share_scales(panels, rows)
         _write_key(figure, rows)
         return figure
@@ -135,13 +136,18 @@ def _draw_panel(axes: Any, one: ComparedOutput, horizontal: QuantityAxis, x: Any
             axes.plot(across, np.where(part, model, np.nan), color=colour, zorder=above)
     if held.all():
         axes.set_facecolor(TINT)
-    elif horizontal is TIME:
+    elif horizontal in (TIME, CONDITION):
+        wide = 0.0 if horizontal is TIME else 0.5
         for first, last in one.experiment.held:
-            low, high = max(first, float(one.times[0])), min(last, float(one.times[-1]))
+            low, high = max(first, float(one.times[0])) - wide, min(last, float(one.times[-1])) + wide
             if low < high:
                 axes.axvspan(low, high, color=TINT, linewidth=0.0, zorder=0.4)
     axes.set(xlabel=horizontal.label, ylabel=shown.label)
     _write_name(axes, one)
+
+
+def _choose_axis(one: ComparedOutput) -> QuantityAxis:
+    return TIME if one.experiment.over_time else CONDITION
 
 
 def _widen_rows(rows: Any) -> Any:
@@ -221,7 +227,7 @@ def _draw_over_time(axes: Any, one: ComparedOutput, reach: float, last: bool) ->
     if one.held.any() and not one.used.any():
         axes.set_facecolor(TINT)
     axes.set(ylim=(-ROOM * reach / factor or -1.0, ROOM * reach / factor or 1.0))
-    axes.set(ylabel=f"{one.output} [{shown.difference_unit or '–'}]", xlabel=TIME.label if last else "")
+    axes.set(ylabel=f"{one.output} [{shown.difference_unit or '–'}]", xlabel=_choose_axis(one).label if last else "")
     held = " (held out)" if one.held.any() and not one.used.any() else ""
     write_title(axes, shorten_name(one.record) + held, fontweight="bold", color=HELD if held else INK)
 

@@ -66,7 +66,9 @@ def read_column(result: Result, name: str) -> Any:
 
 
 def typeset_symbol(symbol: str) -> str:
-    """A symbol such as ξ_S as italic mathematics with its subscript."""
+    """A symbol such as ξ_S as italic mathematics with its subscript; words as they are."""
+    if " " in symbol:
+        return symbol.replace("$", "")
     head, _, index = symbol.partition("_")
     return f"${head}_{{{index}}}$" if index else f"${head}$"
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from martensite.base import units
 from martensite.base.formats import typeset_unit
 from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
-from martensite.fit.fit import Fit, list_compared
+from martensite.fit.baselines import score_baselines
+from martensite.fit.fit import Fit, list_compared, list_held_out
 from martensite.fit.fit_verdicts import describe_predictions, format_error, list_fit_warnings
 from martensite.fit.posterior import Posterior
 from martensite.scenario.laws import KIND, law_words
@@ -173,9 +174,8 @@ def _list_facts(fit: Fit, scenario: Scenario | None) -> Iterator[str]:
     law = _find_law(fit)
     options = join_phrases([f"`{name} = {word}`" for name, word in law.items() if name != KIND])
     yield f"Law: `{law[KIND]}`{f' with {options}' if options else ''}."
-    for output in dict.fromkeys(one.output for one in list_compared(fit)):
+    for output, unit in dict.fromkeys((one.output, one.description.unit) for one in list_compared(fit)):
         known = output in fit.problem.noise
-        unit = fit.system().outputs()[output].unit
         size = format_error(output, fit.problem.scale(output), unit, 4)
         what = "its known noise" if known else "the range over which it was measured"
         yield f"Residuals of `{output}` are divided by {what}, {size}."
@@ -246,6 +246,8 @@ def _collect_numbers(fit: Fit) -> dict[str, Any]:
         "jacobians": fit.jacobians,
         "seconds": fit.seconds,
         "scores": [score.to_dict() for score in fit.scores],
+        "baselines": [score.to_dict() for score in score_baselines(fit)],
+        "transfer": [score.to_dict() for kept in fit.transfer for one in list_held_out(kept) for score in one.score()],
         "held_out": {
             one.name: [[_write_end(end) for end in pair] for pair in one.held]
             for one in (*fit.problem.experiments, *kept)

@@ -15,7 +15,6 @@ from martensite.fit.free_parameters import is_nuisance
 from martensite.scenario.exact_text import format_quantity
 from martensite.search.free_numbers import FreeNumber
 from martensite.search.model_score import Score
-from martensite.search.quantity_text import format_number
 
 DIGITS = 4
 """Digits of a number without an error."""
@@ -175,9 +174,8 @@ def _write_error(score: Score, raw: float | None) -> tuple[str, ...]:
     fit = "–" if math.isnan(score.fit_percent) else f"{score.fit_percent:.1f} %"
     rms, largest = (format_error(score.output, v, score.unit) for v in (score.rms, score.maximum))
     bias = format_error(score.output, _round_small(score.bias, score.rms), score.unit)
-    at = f"{format_number(score.maximum_at)} s"
     bare = () if raw is None else ("" if math.isnan(raw) else format_error(score.output, raw, score.unit),)
-    return score.record, f"`{score.output}`", rms, *bare, fit, largest, at, bias, str(score.samples)
+    return score.record, f"`{score.output}`", rms, *bare, fit, largest, score.where, bias, str(score.samples)
 
 
 def _round_small(value: float, beside: float) -> float:

@@ -1,4 +1,4 @@
-"""How long a way takes: from a tenth to nine tenths of it, there and back.
+"""How long a way takes: from a tenth to nine tenths of it, there and back, to a share of it, to its end.
 
 The way is that from the first sample to the one furthest from it. Crossings lie between samples on
 a straight line; a crossing that does not happen is at an infinite time, and so is every one of a
@@ -58,10 +58,7 @@ class RiseTime(AbstractMeasure):
 
     def _crossing(self, times: Numbers, seen: Numbers, share: float) -> Crossing:
         """The last crossing of a share of the way before the turn."""
-        way = ColumnCrossings(seen, share)
-        found: Flags = (way.beyond[:, :-1] <= 0.0) & (way.beyond[:, 1:] > 0.0) & way.out
-        last: Places = found.shape[1] - 1 - found[:, ::-1].argmax(axis=1)
-        return Crossing(times, way, np.where(found.any(axis=1), last, -1))
+        return cross_outwards(times, seen, share)
 
 
 @MEASURES.register("fall-time")
@@ -73,6 +70,71 @@ class FallTime(RiseTime):
         way = ColumnCrossings(seen, share)
         found: Flags = (way.beyond[:, :-1] > 0.0) & (way.beyond[:, 1:] <= 0.0) & ~way.out
         return Crossing(times, way, np.where(found.any(axis=1), found.argmax(axis=1), -1))
+
+
+@MEASURES.register("reach-time")
+class ReachTime(AbstractMeasure):
+    """Time from the start of the run to nine tenths of the way out; of several outputs the longest."""
+
+    share: Scalar = param("1", "share of the way that is reached", above=0.0, high=1.0, default=0.9)
+
+    def unit(self, unit: str) -> str:
+        """Seconds."""
+        return "s"
+
+    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+        """t(share) − t(start)."""
+        return (cross_outwards(times, seen, self.share).time - times[0]).max(axis=0)
+
+    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
+        """Derivatives of the crossing that is last; 0 where it never happens."""
+        found = cross_outwards(times, seen, self.share)
+        longest = np.arange(len(seen))[:, None] == found.time.argmax(axis=0)
+        return found.slopes() * longest[:, None, :]
+
+
+@MEASURES.register("peak-time")
+class PeakTime(AbstractMeasure):
+    """Time from the start of the run to the sample furthest from the first, between samples on a parabola."""
+
+    def unit(self, unit: str) -> str:
+        """Seconds."""
+        return "s"
+
+    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+        """Where the slope is zero; of several outputs the longest time."""
+        return (self._find_peaks(times, seen)[0] - times[0]).max(axis=0)
+
+    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
+        """Derivatives by the furthest sample and its neighbours; 0 for a peak at an end of the run."""
+        when, place, slopes = self._find_peaks(times, seen)
+        longest = np.arange(len(seen))[:, None] == when.argmax(axis=0)
+        found = np.zeros(seen.shape)
+        for k, slope in enumerate(slopes):
+            _add_sample(found, place + k - 1, slope * longest)
+        return found
+
+    def _find_peaks(self, times: Numbers, seen: Numbers) -> tuple[Numbers, Places, list[Numbers]]:
+        """Time, inner sample next to it, and derivatives by three samples, of every column and run."""
+        turn: Places = np.abs(seen - seen[:, :1]).argmax(axis=1)
+        place = np.clip(turn, 1, len(times) - 2)
+        before, here, after = (_take_sample(seen, place + k) for k in (-1, 0, 1))
+        first, second = times[place] - times[place - 1], times[place + 1] - times[place]
+        rise, fall = (here - before) / first, (after - here) / second
+        bend = np.where(rise == fall, 1.0, rise - fall)
+        inner = (turn == place) & (rise != fall)
+        begin, length = times[place] - 0.5 * first, 0.5 * (first + second)
+        by_rise, by_fall = (np.where(inner, length * one / bend**2, 0.0) for one in (-fall, rise))
+        slopes = [-by_rise / first, by_rise / first - by_fall / second, by_fall / second]
+        return np.where(inner, begin + length * rise / bend, times[turn]), place, slopes
+
+
+def cross_outwards(times: Numbers, seen: Numbers, share: float) -> Crossing:
+    """The last crossing of a share of the way before the turn."""
+    way = ColumnCrossings(seen, share)
+    found: Flags = (way.beyond[:, :-1] <= 0.0) & (way.beyond[:, 1:] > 0.0) & way.out
+    last: Places = found.shape[1] - 1 - found[:, ::-1].argmax(axis=1)
+    return Crossing(times, way, np.where(found.any(axis=1), last, -1))
 
 
 class Crossing:

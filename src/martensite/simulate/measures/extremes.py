@@ -68,6 +68,29 @@ class Stroke(Largest):
         return found
 
 
+@MEASURES.register("change")
+class Change(Stroke):
+    """Sample furthest from the first, less the first, with its sign; of several outputs the one that changes most."""
+
+    def value(self, times: Numbers, seen: Numbers) -> Numbers:
+        """y(t) − y(0) where it is largest in size."""
+        column = self._choose_column(seen)
+        return column[np.abs(column).argmax(axis=0), np.arange(column.shape[1], dtype=np.intp)]
+
+    def weights(self, times: Numbers, seen: Numbers) -> Numbers:
+        """1 at that sample and −1 at the first."""
+        found, runs = np.zeros(seen.shape), np.arange(seen.shape[2], dtype=np.intp)
+        most = np.abs(seen - seen[:, :1]).max(axis=1).argmax(axis=0)
+        found[most, np.abs(self._choose_column(seen)).argmax(axis=0), runs] += 1.0
+        found[most, 0, runs] -= 1.0
+        return found
+
+    def _choose_column(self, seen: Numbers) -> Numbers:
+        """What the column that changes most has gone from its start, (samples, runs)."""
+        gone = seen - seen[:, :1]
+        return gone[np.abs(gone).max(axis=1).argmax(axis=0), :, np.arange(seen.shape[2], dtype=np.intp)].T
+
+
 def _mark_sample(seen: Numbers, place: Callable[..., Any]) -> Numbers:
     """1 at one sample of every run."""
     found = np.zeros(seen.shape).reshape(-1, seen.shape[2])

@@ -1,0 +1,298 @@
+"""From tables of conditions to experiments: one per specimen, its rows the runs.
+
+Rows of one condition are repeats: their mean counts as many times as they are, and how they scatter about it,
+pooled over the table, is the noise of the measure. Where a column has standard deviations s, a row counts by
+n/s². Kept back are, of one or two specimens, conditions at the edge and in the middle; of more a whole one.
+
+    auto     3 or more specimens: each is left out in turn; fewer: a fifth of the conditions
+    each     every specimen is left out in turn, from a fit to all others
+    25 %     so many of the conditions, the edge and the middle first
+    A, B     specimens of these names
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from martensite.base.errors import DataError, InputError, ParameterError
+from martensite.fit.column_matching import read_noise
+from martensite.fit.condition_runs import SAMPLES, ConditionExperiment, TableRow
+from martensite.fit.condition_tables import ConditionTable, InputColumn, MeasureColumn, read_condition_table
+from martensite.fit.free_parameters import is_nuisance, read_ranges
+from martensite.fit.logs import ALL, AUTO, EACH, NONE, Log, choose_held_out, read_share
+from martensite.fit.problem import Problem, build_problem
+from martensite.fit.start_checks import check_start
+from martensite.scenario.scenario import Scenario, load, read_scenario
+from martensite.search.quantity_text import format_change
+from martensite.signals.records import Record
+from martensite.simulate.compiled import compile_march
+from martensite.simulate.trial_runs import find_step
+
+if TYPE_CHECKING:
+    from martensite.fit.fit_task import FitTask
+
+LEFT_OUT = 0.2
+"""Share of the conditions that is kept back by itself."""
+SPECIMENS = 3
+"""From which on each is left out in turn by itself."""
+TRIED = 2
+"""Rows of a specimen for which a step is looked for."""
+SPARE = 3
+"""Repeats to spare from which on their scatter is the noise of a measure."""
+
+
+@dataclass(frozen=True)
+class ArrangedConditions:
+    """A problem, the scenario of its first row, and what is to be said."""
+
+    problem: Problem
+    scenario: Scenario
+    notes: tuple[str, ...]
+    turns: bool
+    """Whether every record is left out in turn."""
+
+
+@dataclass(frozen=True)
+class _Row:
+    """Rows of one condition, put together."""
+
+    places: list[int]
+    """In the table."""
+    values: dict[str, float]
+    """Measure -> mean [SI]."""
+    counts: dict[str, float]
+    """Measure -> repeats that the mean is of."""
+
+
+def arrange_conditions(task: FitTask) -> ArrangedConditions:
+    """The problem of tables of conditions.
+
+    Raises:
+        InputError: a log is among the tables, or tables, scenario and free parameters do not fit.
+        SolveError: a run that is to show the step fails.
+    """
+    made, notes, noise = list[ConditionExperiment](), list[str](), dict[str, list[tuple[float, int]]]()
+    known, first = dict[str, float](), None
+    for log in task.logs:
+        scenario = _load_scenario(log)
+        first = first or scenario
+        table = read_condition_table(log.source, scenario, log.columns)  # type: ignore[arg-type]
+        experiments, more = _build_experiments(table, log, scenario, task.step, noise)
+        made, notes = made + experiments, [*notes, *table.notes, *more]
+        known |= {one.words: _pool_spread(one) for one in table.measures if one.spreads}
+    inputs = dict.fromkeys(p for one in made for c in one.conditions for p in c.inputs)
+    scales, more = _choose_scales(made, noise)
+    scales |= known
+    notes += more
+    held, turns = _choose_held_rows(made, task.hold_out)
+    whole = _build_problem(task, held, scales, [*inputs])
+    notes += check_start(whole.training)
+    if first is None:
+        raise InputError("A fit needs at least one log; none given.")
+    return ArrangedConditions(whole, first, tuple(notes), turns)
+
+
+def _load_scenario(log: Log) -> Scenario:
+    given = log.scenario
+    scenario = load(given, log.settings) if not isinstance(given, Scenario) else given
+    if isinstance(given, Scenario) and log.settings:
+        scenario = read_scenario(given.text, given.path, log.settings)
+    if scenario.bench is not None:
+        raise InputError("A table of conditions is fitted to a system without controllers, but the scenario has some.")
+    return scenario
+
+
+def _build_problem(
+    task: FitTask, made: Sequence[ConditionExperiment], scales: Mapping[str, float], inputs: Sequence[str]
+) -> Problem:
+    from martensite.fit.fit_task import list_paths, spell_paths
+
+    scenario = _load_scenario(task.logs[0])
+    known, systems = list_paths(scenario), [one.system for one in made]
+    free = read_ranges(spell_paths(task.free, known), systems)
+    outputs = {name: one for e in made for name, one in e.describe_outputs().items()}
+    each = read_ranges(spell_paths(task.each, known), systems, own=True, outputs=outputs)
+    for wanted in each:
+        if wanted.name == "delay":
+            raise ParameterError("A table of conditions has no clock, and so no `delay`.")
+    noise = read_noise(task.noise, outputs, {})[0]
+    problem = build_problem(made, free, each=each, noise={**scales, **noise}, step=None)
+    _refuse_set(problem, scenario, inputs)
+    return problem
+
+
+def _refuse_set(problem: Problem, scenario: Scenario, inputs: Sequence[str]) -> None:
+    """Raise `ParameterError` where a free parameter is what a column sets."""
+    for leaf in scenario.system.leaves():
+        path = scenario.places.path(leaf.path)
+        for free in problem.free:
+            if path in inputs and not is_nuisance(free.path) and free.moves(leaf.path):
+                raise ParameterError(f"`{free.name}` cannot be free: a column of the table sets `{path}`.")
+
+
+# ---------------------------------------------------------------- rows
+
+
+def _build_experiments(
+    table: ConditionTable, log: Log, scenario: Scenario, step: float | None, noise: dict[str, list[tuple[float, int]]]
+) -> tuple[list[ConditionExperiment], list[str]]:
+    """One experiment for every combination of groups, and what to say of them."""
+    count = len(table.measures[0].values)
+    keys = list(zip(*table.groups.values(), strict=True)) if table.groups else [(log.name or table.name,)] * count
+    made, notes = list[ConditionExperiment](), list[str]()
+    for key in dict.fromkeys(keys):
+        places = [k for k, one in enumerate(keys) if one == key]
+        rows = _merge_repeats(table, places, noise)
+        groups = dict(zip(table.groups, key, strict=True)) if table.groups else {}
+        made.append(_build_experiment(table, log, scenario, rows, ", ".join(key), groups, step))
+    merged = count - sum(len(one.record) for one in made)
+    if merged:
+        notes.append(f"{merged} rows of `{table.path.name}` are repeats: means count as many times as they are.")
+    return made, notes
+
+
+def _merge_repeats(
+    table: ConditionTable, places: Sequence[int], noise: dict[str, list[tuple[float, int]]]
+) -> list[_Row]:
+    """Rows of one condition put together, in the order of what drives; their scatter is noted."""
+    order = sorted(table.inputs, key=lambda one: not one.level)
+    found: dict[tuple[float, ...], list[int]] = {}
+    for k in places:
+        found.setdefault(tuple(float(f"{one.values[k]:.9g}") for one in order), []).append(k)
+    rows = list[_Row]()
+    for _, own in sorted(found.items()):
+        values, counts = dict[str, float](), dict[str, float]()
+        for one in table.measures:
+            known = [k for k in own if math.isfinite(one.values[k])]
+            numbers = np.array([one.values[k] for k in known])
+            weights = np.array([_weigh_row(table, one, k) for k in known])
+            values[one.words] = float(np.average(numbers, weights=weights)) if known else math.nan
+            counts[one.words] = float(weights.sum()) if known else 1.0
+            if len(known) > 1 and not one.spreads:
+                noise.setdefault(one.words, []).append((float(np.sum((numbers - numbers.mean()) ** 2)), len(known) - 1))
+        rows.append(_Row(own, values, counts))
+    return rows
+
+
+def _weigh_row(table: ConditionTable, one: MeasureColumn, k: int) -> float:
+    """Repeats of a row, over its variance in units of the mean variance where it is known."""
+    count = table.counts[k] if table.counts and math.isfinite(table.counts[k]) else 1.0
+    if not one.spreads or not math.isfinite(one.spreads[k]):
+        return count
+    return count * _pool_spread(one) ** 2 / one.spreads[k] ** 2
+
+
+def _pool_spread(one: MeasureColumn) -> float:
+    """Standard deviation of single runs, by the root of the mean square of the column."""
+    return math.sqrt(float(np.nanmean(np.square(one.spreads))))
+
+
+def _build_experiment(
+    table: ConditionTable,
+    log: Log,
+    scenario: Scenario,
+    rows: Sequence[_Row],
+    name: str,
+    groups: dict[str, str],
+    step: float | None,
+) -> ConditionExperiment:
+    scenarios = [_set_inputs(scenario, table.inputs, row.places[0]) for row in rows]
+    system = scenarios[0].system
+    base = {leaf.path: float(leaf.value) for leaf in system.leaves()}
+    conditions = list[TableRow]()
+    for row, one in zip(rows, scenarios, strict=True):
+        if compile_march(one.system) is not compile_march(system):
+            raise InputError(f"Rows of `{table.path.name}` make systems of another kind; fit them one by one.")
+        changes = {leaf.path: float(leaf.value) for leaf in one.system.leaves() if leaf.value != base[leaf.path]}
+        inputs = {column.path: column.values[row.places[0]] for column in table.inputs}
+        conditions.append(TableRow(inputs, changes, one.waveform, one.duration, table.numbers[row.places[0]]))
+    measures = [one for one in table.measures if any(math.isfinite(row.values[one.words]) for row in rows)]
+    columns = {"time": [float(k + 1) for k in range(len(rows))]}
+    columns |= {one.heading: [row.values[one.words] for row in rows] for one in measures}
+    units = {"time": "s"} | {one.heading: one.unit for one in measures}
+    factors = {one.words: tuple(math.sqrt(row.counts[one.words]) for row in rows) for one in measures}
+    longest = step or scenario.step or _choose_step(scenarios)
+    return ConditionExperiment(
+        name,
+        system,
+        scenarios[0].waveform,
+        Record(name, columns, units, table.path),
+        {one.words: one.heading for one in measures},
+        longest,
+        weights=dict.fromkeys((one.words for one in measures), log.weight),
+        groups={**log.groups, **groups},
+        conditions=tuple(conditions),
+        factors=factors,
+        input_units={one.path: one.unit for one in table.inputs},
+        level=next((one.path for one in table.inputs if one.level), ""),
+    )
+
+
+def _set_inputs(scenario: Scenario, inputs: Sequence[InputColumn], k: int) -> Scenario:
+    settings = {one.path: f"{one.values[k]!r} {one.unit}" if one.unit != "1" else one.values[k] for one in inputs}
+    return read_scenario(scenario.text, scenario.path, settings)
+
+
+def _choose_step(scenarios: Sequence[Scenario]) -> float:
+    """The shortest step that some of the rows need to be within the tolerance [s]."""
+    places = sorted({round(k) for k in np.linspace(0, len(scenarios) - 1, TRIED)})
+    tried = [scenarios[k] for k in places]
+    return min(find_step(one.system, one.waveform, one.duration, one.tolerance, SAMPLES).step for one in tried)
+
+
+# ---------------------------------------------------------------- noise, and what is kept back
+
+
+def _choose_scales(
+    made: Sequence[ConditionExperiment], noise: Mapping[str, list[tuple[float, int]]]
+) -> tuple[dict[str, float], list[str]]:
+    """Noise of single runs by measure, where repeats tell it."""
+    found, notes = dict[str, float](), list[str]()
+    for words in dict.fromkeys(words for one in made for words in one.columns):
+        values = np.concatenate([one.measured[:, one.outputs.index(words)] for one in made if words in one.columns])
+        if np.nanmin(values) == np.nanmax(values):
+            raise DataError(f"`{words}` is the same in all rows; nothing can be learned from it. Head it `-`.")
+    for words, parts in noise.items():
+        spare = sum(n for _, n in parts)
+        size = math.sqrt(sum(square for square, _ in parts) / spare)
+        if spare >= SPARE and size > 0.0:
+            unit = next(e.describe_outputs()[words].unit for e in made if words in e.columns)
+            found[words] = size
+            notes.append(
+                f"Repeats of `{words}` scatter by {format_change(size, unit, 2)}, which is taken as its noise."
+            )
+    return found, notes
+
+
+def _choose_held_rows(
+    made: Sequence[ConditionExperiment], hold_out: str | Sequence[str]
+) -> tuple[list[ConditionExperiment], bool]:
+    """The experiments with what is kept back, and whether each is left out in turn."""
+    names = [one.name for one in made]
+    if hold_out == EACH or (hold_out == AUTO and len(made) >= SPECIMENS):
+        choose_held_out(EACH, names, [])
+        return list(made), True
+    if hold_out == AUTO or (isinstance(hold_out, str) and hold_out.strip().endswith("%")):
+        share = LEFT_OUT if hold_out == AUTO else read_share(str(hold_out))
+        return [replace(one, held=tuple((k, k) for k in pick_rows(len(one.record), share))) for one in made], False
+    if hold_out == NONE:
+        return list(made), False
+    held = choose_held_out(hold_out, names, [one.record.times for one in made])
+    return [replace(one, held=ALL if rows else ()) for one, rows in zip(made, held, strict=True)], False
+
+
+def pick_rows(count: int, share: float) -> list[float]:
+    """Rows from 1 to `count` that are kept back: the last, the middle, the first, and halves between."""
+    wanted = min(max(1, round(share * count)), count - 1)
+    if wanted < 1:
+        return []
+    found, depth = [count, 1 + count // 2, 1], 2
+    while len(dict.fromkeys(found)) < wanted:
+        found += [1 + round((count - 1) * (2 * k + 1) / 2**depth) for k in range(2 ** (depth - 1))]
+        depth += 1
+    return sorted(float(k) for k in list(dict.fromkeys(found))[:wanted])

@@ -1,0 +1,226 @@
+"""Runs of a table of conditions: rows are short runs from rest, outputs are measures of them.
+
+All rows of a specimen share one program: what differs from row to row are numbers, the waveform and the
+duration. They go through it side by side, each in a lane of its own; derivatives are marched row by row,
+and those of a measure follow from its derivatives by every sample.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.mechanisms.base import Output
+from martensite.base.errors import DataError
+from martensite.fit.experiment import Experiment
+from martensite.search.batch_runner import LANES, BatchRunner
+from martensite.search.quantity_text import format_quantity, join_phrases
+from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
+from martensite.simulate.grid import LaneGrid, TimeGrid, grid_at, lane_grid
+from martensite.simulate.measures.base import AbstractMeasure, list_needed, parse_measure
+
+SAMPLES = 201
+"""Samples of a run that measures look at, besides edges of its waveform."""
+MOST_EDGES = 50
+"""Edges of a waveform up to which runs are sampled there, too."""
+
+
+class TableRow(NamedTuple):
+    """What one row sets."""
+
+    inputs: Mapping[str, float]
+    """Path as `--set` takes it -> number [SI]."""
+    changes: Mapping[str, float]
+    """Path in the system -> number [SI] that differs from that of the first row."""
+    waveform: Waveforms
+    duration: float
+    """[s]"""
+    row: int
+    """Its number in the file; of repeats that of the first."""
+
+
+@dataclass(frozen=True)
+class ConditionExperiment(Experiment):
+    """The rows of a specimen: conditions instead of times, measures instead of outputs.
+
+    Its `times` are numbers of rows, counted from 1; `columns` are measures, and what they are called.
+    """
+
+    conditions: tuple[TableRow, ...] = ()
+    factors: Mapping[str, tuple[float, ...]] = field(default_factory=dict[str, tuple[float, ...]])
+    """Measure -> what the errors of single rows are multiplied by, for repeats and standard deviations."""
+    input_units: Mapping[str, str] = field(default_factory=dict[str, str])
+    """Path that a column sets -> its SI unit."""
+    level: str = ""
+    """The path among them that is what drives; empty if it is none."""
+
+    def __post_init__(self) -> None:
+        """Raise `DataError` where nothing is measured."""
+        if not np.isfinite(self.measured).any():
+            raise DataError(f"Specimen `{self.name}` has no measured number.")
+
+    @cached_property
+    def rows(self) -> Any:
+        """All of them."""
+        return np.arange(len(self.record))
+
+    @cached_property
+    def measures(self) -> dict[str, AbstractMeasure]:
+        """What is compared."""
+        return {words: parse_measure(words) for words in self.columns}
+
+    @property
+    def over_time(self) -> bool:
+        """Its rows are conditions."""
+        return False
+
+    @property
+    def row_factors(self) -> Any:
+        """What errors of single rows are multiplied by, (rows, outputs)."""
+        return np.stack([np.asarray(self.factors[name]) for name in self.columns], axis=1)
+
+    def describe_outputs(self) -> Mapping[str, Output]:
+        """The measures."""
+        units = self.record.units
+        return {words: Output(units[column], column, f" {column}") for words, column in self.columns.items()}
+
+    def describe_row(self, time: float) -> str:
+        """Its row in the file, and what varies."""
+        one = self.conditions[round(time) - 1]
+        varied = [path for path in one.inputs if len({c.inputs[path] for c in self.conditions}) > 1]
+        words = [format_quantity(one.inputs[path], self.input_units[path]) for path in varied]
+        return f"row {one.row}" + (f" ({join_phrases(words)})" if words else "")
+
+    def grids(self, step: float | None = None) -> list[TimeGrid]:
+        """The time grid of every row."""
+        at_end = [drive.at_end for drive in self.system.drives()]
+        waves = [arrange_waveforms(self.system, one.waveform) for one in self.conditions]
+        edges = [
+            sorted({edge for wave in found for edge in wave.edges(one.duration) if 0.0 < edge < one.duration})
+            for found, one in zip(waves, self.conditions, strict=True)
+        ]
+        seen = len({len(row) for row in edges}) == 1 and len(edges[0]) <= MOST_EDGES
+        found = list[TimeGrid]()
+        for wave, one, own in zip(waves, self.conditions, edges, strict=True):
+            times = [one.duration * k / (SAMPLES - 1) for k in range(SAMPLES)]
+            if seen:  # as many samples in every row, whatever coincides
+                inner = sorted(times[1:-1], key=lambda t, own=own: min((abs(t - e) for e in own), default=0.0))
+                times = sorted([0.0, one.duration, *inner[len(own) :], *own])
+            found.append(grid_at(wave, times, min(self.step if step is None else step, one.duration), at_end))
+        return found
+
+    def grid(self, step: float | None = None) -> Any:
+        """All rows side by side."""
+        return lane_grid(self.grids(step))
+
+    def runner(self, step: float | None = None, outputs: Sequence[str] | None = None) -> Any:
+        """Its runs, row after row."""
+        return ConditionRunner(self, self.grids(step))
+
+    def sample_outputs(self, system: AbstractSystem, outputs: Sequence[str], rows: Any, step: float | None) -> Any:
+        """Outputs at all samples of some rows, one run after the other."""
+        runner = ConditionRunner(self, self.grids(step), outputs)
+        values = np.array(runner.compiled.values(system))
+        places = np.flatnonzero(rows)
+        return np.concatenate(runner.march(places, np.repeat(values[None], len(places), axis=0)))
+
+
+class ConditionRunner:
+    """Does for conditions what a `BatchRunner` does for one waveform: a sample is the measures of a row."""
+
+    def __init__(
+        self, experiment: ConditionExperiment, grids: Sequence[TimeGrid], outputs: Sequence[str] | None = None
+    ) -> None:
+        """Prepare runs; of the measures of the experiment, or of outputs."""
+        self.experiment, self.grids = experiment, list(grids)
+        self.measures = list(experiment.measures.values())
+        system = experiment.system
+        self.needed = list_needed(self.measures, system) if outputs is None else tuple(outputs)
+        self.single = BatchRunner(system, self.grids[0], self.needed)
+        self.native, self.compiled = self.single.native, self.single.compiled
+        self.paths, self.base, self.outputs = self.single.paths, self.single.base, experiment.outputs
+        self.changes = [
+            {self.paths.index(path): value for path, value in one.changes.items()} for one in experiment.conditions
+        ]
+        self._lanes: dict[tuple[int, ...], LaneGrid] = {}
+
+    @cached_property
+    def grid(self) -> LaneGrid:
+        """All rows side by side."""
+        return lane_grid(self.grids)
+
+    def run_one(self, values: Any) -> Any:
+        """Measures (rows, measures); None if a run fails."""
+        found = self.run_many(np.asarray(values)[None])[0]
+        return found if np.isfinite(found).all() else None
+
+    def run_many(self, table: Any) -> Any:
+        """Measures (points, rows, measures) of a table (points, parameters); NaN where a run fails."""
+        rows, points = len(self.grids), len(table)
+        places = np.repeat(np.arange(rows), points)
+        marched = self.march(places, np.tile(np.asarray(table), (rows, 1)))
+        found = np.empty((points, rows, len(self.measures)))
+        for row in range(rows):
+            found[:, row] = self._judge(row, marched[row * points : (row + 1) * points])
+        return found
+
+    def run_slopes(self, values: Any, seeds: Any) -> tuple[Any, Any] | None:
+        """Measures with their derivatives (rows, measures, directions); None if a run fails."""
+        rows, slopes = list[Any](), list[Any]()
+        for row, grid in enumerate(self.grids):
+            own, moving = self._set_values(row, values), np.array(seeds)
+            moving[list(self.changes[row])] = 0.0
+            found = self.single.with_grid(grid).run_slopes(own, moving)
+            if found is None:
+                return None
+            times = np.asarray(grid.times)
+            rows.append(self._judge(row, found[0][None])[0])
+            slopes.append([self._weigh(one, times, *found) for one in self.measures])
+        finite = np.isfinite(rows).all() and np.isfinite(slopes).all()
+        return (np.array(rows), np.array(slopes)) if finite else None
+
+    def march(self, places: Any, table: Any) -> Any:
+        """Outputs (runs, samples, outputs) of some rows, each with its own numbers; NaN where a run fails."""
+        values = np.stack([self._set_values(row, one) for row, one in zip(places, table, strict=True)])
+        if not self.native:
+            runs = [
+                self.single.with_grid(self.grids[p]).run_many(v[None])[0] for p, v in zip(places, values, strict=True)
+            ]
+            return np.stack(runs)
+        pieces = list[Any]()
+        for k in range(0, len(places), LANES):
+            some = [*places[k : k + LANES]]
+            lanes = tuple(int(p) for p in some + some[-1:] * (LANES - len(some)))
+            padded = np.pad(values[k : k + LANES], ((0, LANES - len(some)), (0, 0)), mode="edge")
+            grid = self._lanes.get(lanes) or self._lanes.setdefault(lanes, lane_grid([self.grids[p] for p in lanes]))
+            pieces.append(self.single.run_lanes(padded, grid)[: len(some)])
+        return np.concatenate(pieces)
+
+    def _set_values(self, row: int, values: Any) -> Any:
+        found = np.array(values, float)
+        for place, value in self.changes[row].items():
+            found[place] = value
+        return found
+
+    def _judge(self, row: int, runs: Any) -> Any:
+        """Measures (runs, measures) of runs (runs, samples, outputs) of a row."""
+        times = np.asarray(self.grids[row].times)
+        with np.errstate(invalid="ignore"):
+            found = [one.value(times, self._select(one, runs)) for one in self.measures]
+        return np.where(np.isfinite(runs).all(axis=(1, 2))[:, None], np.stack(found, axis=1), np.nan)
+
+    def _select(self, one: AbstractMeasure, runs: Any) -> Any:
+        """The columns that a measure looks at, (columns, samples, runs)."""
+        places = [self.needed.index(name) for name in one.columns(self.experiment.system)]
+        return np.transpose(runs[:, :, places], (2, 1, 0))
+
+    def _weigh(self, one: AbstractMeasure, times: Any, run: Any, slopes: Any) -> Any:
+        """Derivatives (directions,) of a measure from those of the outputs."""
+        places = [self.needed.index(name) for name in one.columns(self.experiment.system)]
+        weights = one.weights(times, self._select(one, run[None]))[:, :, 0]
+        return np.einsum("cs,scd->d", weights, slopes[:, places])

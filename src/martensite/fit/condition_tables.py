@@ -1,0 +1,427 @@
+"""A table of conditions: one row per short run from rest, with what was set and what came out.
+
+    specimen, current [A], duration [s], load [gf], peak stroke [mm], peak stroke sd [mm], n
+    A,        2.0,         5,            300,       8.1,              0.3,                 5
+
+A heading is something that the run is given (a well-known word, or a path as `--set` takes it), a measure
+of what comes out (`peak stroke`, `force rise`, `steady temperature`, `time to 90 % force`, or as written in
+`--goal`: `max(force)`), the standard deviation of a measure (`… sd`), the number of repeats (`n`), or a
+specimen or another group. A file is such a table if it has no times, and a heading that is a measure.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from martensite.base import units
+from martensite.base.errors import DataError, InputError, UnitError, suggest_name
+from martensite.base.parameters import find_paths
+from martensite.scenario.assemble import waveform_path
+from martensite.scenario.layout import IGNORED, Layout
+from martensite.scenario.scenario import Scenario
+from martensite.scenario.sheets import describe_unreadable, is_gap, is_number, read_sheet
+from martensite.scenario.tables import TEXT, read_table
+from martensite.search.free_numbers import Target
+from martensite.signals.base import DRIVE
+from martensite.signals.records import Record
+from martensite.simulate.drive_waveforms import by_name
+from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_measure
+from martensite.simulate.waveform_levels import Level
+
+GROUPS = ("specimen", "sample", "piece", "batch", "serial", "day")
+"""Headings of columns that say to what a row belongs, whatever their cells hold."""
+COUNTS = ("n", "count", "repeats", "number of repeats")
+SPREADS = ("sd", "std", "s.d.", "±", "+-", "spread", "standard deviation")
+WAYS = {
+    **dict.fromkeys(("peak", "max", "maximum", "largest", "highest"), "max"),
+    **dict.fromkeys(("min", "minimum", "least", "smallest", "lowest"), "min"),
+    **dict.fromkeys(("steady", "final", "end", "settled", "last"), "final"),
+    **dict.fromkeys(("rise", "change", "increase", "gain", "delta", "Δ"), "change"),
+    **dict.fromkeys(("mean", "average"), "mean"),
+    "rms": "rms",
+}
+"""Word beside an output -> measure of it."""
+STROKES = ("stroke", "displacement", "deflection", "travel", "lift", "contraction")
+"""Words for the first coordinate of a mechanism."""
+OUTPUTS = {"temp": "temperature", "temp.": "temperature", "voltage drop": "voltage"}
+INPUTS = {
+    "ambient": ("environment.temperature",),
+    "ambient temperature": ("environment.temperature",),
+    "room temperature": ("environment.temperature",),
+    "duration": ("run.duration",),
+    "run time": ("run.duration",),
+    "pulse": ("drive.waveform.until",),
+    "on time": ("drive.waveform.until",),
+    "pulse length": ("drive.waveform.until",),
+    "load": ("mechanism.mass", "mechanism.force", "mechanism.preload"),
+    "weight": ("mechanism.mass", "mechanism.force"),
+    "length": ("element.length", "element.free_length"),
+    "spring rate": ("mechanism.stiffness",),
+    "film": ("environment.cooling.h",),
+    "film coefficient": ("environment.cooling.h",),
+}
+"""Well-known word -> paths as `--set` takes them, the first that the scenario has."""
+LEVELS = {"current": "A", "voltage": "V", "power": "W", "temperature": "K", "duty": "1"}
+"""What drives -> its unit; such a column sets the level of the waveform."""
+PEAKS = ("level", "high", "first")
+"""Numbers of a waveform that are its level."""
+HEAD = 65536
+"""Bytes of a file that are looked at to tell a table from a log."""
+GRAVITY = 9.80665
+"""[m/s²], by which a load given as a force is that of a mass."""
+_HEADING = re.compile(r"^\s*(.*?)\s*(?:\[\s*([^\]]*?)\s*\])?\s*$")
+_ROUND = re.compile(r"^(.*?)\s*\(([^()]*)\)$")
+_TIME_TO = re.compile(r"^time to (peak|max(?:imum)?|([\d.]+) ?%)(?: of)?(?: (.+))?$")
+
+
+@dataclass(frozen=True)
+class InputColumn:
+    """A column that sets a number of the scenario."""
+
+    heading: str
+    path: str
+    """As `--set` takes it."""
+    unit: str
+    values: tuple[float, ...]
+    """In SI, one per row."""
+    level: bool = False
+    """Whether it is what drives."""
+
+
+@dataclass(frozen=True)
+class MeasureColumn:
+    """A column with a number that sums up a run."""
+
+    heading: str
+    words: str
+    """As `parse_measure` takes it."""
+    measure: AbstractMeasure
+    unit: str
+    """SI unit of the measure."""
+    values: tuple[float, ...]
+    """In SI; NaN where nothing was measured."""
+    spreads: tuple[float, ...] = ()
+    """Standard deviations [unit], where the table has some."""
+
+
+@dataclass(frozen=True)
+class ConditionTable:
+    """A table of conditions, and how its columns are understood."""
+
+    name: str
+    path: Path
+    inputs: tuple[InputColumn, ...]
+    measures: tuple[MeasureColumn, ...]
+    groups: dict[str, tuple[str, ...]] = field(default_factory=dict[str, tuple[str, ...]])
+    """What rows belong to: heading -> cells."""
+    counts: tuple[float, ...] = ()
+    """Repeats that each row is the mean of."""
+    notes: tuple[str, ...] = ()
+    numbers: tuple[int, ...] = ()
+    """Numbers of the rows in the file."""
+
+
+def is_condition_table(source: object, columns: Sequence[str] | None = None) -> bool:
+    """Whether a file is a table of conditions: it has no times, and a heading that is a measure."""
+    if not isinstance(source, (str, Path)) or not str(source).lower().endswith(TEXT) or not Path(source).is_file():
+        return False
+    names = [_split_heading(one)[0] for one in columns or _read_first_line(Path(source))]
+    return "time" not in names and any(_find_words(one, ()) for one in names)
+
+
+def _read_first_line(path: Path) -> list[str]:
+    """Cells of the first line that is no comment."""
+    with describe_unreadable(path), path.open("rb") as file:
+        lines = file.read(HEAD).decode("utf-8-sig", "replace").splitlines()
+    line = next((one for one in lines if one.strip() and not one.lstrip().startswith("#")), "")
+    sign = next((sign for sign in "\t;," if sign in line), None)
+    return [cell.strip().strip('"') for cell in line.split(sign)] if sign else [line]
+
+
+def read_condition_table(
+    source: str | Path, scenario: Scenario, columns: Sequence[str] | None = None
+) -> ConditionTable:
+    """Read a table of conditions, with what its columns mean for a scenario.
+
+    Args:
+        source: a text file with one row per condition.
+        scenario: whose numbers the columns set.
+        columns: headings, for a file that has none.
+
+    Raises:
+        InputError: a column is no input and no measure, its unit is missing or does not fit, or a cell is no number.
+    """
+    path = Path(source)
+    sheet = read_sheet(path, Layout(()))
+    own = not any(is_number(cell) for cell in sheet.rows[0])
+    headings, rows = list(columns or sheet.rows[0]), sheet.rows[1:] if own else sheet.rows
+    if not rows:
+        raise DataError(f"{sheet.where} holds headings but no rows.")
+    width = next((k for k, row in enumerate(rows) if len(row) != len(headings)), None)
+    if width is not None:
+        where = f"{sheet.where}, row {sheet.numbers[width + own]}"
+        raise DataError(f"{where} has {len(rows[width])} cells, but there are {len(headings)} columns.")
+    reading = _Reading(path, scenario, rows, sheet.numbers[int(own) :])
+    for place, heading in enumerate(headings):
+        reading.add_column(place, heading)
+    return reading.finish(headings)
+
+
+def _split_heading(text: str) -> tuple[str, str]:
+    """Name in small letters with blanks, and the unit in brackets."""
+    found = _HEADING.match(text)
+    name, unit = (found[1], found[2] or "") if found else (text.strip(), "")
+    round_brackets = _ROUND.match(name)
+    if round_brackets and not unit and round_brackets[1].strip() not in MEASURES.names():
+        name, unit = round_brackets[1], round_brackets[2]
+    plain = "(" in name or "." in name or name.strip() == IGNORED
+    return (name.strip() if plain else re.sub(r"[\s_-]+", " ", name.strip().lower())), unit.strip()
+
+
+def _find_words(name: str, outputs: Iterable[str]) -> str:
+    """The measure that a heading names, as `parse_measure` takes it; empty if it is none."""
+    known, plain = list(outputs), name.replace(" ", "-")
+    if "(" in name or plain in MEASURES.names():
+        try:
+            parse_measure(name if "(" in name else plain)
+        except InputError:
+            return ""
+        return name if "(" in name else plain
+    found = _TIME_TO.match(name)
+    if found is not None:
+        share = f"share={found[2]} %" if found[2] else ""
+        options = ", ".join(filter(None, (_find_output(found[3] or "", known), share)))
+        if found[2] and not found[3]:
+            return f"reach-time(, {share})"
+        return f"{'reach' if found[2] else 'peak'}-time({options})" if options else "peak-time"
+    words = [word for word in name.split(" ") if word != "of"]
+    ways = [word for word in words if word in WAYS]
+    rest = " ".join(word for word in words if word not in WAYS)
+    if len(ways) != 1 or not rest:
+        return ""
+    if rest in STROKES and WAYS[ways[0]] == "max":
+        return "stroke"
+    output = _find_output(rest, known)
+    return f"{WAYS[ways[0]]}({output})" if output else WAYS[ways[0]]
+
+
+def _find_output(words: str, known: Sequence[str]) -> str:
+    """Output that some words name; empty for the first coordinate."""
+    words = OUTPUTS.get(words, words)
+    return "" if words in STROKES else words.replace(" ", "_")
+
+
+class _Reading:
+    """Columns of a table, one after the other."""
+
+    def __init__(self, path: Path, scenario: Scenario, rows: Sequence[Sequence[str]], numbers: Sequence[int]) -> None:
+        self.path, self.scenario, self.rows, self.numbers = path, scenario, rows, numbers
+        self.where, self.outputs = f"`{path.name}`", scenario.system.outputs()
+        self.known = _list_inputs(scenario)
+        self.roles: dict[int, tuple[str, str, str]] = {}
+        """Column -> what it is, its heading, and the path, measure or group."""
+        self.units: dict[int, tuple[str, str]] = {}
+        """Column -> unit as written, and in SI."""
+        self.groups: dict[str, tuple[str, ...]] = {}
+        self.notes: list[str] = []
+
+    def add_column(self, place: int, heading: str) -> None:
+        """Say what a column is."""
+        name, unit = _split_heading(heading)
+        cells = [row[place].strip() for row in self.rows]
+        words = any(not is_gap(cell) and not is_number(cell) for cell in cells)
+        if name in ("", IGNORED):
+            return
+        if name in GROUPS or (words and len(set(cells)) < len(cells)):
+            if not all(cells):
+                raise DataError(f"{self.where}: column `{name}` has an empty cell; every row belongs to one.")
+            self.groups[name] = tuple(cells)
+            self.notes.append(f"Column `{name}`: what a row belongs to ({', '.join(dict.fromkeys(cells))}).")
+        elif words:
+            cell = next(cell for cell in cells if not is_gap(cell) and not is_number(cell))
+            if self._find_role(name) is not None:
+                raise DataError(f"{self.where}, column `{name}`: `{cell}` is not a number.")
+            self.notes.append(f"Column `{name}` holds remarks and is passed over.")
+        else:
+            self._add_numbers(place, name, unit)
+
+    def _add_numbers(self, place: int, name: str, unit: str) -> None:
+        found = self._find_role(name)
+        if found is None:
+            likely = [*INPUTS, *LEVELS, *(n.rpartition(".")[2] for n in self.known)]
+            raise DataError(
+                f"{self.where}: column `{name}` is nothing that the scenario is given, and no measure. "
+                f"{suggest_name(name, likely)} A measure is written `peak force`, `force rise` or "
+                "`max(force)`; a column headed `-` is passed over."
+            )
+        role, what = found
+        double = next((h for r, h, w in self.roles.values() if (r, w) == found), None)
+        if double is not None:
+            raise DataError(f"{self.where}: columns `{double}` and `{name}` both are `{what}`; leave one out.")
+        si, spelling = "1", unit
+        if role == "input":
+            si = self.known[what].unit
+            si = "N" if si == "kg" and _is_force(unit) else si
+        elif role in ("measure", "spread"):
+            si = parse_measure(what).unit_in(self.scenario.system)
+            si, spelling = ("K", _spell_degrees(unit)) if si == units.DEGREES else (si, unit)
+        self.units[place] = self._check_unit(name, spelling, si), si
+        self.roles[place] = role, name, what
+        if role != "count":
+            shown = f" [{unit}]" if unit else ""
+            meaning = {"input": "sets", "measure": "is", "spread": "is the standard deviation of"}[role]
+            self.notes.append(f"Column `{name}{shown}` {meaning} `{what}`.")
+
+    def _check_unit(self, name: str, spelling: str, si: str) -> str:
+        if not spelling and si != "1":
+            raise DataError(
+                f"{self.where}: column `{name}` has no unit; write for example "
+                f"`{name} [{units.choose_readable_unit(si)}]`."
+            )
+        try:
+            units.to_si(1.0, spelling or "1", si)
+        except UnitError as error:
+            raise UnitError(f"{self.where}, column `{name}`: {error}") from None
+        return spelling or "1"
+
+    def _find_role(self, name: str) -> tuple[str, str] | None:
+        """What a heading is: input, measure, spread or count, and of what."""
+        if name in COUNTS:
+            return "count", name
+        for mark in SPREADS:
+            bare = re.sub(rf"(?:^{re.escape(mark)}(?: of)? | {re.escape(mark)}$)", "", name)
+            if bare != name and (words := self._find_measure(bare)):
+                return "spread", words
+        path = self._find_input(name)
+        if path:
+            return "input", path
+        words = self._find_measure(name)
+        return ("measure", words) if words else None
+
+    def _find_measure(self, name: str) -> str:
+        words = _find_words(name, self.outputs)
+        if not words and find_paths(name.replace(" ", "_"), self.outputs):
+            words = f"final({name.replace(' ', '_')})"
+        if words:
+            words = words.replace("(, ", f"({next(iter(self.scenario.system.mechanism.outputs()))}, ")
+            parse_measure(words).columns(self.scenario.system)
+        return words
+
+    def _find_input(self, name: str) -> str:
+        """The path that a heading sets; empty if it sets none."""
+        if name in LEVELS:
+            unit = LEVELS[name]
+            return next((p for p, one in self.known.items() if one.level is not None and one.unit == unit), "")
+        for path in INPUTS.get(name, ()):
+            if path in self.known:
+                return path
+        found = find_paths(name.replace(" ", "_") if "." not in name else name, self.known)
+        return found[0] if len(found) == 1 else ""
+
+    def finish(self, headings: Sequence[str]) -> ConditionTable:
+        """The table, when all columns are known.
+
+        Raises:
+            DataError: it has no measure, or cells that are no numbers.
+        """
+        kinds = [role for role, _, _ in self.roles.values()]
+        if "measure" not in kinds:
+            raise DataError(f"{self.where} has no measure to fit, such as `peak stroke [mm]` or `max(force) [N]`.")
+        names = [f"c{k} [{self.units[k][0]}]" if k in self.roles else IGNORED for k in range(len(headings))]
+        record = read_table(self.path, names, interval=1.0, gaps=True)
+        found = {k: self._convert_column(k, record) for k in self.roles}
+        spreads = {what: found[k] for k, (role, _, what) in self.roles.items() if role == "spread"}
+        inputs = tuple(
+            InputColumn(name, what, self.known[what].unit, found[k], self.known[what].level is not None)
+            for k, (role, name, what) in self.roles.items()
+            if role == "input"
+        )
+        measures = tuple(
+            MeasureColumn(name, what, parse_measure(what), self.units[k][1], found[k], spreads.get(what, ()))
+            for k, (role, name, what) in self.roles.items()
+            if role == "measure"
+        )
+        counts = next((found[k] for k, (role, _, _) in self.roles.items() if role == "count"), ())
+        table = ConditionTable(
+            self.path.stem, self.path, inputs, measures, self.groups, counts, tuple(self.notes), tuple(self.numbers)
+        )
+        _check_cells(table, self.where, self.numbers)
+        return table
+
+    def _convert_column(self, place: int, record: Record) -> tuple[float, ...]:
+        """A column in SI; that of a spread is a difference."""
+        spelling, si = self.units[place]
+        difference = self.roles[place][0] == "spread" or spelling.startswith("delta_")
+        name = f"c{place}"
+        written = [units.from_si(x, spelling, record.units[name]) for x in record[name]]
+        factor, offset = units.find_conversion(spelling, si)
+        role, _, what = self.roles[place]
+        if role == "input" and self.known[what].unit != si:
+            factor /= GRAVITY
+        return tuple(x * factor + (0.0 if difference else offset) for x in written)
+
+
+def _spell_degrees(unit: str) -> str:
+    """A difference of temperatures, however its unit is written."""
+    return "K" if unit in ("K", "degC", "°C", "C") else unit
+
+
+def _is_force(unit: str) -> bool:
+    try:
+        units.to_si(1.0, unit or "1", "N")
+    except UnitError:
+        return False
+    return True
+
+
+def _list_inputs(scenario: Scenario) -> dict[str, Target]:
+    """What a table may set, by its path as `--set` takes it."""
+    system = scenario.system
+    found = {"run.duration": Target("run.duration", "", "s", scenario.duration)}
+    for leaf in system.leaves():
+        path = scenario.places.path(leaf.path)
+        found[path] = Target.from_leaf(leaf, path)
+    drives = {drive.name: drive.unit for drive in system.drives()}
+    for name, wave in by_name(system, scenario.waveform).items():
+        begin = waveform_path(system, name, scenario.places.drive)
+        for leaf in wave.leaves():
+            unit = drives[name] if leaf.declared.unit == DRIVE else leaf.declared.unit
+            one = Target(begin + leaf.path, leaf.path, unit, float(leaf.value), leaf.declared.doc, drive=name)
+            found[one.name] = one
+    return _mark_levels(found)
+
+
+def _mark_levels(found: Mapping[str, Target]) -> dict[str, Target]:
+    """The same with what drives marked: the first number of every waveform that is its level."""
+    marked = dict(found)
+    for drive in dict.fromkeys(one.drive for one in found.values() if one.drive):
+        own = {one.path: one for one in found.values() if one.drive == drive}
+        name = next((name for name in PEAKS if name in own), None)
+        if name is not None:
+            one = own[name]
+            marked[one.name] = replace(one, level=Level(drive, name, one.value))
+    return marked
+
+
+def _check_cells(table: ConditionTable, where: str, numbers: Sequence[int]) -> None:
+    """Raise `DataError` for what a table must hold and does not."""
+    for one in table.inputs:
+        row = next((k for k, x in enumerate(one.values) if not math.isfinite(x)), None)
+        if row is not None:
+            raise DataError(f"{where}, row {numbers[row]}: `{one.heading}` is empty; every run needs what it is given.")
+    for one in table.measures:
+        if not any(map(math.isfinite, one.values)):
+            raise DataError(f"{where}: column `{one.heading}` holds no numbers.")
+        row = next((k for k, x in enumerate(one.spreads) if x <= 0.0), None)
+        if row is not None:
+            raise DataError(
+                f"{where}, row {numbers[row]}: the standard deviation of `{one.heading}` must be above 0; "
+                "leave the cell empty where it is not known."
+            )
+    row = next((k for k, x in enumerate(table.counts) if not x >= 1.0), None)
+    if row is not None:
+        raise DataError(f"{where}, row {numbers[row]}: the number of repeats must be at least 1.")

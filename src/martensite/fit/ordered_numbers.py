@@ -1,0 +1,159 @@
+"""Numbers that are in order by construction: M_f below M_s, A_s below A_f, and what else a law declares.
+
+A search runs over places v from 0 to 1. A number is at the part v of what its bounds leave it above those that
+must be below it, and so that there is room for those that must be above:
+
+    u_i = a_i + v_i (b_i - a_i),   a_i = max(low_i, x_k + gap),   b_i = min(high_i, b_k - gap)
+
+as shares u of its range. Without an order u is v.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from martensite.base.errors import ParameterError
+from martensite.fit.experiment import Experiment
+from martensite.physics.laws.base import AbstractLaw
+from martensite.search.free_numbers import FreeNumber
+from martensite.search.quantity_text import format_quantity
+
+if TYPE_CHECKING:
+    from martensite.fit.problem import Evaluation
+
+INSIDE = 0.1
+"""Part of the room of a number by which a start out of order is moved inside."""
+GAP = 1e-4
+"""Least distance of two numbers in order, as a share of the range of the upper one."""
+
+
+class NumberOrder(NamedTuple):
+    """Which of two numbers is below; one that is not free has its value."""
+
+    below: int | float
+    """Place among the free numbers, or a value [SI]."""
+    above: int | float
+
+
+def list_orders(free: Sequence[FreeNumber], experiments: Sequence[Experiment]) -> list[NumberOrder]:
+    """The orders that the laws of all experiments declare, as far as a free number takes part."""
+    found: dict[NumberOrder, None] = {}
+    for one in experiments:
+        laws = [part for part in one.system.tree() if isinstance(part, AbstractLaw)]
+        pairs = dict.fromkeys(pair for law in laws for pair in law.orders)
+        values = {leaf.path: float(leaf.value) for leaf in one.system.leaves()}
+        acting = [(i, x) for i, x in enumerate(free) if x.record in (None, *one.labels)]
+        for low, high in pairs:
+            for path in [path for path in values if path.rpartition(".")[2] == low]:
+                other = path.removesuffix(low) + high
+                if other in values:
+                    ends = [_find_mover(acting, end, values[end]) for end in (path, other)]
+                    if any(isinstance(end, int) for end in ends):
+                        found[NumberOrder(*ends)] = None
+    return list(found)
+
+
+def _find_mover(acting: Sequence[tuple[int, FreeNumber]], path: str, value: float) -> int | float:
+    """The free number that moves a parameter, its own before the common one; else its value."""
+    movers = sorted((i for i, x in acting if x.moves(path)), key=lambda i: dict(acting)[i].record is None)
+    return movers[0] if movers else value
+
+
+class OrderedNumbers:
+    """From places to shares of ranges, and back."""
+
+    def __init__(self, free: Sequence[FreeNumber], orders: Sequence[NumberOrder]) -> None:
+        """Find what every number must leave room for.
+
+        Raises:
+            ParameterError: bounds leave none.
+        """
+        self.free, count = free, len(free)
+        self.below: list[list[int]] = [[] for _ in range(count)]
+        self.lowest, self.highest = [one.low for one in free], [one.high for one in free]
+        for low, high in orders:
+            if isinstance(low, int) and isinstance(high, int):
+                self.below[high].append(low)
+            elif isinstance(high, int):
+                self.lowest[high] = max(self.lowest[high], low + self._gap(high))
+            elif isinstance(low, int):
+                self.highest[low] = min(self.highest[low], high - self._gap(low))
+        self.sequence = sorted(range(count), key=self._count_below)
+        for i in reversed(self.sequence):
+            for k in self.below[i]:
+                self.highest[k] = min(self.highest[k], self.highest[i] - self._gap(i))
+        for i in range(count):
+            if self.active and not self.lowest[i] < self.highest[i]:
+                name, end = free[i].name, format_quantity(self.highest[i], free[i].unit)
+                raise ParameterError(
+                    f"Bounds leave no room for `{name}`: it must be below {end}, for what its law wants above it; "
+                    "move the bounds."
+                )
+
+    @property
+    def active(self) -> bool:
+        """Whether any order concerns the free numbers."""
+        ends = [(one.low, one.high) for one in self.free]
+        return any(self.below) or ends != list(zip(self.lowest, self.highest, strict=True))
+
+    def find_shares(self, places: Any) -> Any:
+        """Shares u (free,) of places v (free,)."""
+        return self._walk(np.asarray(places, float))[0]
+
+    def find_slopes(self, places: Any) -> Any:
+        """Derivatives du/dv (free, free)."""
+        return self._walk(np.asarray(places, float))[1]
+
+    def find_places(self, shares: Any, inside: float = 0.0) -> Any:
+        """Places v of shares u; what is out of order comes to the nearest end, or a part `inside` of it."""
+        places = np.asarray(shares, float).copy()
+        if not self.active:
+            return places
+        found = np.zeros(len(places))
+        for i in self.sequence:
+            low, high, _ = self._find_ends(i, found)
+            place = (shares[i] - low) / (high - low) if high > low else 0.0
+            places[i] = place if 0.0 <= place <= 1.0 else inside if place < 0.0 else 1.0 - inside
+            found[i] = low + places[i] * (high - low)
+        return places
+
+    def repair(self, shares: Any) -> Any:
+        """The shares, in order; what was not is moved a tenth of its room inside."""
+        return self.find_shares(self.find_places(shares, INSIDE)) if self.active else np.asarray(shares, float)
+
+    def turn_slopes(self, found: Evaluation, places: Any) -> Evaluation:
+        """An evaluation with derivatives by places."""
+        return replace(found, jacobian=found.jacobian @ self.find_slopes(places)) if self.active else found
+
+    def _walk(self, places: Any) -> tuple[Any, Any]:
+        if not self.active:
+            return places, np.eye(len(places))
+        shares, slopes = np.zeros(len(places)), np.zeros((len(places), len(places)))
+        for i in self.sequence:
+            low, high, lower = self._find_ends(i, shares)
+            shares[i] = low + places[i] * (high - low)
+            slopes[i, i] = high - low
+            if lower is not None:
+                ratio = self.free[lower].slope(float(shares[lower])) / self.free[i].slope(low)
+                slopes[i] += (1.0 - places[i]) * ratio * slopes[lower]
+        return shares, slopes
+
+    def _find_ends(self, i: int, shares: Any) -> tuple[float, float, int | None]:
+        """Shares between which a number is, and the one below it that says where it begins."""
+        free, least, lower = self.free[i], self.lowest[i], None
+        for k in self.below[i]:
+            value = self.free[k].value(float(shares[k])) + self._gap(i)
+            if value > least:
+                least, lower = value, k
+        return free.share(least), free.share(max(self.highest[i], least)), lower
+
+    def _gap(self, i: int) -> float:
+        return GAP * (self.free[i].high - self.free[i].low)
+
+    def _count_below(self, i: int) -> float:
+        """How many there are in the longest row of numbers below one."""
+        return max((1.0 + self._count_below(k) for k in self.below[i]), default=0.0)
