@@ -113,6 +113,7 @@ class Problem:
                 raise ParameterError(f"There are two of {kind} `{double}`; give each its own name.")
         if all(one.held_out for one in self.experiments):
             raise ParameterError("All records are kept back, and none is left to be fitted.")
+        _refuse_late_base(self.free)
         for one in self.experiments:
             _refuse_double(one, self.free)
 
@@ -223,10 +224,17 @@ class Problem:
         total = float(np.sum(fitted.residuals[self.used[k]] ** 2))
         return total if math.isfinite(total) else math.inf
 
-    def _find_moved_rows(self, k: int) -> list[tuple[int, list[int]]]:
-        name, paths = self.experiments[k].name, self.runners[k].paths
+    def _find_moved_rows(self, k: int) -> list[tuple[int, list[tuple[int, int | None]]]]:
+        """Free parameter -> rows of values that it moves, each with the row it is counted from, if there is one."""
+        name, paths = self.experiments[k].name, list(self.runners[k].paths)
+
+        def find_base(free: FreeNumber, path: str) -> int | None:
+            beside = path.removesuffix(free.path) + free.base
+            ends = [j for j, one in enumerate(paths) if one == beside or one.endswith("." + free.base)]
+            return min(ends, key=lambda j: paths[j] != beside) if free.base else None
+
         return [
-            (i, [j for j, path in enumerate(paths) if free.moves(path)])
+            (i, [(j, find_base(free, path)) for j, path in enumerate(paths) if free.moves(path)])
             for i, free in enumerate(self.free)
             if free.record in (None, name) and not is_nuisance(free.path)
         ]
@@ -238,7 +246,7 @@ class Problem:
         return [n for n in counts if n]
 
     @cached_property
-    def _moving(self) -> list[list[tuple[int, list[int]]]]:
+    def _moving(self) -> list[list[tuple[int, list[tuple[int, int | None]]]]]:
         return [self._find_moved_rows(k) for k in range(len(self.experiments))]
 
     def system(self, k: int, u: Sequence[float]) -> Any:
@@ -248,7 +256,13 @@ class Problem:
             InputError: values contradict each other.
         """
         paths = self.runners[k].paths
-        changed = {paths[j]: self.free[i].value(float(u[i])) for i, places in self._moving[k] for j in places}
+        changed: dict[str, float] = {}
+        for i, places in self._moving[k]:
+            for j, base in places:
+                below = 0.0
+                if base is not None:
+                    below = changed.get(paths[base], float(self.runners[k].base[base]))
+                changed[paths[j]] = below + self.free[i].value(float(u[i]))
         return self.experiments[k].system.with_values(changed)
 
     @cached_property
@@ -271,7 +285,9 @@ class Problem:
             return self._compare_model(k, self.runners[k].run_one(values), u, None)
         seeds = np.zeros((len(values), len(self.free)))
         for i, places in self._moving[k]:
-            seeds[places, i] = self.free[i].slope(float(u[i]))
+            for j, base in places:
+                seeds[j] = 0.0 if base is None else seeds[base]
+                seeds[j, i] += self.free[i].slope(float(u[i]))
         moving = seeds.any(axis=0)
         found = self.runners[k].run_slopes(values, seeds[:, moving])
         if found is None:
@@ -315,6 +331,13 @@ class Problem:
 def _start_threads() -> ThreadPoolExecutor:
     """Runs in C release the interpreter, so that threads use all cores."""
     return ThreadPoolExecutor(max(1, cpu_count() or 1))
+
+
+def _refuse_late_base(free: Sequence[FreeNumber]) -> None:
+    for k, one in enumerate(free):
+        late = next((x.name for x in free[k:] if one.base and x.path == one.base), None)
+        if late is not None:
+            raise ParameterError(f"Free parameter `{one.name}` is counted from `{late}`, which must stand before it.")
 
 
 def _refuse_double(one: Experiment, free: Sequence[FreeNumber]) -> None:
