@@ -1,0 +1,195 @@
+"""From logs alone to a model: which experiment, which scenario, its numbers, and whether it predicts.
+
+The experiment is recognised, scenarios are proposed, each is fitted from several starts and judged by what it did not
+see. The one that predicts best is kept; of two that are alike, the one with fewer free numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import DataError, SolveError
+from martensite.fit.api import build_task
+from martensite.fit.cross_validation import HeldOutError, PooledError, cross_validate, pool_errors, with_start
+from martensite.fit.experiment_kinds import DRIVEN, ExperimentKind, recognise_experiment
+from martensite.fit.fit import Fit
+from martensite.fit.logs import Source
+from martensite.fit.problem import Problem
+from martensite.fit.scenario_proposals import Proposal, propose_scenarios
+from martensite.fit.solve import solve_problem
+from martensite.scenario.exact_text import exact_text
+from martensite.scenario.overrides import as_toml, change_document
+from martensite.scenario.scenario import Scenario, read_scenario
+from martensite.scenario.tables import read_table
+from martensite.signals.records import Record
+
+ALIKE = 1.05
+"""Ratio of held-out errors below which the model with fewer numbers is kept."""
+EVALUATIONS = 60
+"""Evaluations of one local search."""
+SPREAD_STARTS = 2
+"""Local searches of a driven element that begin at the best of many points over the bounds."""
+TRANSFORMED = 0.05
+"""Least range of the martensite fraction in a fit that says something of a transformation."""
+
+Stage = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class TriedModel:
+    """A proposal, its fit to all records, and what it predicts."""
+
+    proposal: Proposal
+    fit: Fit
+    errors: tuple[HeldOutError, ...]
+
+    @cached_property
+    def pooled(self) -> list[PooledError]:
+        """Held-out errors by output; the first is what the experiment is about."""
+        return pool_errors(self.errors)
+
+
+@dataclass(frozen=True)
+class LogModel:
+    """What was made of logs."""
+
+    kind: ExperimentKind
+    chosen: TriedModel
+    tried: tuple[TriedModel, ...]
+    notes: tuple[str, ...]
+    """What was assumed, what was done to the logs, what failed."""
+
+    @property
+    def fit(self) -> Fit:
+        """The fit of the chosen model to all records."""
+        return self.chosen.fit
+
+    @property
+    def predicts(self) -> bool:
+        """Whether it predicts what the experiment is about, by what it did not see."""
+        return self.chosen.pooled[0].predicts
+
+    def write_scenario(self) -> str:
+        """The scenario with the numbers found, as TOML."""
+        fit, places = self.fit, _read_proposal(self.chosen.proposal).places
+        shared = [free for free in fit.problem.free if free.record is None]
+        found = {
+            places.path(leaf.path): exact_text(leaf.value, leaf.declared.unit)
+            for leaf in fit.system().leaves()
+            if any(free.moves(leaf.path) for free in shared)
+        }
+        return as_toml(change_document(self.chosen.proposal.document, found))
+
+
+def read_log_files(logs: Sequence[Source], columns: Sequence[str] | None, interval: float | None) -> list[Record]:
+    """Records of files, with NaN for missing samples."""
+    found = [log if isinstance(log, Record) else read_table(log, columns, interval=interval, gaps=True) for log in logs]
+    if not found:
+        raise DataError("A fit needs at least one log; none given.")
+    names = [one.name for one in found]
+    return [
+        replace(one, name=f"{one.name}-{names[:k].count(one.name) + 1}") if names.count(one.name) > 1 else one
+        for k, one in enumerate(found)
+    ]
+
+
+def model_logs(
+    logs: Source | Sequence[Source],
+    *,
+    experiment: str | None = None,
+    overrides: Mapping[str, Any] | None = None,
+    columns: Sequence[str] | None = None,
+    interval: float | None = None,
+    tell: Stage | None = None,
+) -> LogModel:
+    """A model of logs, without a scenario: proposed, fitted, and judged by what it did not see.
+
+    Args:
+        logs: files, or records in SI.
+        experiment: what they hold, where it is known; see `martensite.fit.experiment_kinds`.
+        overrides: what is known of the experiment, by dotted path, such as `element.diameter`.
+        columns: headings of files that have none.
+        interval: time between rows [s] of files without times.
+        tell: told what is being done.
+
+    Raises:
+        DataError: logs that cannot be read, or recognised, or lack what is indispensable.
+        SolveError: no proposal can be run.
+    """
+    sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
+    records = read_log_files(sources, columns, interval)
+    kind = recognise_experiment(records, experiment)
+    proposals, notes = propose_scenarios(kind, records, overrides or {})
+    tried: list[TriedModel] = []
+    for one in proposals:
+        if tell is not None:
+            tell(f"{kind.name}: {one.name}")
+        try:
+            tried.append(_try_proposal(one, kind))
+        except SolveError as error:
+            notes.append(f"Left out: {one.name}. {error}")
+    if not tried:
+        raise SolveError(f"None of the proposed models can be run. {' '.join(notes)}")
+    return LogModel(kind, _choose_model(tried), tuple(tried), tuple(dict.fromkeys(notes)))
+
+
+def _read_proposal(proposal: Proposal) -> Scenario:
+    return read_scenario(proposal.text, log=proposal.rows[0])
+
+
+def _try_proposal(proposal: Proposal, kind: ExperimentKind) -> TriedModel:
+    scenario = _read_proposal(proposal)
+    task = build_task(scenario, list(proposal.rows), list(proposal.free))
+    task = task.with_changes(each=list(proposal.each), hold_out="none", columns=list(proposal.columns))
+    problem = task.arrange(check=False).problem
+    fit = _solve_from_starts(problem, proposal, kind)
+    fit = replace(fit, scenario=scenario)
+    own_zero = kind.name in ("isobaric", "isothermal") and bool(proposal.each)
+    errors = cross_validate(fit, problem.free, kind=kind.name, drive=kind.drive, own_zero=own_zero)
+    return TriedModel(proposal, fit, tuple(errors))
+
+
+def _solve_from_starts(problem: Problem, proposal: Proposal, kind: ExperimentKind) -> Fit:
+    """The best of several local searches at whose end something transforms, if there is one."""
+    spread = SPREAD_STARTS if kind.name in DRIVEN else 0
+    fits: list[Fit] = []
+    for start in ({}, *proposal.others):
+        try:
+            begun = with_start(problem, start)
+            fits.append(solve_problem(begun, starts=0 if fits else spread, most=EVALUATIONS, inputs=False))
+        except SolveError:
+            continue
+    if not fits:
+        raise SolveError(f"Every run of the proposal `{proposal.name}` fails.")
+    moving = [fit for fit in fits if find_transformed(fit) > TRANSFORMED]
+    return min(moving or fits, key=lambda fit: fit.cost)
+
+
+def find_transformed(fit: Fit) -> float:
+    """Largest range of the martensite fraction in a fitted record."""
+    most = 0.0
+    for k, one in enumerate(fit.problem.experiments):
+        system = fit.system(k)
+        runner = one.runner(
+            fit.problem.step, [system.label(port, "martensite_fraction") for port in system.actuators()]
+        )
+        run = runner.run_one(np.array(runner.compiled.values(system)))
+        most = max(most, 0.0 if run is None else float(np.ptp(run, axis=0).max()))
+    return most
+
+
+def _choose_model(tried: Sequence[TriedModel]) -> TriedModel:
+    """The model with the least held-out error; of those that are alike the one with the fewest numbers."""
+
+    def error(one: TriedModel) -> float:
+        return one.pooled[0].rms if one.pooled else math.inf
+
+    least = min(map(error, tried))
+    return min((one for one in tried if error(one) <= ALIKE * least), key=lambda one: len(one.fit.problem.free))
