@@ -91,9 +91,9 @@ def test_columns_of_a_matrix(tmp_path: Path) -> None:
     assert found.outputs[:, 0] == pytest.approx(2.0 * MM)
     with pytest.raises(DataError, match="give the interval"):
         read_sampled(tmp_path / "log.mat", ["u"], ["y2"])
-    savemat(tmp_path / "struct.mat", {"log": {"u": DUTY}})
+    savemat(tmp_path / "words.mat", {"log": {"u": "nothing"}})
     with pytest.raises(DataError, match="no arrays of numbers"):
-        read_sampled(tmp_path / "struct.mat", ["u"], ["y"])
+        read_sampled(tmp_path / "words.mat", ["u"], ["y"])
 
 
 def test_netcdf(tmp_path: Path) -> None:

@@ -71,12 +71,17 @@ def read_sheet(path: Path, layout: Layout) -> Sheet:
     if separator == "whitespace":
         rows = [line.split() for _, line in kept]
         if not layout.columns and not any(map(is_number, rows[0])):
-            rows[0] = _HEADING.findall(kept[0][1])
+            rows[0] = split_heading(kept[0][1])
     elif layout.drop:
         rows = _split_singly(kept, SEPARATORS[separator], len(layout.columns))
     else:
         rows = _split_line(kept, SEPARATORS[separator], where)
     return Sheet(where, [number for number, _ in kept], rows, separator != "comma")
+
+
+def split_heading(line: str) -> list[str]:
+    """Headings that blanks separate, each with its unit in brackets."""
+    return _HEADING.findall(line)
 
 
 def _find_separator(lines: list[str], layout: Layout) -> str:
