@@ -25,9 +25,10 @@ from martensite.fit.problem import Problem
 from martensite.fit.scenario_proposals import Proposal, propose_scenarios
 from martensite.fit.solve import solve_problem
 from martensite.scenario.exact_text import exact_text
+from martensite.scenario.lab_files import LabFile, read_lab_file
 from martensite.scenario.overrides import as_toml, change_document
 from martensite.scenario.scenario import Scenario, read_scenario
-from martensite.scenario.tables import read_table
+from martensite.scenario.tables import PREFIX, read_table
 from martensite.signals.records import Record
 
 ALIKE = 1.05
@@ -88,16 +89,42 @@ class LogModel:
         return as_toml(change_document(self.chosen.proposal.document, found))
 
 
-def read_log_files(logs: Sequence[Source], columns: Sequence[str] | None, interval: float | None) -> list[Record]:
-    """Records of files, with NaN for missing samples."""
-    found = [log if isinstance(log, Record) else read_table(log, columns, interval=interval, gaps=True) for log in logs]
+def read_log_files(
+    logs: Sequence[Source], columns: Sequence[str] | None, interval: float | None
+) -> tuple[list[Record], list[str]]:
+    """Records of files, with NaN for missing samples, and sentences about how they were read.
+
+    Args:
+        logs: files of any layout, `data:<data set>/<file>`, or records.
+        columns: headings of the columns of all files; where left out they are recognised.
+        interval: time between rows [s] of files without times.
+    """
+    found: list[Record] = []
+    notes: list[str] = []
+    for log in logs:
+        if isinstance(log, Record):
+            found.append(log)
+        elif columns is not None or interval is not None or str(log).startswith(PREFIX):
+            found.append(read_table(log, columns, interval=interval, gaps=True))
+        else:
+            file = read_lab_file(log)
+            found.append(file.record)
+            notes += [f"`{file.record.name}`: {note}" for note in _describe_file(file)]
     if not found:
         raise DataError("A fit needs at least one log; none given.")
     names = [one.name for one in found]
-    return [
+    numbered = [
         replace(one, name=f"{one.name}-{names[:k].count(one.name) + 1}") if names.count(one.name) > 1 else one
         for k, one in enumerate(found)
     ]
+    return numbered, notes
+
+
+def _describe_file(file: LabFile) -> list[str]:
+    """Columns that were told by their values, and what was noticed on reading."""
+    guessed = [f"{one.number} as `{one.name} [{one.unit}]`" for one in file.columns if one.known == "values"]
+    said = [f"by their values columns are taken, {', '.join(guessed)} (--columns)."] if guessed else []
+    return [*said, *file.notes]
 
 
 def model_logs(
@@ -124,9 +151,10 @@ def model_logs(
         SolveError: no proposal can be run.
     """
     sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
-    records = read_log_files(sources, columns, interval)
+    records, notes = read_log_files(sources, columns, interval)
     kind = recognise_experiment(records, experiment)
-    proposals, notes = propose_scenarios(kind, records, overrides or {})
+    proposals, more = propose_scenarios(kind, records, overrides or {})
+    notes += more
     tried: list[TriedModel] = []
     for one in proposals:
         if tell is not None:
