@@ -77,6 +77,28 @@ class LogModel:
         """Whether it predicts what the experiment is about, by what it did not see."""
         return self.chosen.pooled[0].predicts
 
+    def predict_record(self, record: Record) -> dict[str, Any]:
+        """Output -> (rows,) in SI of what the model says of another record, with the mean zero of those fitted.
+
+        Raises:
+            InputError: the record lacks a column that drives or is compared.
+            SolveError: the run fails.
+        """
+        proposal, numbers = self.chosen.proposal, self.fit.numbers
+        scenario = read_scenario(self.write_scenario(), log=record)
+        task = build_task(scenario, [record], [self.fit.problem.free[0].path])
+        task = task.with_changes(hold_out="none", columns=list(proposal.columns), step=self.fit.problem.step)
+        problem = task.arrange(check=False).problem
+        found = problem.evaluate(problem.start)
+        if found is None:
+            raise SolveError(f"The run of record `{record.name}` fails with the numbers found.")
+        outputs = problem.experiments[0].outputs
+        zeros = {one: [x for n, x in numbers.items() if n.startswith(f"offset.{one}@")] for one in outputs}
+        return {
+            one: found.fitted[0].model[:, k] + (float(np.mean(zeros[one])) if zeros[one] else 0.0)
+            for k, one in enumerate(outputs)
+        }
+
     def write_scenario(self) -> str:
         """The scenario with the numbers found, as TOML."""
         fit, places = self.fit, _read_proposal(self.chosen.proposal).places

@@ -448,8 +448,20 @@ def _find_ambient(records: Sequence[Record]) -> float:
     return units.parse_quantity(ROOM, "K")
 
 
-def _describe_driven(kind: ExperimentKind, begun: DrivenStart) -> tuple[Document, list[str]]:
+def _begins_hot(kind: ExperimentKind, records: Sequence[Record], lag: DriveLag) -> bool:
+    """Whether most records begin with the answer at its driven end, so that the drive was on before."""
+    hot = 0
+    for record in records:
+        y = np.asarray(record[kind.measured[0]], float)
+        low, high = np.nanpercentile(y, (2.0, 98.0))
+        share = (float(np.nanmedian(y[:3])) - low) / max(high - low, 1e-300)
+        hot += (share if lag.gain > 0.0 else 1.0 - share) > 0.5
+    return hot > 0.5 * len(records)
+
+
+def _describe_driven(kind: ExperimentKind, begun: DrivenStart, records: Sequence[Record]) -> tuple[Document, list[str]]:
     """Element, surroundings and drive, and what is free in them."""
+    hot = _begins_hot(kind, records, begun.lag)
     source: Document = {"kind": kind.drive, "waveform": {"kind": "log"}}
     if kind.drive == "duty":
         source |= {"kind": "pwm-voltage", "supply": "5 V"}
@@ -484,7 +496,7 @@ def _describe_driven(kind: ExperimentKind, begun: DrivenStart) -> tuple[Document
             "cooling": {"kind": "constant", "h": f"{begun.h:.5g} W/m^2/K"},
         },
         "drive": source,
-        "run": {"lead": f"{max(6.0 * begun.lag.time_constant, 1.0):.3g} s", "tolerance": 3e-3},
+        "run": {"tolerance": 3e-3} | ({"lead": f"{max(6.0 * begun.lag.time_constant, 1.0):.3g} s"} if hot else {}),
     }
     top = min(8.0 * begun.heat_capacity, 9.9e3)
     free = [
@@ -515,7 +527,7 @@ def propose_stroke(kind: ExperimentKind, records: Sequence[Record], known: Assum
         known.sentences.append(f"`{column}` falls with the drive: its sign is turned.")
     compared = f"{output}={column}" if up and column == output else f"{output}={column}*{1.0 if up else -1.0:g}"
     columns = (output,) if compared == f"{output}={output}" else (compared,)
-    base, free = _describe_driven(kind, begun)
+    base, free = _describe_driven(kind, begun, records)
     strain = f"eps_L={EPS / 6.0:.4g}..0.19"
     force = begun.sigma * begun.section
     rows = list(records)
@@ -578,7 +590,7 @@ def propose_blocked_force(kind: ExperimentKind, records: Sequence[Record], known
             "250 MPa: moduli, film coefficient and heat capacity absorb it."
         )
         begun = _start_driven(kind, records, again, length)
-    base, free = _describe_driven(kind, begun)
+    base, free = _describe_driven(kind, begun, records)
     preload = max(least if column == "force" else least * begun.section, 1e-4)
     machine = {"kind": "testing-machine", "control": "elongation", "preload": f"{preload:.5g} N"}
     document = base | {"mechanism": machine, "signals": {"command": {"kind": "constant", "level": "0 mm"}}}
@@ -591,7 +603,7 @@ def propose_heating(kind: ExperimentKind, records: Sequence[Record], known: Assu
     """A driven element under a constant load, whose temperature is measured."""
     length = known.take("element.length", "m", 0.1, "film coefficient and heat capacity absorb it")
     begun = _start_driven(kind, records, known, length)
-    base, free = _describe_driven(kind, begun)
+    base, free = _describe_driven(kind, begun, records)
     mass = f"{begun.sigma * begun.section / 9.80665:.5g} kg"
     document = base | {"mechanism": {"kind": "dead-weight", "mass": mass}}
     columns = ("temperature",)
@@ -612,7 +624,7 @@ def propose_resistance(kind: ExperimentKind, records: Sequence[Record], known: A
     """A driven element under a constant load, whose resistance is measured, or follows from volts and amperes."""
     length = known.take("element.length", "m", 0.1, "resistivities absorb it")
     begun = _start_driven(kind, records, known, length)
-    base, free = _describe_driven(kind, begun)
+    base, free = _describe_driven(kind, begun, records)
     column = kind.measured[0]
     if column == "resistance":
         ohms = [float(f([f(r[column]) for r in records])) for f in (np.nanmin, np.nanmax)]

@@ -158,8 +158,8 @@ def _iterate_next(model: LogModel) -> Iterator[str]:
         )
     if {"heat_capacity", "latent_heat", "environment.cooling.h"} & open_names:
         yield (
-            "Steps that are held until nothing moves, and the free cooling after them: they part cooling, heat capacity "
-            "and latent heat."
+            "Steps that are held until nothing moves, and the free cooling after them: they part cooling, heat "
+            "capacity and latent heat."
         )
     if any(name.startswith(("A_s", "M_s", "M_f", "A_f")) for name in open_names):
         yield "A slow ramp of the drive up and down: it shows where the transformations begin and end."
