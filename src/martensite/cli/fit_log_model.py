@@ -109,5 +109,6 @@ def write_command(model: LogModel, logs: Sequence[str], scenario: Path, columns:
     words = ["martensite", "fit", *logs, "--scenario", str(scenario), "--free", ",".join(proposal.free)]
     words += [word for one in proposal.each for word in ("--each", one)]
     words += [word for one in proposal.columns for word in ("--column", one)]
-    words += [] if columns is None else ["--columns", columns]
+    headings = columns or ",".join(model.headings)
+    words += ["--columns", headings] if headings else []
     return " ".join(map(quote, words))

@@ -19,7 +19,7 @@ from martensite.base import units
 from martensite.base.errors import DataError, InputError, MartensiteError
 from martensite.characterise.tangent_fit import fit_tangents
 from martensite.characterise.tangent_points import find_tangent_points
-from martensite.fit.experiment_kinds import ExperimentKind
+from martensite.fit.experiment_kinds import DRIVEN, ExperimentKind
 from martensite.fit.naive_predictions import DriveLag, filter_drive, fit_drive_lag
 from martensite.scenario.overrides import as_toml, change_document
 from martensite.search.quantity_text import format_number, list_names
@@ -39,6 +39,8 @@ SLOPE = 7.5e6
 A_F = 77.0
 """Austenite finish at no stress where no temperature is measured [degC]: it sets the scale of all temperatures."""
 
+SPREAD_STARTS = 2
+"""Local searches of a driven element that begin at the best of many points."""
 Document = dict[str, Any]
 
 
@@ -55,6 +57,8 @@ class Proposal:
     """Further starts: free number -> value in SI."""
     rows: Sequence[Record] = ()
     """The records that it explains, with the columns that it needs."""
+    spread: int = 0
+    """Local searches that begin at the best of many points over the bounds."""
 
     @property
     def text(self) -> str:
@@ -104,6 +108,8 @@ def propose_scenarios(
     """
     known = Assumptions(settings)
     found = list(PROPOSERS[kind.name](kind, records, known))
+    if kind.name in DRIVEN:
+        found = [replace(one, spread=SPREAD_STARTS) for one in found]
     if settings:
         found = [replace(one, document=change_document(one.document, settings)) for one in found]
     return found, known.sentences
@@ -648,6 +654,29 @@ def refuse_cooling(kind: ExperimentKind, records: Sequence[Record], known: Assum
     raise DataError(
         f"{names}: free cooling; `martensite fit h LOG` finds its film coefficient, which a scenario then takes as "
         "`environment.cooling.h`."
+    )
+
+
+def add_waist(proposal: Proposal, numbers: Mapping[str, float]) -> Proposal:
+    """A driven element with rounder transformations, that of trained wires; the search begins at numbers found."""
+    law = {
+        name: value for name, value in proposal.document["element"]["law"].items() if name not in ("modulus", "eps_L")
+    }
+    law |= {"kind": "lagoudas", "hardening": "waisted", "sigma_cal": write_value(SIGMA, "Pa")}
+    law |= {"H_min": EPS, "H_sat": 0.19, "H_k": "0 1/MPa", "waist_f": 0.7, "waist_r": 0.7}
+    law |= dict.fromkeys(("n_1", "n_2", "n_3", "n_4"), 0.45)
+    free = [one.replace("eps_L", "H_min").replace("=-60..", "=-200..") for one in proposal.free]
+    begin = dict(numbers) | ({"H_min": numbers["eps_L"]} if "eps_L" in numbers else {})
+    begin |= {name: 2.0 * numbers[name] for name in ("A_s-A_f", "M_f-M_s")}
+    document = change_document(proposal.document, {"element.law": law})
+    more = ("waist_f=0.1..0.98", "waist_r=0.1..0.98")
+    return replace(
+        proposal,
+        name=f"{proposal.name}, lagoudas with a waist",
+        document=document,
+        free=(*free, *more),
+        others=(begin,),
+        spread=0,
     )
 
 
