@@ -165,3 +165,9 @@ def test_isobaric_files_become_a_law_that_predicts_the_level_left_out() -> None:
     assert errors["isobaric_172MPa"].rms < 7e-4
     assert errors["isobaric_172MPa"].own_zero
     assert model.predicts
+
+
+def test_records_that_lack_a_column_are_named() -> None:
+    whole, part = make_record(RECORDS["stroke"]), make_record({"duty": WAVE}, "other")
+    with pytest.raises(DataError, match="`other` has no column `position`"):
+        model_logs([whole, part])

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from martensite.base.errors import DataError, SolveError
+from martensite.base.errors import DataError, ParameterError, SolveError
 from martensite.fit.api import build_task
 from martensite.fit.cross_validation import HeldOutError, PooledError, cross_validate, pool_errors, with_start
 from martensite.fit.experiment_kinds import ExperimentKind, recognise_experiment
@@ -181,7 +181,9 @@ def model_logs(
     sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
     records, notes, headings = read_log_files(sources, columns, interval)
     kind = recognise_experiment(records, experiment)
-    proposals, more = propose_scenarios(kind, records, overrides or {})
+    moving, still = _part_still(records, kind.measured)
+    notes += still
+    proposals, more = propose_scenarios(kind, moving, overrides or {})
     notes += more
     tried: list[TriedModel] = []
     while proposals:
@@ -190,7 +192,7 @@ def model_logs(
             tell(f"{kind.name}: {one.name}")
         try:
             tried.append(_try_proposal(one, kind))
-        except SolveError as error:
+        except (SolveError, ParameterError) as error:
             notes.append(f"Left out: {one.name}. {error}")
         if tried and not proposals and kind.name in MOVING and one.spread:
             best = _choose_model(tried)
@@ -199,6 +201,21 @@ def model_logs(
     if not tried:
         raise SolveError(f"None of the proposed models can be run. {' '.join(notes)}")
     return LogModel(kind, _choose_model(tried), tuple(tried), tuple(dict.fromkeys(notes)), headings)
+
+
+def _part_still(records: Sequence[Record], measured: Sequence[str]) -> tuple[list[Record], list[str]]:
+    """Records in which all that is to be explained changes, and sentences about the others.
+
+    Raises:
+        DataError: a column is missing in one of the records.
+    """
+    for one in records:
+        lost = next((name for name in measured if name not in one.columns), None)
+        if lost is not None:
+            raise DataError(f"Record `{one.name}` has no column `{lost}`, which others have; fit it apart.")
+    still = {one.name: name for one in records for name in measured if not np.nanstd(one[name]) > 0.0}
+    notes = [f"`{column}` never changes in `{name}`, which is left out." for name, column in still.items()]
+    return [one for one in records if one.name not in still], notes
 
 
 def _read_proposal(proposal: Proposal) -> Scenario:

@@ -310,6 +310,8 @@ def propose_isothermal(kind: ExperimentKind, records: Sequence[Record], known: A
     if load == "force":
         rows = [_with_column(r, "stress", "Pa", np.asarray(r["force"]) / section) for r in rows]
     rows = [_with_column(r, "temperature", "K", _find_temperatures(r, known)) for r in rows]
+    if len({round(one["temperature"][0]) for one in rows}) < 2:
+        known.sentences.append("One temperature only: C_A and C_M are assumed to be 7.5 MPa/K.")
     yield from _vary_plateau_laws(rows, diameter, length)
 
 
@@ -507,8 +509,8 @@ def _describe_driven(kind: ExperimentKind, begun: DrivenStart, records: Sequence
     top = min(8.0 * begun.heat_capacity, 9.9e3)
     free = [
         f"environment.cooling.h={begun.h / 6.0:.4g}..{begun.h * 6.0:.4g} W/m^2/K log",
-        f"heat_capacity={begun.heat_capacity / 8.0:.4g}..{top:.4g} J/kg/K log",
-        f"latent_heat={begun.heat_capacity * 0.5:.4g}..{min(top * 60.0, 9.9e5):.4g} J/kg log",
+        f"heat_capacity={begun.heat_capacity / 12.0:.4g}..{top:.4g} J/kg/K log",
+        f"latent_heat={begun.heat_capacity * 0.3:.4g}..{min(top * 60.0, 9.9e5):.4g} J/kg log",
         "A_s-A_f=-60..-1 K",
         "M_s-A_f=-70..-1 K",
         "M_f-M_s=-60..-1 K",
@@ -616,7 +618,7 @@ def propose_heating(kind: ExperimentKind, records: Sequence[Record], known: Assu
     yield Proposal(
         "with transformation",
         document,
-        (*free, "A_f=30..140 degC"),
+        ("A_f=30..140 degC", *free),
         columns,
         ("offset.temperature",),
         (),

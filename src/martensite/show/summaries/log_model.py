@@ -52,7 +52,7 @@ def _make_verdict(model: LogModel) -> Notice:
 def _describe_output(one: PooledError, errors: Sequence[HeldOutError]) -> str:
     own = [x for x in errors if x.output == one.output]
     size, naive = (format_error(one.output, x, one.unit) for x in (one.rms, one.naive[one.best_naive]))
-    what = "each record left out in turn" if own[0].whole else "stretches kept back"
+    what = "each record left out in turn" if own[0].whole else "what was kept back of the same records"
     said = f"`{one.output}`: rms error {size} in {what} ({one.fit_percent:.0f} % fit)"
     if one.predicts:
         said += f"; the best prediction without a model ({one.best_naive}) errs by {naive}."
