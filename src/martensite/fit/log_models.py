@@ -237,10 +237,11 @@ def _try_proposal(proposal: Proposal, kind: ExperimentKind) -> TriedModel:
 def _solve_from_starts(problem: Problem, proposal: Proposal) -> Fit:
     """The best of several local searches at whose end something transforms, if there is one."""
     fits: list[Fit] = []
+    most = EVALUATIONS if proposal.spread else 2 * EVALUATIONS  # loops are cheap
     for start in ({}, *proposal.others):
         try:
             begun = with_start(problem, start)
-            fits.append(solve_problem(begun, starts=0 if fits else proposal.spread, most=EVALUATIONS, inputs=False))
+            fits.append(solve_problem(begun, starts=0 if fits else proposal.spread, most=most, inputs=False))
         except SolveError:
             continue
     if not fits:

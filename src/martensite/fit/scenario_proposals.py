@@ -115,8 +115,10 @@ def propose_scenarios(
     return found, known.sentences
 
 
-def _thin_rows(record: Record, most: int = ROWS) -> Record:
-    kept = np.unique(np.linspace(0, len(record) - 1, min(most, len(record))).round().astype(int))
+def _thin_rows(record: Record, needed: Sequence[str], most: int = ROWS) -> Record:
+    """A record with few rows, in all of which the columns that are needed hold numbers."""
+    whole = np.flatnonzero(np.all([np.isfinite(record[name]) for name in needed], axis=0))
+    kept = whole[np.unique(np.linspace(0, len(whole) - 1, min(most, len(whole))).round().astype(int))]
     return replace(record, columns={name: [column[k] for k in kept] for name, column in record.columns.items()})
 
 
@@ -158,7 +160,7 @@ def _group_levels(loads: Sequence[float]) -> list[float]:
 
 def _read_loop(record: Record, column: str, section: float, known: Assumptions) -> Record:
     """A loop with few rows, its strain, and its mean stress [Pa]."""
-    thin = _thin_rows(record)
+    thin = _thin_rows(record, (column, "temperature"))
     strain = np.asarray(thin[column], float)
     if column != "strain":
         length = known.take("element.length", "m", 0.1, "strain and everything in it is counted from this length")
@@ -264,8 +266,9 @@ def _vary_loop_laws(
         document = base | {"element": base["element"] | {"law": law}}
         return Proposal(name, document, (*temperatures, *slopes, *moduli, *free), ("strain",), each, (again,), rows)
 
-    expansion = ("alpha_A=-3e-5..6e-5 1/K", "alpha_M=-3e-5..6e-5 1/K")
-    place = () if zeroed else ("T_ref=100..900 K",)
+    expansion = ("alpha_A=-2e-5..4e-5 1/K", "alpha_M=-2e-5..4e-5 1/K")
+    kelvin = [t for one in rows for t in (min(one["temperature"]), max(one["temperature"]))]
+    place = () if zeroed else (f"T_ref={min(kelvin):.5g}..{max(kelvin):.5g} K",)
     surface = {
         "kind": "lagoudas",
         "sigma_cal": write_value(sigma, "Pa"),
@@ -285,6 +288,7 @@ def _vary_loop_laws(
         strain = ("H_min=0.001..0.15",)
         surface |= {"H_min": stroke, "H_sat": 0.19, "H_k": "0 1/MPa"}
     waist = surface | {"hardening": "waisted", "waist_f": 0.8, "waist_r": 0.8}
+    waist |= {"n_1": 0.4, "n_2": 0.5, "n_3": 0.4, "n_4": 0.5}
     yield build(
         "lagoudas with a waist", waist, (*strain, *expansion, *place, "waist_f=0.1..0.98", "waist_r=0.1..0.98"), 2.0
     )
@@ -302,7 +306,7 @@ def propose_isothermal(kind: ExperimentKind, records: Sequence[Record], known: A
     """Loops of strain at constant temperatures, in a testing machine that prescribes the strain."""
     load, shape = kind.measured
     diameter = known.find_diameter(load == "force")
-    rows, length = [_thin_rows(one, 2 * ROWS) for one in records], 0.1
+    rows, length = [_thin_rows(one, kind.measured, 2 * ROWS) for one in records], 0.1
     if shape != "strain":
         length = known.take("element.length", "m", 0.1, "strain and moduli are counted from it")
         rows = [_with_column(r, "strain", "1", np.asarray(r[shape]) / length) for r in rows]
