@@ -136,11 +136,11 @@ def test_model_predicts_only_where_it_beats_every_naive_prediction() -> None:
 def rig_logs(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     """Files of two logs of a rig within the models that are tried."""
     folder = tmp_path_factory.mktemp("rig")
-    rig = draw_rig(10, records=2)
+    rig = draw_rig(17, records=2)
     paths: list[str] = []
     for one in rig.records:
         heads = "Time (s),Duty (-),Load (N)"
-        rows = list(zip(one["time"], one["duty"], one["force"], strict=True))[::4]
+        rows = list(zip(one["time"], one["duty"], one["force"], strict=True))
         path = folder / f"{one.name}.csv"
         path.write_text("\n".join([heads, *(f"{t:.4f},{u:.5f},{f:.5f}" for t, u, f in rows), ""]))
         paths.append(str(path))
