@@ -134,8 +134,16 @@ def _list_possible(records: Sequence[Record], varying: Sequence[str]) -> Any:
         yield ExperimentKind(
             "isothermal", f"{list_names([shapes[0], loads[0]])} vary, {said}", shapes[0], (loads[0], shapes[0])
         )
-    if warm and not shapes and not drives:
+    falls = all(_is_falling(record["temperature"]) for record in records if "temperature" in record.columns)
+    if warm and falls and not shapes and not drives:
         yield ExperimentKind("cooling", f"only `temperature` varies, over {kelvin:.0f} K", "", ("temperature",))
+
+
+def _is_falling(column: Any) -> bool:
+    """Whether a temperature ends well below where it begins."""
+    x = np.asarray(column, float)
+    x = x[np.isfinite(x)]
+    return bool(x.size > 1 and x[0] - x[-1] > 0.5 * np.ptp(x))
 
 
 def _list_driven(records: Sequence[Record], varying: Sequence[str], drives: Sequence[str]) -> Any:
