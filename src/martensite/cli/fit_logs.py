@@ -19,6 +19,7 @@ from martensite.base.errors import InputError, UnknownNameError
 from martensite.base.formats import write_quantity
 from martensite.base.interrupts import InterruptError, accept_interrupt, rescue_answer
 from martensite.cli.fit import LOGS, fit
+from martensite.cli.fit_log_model import ModelOptions, fit_log_model
 from martensite.cli.options import (
     Force,
     Imports,
@@ -107,6 +108,12 @@ class FitOptions:
             search={"method": self.method, "loss": self.loss, "starts": self.starts},
         )
 
+    def is_alone(self, logs: Sequence[str]) -> bool:
+        """Whether neither scenario nor free numbers nor a fit file say what is fitted."""
+        from martensite.fit.fit_file import is_fit_file
+
+        return not self.scenario and not self.free and not any(map(is_fit_file, logs))
+
     def _make_task(self, logs: Sequence[str]) -> FitTask:
         from martensite.fit.api import build_task
         from martensite.scenario.log_tables import parse_named
@@ -148,6 +155,13 @@ class FitExtras:
     ] = None
     report: Annotated[Path | None, Option(help="Report to write: .md (figures beside it) or .html.")] = None
     out: Annotated[Path | None, Option(metavar="MATERIAL", help="Material file to write: .toml.")] = None
+
+    def refuse_without_scenario(self) -> None:
+        """Raise `InputError` for what needs a scenario of one's own."""
+        idle = {"--profile": self.profile, "--posterior": self.posterior, "--resume": self.resume}
+        name = next((name for name, given in idle.items() if given), None)
+        if name is not None:
+            raise InputError(f"Option `{name}` needs --scenario and --free; without, it has no effect.")
 
     def check(self, arranged: ArrangedFit) -> None:
         """Refuse before the search what would fail after it."""
@@ -207,6 +221,7 @@ def fit_logs(
     ],
     options: FitOptions,
     extras: FitExtras,
+    models: ModelOptions,
     settings: Settings = None,
     modules: Imports = None,
     force: Force = False,
@@ -214,12 +229,26 @@ def fit_logs(
 ) -> None:
     """Fit parameters of a scenario to logs (meant where no other command is named).
 
+    Without --scenario and --free the logs are recognised, and a scenario is proposed, fitted and judged by
+    what it did not see; the exit code is 1 if it does not predict.
+
     A scenario follows the log where its waveforms are of kind `log`. All other columns that the
     scenario has outputs for are compared. Ctrl-C ends the search and keeps the best so far; the
     exit code is 1 then. SIGTERM does the same.
     """
     import_modules(modules)
     extras.check_files(force)
+    if options.is_alone(logs):
+        extras.refuse_without_scenario()
+        models.check(options, extras.report, force)
+        seconds = read_quantity("interval", options.interval, "s")
+        files = {"report": extras.report, "material": extras.out}
+        if not fit_log_model(
+            logs, models, settings or [], columns=options.columns, interval=seconds, **files, json=json
+        ):
+            raise typer.Exit(1)
+        return
+    models.refuse_beside_scenario()
     latest: dict[str, Any] = {}
     with rescue_answer(lambda: _tell_best(latest, extras.resume, json)):
         whole = run_fit(options.read_task(logs, settings), extras, json, latest)

@@ -2,6 +2,8 @@ from martensite.fit.api import fit_logs as fit_logs
 from martensite.fit.api import read_problem as read_problem
 from martensite.fit.experiment import Experiment as Experiment
 from martensite.fit.fit import Fit as Fit
+from martensite.fit.log_models import LogModel as LogModel
+from martensite.fit.log_models import model_logs as model_logs
 from martensite.fit.material_files import write_material as write_material
 from martensite.fit.problem import Problem as Problem
 from martensite.fit.problem import build_problem as build_problem

@@ -243,7 +243,7 @@ class Fit:
 
     def _allowed(self, free: FreeNumber) -> tuple[float, float]:
         """What the declaration of a number allows; nothing is forbidden to what a record has for itself."""
-        leaves = () if is_nuisance(free.path) else self.system().leaves()
+        leaves = () if is_nuisance(free.path) or free.base else self.system().leaves()
         return next((leaf.declared.bounds for leaf in leaves if free.moves(leaf.path)), (-math.inf, math.inf))
 
     @cached_property

@@ -72,8 +72,11 @@ class FitTask:
     """Longest step of all runs [s]; that of the scenario, or one to its tolerance, if None."""
     search: FitSearch = FitSearch()
 
-    def arrange(self) -> ArrangedFit:
+    def arrange(self, *, check: bool = True) -> ArrangedFit:
         """The problem, ready to be solved.
+
+        Args:
+            check: whether the start is looked at; without, the search may begin where nothing transforms.
 
         Raises:
             InputError: logs, scenario and free parameters do not fit each other.
@@ -102,7 +105,7 @@ class FitTask:
         stepped, more = _choose_steps(made, found, self.step)
         whole = build_problem(stepped, free, each=each, noise=noise, input_noise=input_noise)
         follows = list(dict.fromkeys(found[0].scenario.follows.values()))
-        notes += [*more, *check_start(whole.training, follows)]
+        notes += [*more, *(check_start(whole.training, follows) if check else ())]
         models = {one.name: (one.scenario, one.log.model) for one in found}
         return ArrangedFit(whole, models, self.search, tuple(notes), self.hold_out == EACH)
 

@@ -14,6 +14,8 @@ records, and may be drawn to a centre by a spread:
     h:by=specimen        every specimen has its own, whatever records belong to it
     h=±20 %              log-normal about its centre: the scenario's number, or the common one if `h` is free, too
     h=±5 W/m^2/K@60 W/m^2/K    normal about a centre that is given
+
+`A_f-A_s` is how far A_f lies above A_s. Both may be free, A_s first: then they keep their order wherever a search goes.
 """
 
 from __future__ import annotations
@@ -33,7 +35,15 @@ from martensite.base import units
 from martensite.base.errors import ParameterError, require_known, suggest_name
 from martensite.base.formats import write_quantity
 from martensite.fit.experiment import Experiment
-from martensite.search.free_numbers import FreeNumber, SearchRange, Target, build_free, parse_free, read_free
+from martensite.search.free_numbers import (
+    BOX_FACTOR,
+    FreeNumber,
+    SearchRange,
+    Target,
+    build_free,
+    parse_free,
+    read_free,
+)
 
 OFFSET, DELAY = "offset", "delay"
 """What a record may have for itself: the zero of a sensor, the delay of its clock."""
@@ -91,8 +101,8 @@ def _read_range(text: str, systems: Sequence[AbstractSystem], own: bool, outputs
         return replace(found, by=by, spread=size, relative=relative)
     if bounds is None and start is None:
         return SearchRange(name, scale=scale)
-    if is_nuisance(name):
-        unit = _find_own_unit(name, outputs)
+    if is_nuisance(name) or is_difference(name):
+        unit = _find_own_unit(name, outputs) if is_nuisance(name) else _find_difference_unit(name, systems)
         return read_free(text, unit, lambda words: read_difference(words, unit))
     unit = _find_unit(name, systems)
     return read_free(text, unit, lambda words: units.parse_quantity(words, unit))
@@ -143,6 +153,15 @@ def read_difference(text: str, unit: str) -> float:
     return units.parse_quantity(text, unit) - units.parse_quantity(zero, unit)
 
 
+def _find_difference_unit(name: str, systems: Sequence[AbstractSystem]) -> str:
+    return build_free_numbers([SearchRange(name.partition("-")[0])], systems)[0].unit
+
+
+def is_difference(name: str) -> bool:
+    """True for a number that is counted from another, `A_f-A_s`."""
+    return "-" in name and not is_nuisance(name)
+
+
 def is_nuisance(path: str) -> bool:
     """True for what belongs to the record and not to the system."""
     return path == DELAY or path.partition(".")[0] == OFFSET
@@ -162,7 +181,30 @@ def build_free_numbers(
         ParameterError: an unknown name, bounds that are none, a start outside of them.
     """
     known = [Target.from_leaf(leaf) for system in systems for leaf in system.leaves()]
-    return [_build_one(wanted, known, record) for wanted in ranges]
+    return [
+        _build_difference(wanted, known, record) if is_difference(wanted.name) else _build_one(wanted, known, record)
+        for wanted in ranges
+    ]
+
+
+def _build_difference(wanted: SearchRange, known: Sequence[Target], record: str | None) -> FreeNumber:
+    """A number that is counted from another of the same unit."""
+    name, _, base = wanted.name.partition("-")
+    one, other = (_build_one(SearchRange(part), known, record) for part in (name, base))
+    if one.unit != other.unit:
+        raise ParameterError(f"`{wanted.name}` is no difference: one is in {one.unit}, the other in {other.unit}.")
+    apart = one.start - other.start
+    start = apart if wanted.start is None else wanted.start
+    low = min(start / BOX_FACTOR, start * BOX_FACTOR) if wanted.low is None else wanted.low
+    high = max(start / BOX_FACTOR, start * BOX_FACTOR) if wanted.high is None else wanted.high
+    if not low <= start <= high or low == high:
+        raise ParameterError(
+            f"The difference `{wanted.name}` starts at {start:g} {one.unit}, outside of its bounds {low:g} to "
+            f"{high:g}; move the bounds or the start."
+        )
+    shown = wanted.name if record is None else f"{wanted.name}@{record}"
+    doc = f"how far {name} lies above {base}"
+    return FreeNumber(shown, one.path, one.unit, start, low, high, record=record, doc=doc, base=other.path)
 
 
 def _build_one(wanted: SearchRange, known: Sequence[Target], record: str | None) -> FreeNumber:

@@ -50,7 +50,8 @@ def list_orders(free: Sequence[FreeNumber], experiments: Sequence[Experiment]) -
         for low, high in pairs:
             for path in [path for path in values if path.rpartition(".")[2] == low]:
                 other = path.removesuffix(low) + high
-                if other in values:
+                apart = any(x.base and (x.moves(path) or x.moves(other)) for _, x in acting)  # in order by itself
+                if other in values and not apart:
                     ends = [_find_mover(acting, end, values[end]) for end in (path, other)]
                     if any(isinstance(end, int) for end in ends):
                         found[NumberOrder(*ends)] = None

@@ -117,6 +117,7 @@ class Problem:
                 raise ParameterError(f"There are two of {kind} `{double}`; give each its own name.")
         if all(one.held_out for one in self.experiments):
             raise ParameterError("All records are kept back, and none is left to be fitted.")
+        _refuse_late_base(self.free)
         for one in self.experiments:
             _refuse_double(one, self.free)
 
@@ -292,15 +293,23 @@ class Problem:
         total = float(np.sum(fitted.residuals[self.used[k]] ** 2))
         return total if math.isfinite(total) else math.inf
 
-    def _find_moved_rows(self, k: int) -> list[tuple[int, list[int]]]:
-        labels, paths = self.experiments[k].labels, self.runners[k].paths
+    def _find_moved_rows(self, k: int) -> list[tuple[int, list[tuple[int, int | None]]]]:
+        """Free parameter -> rows of values that it moves, each with the row it is counted from, if there is one."""
+        labels, paths = self.experiments[k].labels, list(self.runners[k].paths)
         acting = [(i, x) for i, x in enumerate(self.free) if x.record in (None, *labels) and not is_nuisance(x.path)]
         spread = [free for _, free in acting if free.record and free.spread]
         taken = {path for path in paths for free in spread if free.moves(path)}
-        return [
-            (i, [j for j, path in enumerate(paths) if free.moves(path) and (free.record or path not in taken)])
-            for i, free in acting
-        ]
+
+        def find_base(free: FreeNumber, path: str) -> int | None:
+            beside = path.removesuffix(free.path) + free.base
+            ends = [j for j, one in enumerate(paths) if one == beside or one.endswith("." + free.base)]
+            return min(ends, key=lambda j: paths[j] != beside) if free.base else None
+
+        def list_rows(free: FreeNumber) -> list[tuple[int, int | None]]:
+            moved = ((j, x) for j, x in enumerate(paths) if free.moves(x) and (free.record or x not in taken))
+            return [(j, find_base(free, path)) for j, path in moved]
+
+        return [(i, list_rows(free)) for i, free in acting]
 
     @property
     def lengths(self) -> list[int]:
@@ -309,7 +318,7 @@ class Problem:
         return [n for n in counts if n] + [1] * len(self.spreads)
 
     @cached_property
-    def _moving(self) -> list[list[tuple[int, list[int]]]]:
+    def _moving(self) -> list[list[tuple[int, list[tuple[int, int | None]]]]]:
         return [self._find_moved_rows(k) for k in range(len(self.experiments))]
 
     def system(self, k: int, u: Sequence[float]) -> Any:
@@ -319,7 +328,13 @@ class Problem:
             InputError: values contradict each other.
         """
         paths = self.runners[k].paths
-        changed = {paths[j]: self.free[i].value(float(u[i])) for i, places in self._moving[k] for j in places}
+        changed: dict[str, float] = {}
+        for i, places in self._moving[k]:
+            for j, base in places:
+                below = 0.0
+                if base is not None:
+                    below = changed.get(paths[base], float(self.runners[k].base[base]))
+                changed[paths[j]] = below + self.free[i].value(float(u[i]))
         return self.experiments[k].system.with_values(changed)
 
     @cached_property
@@ -342,7 +357,9 @@ class Problem:
             return self._compare_model(k, self.runners[k].run_one(values), u, None)
         seeds = np.zeros((len(values), len(self.free)))
         for i, places in self._moving[k]:
-            seeds[places, i] = self.free[i].slope(float(u[i]))
+            for j, base in places:
+                seeds[j] = 0.0 if base is None else seeds[base]
+                seeds[j, i] += self.free[i].slope(float(u[i]))
         moving = seeds.any(axis=0)
         found = self.runners[k].run_slopes(values, seeds[:, moving])
         if found is None:
@@ -386,6 +403,13 @@ class Problem:
 def _start_threads() -> ThreadPoolExecutor:
     """Runs in C release the interpreter, so that threads use all cores."""
     return ThreadPoolExecutor(max(1, cpu_count() or 1))
+
+
+def _refuse_late_base(free: Sequence[FreeNumber]) -> None:
+    for k, one in enumerate(free):
+        late = next((x.name for x in free[k:] if one.base and x.path == one.base), None)
+        if late is not None:
+            raise ParameterError(f"Free parameter `{one.name}` is counted from `{late}`, which must stand before it.")
 
 
 def _refuse_double(one: Experiment, free: Sequence[FreeNumber]) -> None:

@@ -4,6 +4,7 @@
     A_s=40..90 degC                      with bounds; either may be left out
     A_s=40..90 degC@60 degC              with a start
     element.diameter=0.05..0.5 mm log    on a scale: linear, log, or whole numbers
+    A_f-A_s=2..60 degC                   in a fit: how far A_f lies above A_s, which may be free itself
 
 A search runs over shares u from 0 to 1 of the range, one per free number:
 
@@ -129,6 +130,8 @@ class FreeNumber:
     """Standard deviation about the centre that several have in common: [SI], or a share of it; 0 for none."""
     relative: bool = False
     """Whether the spread is a share."""
+    base: str = ""
+    """Path of the number from which this one is counted, so that order holds by construction; empty for none."""
 
     @overload
     def value(self, share: float) -> float: ...

@@ -1,0 +1,114 @@
+"""`fit LOG...` without a scenario: the experiment is recognised, scenarios are proposed, and the best is kept."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from shlex import quote
+from typing import TYPE_CHECKING, Annotated
+
+from typer import Option
+
+from martensite.base.errors import InputError
+from martensite.cli.options import Text
+from martensite.cli.outputs import check_absent, check_ending, check_folder
+from martensite.cli.progress import show_spinner
+
+if TYPE_CHECKING:
+    from martensite.fit.log_models import LogModel
+
+NEEDLESS = ("each", "hold_out", "column", "noise", "method", "loss", "starts", "step")
+"""Options that belong to a scenario of one's own."""
+
+
+@dataclass(frozen=True)
+class ModelOptions:
+    """What is said of logs that no scenario explains."""
+
+    experiment: Annotated[
+        Text,
+        Option(
+            metavar="KIND",
+            help="Without --scenario: stroke, blocked-force, heating, resistance, isobaric, isothermal or cooling "
+            "[default: by the columns].",
+        ),
+    ] = None
+    save_scenario: Annotated[
+        Path | None, Option(metavar="FILE", help="Where the proposed scenario is kept, with the numbers found: .toml.")
+    ] = None
+
+    def refuse_beside_scenario(self) -> None:
+        """Raise `InputError` where a scenario is given, which says all that."""
+        for name, given in (("--experiment", self.experiment), ("--save-scenario", self.save_scenario)):
+            if given is not None:
+                raise InputError(f"Option `{name}` has no effect beside --scenario, which says what is fitted.")
+
+    def find_scenario_file(self, report: Path | None) -> Path | None:
+        """Where the scenario is written: as asked for, or beside the report."""
+        return self.save_scenario or (None if report is None else report.with_suffix(".toml"))
+
+    def check(self, given: object, report: Path | None, force: bool) -> None:
+        """Refuse options that would do nothing, and files that cannot be written."""
+        idle = next((name for name in NEEDLESS if getattr(given, name, None) is not None), None)
+        if idle is not None:
+            raise InputError(f"Option `--{idle.replace('_', '-')}` needs --scenario and --free, or has no effect.")
+        check_ending(self.save_scenario, (".toml",))
+        path = self.find_scenario_file(report)
+        if path is not None:
+            check_folder(path)
+            check_absent(path, force)
+
+
+def fit_log_model(
+    logs: Sequence[str],
+    options: ModelOptions,
+    settings: Sequence[str],
+    *,
+    columns: str | None = None,
+    interval: float | None = None,
+    report: Path | None = None,
+    material: Path | None = None,
+    json: bool = False,
+) -> bool:
+    """Make a model of logs and print its page; whether it predicts."""
+    from martensite.fit.log_models import model_logs
+    from martensite.scenario.overrides import read_settings
+    from martensite.show.pages import write_page
+    from martensite.show.summaries.log_model import summarise_log_model
+    from martensite.show.terminal import print_summary
+
+    with show_spinner("recognising, fitting, leaving out"):
+        model = model_logs(
+            list(logs),
+            experiment=options.experiment,
+            overrides=read_settings(list(settings)),
+            columns=None if columns is None else columns.split(","),
+            interval=interval,
+        )
+    scenario = options.find_scenario_file(report)
+    summary = summarise_log_model(model, "" if scenario is None else write_command(model, logs, scenario, columns))
+    written: list[Path] = []
+    if scenario is not None:
+        scenario.write_text(model.write_scenario(), encoding="utf-8")
+        written.append(scenario)
+    if material is not None:
+        from martensite.fit.material_files import write_material
+
+        write_material(model.fit, material, scenario=model.fit.scenario)
+        written.append(material)
+    if report is not None:
+        written += write_page(summary, report)
+    print_summary(summary, json, written)
+    return model.predicts
+
+
+def write_command(model: LogModel, logs: Sequence[str], scenario: Path, columns: str | None) -> str:
+    """The command that fits a kept scenario to the same logs."""
+    proposal = model.chosen.proposal
+    words = ["martensite", "fit", *logs, "--scenario", str(scenario), "--free", ",".join(proposal.free)]
+    words += [word for one in proposal.each for word in ("--each", one)]
+    words += [word for one in proposal.columns for word in ("--column", one)]
+    headings = columns or ",".join(model.headings)
+    words += ["--columns", headings] if headings else []
+    return " ".join(map(quote, words))

@@ -1,0 +1,273 @@
+"""From logs alone to a model: which experiment, which scenario, its numbers, and whether it predicts.
+
+The experiment is recognised, scenarios are proposed, each is fitted from several starts and judged by what it did not
+see. The one that predicts best is kept; of two that are alike, the one with fewer free numbers.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import DataError, ParameterError, SolveError
+from martensite.fit.api import build_task
+from martensite.fit.cross_validation import HeldOutError, PooledError, cross_validate, pool_errors, with_start
+from martensite.fit.experiment_kinds import ExperimentKind, recognise_experiment
+from martensite.fit.fit import Fit
+from martensite.fit.logs import Source
+from martensite.fit.problem import Problem
+from martensite.fit.scenario_proposals import Proposal, add_waist, propose_scenarios
+from martensite.fit.solve import solve_problem
+from martensite.scenario.exact_text import exact_text
+from martensite.scenario.lab_files import LabFile, read_lab_file
+from martensite.scenario.overrides import as_toml, change_document
+from martensite.scenario.scenario import Scenario, read_scenario
+from martensite.scenario.tables import PREFIX, read_table
+from martensite.signals.records import Record
+
+ALIKE = 1.05
+"""Ratio of held-out errors below which the model with fewer numbers is kept."""
+EVALUATIONS = 60
+"""Evaluations of one local search."""
+MOVING = ("stroke", "blocked-force")
+"""Driven experiments in which the shape of the transformation is seen."""
+GOOD = 93.0
+"""Held-out fit [%] of a simple law beyond which rounder transformations are not tried."""
+TRANSFORMED = 0.05
+"""Least range of the martensite fraction in a fit that says something of a transformation."""
+
+Stage = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class TriedModel:
+    """A proposal, its fit to all records, and what it predicts."""
+
+    proposal: Proposal
+    fit: Fit
+    errors: tuple[HeldOutError, ...]
+
+    @cached_property
+    def pooled(self) -> list[PooledError]:
+        """Held-out errors by output; the first is what the experiment is about."""
+        return pool_errors(self.errors)
+
+
+@dataclass(frozen=True)
+class LogModel:
+    """What was made of logs."""
+
+    kind: ExperimentKind
+    chosen: TriedModel
+    tried: tuple[TriedModel, ...]
+    notes: tuple[str, ...]
+    """What was assumed, what was done to the logs, what failed."""
+    headings: tuple[str, ...] = ()
+    """Of the columns of all files, where their own had to be understood."""
+
+    @property
+    def fit(self) -> Fit:
+        """The fit of the chosen model to all records."""
+        return self.chosen.fit
+
+    @property
+    def predicts(self) -> bool:
+        """Whether it predicts what the experiment is about, by what it did not see."""
+        return self.chosen.pooled[0].predicts
+
+    def predict_record(self, record: Record) -> dict[str, Any]:
+        """Output -> (rows,) in SI of what the model says of another record, with the mean zero of those fitted.
+
+        Raises:
+            InputError: the record lacks a column that drives or is compared.
+            SolveError: the run fails.
+        """
+        proposal, numbers = self.chosen.proposal, self.fit.numbers
+        scenario = read_scenario(self.write_scenario(), log=record)
+        task = build_task(scenario, [record], [self.fit.problem.free[0].path])
+        task = task.with_changes(hold_out="none", columns=list(proposal.columns), step=self.fit.problem.step)
+        problem = task.arrange(check=False).problem
+        found = problem.evaluate(problem.start)
+        if found is None:
+            raise SolveError(f"The run of record `{record.name}` fails with the numbers found.")
+        outputs = problem.experiments[0].outputs
+        zeros = {one: [x for n, x in numbers.items() if n.startswith(f"offset.{one}@")] for one in outputs}
+        return {
+            one: found.fitted[0].model[:, k] + (float(np.mean(zeros[one])) if zeros[one] else 0.0)
+            for k, one in enumerate(outputs)
+        }
+
+    def write_scenario(self) -> str:
+        """The scenario with the numbers found, as TOML."""
+        fit, places = self.fit, _read_proposal(self.chosen.proposal).places
+        shared = [free for free in fit.problem.free if free.record is None]
+        found = {
+            places.path(leaf.path): exact_text(leaf.value, leaf.declared.unit)
+            for leaf in fit.system().leaves()
+            if any(free.moves(leaf.path) for free in shared)
+        }
+        return as_toml(change_document(self.chosen.proposal.document, found))
+
+
+def read_log_files(
+    logs: Sequence[Source], columns: Sequence[str] | None, interval: float | None
+) -> tuple[list[Record], list[str], tuple[str, ...]]:
+    """Records of files, with NaN for missing samples, sentences about how they were read, and their headings.
+
+    Args:
+        logs: files of any layout, `data:<data set>/<file>`, or records.
+        columns: headings of the columns of all files; where left out they are recognised.
+        interval: time between rows [s] of files without times.
+    """
+    found: list[Record] = []
+    notes: list[str] = []
+    headings: list[tuple[str, ...]] = []
+    for log in logs:
+        if isinstance(log, Record):
+            found.append(log)
+        elif columns is not None or interval is not None or str(log).startswith(PREFIX):
+            found.append(read_table(log, columns, interval=interval, gaps=True))
+        else:
+            file = read_lab_file(log)
+            found.append(file.record)
+            headings.append(tuple(f"{one.name} [{one.unit}]" if one.si else "-" for one in file.columns))
+            notes += [f"`{file.record.name}`: {note}" for note in _describe_file(file)]
+    if not found:
+        raise DataError("A fit needs at least one log; none given.")
+    names = [one.name for one in found]
+    numbered = [
+        replace(one, name=f"{one.name}-{names[:k].count(one.name) + 1}") if names.count(one.name) > 1 else one
+        for k, one in enumerate(found)
+    ]
+    return numbered, notes, headings[0] if len(set(headings)) == 1 else ()
+
+
+def _describe_file(file: LabFile) -> list[str]:
+    """Columns that were told by their values, and what was noticed on reading."""
+    guessed = [f"{one.number} as `{one.name} [{one.unit}]`" for one in file.columns if one.known == "values"]
+    said = [f"by their values columns are taken, {', '.join(guessed)} (--columns)."] if guessed else []
+    return [*said, *file.notes]
+
+
+def model_logs(
+    logs: Source | Sequence[Source],
+    *,
+    experiment: str | None = None,
+    overrides: Mapping[str, Any] | None = None,
+    columns: Sequence[str] | None = None,
+    interval: float | None = None,
+    tell: Stage | None = None,
+) -> LogModel:
+    """A model of logs, without a scenario: proposed, fitted, and judged by what it did not see.
+
+    Args:
+        logs: files, or records in SI.
+        experiment: what they hold, where it is known; see `martensite.fit.experiment_kinds`.
+        overrides: what is known of the experiment, by dotted path, such as `element.diameter`.
+        columns: headings of files that have none.
+        interval: time between rows [s] of files without times.
+        tell: told what is being done.
+
+    Raises:
+        DataError: logs that cannot be read, or recognised, or lack what is indispensable.
+        SolveError: no proposal can be run.
+    """
+    sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
+    records, notes, headings = read_log_files(sources, columns, interval)
+    kind = recognise_experiment(records, experiment)
+    moving, still = _part_still(records, kind.measured)
+    notes += still
+    proposals, more = propose_scenarios(kind, moving, overrides or {})
+    notes += more
+    tried: list[TriedModel] = []
+    while proposals:
+        one = proposals.pop(0)
+        if tell is not None:
+            tell(f"{kind.name}: {one.name}")
+        try:
+            tried.append(_try_proposal(one, kind))
+        except (SolveError, ParameterError) as error:
+            notes.append(f"Left out: {one.name}. {error}")
+        if tried and not proposals and kind.name in MOVING and one.spread:
+            best = _choose_model(tried)
+            if best.pooled[0].fit_percent < GOOD:
+                proposals.append(add_waist(best.proposal, best.fit.numbers))
+    if not tried:
+        raise SolveError(f"None of the proposed models can be run. {' '.join(notes)}")
+    return LogModel(kind, _choose_model(tried), tuple(tried), tuple(dict.fromkeys(notes)), headings)
+
+
+def _part_still(records: Sequence[Record], measured: Sequence[str]) -> tuple[list[Record], list[str]]:
+    """Records in which all that is to be explained changes, and sentences about the others.
+
+    Raises:
+        DataError: a column is missing in one of the records.
+    """
+    for one in records:
+        lost = next((name for name in measured if name not in one.columns), None)
+        if lost is not None:
+            raise DataError(f"Record `{one.name}` has no column `{lost}`, which others have; fit it apart.")
+    still = {one.name: name for one in records for name in measured if not np.nanstd(one[name]) > 0.0}
+    notes = [f"`{column}` never changes in `{name}`, which is left out." for name, column in still.items()]
+    return [one for one in records if one.name not in still], notes
+
+
+def _read_proposal(proposal: Proposal) -> Scenario:
+    return read_scenario(proposal.text, log=proposal.rows[0])
+
+
+def _try_proposal(proposal: Proposal, kind: ExperimentKind) -> TriedModel:
+    scenario = _read_proposal(proposal)
+    task = build_task(scenario, list(proposal.rows), list(proposal.free))
+    task = task.with_changes(each=list(proposal.each), hold_out="none", columns=list(proposal.columns))
+    problem = task.arrange(check=False).problem
+    fit = _solve_from_starts(problem, proposal)
+    fit = replace(fit, scenario=scenario)
+    own_zero = kind.name in ("isobaric", "isothermal") and bool(proposal.each)
+    errors = cross_validate(fit, problem.free, kind=kind.name, drive=kind.drive, own_zero=own_zero)
+    return TriedModel(proposal, fit, tuple(errors))
+
+
+def _solve_from_starts(problem: Problem, proposal: Proposal) -> Fit:
+    """The best of several local searches at whose end something transforms, if there is one."""
+    fits: list[Fit] = []
+    most = EVALUATIONS if proposal.spread else 2 * EVALUATIONS  # loops are cheap
+    for start in ({}, *proposal.others):
+        try:
+            begun = with_start(problem, start)
+            fits.append(solve_problem(begun, starts=0 if fits else proposal.spread, most=most, inputs=False))
+        except SolveError:
+            continue
+    if not fits:
+        raise SolveError(f"Every run of the proposal `{proposal.name}` fails.")
+    moving = [fit for fit in fits if find_transformed(fit) > TRANSFORMED]
+    return min(moving or fits, key=lambda fit: fit.cost)
+
+
+def find_transformed(fit: Fit) -> float:
+    """Largest range of the martensite fraction in a fitted record."""
+    most = 0.0
+    for k, one in enumerate(fit.problem.experiments):
+        system = fit.system(k)
+        runner = one.runner(
+            fit.problem.step, [system.label(port, "martensite_fraction") for port in system.actuators()]
+        )
+        run = runner.run_one(np.array(runner.compiled.values(system)))
+        most = max(most, 0.0 if run is None else float(np.ptp(run, axis=0).max()))
+    return most
+
+
+def _choose_model(tried: Sequence[TriedModel]) -> TriedModel:
+    """The model with the least held-out error; of those that are alike the one with the fewest numbers."""
+
+    def error(one: TriedModel) -> float:
+        return one.pooled[0].rms if one.pooled else math.inf
+
+    least = min(map(error, tried))
+    return min((one for one in tried if error(one) <= ALIKE * least), key=lambda one: len(one.fit.problem.free))

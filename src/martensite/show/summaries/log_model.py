@@ -1,0 +1,198 @@
+"""A model of logs on one page: what they are, whether it predicts, its numbers, what to record next."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
+from martensite.fit.cross_validation import BETTER, EXPLAINED, HeldOutError, PooledError
+from martensite.fit.experiment_kinds import KINDS
+from martensite.fit.fit import list_compared
+from martensite.fit.fit_verdicts import find_period, format_error
+from martensite.fit.log_models import LogModel, TriedModel
+from martensite.search.quantity_text import format_number, format_quantity, join_phrases
+from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops
+
+
+def summarise_log_model(model: LogModel, command: str = "") -> Summary:
+    """One page about what was made of logs; `command` is what fits the scenario again."""
+    fit, rows = model.fit, list_compared(model.fit)
+    names = [one.name for one in fit.problem.experiments]
+    which = join_phrases(names) if len(names) <= 4 else f"{len(names)} records"
+    lead = f"Taken as `{model.kind.name}`: {KINDS[model.kind.name]}, because {model.kind.why} (`--experiment`)."
+    figure = (plot_fit_loops, "loops") if has_loops(fit) else (plot_fit, "measured")
+    samples = sum(int(row.used.sum()) for row in rows)
+    blocks: list[Block] = [
+        _make_verdict(model),
+        _tabulate_errors(model.chosen.errors),
+        Heading("The model"),
+        Sentence(_describe_choice(model)),
+        _tabulate_numbers(model),
+        Sentence(f"{len(fit.problem.free)} numbers, {samples} measured values. Search: {fit.reason}."),
+        Heading("Assumed and done"),
+        BulletList(model.notes or ("Nothing.",)),
+        Heading("What to record next"),
+        BulletList(list_next_records(model)),
+        Picture(figure[1], lambda: figure[0](fit), "Measured and modelled, fitted to all records."),
+    ]
+    if command:
+        blocks.insert(-1, Sentence(f"The scenario is kept; this fits it again: `{command}`"))
+    return Summary(f"A model of {which}", blocks, _collect_numbers(model), lead)
+
+
+def _make_verdict(model: LogModel) -> Notice:
+    items = [_describe_output(one, model.chosen.errors) for one in model.chosen.pooled]
+    word = "predicts" if model.predicts else "does not predict"
+    return Notice(f"By what it was not fitted to, the model {word}", items, not model.predicts)
+
+
+def _describe_output(one: PooledError, errors: Sequence[HeldOutError]) -> str:
+    own = [x for x in errors if x.output == one.output]
+    size, naive = (format_error(one.output, x, one.unit) for x in (one.rms, one.naive[one.best_naive]))
+    what = "each record left out in turn" if own[0].whole else "what was kept back of the same records"
+    said = f"`{one.output}`: rms error {size} in {what} ({one.fit_percent:.0f} % fit)"
+    if one.predicts:
+        said += f"; the best prediction without a model ({one.best_naive}) errs by {naive}."
+    elif not one.beats_naive:
+        said += f"; does not predict better than the {one.best_naive}, which errs by {naive}."
+    else:
+        said += f": better than the {one.best_naive} ({naive}), but less than {100.0 * EXPLAINED:.0f} % is explained."
+    if own[0].own_zero:
+        raw = format_error(one.output, one.raw_rms, one.unit)
+        said += f" The zero of each record was fitted to it; without, the raw error is {raw}."
+    return said
+
+
+def _tabulate_errors(errors: Sequence[HeldOutError]) -> DataTable:
+    names = list(dict.fromkeys(name for one in errors for name in one.naive))
+    head = ("left out", "output", "rms error", "raw", "fit", *names)
+    rows = [
+        (
+            one.record + ("" if one.whole else " (part)"),
+            one.output,
+            format_error(one.output, one.rms, one.unit),
+            format_error(one.output, one.raw_rms, one.unit) if one.own_zero else "",
+            f"{one.fit_percent:.1f} %",
+            *(format_error(one.output, one.naive[n], one.unit) if n in one.naive else "" for n in names),
+        )
+        for one in errors
+    ]
+    note = (
+        f"A model is said to predict if its error is below {BETTER:g} of the best column on the right, which need no "
+        f"model, and at least {100.0 * EXPLAINED:.0f} % fit."
+    )
+    return DataTable(head, rows, right=tuple(range(2, len(head))), note=note)
+
+
+def _describe_choice(model: LogModel) -> str:
+    def error(one: TriedModel) -> str:
+        first = one.pooled[0]
+        size = format_error(first.output, first.rms, first.unit)
+        return f"{one.proposal.name} ({size}, {len(one.fit.problem.free)} numbers)"
+
+    chosen = model.chosen.proposal.name
+    if len(model.tried) == 1:
+        return f"Model: {chosen}."
+    return f"Chosen by its error in what was left out: {chosen}. Tried: {', '.join(map(error, model.tried))}."
+
+
+def _tabulate_numbers(model: LogModel) -> DataTable:
+    fit = model.fit
+    weak = {name for one in fit.identifiability.weak for name in one.names}
+    rows: list[tuple[str, ...]] = []
+    for free in fit.problem.free:
+        low, high = fit.uncertainty.widened(free.name)
+        why = fit.undetermined.get(free.name, "")
+        if not why and free.name in weak:
+            why = "not apart from others"
+        known = math.isfinite(high - low)
+        shown = f"{_write(low, free)} to {_write(high, free)}" if known else ""
+        rows.append((free.name, _write(fit[free.name], free), shown, f"no: {why}" if why else "yes"))
+    note = "Intervals are those of this model, widened where residuals repeat each other."
+    return DataTable(("number", "value", "95 % interval", "determined"), rows, right=(1,), note=note)
+
+
+def _write(value: float, free: Any) -> str:
+    """A number, or a difference of temperatures in kelvin."""
+    difference = free.unit == "K" and (free.base or free.record is not None)
+    return f"{value:.4g} K" if difference else format_quantity(value, free.unit)
+
+
+def list_next_records(model: LogModel) -> list[str]:
+    """What further records would tell, the most useful first."""
+    return list(_iterate_next(model)) or [
+        "Another record under other conditions, kept back as it is, to judge the model."
+    ]
+
+
+def _iterate_next(model: LogModel) -> Iterator[str]:
+    kind, fit = model.kind.name, model.fit
+    ones = fit.problem.experiments
+    open_names = set(fit.undetermined) | {name for one in fit.identifiability.weak for name in one.names}
+    if kind == "isobaric":
+        loads = sorted({round(1e-6 * sum(one.record["stress"]) / len(one.record)) for one in ones})
+        if len(loads) < 3:
+            yield (
+                f"Loops under other loads than {join_phrases([f'{x:g}' for x in loads])} MPa: three or more tell C_A, "
+                "C_M and how the strain grows with stress."
+            )
+        elif not model.predicts or len(loads) < 5:
+            gap = max(pairwise(loads), key=lambda pair: pair[1] - pair[0])
+            yield f"A loop at {0.5 * sum(gap):.0f} MPa, in the widest gap between the loads."
+        return
+    if kind == "isothermal":
+        if len({round(one.record["temperature"][0]) for one in ones}) < 2:
+            yield "The same loop 10 to 20 K warmer: it tells C_A and C_M, which are assumed."
+        return
+    periods = [find_period(one) for one in ones]
+    if len(ones) < 2:
+        yield "A second record with another cadence: only a record that was left out whole shows what is predicted."
+    if min(periods) > 0.0 and max(periods) < 2.0 * min(periods):
+        third, triple = (format_number(f * min(periods), 2) for f in (1.0 / 3.0, 3.0))
+        yield (
+            f"A drive with a period of {third} s or {triple} s: all records have about one cadence, which leaves heat "
+            "capacity and cooling entangled."
+        )
+    if {"heat_capacity", "latent_heat", "environment.cooling.h"} & open_names:
+        yield (
+            "Steps that are held until nothing moves, and the free cooling after them: they part cooling, heat "
+            "capacity and latent heat."
+        )
+    if any(name.startswith(("A_s", "M_s", "M_f", "A_f")) for name in open_names):
+        yield "A slow ramp of the drive up and down: it shows where the transformations begin and end."
+    if "temperature" not in kind and not any("temperature" in one.record.columns for one in ones):
+        yield (
+            "The temperature of the element, or at least of the air: without, one temperature is assumed, and sets the "
+            "scale of all others."
+        )
+
+
+def _collect_numbers(model: LogModel) -> dict[str, Any]:
+    fit = model.fit
+    return {
+        "experiment": {"kind": model.kind.name, "why": model.kind.why, "drive": model.kind.drive},
+        "predicts": model.predicts,
+        "model": model.chosen.proposal.name,
+        "held_out": [
+            {
+                "record": one.record,
+                "output": one.output,
+                "rms": one.rms,
+                "raw_rms": one.raw_rms,
+                "own_zero": one.own_zero,
+                "whole": one.whole,
+                "fit_percent": one.fit_percent,
+                "naive": dict(one.naive),
+            }
+            for one in model.chosen.errors
+        ],
+        "tried": [{"model": one.proposal.name, "rms": one.pooled[0].rms} for one in model.tried],
+        "numbers": fit.numbers,
+        "undetermined": fit.undetermined,
+        "notes": list(model.notes),
+        "next": list_next_records(model),
+        "scenario": model.write_scenario(),
+    }

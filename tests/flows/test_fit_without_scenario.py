@@ -1,0 +1,183 @@
+"""`martensite fit LOG...` alone: what is recognised, proposed and said, and one sentence on bad input.
+
+Source of truth: records whose columns say what they are, and rigs of known numbers (`rig_cases`).
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command import Command
+from rig_cases import draw_rig
+
+from martensite.base.errors import DataError, UnknownNameError
+from martensite.fit.cross_validation import HeldOutError, pool_errors
+from martensite.fit.experiment_kinds import KINDS, recognise_experiment
+from martensite.fit.log_models import model_logs
+from martensite.fit.scenario_proposals import propose_scenarios
+from martensite.scenario.scenario import read_scenario
+from martensite.signals.records import Record
+
+FIT = Command("fit")
+DATA = Path(os.environ.get("MARTENSITE_DATA", "/nowhere"))
+UNITS = {
+    "time": "s",
+    "temperature": "K",
+    "strain": "1",
+    "stress": "Pa",
+    "force": "N",
+    "position": "m",
+    "resistance": "ohm",
+    "voltage": "V",
+    "current": "A",
+    "power": "W",
+    "duty": "1",
+    "elongation": "m",
+}
+WAVE = np.sin(np.linspace(0.0, 9.0, 80)) ** 2
+LOOP = np.concatenate([np.linspace(0.0, 1.0, 40), np.linspace(1.0, 0.0, 40)])
+HELD = np.where(LOOP > 0.5, 1.0, LOOP)
+RECORDS: dict[str, dict[str, Any]] = {
+    "stroke": {"duty": WAVE, "position": 0.004 * np.roll(WAVE, 3)},
+    "blocked-force": {"voltage": 3.0 * WAVE, "force": 5.0 + np.roll(WAVE, 3), "position": 0.0 * WAVE},
+    "heating": {"current": WAVE, "temperature": 300.0 + 60.0 * np.roll(WAVE, 3)},
+    "resistance": {"current": WAVE, "resistance": 4.0 - 0.3 * np.roll(WAVE, 3)},
+    "isobaric": {"temperature": 300.0 + 100.0 * LOOP, "strain": 0.04 * (1.0 - LOOP**4), "stress": 1e8 + 0.0 * LOOP},
+    "isothermal": {"strain": 0.06 * LOOP, "stress": 4e8 * HELD},
+    "cooling": {"temperature": 300.0 + 60.0 * np.exp(-np.linspace(0.0, 4.0, 80))},
+}
+
+
+def make_record(columns: dict[str, Any], name: str = "log") -> Record:
+    whole = {"time": np.arange(80.0)} | columns
+    return Record(name, {n: list(map(float, x)) for n, x in whole.items()}, {n: UNITS[n] for n in whole})
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_kind_is_told_from_what_varies(kind: str) -> None:
+    found = recognise_experiment([make_record(RECORDS[kind])])
+    assert found.name == kind
+    assert all(f"`{name}`" in found.why for name in found.measured)
+
+
+@pytest.mark.parametrize("kind", [name for name in KINDS if name != "cooling"])
+def test_every_proposal_is_a_scenario_that_follows_its_log(kind: str) -> None:
+    record = make_record(RECORDS[kind])
+    proposals, notes = propose_scenarios(recognise_experiment([record]), [record], {})
+    assert proposals
+    assert all(note.endswith(".") for note in notes)
+    for one in proposals:
+        scenario = read_scenario(one.text, log=one.rows[0])
+        assert set(scenario.follows.values()) <= set(one.rows[0].columns)
+
+
+def test_what_is_set_is_not_assumed() -> None:
+    record = make_record(RECORDS["stroke"])
+    kind = recognise_experiment([record])
+    given = {"element.diameter": "0.3 mm", "mechanism.mass": "80 g"}
+    (free, assumed), (known, told) = (propose_scenarios(kind, [record], x) for x in ({}, given))
+    assert [one.name for one in free] == ["a weight", "a bias spring"]
+    assert [one.name for one in known] == ["a weight"]
+    assert any("element.diameter" in note for note in assumed)
+    assert not any("element.diameter" in note for note in told)
+    assert known[0].document["element"]["diameter"] == "0.3 mm"
+
+
+def test_free_cooling_and_nothing_that_varies_are_sentences() -> None:
+    cooling = make_record(RECORDS["cooling"])
+    with pytest.raises(DataError, match="martensite fit h"):
+        propose_scenarios(recognise_experiment([cooling]), [cooling], {})
+    with pytest.raises(DataError, match="cannot be told"):
+        recognise_experiment([make_record({"voltage": 0.0 * WAVE, "force": 0.0 * WAVE})])
+    with pytest.raises(DataError, match="no `isobaric` experiment"):
+        recognise_experiment([make_record(RECORDS["stroke"])], "isobaric")
+    with pytest.raises(UnknownNameError):
+        recognise_experiment([cooling], "isobarric")
+
+
+def test_loop_without_a_load_is_asked_for_it_in_one_sentence() -> None:
+    columns = {name: x for name, x in RECORDS["isobaric"].items() if name != "stress"}
+    record = make_record(columns)
+    with pytest.raises(DataError, match="under which stress"):
+        propose_scenarios(recognise_experiment([record]), [record], {})
+    named = replace(record, name="wire_120MPa")
+    proposals, _ = propose_scenarios(recognise_experiment([named]), [named], {})
+    assert proposals[0].rows[0]["stress"][0] == 120e6
+
+
+def test_missing_samples_of_a_loop_are_passed_over() -> None:
+    columns = dict(RECORDS["isobaric"])
+    columns["strain"] = np.where(np.arange(80) % 7 == 0, np.nan, columns["strain"])
+    record = make_record(columns)
+    proposals, _ = propose_scenarios(recognise_experiment([record]), [record], {})
+    assert np.isfinite(proposals[0].rows[0]["strain"]).all()
+    assert len(proposals[0].rows[0]) == 68
+
+
+def test_model_predicts_only_where_it_beats_every_naive_prediction() -> None:
+    one = HeldOutError("a", "position", "m", 1.0, 1.0, 10.0, {"mean": 10.0, "first-order lag": 1.2}, False, True, 9)
+    (pooled,) = pool_errors([one])
+    assert not pooled.beats_naive
+    assert not pooled.predicts
+    (better,) = pool_errors([replace(one, rms=0.9)])
+    assert better.predicts
+    (coarse,) = pool_errors([replace(one, rms=4.0, naive={"mean": 10.0})])
+    assert coarse.beats_naive
+    assert not coarse.predicts
+
+
+@pytest.fixture(scope="module")
+def rig_logs(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
+    """Files of two logs of a rig within the models that are tried."""
+    folder = tmp_path_factory.mktemp("rig")
+    rig = draw_rig(17, records=2)
+    paths: list[str] = []
+    for one in rig.records:
+        heads = "Time (s),Duty (-),Load (N)"
+        rows = list(zip(one["time"], one["duty"], one["force"], strict=True))
+        path = folder / f"{one.name}.csv"
+        path.write_text("\n".join([heads, *(f"{t:.4f},{u:.5f},{f:.5f}" for t, u, f in rows), ""]))
+        paths.append(str(path))
+    return paths
+
+
+def test_logs_alone_become_a_scenario_that_is_accepted_again(rig_logs: list[str], tmp_path: Path) -> None:
+    kept = tmp_path / "kept.toml"
+    found = json.loads(FIT(*rig_logs, "--json", "--save-scenario", str(kept)).stdout)
+    assert found["experiment"]["kind"] == "blocked-force"
+    assert found["predicts"]
+    assert {one["record"] for one in found["held_out"]} == {"log1", "log2"}
+    assert min(one["fit_percent"] for one in found["held_out"]) > 85.0
+    assert found["next"]
+    names = ("--columns", "time [s],duty [1],force [N]", "--column", "force")
+    again = FIT.report(*rig_logs, "--scenario", str(kept), "--free", "E_M", "--hold-out", "none", *names)
+    assert again["scores"][0]["fit_percent"] > 85.0
+
+
+def test_options_of_a_scenario_are_refused_without_one(rig_logs: list[str]) -> None:
+    assert "needs --scenario" in FIT.refused(rig_logs[0], "--hold-out", "none")
+    assert "needs --scenario" in FIT.refused(rig_logs[0], "--profile", "A_s")
+    assert "Did you mean" in FIT.refused(rig_logs[0], "--experiment", "blocked-forces")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not (DATA / "flexinol_isobaric").exists(), reason="no measured data in MARTENSITE_DATA")
+def test_isobaric_files_become_a_law_that_predicts_the_level_left_out() -> None:
+    files = [str(DATA / "flexinol_isobaric" / f"isobaric_{mpa}MPa.txt") for mpa in (50, 100, 172, 200)]
+    model = model_logs(files)
+    errors = {one.record: one for one in model.chosen.errors}
+    assert errors["isobaric_172MPa"].rms < 7e-4
+    assert errors["isobaric_172MPa"].own_zero
+    assert model.predicts
+
+
+def test_records_that_lack_a_column_are_named() -> None:
+    whole, part = make_record(RECORDS["stroke"]), make_record({"duty": WAVE}, "other")
+    with pytest.raises(DataError, match="`other` has no column `position`"):
+        model_logs([whole, part])
