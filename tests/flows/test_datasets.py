@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import os
 import threading
@@ -262,6 +263,34 @@ def test_every_listed_set_is_complete(name):
         assert len(bytes.fromhex(file.sha256)) == 32
         assert file.layout.columns
         assert read_headings(file.layout.columns, key)
+
+
+PACKAGED = [name for name in datasets.dataset_names() if datasets.describe_dataset(name).packaged]
+
+
+@pytest.mark.parametrize("name", PACKAGED)
+def test_packaged_sets_are_read_without_a_network(name):
+    """The files in the package are, unpacked, those listed; their licence lies beside them."""
+    dataset = datasets.describe_dataset(name)
+    assert dataset.notice in (dataset.packaged / "LICENSE").read_text("utf-8")
+    for file in dataset.files.values():
+        assert file.upstream
+        record = read_table(f"data:{name}/{file.name}")
+        assert len(record) >= 400
+        assert record.name == f"{name}/{file.name}"
+    assert datasets.fetch_dataset(name) == dataset.packaged
+
+
+def test_the_isobaric_sets_are_in_the_package():
+    assert set(PACKAGED) == {"flexinol-isobaric", "nitihf-isobaric"}
+
+
+@pytest.mark.parametrize("spoil", [lambda raw: raw[:30], lambda raw: b"no gzip", lambda raw: b""])
+def test_a_damaged_packed_file_is_refused(spoil, tmp_path):
+    path = tmp_path / "log.csv.gz"
+    path.write_bytes(spoil(gzip.compress(b"t [s],T [K]\n" + b"1,300\n" * 3000, mtime=0)))
+    with pytest.raises(DataError, match="cannot be unpacked"):
+        read_table(path)
 
 
 OWN = os.environ.get(datasets.VARIABLE, "")

@@ -91,9 +91,9 @@ def test_columns_of_a_matrix(tmp_path: Path) -> None:
     assert found.outputs[:, 0] == pytest.approx(2.0 * MM)
     with pytest.raises(DataError, match="give the interval"):
         read_sampled(tmp_path / "log.mat", ["u"], ["y2"])
-    savemat(tmp_path / "struct.mat", {"log": {"u": DUTY}})
+    savemat(tmp_path / "words.mat", {"log": {"u": "nothing"}})
     with pytest.raises(DataError, match="no arrays of numbers"):
-        read_sampled(tmp_path / "struct.mat", ["u"], ["y"])
+        read_sampled(tmp_path / "words.mat", ["u"], ["y"])
 
 
 def test_netcdf(tmp_path: Path) -> None:
@@ -133,7 +133,7 @@ def test_bad_files(tmp_path: Path) -> None:
     log = text(tmp_path / "log.csv", "time [s],duty [%],position [mm]", TIMES, DUTY, MM)
     with pytest.raises(DataError, match="Did you mean `position`"):
         read_sampled(log, ["duty"], ["positon"])
-    with pytest.raises(DataError, match="no ending that can be read"):
+    with pytest.raises(DataError, match="There is no file"):
         read_sampled(tmp_path / "log.xls", ["duty"], ["position"])
     for name in ("absent.mat", "absent.csv"):
         with pytest.raises(DataError, match="There is no file"):

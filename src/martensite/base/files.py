@@ -178,6 +178,29 @@ def read_bounded(path: Path, most: int) -> bytes:
         return file.read(most)
 
 
+def read_unpacked(path: Path, most: int) -> bytes:
+    """The bytes of an ordinary file, or what is packed in it where it ends in `.gz`; at most so many.
+
+    Raises:
+        OSError: it cannot be read.
+        DataError: as of `check_ordinary`, of what is packed too; or it is damaged.
+    """
+    raw = read_bounded(path, most)
+    if path.suffix.lower() != ".gz":
+        return raw
+    import zlib
+
+    unpack = zlib.decompressobj(31)
+    try:
+        found = unpack.decompress(raw, most)
+    except zlib.error as error:
+        raise DataError(f"`{path.name}` cannot be unpacked: {error}.") from None
+    if not unpack.eof:
+        reason = "holds more than is read of a file" if unpack.unconsumed_tail else "is cut short"
+        raise DataError(f"`{path.name}` cannot be unpacked: it {reason}.")
+    return found
+
+
 def read_text_file(path: Path, what: str) -> str:
     """The text of a UTF-8 file; `what` says in an error which kind of file it is.
 

@@ -160,7 +160,7 @@ def read_cycles(logs: Sequence[str], stresses: Sequence[str] | None, cycle: int 
         UnitError: a stress is none.
     """
     from martensite.characterise.tangent_points import find_tangent_points
-    from martensite.scenario.tables import read_table
+    from martensite.scenario.lab_files import read_log_table
 
     if cycle is not None and cycle < 1:
         raise InputError(f"Option `--cycle` counts from 1 on, but is {cycle}.")
@@ -171,7 +171,7 @@ def read_cycles(logs: Sequence[str], stresses: Sequence[str] | None, cycle: int 
     given = [read_quantity("stress", text, "Pa") for text in stresses] if stresses else [None] * len(logs)
     which = -1 if cycle is None else cycle - 1
     return [
-        find_tangent_points(read_table(log), stress=stress, cycle=which)
+        find_tangent_points(read_log_table(log), stress=stress, cycle=which)
         for log, stress in zip(logs, given, strict=True)
     ]
 

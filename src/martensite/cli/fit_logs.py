@@ -23,6 +23,7 @@ from martensite.cli.options import (
     Force,
     Imports,
     Json,
+    NamedColumns,
     Settings,
     Text,
     Texts,
@@ -76,6 +77,7 @@ class FitOptions:
     step: Annotated[Text, Option(help='Longest step, e.g. "0.5 s" [default: to the tolerance].')] = None
     columns: Annotated[Text, Option(help="Headings of logs that have none, comma-separated.")] = None
     interval: Annotated[Text, Option(help='Time between rows of logs without times, e.g. "0.1 s".')] = None
+    named: NamedColumns = None
 
     def read_task(self, logs: Sequence[str], settings: list[str] | None) -> FitTask:
         """The task; options go over what a fit file says.
@@ -104,6 +106,7 @@ class FitOptions:
 
     def _make_task(self, logs: Sequence[str]) -> FitTask:
         from martensite.fit.api import build_task
+        from martensite.scenario.lab_files import parse_named
 
         if not self.scenario:
             raise InputError("A fit needs --scenario, the file of one; none given.")
@@ -112,7 +115,8 @@ class FitOptions:
         task = build_task(self.scenario, logs, self.free)
         interval = read_quantity("interval", self.interval, "s")
         headings = None if self.columns is None else tuple(self.columns.split(","))
-        read = (replace(one, columns=headings, interval=interval) for one in task.logs)
+        named = parse_named(self.named or ())
+        read = (replace(one, columns=headings, interval=interval, named=named) for one in task.logs)
         return replace(task, logs=tuple(read))
 
     def _refuse_beside_fit_file(self, logs: Sequence[str]) -> None:
@@ -123,6 +127,7 @@ class FitOptions:
             "--free": self.free,
             "--columns": self.columns,
             "--interval": self.interval,
+            "--as": self.named,
         }
         name = next((name for name, given in idle.items() if given), None)
         if name is not None:

@@ -14,7 +14,16 @@ from martensite.base.errors import InputError, suggest_name
 from martensite.base.files import replace_together
 from martensite.base.interrupts import InterruptError
 from martensite.cli.app import app
-from martensite.cli.options import Imports, Text, Texts, import_modules, read_positive, read_quantity, spread_options
+from martensite.cli.options import (
+    Imports,
+    NamedColumns,
+    Text,
+    Texts,
+    import_modules,
+    read_positive,
+    read_quantity,
+    spread_options,
+)
 from martensite.cli.outputs import AnswerOptions, Outputs, check_absent, check_ending, check_folder
 from martensite.cli.progress import show_share, show_spinner
 
@@ -87,6 +96,7 @@ class IdentifyOptions:
             help="Pull of free numbers to their start, e.g. 1e-6 [default: chosen where logs are short, else 0].",
         ),
     ] = None
+    named: NamedColumns = None
 
     def plan_stages(self) -> list[ModelStage]:
         """The stages.
@@ -125,7 +135,7 @@ class IdentifyOptions:
         arrows = [text.partition("->")[2].strip() for text in self.stage or ()]
         named = [name.strip() for arrow in arrows for name in arrow.split(",") if name.strip()]
         last = arrows[-1] if arrows else ""
-        inputs, output = choose_columns(log, given, self.output or last or None, named)
+        inputs, output = choose_columns(log, given, self.output or last or None, named, self.read_named())
         return replace(self, inputs=inputs, output=output)
 
     def list_inputs(self) -> list[str]:
@@ -141,10 +151,16 @@ class IdentifyOptions:
         for logs in (fitted, self.validate or (), self.other or ()):
             group: list[Sampled] = []
             for log in logs:
-                group += read_logs([log], self.inputs or [], outputs, interval, self.read_units())
+                group += read_logs([log], self.inputs or [], outputs, interval, self.read_units(), self.read_named())
                 interval = group[-1].interval
             groups.append(group)
         return tuple(groups)
+
+    def read_named(self) -> dict[str, str]:
+        """What columns of files without headings are."""
+        from martensite.scenario.lab_files import parse_named
+
+        return dict(parse_named(self.named or ()))
 
     def read_units(self) -> dict[str, str]:
         """Units of columns by name."""
@@ -267,6 +283,7 @@ def _climb(
             other=options.other or (),
             interval=interval,
             units=options.read_units(),
+            named=options.read_named(),
             options=replace(options.choose_search(interval or 1.0), ridge=options.ridge or 0.0),
             time_box=read_positive("time-box", options.time_box, "s") or TIME_BOX,
             watch=bar,

@@ -1,9 +1,8 @@
-"""`list`, `materials`, `data`, `cite` and `describe`: what there is, and what is known of one."""
+"""`list`, `materials`, `cite` and `describe`: what there is, and what is known of one."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,15 +10,13 @@ import typer
 from typer import Argument
 
 from martensite.base.lazy import import_extra
-from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
+from martensite.base.summary import Block, DataTable, Heading, Summary
 from martensite.cli.app import app
 from martensite.cli.options import Imports, Json, Settings, Text, import_modules, load_scenario
 
 if TYPE_CHECKING:
     from martensite.identify.blocks.base import AbstractBlock
     from martensite_app.forms.form_types import GroupNode, SingleNode
-
-data = typer.Typer(help="List, show or fetch published measurements.")
 
 
 def complete_kind(incomplete: str) -> list[str]:
@@ -102,76 +99,6 @@ def materials(
     else:
         summary = summarise_material(load_material(name))
     print_summary(summary, json)
-
-
-app.add_typer(data, name="data", invoke_without_command=True)
-
-
-@data.callback()
-def overview(ctx: typer.Context, json: Json = False) -> None:
-    """List, show or fetch published measurements."""
-    if ctx.invoked_subcommand is None:
-        list_all(json)
-
-
-@data.command("list")
-def list_all(json: Json = False) -> None:
-    """List the data sets, their licences, and which are on this machine."""
-    from martensite.scenario.datasets import dataset_names, describe_dataset
-    from martensite.show.terminal import print_summary
-
-    found = [describe_dataset(name) for name in dataset_names()]
-    here = {one.name: _count_here(one.name) for one in found}
-    rows = [(d.name, d.title, d.licence, str(len(d.files)), here[d.name]) for d in found]
-    table = DataTable(("data set", "what it is", "licence", "files", "on this machine"), rows)
-    data = [asdict(one) | {"here": here[one.name]} for one in found]
-    print_summary(Summary("", [table], data), json)
-
-
-def _count_here(name: str) -> str:
-    from martensite.base.errors import DataError
-    from martensite.scenario.datasets import describe_dataset, locate_file
-
-    found = 0
-    files = describe_dataset(name).files
-    for file in files:
-        try:
-            locate_file(f"{name}/{file}")
-        except DataError:
-            continue
-        found += 1
-    return "yes" if found == len(files) else "no" if not found else f"{found} of {len(files)}"
-
-
-@data.command("show")
-def show_one(name: Annotated[str, typer.Argument(metavar="NAME", help="A data set.")], json: Json = False) -> None:
-    """Show a data set: what it holds, what it is not, where it comes from, its files."""
-    from martensite.scenario.datasets import describe_dataset
-    from martensite.show.terminal import print_summary
-
-    dataset = describe_dataset(name)
-    rows = [(f"data:{name}/{f.name}", ", ".join(f.layout.columns)) for f in dataset.files.values()]
-    blocks = [
-        Sentence(f"Caution: {dataset.caution}", "caution"),
-        Sentence(f"Licence: {dataset.licence}, {dataset.notice}. Source: {dataset.page}"),
-        DataTable(("file", "columns"), rows),
-    ]
-    title = f"{dataset.name}: {dataset.title}"
-    print_summary(Summary(title, blocks, asdict(dataset), dataset.summary), json)
-
-
-@data.command()
-def fetch(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="A data set.")],
-    force: Annotated[bool, typer.Option("--force", help="Download what is there, too.")] = False,
-    json: Json = False,
-) -> None:
-    """Download a data set from its authors, and check every file against its SHA-256."""
-    from martensite.scenario import datasets
-    from martensite.show.terminal import print_summary
-
-    folder = str(datasets.fetch_dataset(name, force))
-    print_summary(Summary(f"{name} is in {folder}", [], {"name": name, "folder": folder}), json)
 
 
 @app.command()

@@ -75,12 +75,12 @@ class RunOptions:
         Raises:
             InputError: an option has no effect.
         """
+        from martensite.scenario.lab_files import read_log_table
         from martensite.scenario.overrides import read_settings
         from martensite.scenario.scenario import load
-        from martensite.scenario.tables import read_table
 
         names = None if self.compare else self._names()
-        log = None if self.log is None else read_table(self.log, names, gaps=True)
+        log = None if self.log is None else read_log_table(self.log, names)
         loaded = load(path, read_settings(settings or []), log=log)
         idle = log is not None and not loaded.follows
         refuse_idle("--log", idle, "no waveform of the scenario is of kind `log`; use --compare")

@@ -19,9 +19,10 @@ from typing import Any
 
 from martensite.base.errors import DataError, InputError, UnknownNameError
 from martensite.fit.free_parameters import split_list
+from martensite.scenario.lab_files import read_log_table
 from martensite.scenario.recorded_waveforms import from_zero
 from martensite.scenario.scenario import Scenario, load, read_scenario
-from martensite.scenario.tables import ASSUMED_INTERVAL, read_table
+from martensite.scenario.tables import ASSUMED_INTERVAL
 from martensite.search.quantity_text import list_names
 from martensite.signals.records import Record
 
@@ -54,12 +55,14 @@ class Log:
     """Whether it is kept back."""
     name: str = ""
     """In reports; that of the file if left out."""
+    named: Mapping[str, str] = field(default_factory=dict[str, str])
+    """What columns of the file are, by heading or number, where it is not to be guessed (`read_lab_file`)."""
 
     def read(self) -> Record:
         """The record, with NaN for missing samples."""
         if isinstance(self.source, Record):
             return self.source
-        return read_table(self.source, self.columns, interval=self.interval, gaps=True)
+        return read_log_table(self.source, self.columns, self.interval, self.named)
 
     def model(self, record: Record) -> Scenario:
         """The scenario for a record."""

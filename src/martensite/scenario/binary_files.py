@@ -10,11 +10,10 @@ import io
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -122,43 +121,66 @@ def _is_numeric(kind: str) -> bool:
 
 
 def read_mat(path: Path) -> Columns:
-    """Vectors and columns of matrices of a MAT file, by name."""
+    """Vectors, columns of matrices, and logs in structs of a MAT file, by name."""
     from scipy.io import loadmat
 
     try:
-        found: dict[str, Any] = loadmat(str(path))
+        found: dict[str, Any] = loadmat(str(path), simplify_cells=True)
     except NotImplementedError:  # version 7.3 is HDF5
         found = _read_hdf(path)
-    columns = _flatten_arrays({n: a for n, a in found.items() if not n.startswith("__")})
+    columns: Columns = {}
+    for name, value in found.items():
+        if not name.startswith(("__", "#")):
+            columns |= _flatten_value(name, value)
     if not columns:
         raise DataError(
-            f"`{path.name}` holds no arrays of numbers; save signals as plain variables, not in structs or timetables."
+            f"`{path.name}` holds no arrays of numbers. Objects such as timeseries, timetable and Dataset cannot be "
+            "read outside MATLAB: save plain variables, or a struct such as `s.time = ts.Time; s.force = ts.Data`."
         )
-    if "t" in columns and "time" not in columns:
-        columns["time"] = columns.pop("t")
-    return columns
+    return {"time" if name == "t" and "time" not in columns else name: column for name, column in columns.items()}
 
 
 def _read_hdf(path: Path) -> dict[str, Any]:
-    """Arrays of a MAT file of version 7.3, which stores them transposed."""
+    """Arrays and structs of a MAT file of version 7.3, which stores arrays transposed."""
     import h5py
 
+    def read_group(group: Any) -> dict[str, Any]:
+        return {
+            name: read_group(value) if isinstance(value, h5py.Group) else np.asarray(value).T
+            for name, value in group.items()
+            if not name.startswith("#")
+        }
+
     with h5py.File(path, "r") as file:
-        return {n: np.asarray(v).T for n, v in file.items() if isinstance(v, h5py.Dataset)}
+        return read_group(file)
 
 
-def _flatten_arrays(arrays: Mapping[str, Any]) -> Columns:
-    """Vectors by name, and columns of matrices as name1, name2, …; others are passed over."""
-    columns: Columns = {}
-    for name, array in arrays.items():
-        whole = np.asarray(array)
-        if whole.dtype.kind not in "iufb" or whole.ndim > 2 or whole.size < 2:
-            continue
-        if whole.ndim == 1 or 1 in whole.shape:
-            columns[name] = whole.ravel().astype(float)
+def _flatten_value(name: str, value: Any) -> Columns:
+    """Columns of a variable: of a struct those of its fields, of Simulink's struct with time its signals."""
+    if isinstance(value, dict):
+        fields = cast("dict[str, Any]", value)
+        signals, time = fields.get("signals"), fields.get("time", fields.get("Time"))
+        if signals is not None and time is not None:
+            listed = cast("list[Any]", signals) if isinstance(signals, list) else [signals]
+            parts = {str(one.get("label") or f"{name}{k}"): one["values"] for k, one in enumerate(listed, start=1)}
+        elif time is not None and "Data" in fields:
+            parts = {name: fields["Data"]}
         else:
-            columns |= {f"{name}{k}": c.astype(float) for k, c in enumerate(whole.T, start=1)}
-    return columns
+            return {k: c for part, inner in fields.items() for k, c in _flatten_value(part, inner).items()}
+        columns: Columns = {"time": np.asarray(time, dtype=float).ravel()}
+        for part, inner in parts.items():
+            columns |= _flatten_value(part, inner)
+        return columns
+    whole = np.asarray(value)
+    if whole.dtype.kind not in "iufb" or whole.ndim > 2 or whole.size < 2:
+        return {}
+    if whole.ndim == 1 or 1 in whole.shape:
+        return {name: whole.ravel().astype(float)}
+    if whole.shape[0] < whole.shape[1] and np.all(np.diff(whole[0]) > 0.0):  # as Simulink's block To File writes it
+        return {"time": whole[0].astype(float)} | {
+            f"{name}{k}": row.astype(float) for k, row in enumerate(whole[1:], 1)
+        }
+    return {f"{name}{k}": column.astype(float) for k, column in enumerate(whole.T, start=1)}
 
 
 def read_netcdf(path: Path) -> Columns:

@@ -1,7 +1,7 @@
-"""Published measurements: listed here with licence and SHA-256, fetched from their authors.
+"""Published measurements: listed here with licence and SHA-256, in the package or fetched from their authors.
 
-The files are not part of the package. `fetch` brings a data set into the user's cache (or
-into $MARTENSITE_DATA, where that is set), and nothing is kept or read whose SHA-256 is not
+Small sets whose licence allows it are in the package, packed, in a folder beside their list. `fetch` brings a data set
+into the user's cache (or into $MARTENSITE_DATA, where that is set), and nothing is kept or read whose SHA-256 is not
 the one listed. A copy made otherwise serves as well: $MARTENSITE_DATA/<data set>/<file>.
 """
 
@@ -16,10 +16,11 @@ from http.client import HTTPException
 from pathlib import Path
 from typing import Any
 from urllib.error import HTTPError
+from urllib.parse import quote
 from urllib.request import urlopen
 
 from martensite.base.errors import DataError, require_known
-from martensite.base.files import cache_folder, make_folder, write_file
+from martensite.base.files import MOST_LOG, cache_folder, make_folder, read_unpacked, write_file
 from martensite.scenario.layout import Layout
 
 VARIABLE = "MARTENSITE_DATA"
@@ -58,6 +59,12 @@ class DataSet:
     base: str
     """Address that the names of the files are appended to."""
     files: dict[str, DataFile]
+
+    @property
+    def packaged(self) -> Path | None:
+        """The folder of the package that holds its files, each packed as `.gz`, with their licence."""
+        folder = _LISTED / self.name
+        return folder if folder.is_dir() else None
 
 
 def dataset_names() -> list[str]:
@@ -118,7 +125,7 @@ def fetch_dataset(name: str, force: bool = False, progress: Callable[[str, int, 
     """Download the files of a data set that are missing, and return their folder.
 
     Args:
-        name: the data set.
+        name: the data set; one that is in the package is not downloaded, unless `force` is set.
         force: download and replace the files that are there, too.
         progress: called after each file with its name, its number, and the number of files.
 
@@ -127,6 +134,8 @@ def fetch_dataset(name: str, force: bool = False, progress: Callable[[str, int, 
         DataError: a file cannot be had, or is not the one listed; what is there stays as it is.
     """
     dataset = describe_dataset(name)
+    if dataset.packaged is not None and not force:
+        return dataset.packaged
     own = _own_folders(dataset)
     folder = next((f for f in own if f.is_dir()), own[0]) if own else _locate_cache(dataset)
     for number, file in enumerate(dataset.files.values(), start=1):
@@ -149,7 +158,8 @@ def _find_entry(key: str) -> tuple[DataSet, DataFile]:
 
 def _find_copy(dataset: DataSet, file: DataFile) -> Path | None:
     paths = (folder / file.name for folder in (*_own_folders(dataset), _locate_cache(dataset)))
-    return next((path for path in paths if path.is_file()), None)
+    packed = [] if dataset.packaged is None else [dataset.packaged / f"{file.name}.gz"]
+    return next((path for path in (*paths, *packed) if path.is_file()), None)
 
 
 def _own_folders(dataset: DataSet) -> list[Path]:
@@ -171,7 +181,7 @@ def _describe_remedy(dataset: DataSet, file: DataFile) -> str:
 
 
 def _verify_file(path: Path, dataset: DataSet, file: DataFile) -> None:
-    found = hashlib.sha256(path.read_bytes()).hexdigest()
+    found = hashlib.sha256(read_unpacked(path, MOST_LOG)).hexdigest()
     if found != file.sha256:
         raise DataError(
             f"`{path}` is not the file that data set `{dataset.name}` lists: its SHA-256 is {found[:12]}…, not "
@@ -182,7 +192,7 @@ def _verify_file(path: Path, dataset: DataSet, file: DataFile) -> None:
 def _download_file(dataset: DataSet, file: DataFile) -> bytes:
     if not file.upstream:
         raise DataError(f"`{file.name}` cannot be fetched; {_describe_remedy(dataset, file)}")
-    url = dataset.base + file.upstream
+    url = dataset.base + quote(file.upstream)
     try:
         with urlopen(url, timeout=TIMEOUT) as answer:
             content: bytes = answer.read()

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 
 from martensite.base import units
 from martensite.base.errors import UnitError
@@ -17,15 +18,15 @@ from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED
 from martensite.signals.base import DRIVE
 
 WORDS = {
-    "time": ("time", "t", "zeit", "elapsed", "timestamp", "clock"),
+    "time": ("time", "t", "zeit", "elapsed", "timestamp", "clock", "x_value", "millis", "micros"),
     "temperature": ("temperature", "temp", "thermocouple", "theta", "temperatur", "tc", "T"),
     "strain": ("strain", "eps", "epsilon", "ε", "dehnung"),
     "stress": ("stress", "sigma", "σ", "spannung_mech"),
-    "force": ("force", "load", "kraft", "loadcell", "F"),
+    "force": ("force", "load", "kraft", "standardkraft", "loadcell", "weight", "tension", "F"),
     "crosshead": ("crosshead",),
     "elongation": ("elongation", "extension"),
     "lift": ("lift",),
-    "position": ("position", "pos", "displacement", "disp", "stroke", "travel", "laser", "x"),
+    "position": ("position", "weg", "standardweg", "pos", "displacement", "disp", "stroke", "travel", "laser", "x"),
     "resistance": ("resistance", "res", "R"),
     "current": ("current", "strom", "amps", "I", "i"),
     "voltage": ("voltage", "volt", "volts", "U", "V", "u", "v"),
@@ -37,10 +38,10 @@ WORDS = {
 }
 """Known column -> words for it; single letters count as they are written, words in any case."""
 SPELLINGS = {
-    "degC": ("degC", "°C", "C", "deg C", "celsius", "℃"),
-    "degF": ("degF", "°F", "fahrenheit"),
+    "degC": ("degC", "°C", "ºC", "C", "deg C", "degrees c", "celsius", "℃", "<temp> (C)"),
+    "degF": ("degF", "°F", "ºF", "F", "deg F", "fahrenheit"),
     "K": ("K", "kelvin"),
-    "s": ("s", "sec", "secs", "second", "seconds"),
+    "s": ("s", "sec", "sec.", "secs", "second", "seconds", "sekunden"),
     "ms": ("ms", "msec", "millisecond", "milliseconds"),
     "us": ("us", "µs", "μs"),
     "min": ("min", "minute", "minutes"),
@@ -48,22 +49,34 @@ SPELLINGS = {
     "N": ("N", "newton"),
     "mN": ("mN",),
     "kN": ("kN",),
+    "gf": ("gf", "g", "gm", "gram", "grams", "gramf"),
+    "kgf": ("kgf", "kg", "kp"),
+    "lbf": ("lbf", "lb", "lbs"),
+    "ozf": ("ozf", "oz"),
     "Pa": ("Pa",),
     "kPa": ("kPa",),
     "MPa": ("MPa", "N/mm^2", "N/mm²", "N/mm2"),
     "GPa": ("GPa",),
+    "psi": ("psi",),
+    "ksi": ("ksi",),
+    "bar": ("bar",),
     "%": ("%", "percent", "pct"),
-    "1": ("1", "-", "mm/mm", "m/m"),
+    "1": ("1", "-", "mm/mm", "m/m", "in/in"),
+    "ppm": ("ppm", "microstrain", "ustrain", "µstrain", "μstrain", "µε", "με", "ue"),
     "m": ("m", "meter", "metre"),
     "mm": ("mm",),
     "cm": ("cm",),
-    "um": ("um", "µm", "μm"),
+    "um": ("um", "µm", "μm", "micron", "microns"),
+    "in": ("in", "in.", "inch", "inches"),
+    "thou": ("thou", "mil", "mils"),
     "ohm": ("ohm", "ohms", "Ω", "Ω"),
     "mohm": ("mohm", "mΩ", "mΩ"),
-    "A": ("A", "amp", "amps", "ampere"),
-    "mA": ("mA",),
-    "V": ("V", "volt", "volts"),
-    "mV": ("mV",),
+    "kohm": ("kohm", "kOhm", "kΩ", "kΩ"),
+    "A": ("A", "amp", "amps", "ampere", "ADC", "A DC"),
+    "mA": ("mA", "mA DC", "mADC"),
+    "uA": ("uA", "µA", "μA"),
+    "V": ("V", "volt", "volts", "VDC", "V DC", "Vdc"),
+    "mV": ("mV", "mV DC", "mVDC"),
     "W": ("W", "watt", "watts"),
     "mW": ("mW",),
     "rad": ("rad",),
@@ -90,6 +103,8 @@ BY_UNIT = {
 _BRACKETS = re.compile(r"^(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 _APART = re.compile(r"^(.*\S)\s*/\s*(\S.*)$|^(.*\S)\s+in\s+(\S+)$|^(.*\S)[\s_]+(\S+?)$")
 _PORT = re.compile(r"^([A-Za-z_]\w*\.)(\w+)$")
+_NUMBERED = ("channel", "ch", "kanal", "sensor", "probe", "input", "trace", "analog", "digital")
+"""Words behind which a letter is no unit: `Channel A`."""
 _CELL = re.compile(r"^\s*\d{1,2}:\d{1,2}:\d{1,2}([.,]\d*)?\s*$")
 
 
@@ -144,7 +159,7 @@ def _part_heading(heading: str) -> tuple[str, str]:
     found = _APART.match(heading)
     if found is not None:
         words, last = (part for part in found.groups() if part is not None)
-        if _find_listed(last):
+        if find_listed(last) and not last.isdigit() and words.lower() not in _NUMBERED:
             return words, last
     if heading.endswith("%"):
         return heading[:-1], "%"
@@ -158,14 +173,17 @@ def _find_unit(spelling: str) -> str:
         return "1" if spelling else ""
     if spelling == CLOCK:
         return CLOCK
-    listed = _find_listed(spelling)
+    listed = find_listed(spelling)
     if listed:
         return listed
     known = (si for si in (*BY_UNIT, "1", "m/s", "Hz") if _is_convertible(spelling, si))
     return spelling if next(known, None) else ""
 
 
-def _find_listed(spelling: str) -> str:
+@lru_cache(maxsize=4096)
+def find_listed(spelling: str) -> str:
+    """A unit as it is written here; empty for what is none of the listed ones."""
+    spelling = spelling.strip()
     for name, others in SPELLINGS.items():
         if spelling in others or (len(spelling) > 2 and spelling.lower() in others):
             return name

@@ -15,8 +15,8 @@ from martensite.identify.chains.estimate import Options
 from martensite.identify.ladder.climb import TIME_BOX, Ladder, Watch, climb_ladder
 from martensite.scenario.binary_files import name_column, read_arrays
 from martensite.scenario.heading_guess import guess_heading
-from martensite.scenario.sampled_files import is_text, read_pieces
-from martensite.scenario.tables import read_table
+from martensite.scenario.lab_files import read_log_table
+from martensite.scenario.sampled_files import is_columnar, read_pieces
 from martensite.signals.sampling.sampled import Sampled
 
 DRIVING = ("duty", "voltage", "current", "power", "u", "input")
@@ -26,13 +26,16 @@ ANSWERING += ("resistance", "rotor_speed", "y", "output")
 """What comes out, the first that a log has."""
 
 
-def list_columns(log: str) -> list[str]:
+def list_columns(log: str, given: Mapping[str, str] | None = None) -> list[str]:
     """Names of the columns of a log, without its time."""
-    known = read_table(log, gaps=True).columns if is_text(log) else map(name_column, read_arrays(Path(log)))
+    whole = given or not is_columnar(log)
+    known = read_log_table(log, named=given).columns if whole else map(name_column, read_arrays(Path(log)))
     return [name for name in known if name != "time"]
 
 
-def choose_columns(log: str, inputs: Sequence[str], output: str | None, named: Sequence[str]) -> tuple[list[str], str]:
+def choose_columns(
+    log: str, inputs: Sequence[str], output: str | None, named: Sequence[str], given: Mapping[str, str] | None = None
+) -> tuple[list[str], str]:
     """Inputs and last output: those given, else what alone is left in the log.
 
     Raises:
@@ -40,7 +43,7 @@ def choose_columns(log: str, inputs: Sequence[str], output: str | None, named: S
     """
     if inputs and output is not None:
         return list(inputs), output
-    found = list_columns(log)
+    found = list_columns(log, given)
     free = [name for name in found if name not in (*inputs, *named, output)]
     if not inputs:
         last = output is not None or bool(named)
@@ -56,17 +59,19 @@ def choose_columns(log: str, inputs: Sequence[str], output: str | None, named: S
     return list(inputs), output
 
 
-def guess_columns(log: str, inputs: Sequence[str], output: str | None) -> tuple[list[str], str, str]:
+def guess_columns(
+    log: str, inputs: Sequence[str], output: str | None, given: Mapping[str, str] | None = None
+) -> tuple[list[str], str, str]:
     """Inputs, output and why these: given, alone in the log, or named like what drives and what answers.
 
     Raises:
         InputError: the headings leave a choice.
     """
     try:
-        found = choose_columns(log, inputs, output, ())
+        found = choose_columns(log, inputs, output, (), given)
         why = "as given" if inputs and output else "there are no others"
     except InputError:
-        columns = list_columns(log)
+        columns = list_columns(log, given)
         left = [name for name in columns if name not in (*inputs, output)]
         drives = list(inputs) or _find_first(left, DRIVING)
         answers = [output] if output else _find_first([name for name in left if name not in drives], ANSWERING)
@@ -94,6 +99,7 @@ def read_logs(
     outputs: Sequence[str],
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
+    named: Mapping[str, str] | None = None,
 ) -> list[Sampled]:
     """The records of logs, each at its own sample time unless one is given; more than one of a log with gaps."""
     both = set(inputs) & set(outputs)
@@ -102,7 +108,7 @@ def read_logs(
             f"Column `{min(both)}` is given as input and as output; a column says nothing about itself, so name "
             "another one."
         )
-    return [record for log in logs for record in read_pieces(log, inputs, outputs, interval, units)]
+    return [record for log in logs for record in read_pieces(log, inputs, outputs, interval, units, named)]
 
 
 def identify_log(
@@ -114,6 +120,7 @@ def identify_log(
     other: Sequence[str | Path] = (),
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
+    named: Mapping[str, str] | None = None,
     options: Options | None = None,
     time_box: float = TIME_BOX,
     watch: Watch | None = None,
@@ -128,6 +135,7 @@ def identify_log(
         other: logs that are held out, instead of the last block.
         interval: sample time [s]; by default that of the log.
         units: of columns, such as `{"duty": "%"}`.
+        named: what columns are whose headings do not say it (`read_lab_file`).
         options: how the best structure of each rung is estimated.
         time_box: processor time [s].
         watch: called with a sentence and the share of the time that is used.
@@ -138,11 +146,12 @@ def identify_log(
         SolveError: not even a linear model was found.
     """
     logs = [str(path)] if isinstance(path, str | Path) else [str(one) for one in path]
-    names, last, why = guess_columns(logs[0], inputs, output)
+    names, last, why = guess_columns(logs[0], inputs, output, named)
     ends = [name.strip() for name in last.split(",") if name.strip()]
-    fitted = read_logs(logs, names, ends, interval, units)
+    fitted = read_logs(logs, names, ends, interval, units, named)
     chosen_by, held = (
-        read_logs([str(one) for one in group], names, ends, fitted[0].interval, units) for group in (validation, other)
+        read_logs([str(one) for one in group], names, ends, fitted[0].interval, units, named)
+        for group in (validation, other)
     )
     found = climb_ladder(fitted, chosen_by, held, options, time_box, watch)
     return replace(found, tests=(why, *found.tests))

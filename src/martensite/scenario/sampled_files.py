@@ -24,7 +24,7 @@ from martensite.base.files import write_file
 from martensite.base.units import find_conversion
 from martensite.scenario.binary_files import Columns, head_column, name_column, read_arrays
 from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, read_headings
-from martensite.scenario.tables import ASSUMED_INTERVAL, PREFIX, TEXT, read_table
+from martensite.scenario.tables import ASSUMED_INTERVAL, BINARY, PREFIX
 from martensite.signals.records import Record, out_of_order
 from martensite.signals.sampling.regular_grid import from_record, split_at_gaps
 from martensite.signals.sampling.sampled import Sampled
@@ -60,21 +60,28 @@ def read_pieces(
     outputs: Sequence[str],
     interval: float | None = None,
     units: Mapping[str, str] | None = None,
+    named: Mapping[str, str] | None = None,
 ) -> tuple[Sampled, ...]:
     """Read a log as `read_sampled` does, split where its inputs have gaps (`regular_grid.split_at_gaps`)."""
-    record = read_log(path, (*inputs, *outputs), interval, units or {})
+    record = read_log(path, (*inputs, *outputs), interval, units or {}, named)
     return split_at_gaps(record, inputs, outputs, interval, units)
 
 
-def read_log(path: str | Path, names: Sequence[str], interval: float | None, units: Mapping[str, str]) -> Record:
-    """A log of any kind as a table in SI, with the columns named (text: with all).
+def read_log(
+    path: str | Path,
+    names: Sequence[str],
+    interval: float | None,
+    units: Mapping[str, str],
+    named: Mapping[str, str] | None = None,
+) -> Record:
+    """A log of any kind as a table in SI, with the columns named (text, and where it is `named` what they are: all).
 
     Raises:
         DataError: the file is missing, of no known kind, malformed, or lacks a column.
         InputError: it is a Parquet file and pyarrow is not installed.
     """
-    if is_text(path):
-        return _read_text(path, interval)
+    if named or not is_columnar(path):
+        return _read_text(path, interval, named)
     path = Path(path)
     found = read_arrays(path)
     plain = {name_column(heading): heading for heading in found}
@@ -108,9 +115,9 @@ def read_array_table(path: Path, columns: Sequence[str] | None, interval: float 
     return _build_record(path, found, ASSUMED_INTERVAL if interval is None else interval, gaps)
 
 
-def is_text(path: str | Path) -> bool:
-    """Whether a log is a text file, or of a published data set."""
-    return str(path).startswith(PREFIX) or Path(path).suffix.lower() in TEXT
+def is_columnar(path: str | Path) -> bool:
+    """Whether a log is a file of named arrays, and not of a published data set."""
+    return not str(path).startswith(PREFIX) and Path(path).suffix.lower() in BINARY
 
 
 def write_sampled(record: Sampled, path: str | Path) -> None:
@@ -127,14 +134,16 @@ def write_sampled(record: Sampled, path: str | Path) -> None:
     write_file(path, "\n".join([*lines, ""]))
 
 
-def _read_text(path: str | Path, interval: float | None) -> Record:
+def _read_text(path: str | Path, interval: float | None, named: Mapping[str, str] | None) -> Record:
     """A text table; the interval is that of the rows only where there is no time."""
-    record = read_table(path, gaps=True)
+    from martensite.scenario.lab_files import read_log_table
+
+    record = read_log_table(path, named=named)
     if record.interval is None:
         return record
     if interval is None:
         raise DataError(f"`{Path(path).name}` has no column `time`; give the interval between its rows.")
-    return read_table(path, interval=interval, gaps=True)
+    return read_log_table(path, interval=interval, named=named)
 
 
 def _list(names: Iterable[str]) -> str:

@@ -17,7 +17,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from martensite.base.errors import DataError
-from martensite.base.files import MOST_LOG, read_bounded
+from martensite.base.files import MOST_LOG, read_unpacked
 from martensite.scenario.layout import CLOCK, FileColumn, Layout
 
 GAPS = ("", "nan", "na", "n/a", "null")
@@ -71,12 +71,17 @@ def read_sheet(path: Path, layout: Layout) -> Sheet:
     if separator == "whitespace":
         rows = [line.split() for _, line in kept]
         if not layout.columns and not any(map(is_number, rows[0])):
-            rows[0] = _HEADING.findall(kept[0][1])
+            rows[0] = split_heading(kept[0][1])
     elif layout.drop:
         rows = _split_singly(kept, SEPARATORS[separator], len(layout.columns))
     else:
         rows = _split_line(kept, SEPARATORS[separator], where)
     return Sheet(where, [number for number, _ in kept], rows, separator != "comma")
+
+
+def split_heading(line: str) -> list[str]:
+    """Headings that blanks separate, each with its unit in brackets."""
+    return _HEADING.findall(line)
 
 
 def _find_separator(lines: list[str], layout: Layout) -> str:
@@ -123,7 +128,7 @@ def _split_line(lines: list[tuple[int, str]], sign: str, where: str) -> list[lis
 def _read_text(path: Path, *, binary: bool) -> str:
     """The text of a file, of which single lines may be `binary`."""
     with describe_unreadable(path):
-        raw = read_bounded(path, MOST_LOG)
+        raw = read_unpacked(path, MOST_LOG)
     if b"\0" in raw and not binary:
         raise DataError(f"`{path.name}` is not a text file; save the table as CSV in UTF-8.")
     try:

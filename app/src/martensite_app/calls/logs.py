@@ -14,9 +14,12 @@ from martensite.fit.free_parameters import build_free_numbers
 from martensite.fit.losses import LOSSES
 from martensite.fit.solve import METHODS
 from martensite.scenario.assemble import waveform_path
-from martensite.scenario.heading_guess import Guess, guess_headings, usual_units
+from martensite.scenario.column_meanings import Meaning, guess_meanings
+from martensite.scenario.heading_guess import usual_units
+from martensite.scenario.lab_files import choose_time, read_raw
 from martensite.scenario.layout import CANONICAL
 from martensite.scenario.overrides import as_toml
+from martensite.scenario.raw_table import RawColumn, RawTable
 from martensite.scenario.scenario import Scenario
 from martensite.search.free_numbers import SearchRange
 from martensite.signals.records import Record
@@ -24,7 +27,6 @@ from martensite_app.documents import describe_scenarios, list_following
 from martensite_app.identify.fit_request import build_scenario
 from martensite_app.identify.followed_columns import describe_drives, follow_column
 from martensite_app.identify.mapped_table import describe_cuts, read_record, read_records
-from martensite_app.identify.raw_table import RawColumn, RawTable, read_raw
 from martensite_app.messages import JsonTable, Request, require_entry
 from martensite_app.uploads import UploadFolder
 from martensite_app.views.columns import describe_conversion, describe_difference, describe_display, find_envelope
@@ -47,54 +49,60 @@ def describe_table(request: Request, desk: Desk) -> JsonTable:
     """
     path = UploadFolder(desk.folder).path(require_entry(request, "key", str))
     raw = read_raw(path, require_entry(request, "separator", str, "auto"))
-    meant = guess_headings([c.heading for c in raw.columns], [c.sample for c in raw.columns])
-    columns = [_describe_column(c, g) for c, g in zip(raw.columns, meant, strict=True)]
+    meant = guess_meanings(raw, {})
+    clock = choose_time(raw, meant)
+    shown = [_name_guess(one, at == clock) for at, one in enumerate(meant)]
     return {
         "name": raw.name,
         "rows": raw.rows,
         "separator": raw.separator,
         "headed": raw.headed,
         "preview": raw.preview,
-        "columns": columns,
+        "columns": [_describe_column(c, *one) for c, one in zip(raw.columns, shown, strict=True)],
         "names": {name: usual_units(name) for name in CANONICAL},
-        "notes": list(_list_notes(raw, meant)),
+        "notes": list(_list_notes(raw, meant, clock)),
     }
 
 
-def _describe_column(column: RawColumn, guess: Guess) -> JsonTable:
-    known = [number for number in column.numbers if not math.isnan(number)]
-    rows = find_envelope(column.numbers, SMALL)
+def _name_guess(meaning: Meaning, is_clock: bool) -> tuple[str, str]:
+    """Known name and unit of a column, empty where there is none; one column alone is the time."""
+    known = meaning.name.rpartition(".")[2] in CANONICAL and (meaning.name != "time" or is_clock)
+    return (meaning.name, meaning.unit) if known else ("", "")
+
+
+def _describe_column(column: RawColumn, name: str, unit: str) -> JsonTable:
+    numbers = column.numbers.tolist()
+    known = [number for number in numbers if not math.isnan(number)]
+    rows = find_envelope(numbers, SMALL)
     return {
         "heading": column.heading,
-        "name": guess.name if known else "",
-        "unit": guess.unit,
+        "name": name if known else "",
+        "unit": unit,
         "min": min(known, default=None),
         "max": max(known, default=None),
-        "missing": len(column.numbers) - len(known) - column.wrong,
-        "wrong": column.wrong,
-        "first_wrong": column.first_wrong,
-        "curve": [rows, [column.numbers[row] for row in rows]],
+        "missing": len(numbers) - len(known) - len(column.wrong),
+        "wrong": len(column.wrong),
+        "first_wrong": column.wrong[0] if column.wrong else "",
+        "curve": [rows, [numbers[row] for row in rows]],
     }
 
 
-def _list_notes(raw: RawTable, meant: list[Guess]) -> Iterator[str]:
-    if not raw.headed:
-        yield "The file has no headings; say for every column what it is."
+def _list_notes(raw: RawTable, meant: list[Meaning], clock: int) -> Iterator[str]:
+    yield from raw.notes
+    for one in raw.left_out:
+        rows = ", ".join(map(str, one.rows))
+        yield f"{one.count} rows are left out: {one.reason} (row {rows}{', …' if one.count > len(one.rows) else ''})."
+    unsure = [str(at) for at, one in enumerate(meant, start=1) if one.name and one.known == "values" and not one.sure]
+    if unsure:
+        yield f"Column {', '.join(unsure)}: a guess by the values alone; look whether it is right."
     if len(raw.columns) == 1:
         yield "There is one column only; if the file has more, choose its separator."
-    if raw.ragged and raw.separator:
-        yield (
-            f"{raw.ragged} rows have more or fewer cells than there are columns "
-            f"({len(raw.columns)}): {raw.first_ragged}. Leave them out, or mend the file."
-        )
-    elif raw.ragged:
-        yield f"{raw.first_ragged}."
     if any(column.wrong for column in raw.columns):
-        yield ("Some cells are no numbers. Do not use their columns, leave out such rows, or mend the file.")
+        yield "Some cells are no numbers. Do not use their columns, or leave out such cells."
     if raw.rows > LONG:
         yield f"The file has {raw.rows:,} rows; thin it out in the next step."
-    if not any(guess.name == "time" for guess in meant):
-        yield "No column seems to be the time; choose one, or give the time between rows."
+    if clock < 0:
+        yield "No column is a time. A quasi-static loop needs none; else choose one, or give the time between rows."
 
 
 DRAWN = 800

@@ -1,27 +1,23 @@
 """An uploaded table with the meaning that its columns were given: a record, cut into records.
 
 "columns": [{"at": 0, "name": "time", "unit": "s"}, …]   columns that are not listed are not used
-"interval": 0.1      time between rows [s], where no column is the time
-"drop": true         leave out rows that cannot be read
+"interval": 0.1      time between rows [s], where no column is the time; 1 s if left out
+"drop": true         cells of these columns that are no numbers count as missing; else they are refused
 "cuts": [{"name": "heating", "from": 0.0, "to": 12.5, "every": 1}]   [s]; the whole if empty
 """
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, cast
 
-from martensite.base import units
-from martensite.base.errors import DataError, ParameterError, suggest_name
-from martensite.scenario.layout import IGNORED, Layout, read_headings
-from martensite.scenario.sheets import SEPARATORS, read_sheet
-from martensite.scenario.tables import read_table
-from martensite.signals.records import Record, out_of_order
-from martensite_app.identify.raw_table import BINARY, read_raw
+from martensite.base.errors import DataError
+from martensite.scenario.lab_files import interpret_table, read_raw
+from martensite.scenario.layout import IGNORED, read_headings
+from martensite.scenario.tables import ASSUMED_INTERVAL
+from martensite.signals.records import Record
 from martensite_app.messages import BadMessageError, JsonTable, Request, require_entry
 from martensite_app.uploads import UploadFolder
 from martensite_app.worker import Desk
@@ -103,43 +99,19 @@ def _read_record(
     path: Path, columns: tuple[tuple[int, str, str], ...], interval: float | None, drop: bool, separator: str
 ) -> Record:
     """The record of a file; the last ones are remembered."""
+    raw = read_raw(path, separator)
     headings = {at: f"{name} [{unit}]" if unit else name for at, name, unit in columns}
-    if path.suffix.lower() in BINARY:
-        return _read_arrays(path, headings, interval)
-    if separator not in ("auto", *SEPARATORS):
-        raise ParameterError(f"There is no separator `{separator}`. {suggest_name('', SEPARATORS)}")
-    width = len(read_sheet(path, Layout((), separator)).rows[0])
-    _check_places(headings, width)
-    listed = [headings.get(at, IGNORED) for at in range(width)]
-    return read_table(path, listed, interval=interval, separator=separator, drop=drop, gaps=True)
-
-
-def _check_places(headings: Mapping[int, str], count: int) -> None:
-    wrong = next((at for at in headings if not 0 <= at < count), None)
+    wrong = next((at for at in headings if not 0 <= at < len(raw.columns)), None)
     if wrong is not None:
-        raise DataError(f"There is no column {wrong + 1}; the file has {count}.")
-
-
-def _read_arrays(path: Path, headings: Mapping[int, str], interval: float | None) -> Record:
-    raw = read_raw(path)
-    _check_places(headings, len(raw.columns))
-    found: dict[str, list[float]] = {}
-    spelt: dict[str, str] = {}
-    meant = read_headings(headings.values(), f"`{path.name}`")
-    for at, column in zip(headings, meant, strict=True):
-        factor, offset = units.find_conversion(column.spelling, column.unit)
-        found[column.name] = [x * factor + offset for x in raw.columns[at].numbers]
-        spelt[column.name] = column.unit
-    if "time" not in found:
-        if interval is None or not interval > 0.0:
-            raise DataError(f"`{path.name}` has no time; give the time between rows.")
-        times = [k * interval for k in range(raw.rows)]
-        return Record(path.stem, {"time": times} | found, {"time": "s"} | spelt, path, interval=interval)
-    row = out_of_order(found["time"])
-    if row is not None or not all(map(math.isfinite, found["time"])):
-        where = f", but not at row {row + 1}" if row is not None else ", and none may be missing"
-        raise DataError(f"`{path.name}`: time must increase from row to row{where}.")
-    return Record(path.stem, found, spelt, path)
+        raise DataError(f"There is no column {wrong + 1}; the file has {len(raw.columns)}.")
+    meant = dict(zip(headings, read_headings(headings.values(), f"`{path.name}`"), strict=True))
+    for at, column in meant.items():
+        if raw.columns[at].wrong and not drop:
+            row, _, text = raw.columns[at].wrong[0].partition(": ")
+            raise DataError(f"`{path.name}`, {row}, column `{column.name}`: `{text}` is not a number.")
+    named = {str(at + 1): headings.get(at, IGNORED) for at in range(len(raw.columns))}
+    found = interpret_table(raw, path, named)
+    return (found if found.has_time else found.with_interval(interval or ASSUMED_INTERVAL)).record
 
 
 def _cut_record(whole: Record, cut: Request) -> Record:

@@ -1,0 +1,222 @@
+"""Cells of tables from laboratories as numbers: decimal commas, thousands, clocks, dates, overflows, units behind.
+
+A clock is read as seconds of its day, a date as seconds since the first day of the calendar, a stamp of both as their
+sum. Where the order of day and month cannot be told, the day comes first.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import date
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.scenario.heading_guess import find_listed
+from martensite.scenario.sheets import GAPS
+
+Numbers = NDArray[np.float64]
+OVERFLOW = 9.9e36
+"""Instruments write 9.9e37 where a reading is out of range."""
+DAY = 86_400.0
+MISSING = {*GAPS, "-", "--", "---", "none", "ol", "ovld", "over", "overload", "#n/a", "#num!", "#div/0!", "∞", "-∞"}
+MISSING |= {"+over", "-over", "err", "error", "open", "invalid", "no data", "inf", "-inf", "+inf", "infinity"}
+"""What stands in the cell of a sample that is missing or out of range, in small letters."""
+
+_NUMBER = r"[+\-−]?(?:\d+(?:[.,'’]\d{3})*(?:[.,]\d*)?|[.,]\d+)(?:[eEdD][+\-]?\d+)?"
+_CLOCK = r"(\d{1,3}):([0-5]?\d)(?::([0-5]?\d)(?:[.,:](\d+))?|[.](\d+))?(?:\s*([AaPp])\.?[Mm]\.?)?"
+_DATE = r"(?:\d{4}[-/.]\d{1,2}[-/.]\d{1,2}|\d{1,2}[-/.]\d{1,2}[-/.]\d{2,4}|\d{1,2}[- ][A-Za-z]{3,9}[- ]\d{2,4})"
+_PATTERNS = {
+    "date": re.compile(_DATE),
+    "number": re.compile(_NUMBER),
+    "clock": re.compile(_CLOCK),
+    "stamp": re.compile(rf"({_DATE})[T ,;]\s*({_CLOCK})(?:\s*(?:Z|UTC|[+-]\d\d:?\d\d))?"),
+    "quantity": re.compile(rf"({_NUMBER})\s*([^\d\s.,;:+\-][^\d\s;:]{{0,11}}(?: ?[A-Za-z°]{{1,7}})?)"),
+}
+_FIRST = frozenset("+-.0123456789")
+_MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
+
+
+@dataclass(frozen=True)
+class NumberStyle:
+    """How the numbers of a table are written."""
+
+    comma: bool = False
+    """Decimal comma."""
+    thousands: str = ""
+    """Sign between thousands."""
+    unsure: bool = False
+    """Whether `1,234` may mean both."""
+
+
+@dataclass(frozen=True)
+class ReadCells:
+    """A column of cells as numbers."""
+
+    kind: str
+    """`number`, `clock`, `date`, `stamp`, or `text` where less than half of the cells are any of these."""
+    numbers: Numbers
+    """NaN for what is missing or cannot be read."""
+    wrong: list[int]
+    """Indices of cells that hold something else."""
+    unit: str = ""
+    """Unit that stands behind the numbers."""
+    unsure: bool = False
+    """Whether day and month could not be told apart."""
+
+
+def is_missing(cell: str) -> bool:
+    """Whether a cell stands for a sample that is missing."""
+    return cell.strip().strip('"').lower() in MISSING
+
+
+def find_kind(cell: str) -> str:
+    """Which of the patterns a cell follows; empty for none."""
+    text = cell.strip().strip('"').strip()
+    if text[:1] in _FIRST and text[-1:].isdigit() and "_" not in text:
+        try:
+            float(text)
+        except ValueError:
+            pass
+        else:
+            return "number"  # most cells, at a fraction of the time
+    kind = next((kind for kind, pattern in _PATTERNS.items() if pattern.fullmatch(text)), "")
+    if kind != "quantity":
+        return kind
+    found = _PATTERNS["quantity"].fullmatch(text)
+    return kind if found is not None and find_listed(found[2]) else ""
+
+
+def find_style(cells: Iterable[str]) -> NumberStyle:
+    """How the numbers of some cells are written."""
+    texts = [t for t in (cell.strip() for cell in cells) if _PATTERNS["number"].fullmatch(t)]
+    commas, points = [t for t in texts if "," in t], [t for t in texts if "." in t]
+    quote = next((sign for sign in "'’" if any(sign in t for t in texts)), "")
+    if quote:
+        return NumberStyle(bool(commas), quote)
+    if not commas:
+        several = any(t.count(".") > 1 for t in points)
+        return NumberStyle(several, "." if several else "")
+    if any(t.rfind(".") > t.find(",") for t in commas if "." in t) or any(t.count(",") > 1 for t in commas):
+        return NumberStyle(False, ",")
+    mixed = any("." in t for t in commas)
+    like_thousands = all(re.fullmatch(r"[+\-−]?[1-9]\d{0,2},\d{3}", t) for t in commas)
+    if like_thousands and points and not mixed:
+        return NumberStyle(False, ",")
+    return NumberStyle(True, "." if mixed else "", like_thousands and not mixed)
+
+
+def read_cells(cells: Sequence[str], style: NumberStyle) -> ReadCells:
+    """A column of cells as numbers; its kind is that of most of them."""
+    if not style.thousands and not style.comma:
+        try:
+            found = np.array([float(cell) for cell in cells])
+        except ValueError:
+            pass
+        else:
+            plain = not any("_" in cell for cell in cells)
+            if plain:
+                return ReadCells("number", np.where(np.abs(found) < OVERFLOW, found, math.nan), [])
+    kinds = [find_kind(cell) for cell in cells[:: max(1, len(cells) // 500)] if not is_missing(cell)]
+    kind = max(set(kinds), key=kinds.count) if kinds else "text"
+    if kind == "number" and kinds.count("quantity") * 2 > len(kinds):
+        kind = "quantity"
+    if kind in ("", "text") or kinds.count(kind) * 2 < len(kinds):
+        wrong = [k for k, cell in enumerate(cells) if not is_missing(cell)]
+        return ReadCells("text", np.full(len(cells), math.nan), wrong)
+    if kind in ("date", "stamp"):
+        return _read_dates(cells, kind)
+    parse = {"number": _to_number, "clock": _to_clock, "quantity": _to_quantity}[kind]
+    numbers, wrong = np.full(len(cells), math.nan), list[int]()
+    for k, cell in enumerate(cells):
+        try:
+            numbers[k] = parse(cell, style)
+        except ValueError:
+            if not is_missing(cell):
+                wrong.append(k)
+    unit = _find_common_unit(cells) if kind == "quantity" else ""
+    return ReadCells("number" if kind == "quantity" else kind, numbers, wrong, unit)
+
+
+def _to_number(cell: str, style: NumberStyle) -> float:
+    text = cell.strip().strip('"').replace("−", "-")
+    text = text.replace(style.thousands, "") if style.thousands else text
+    text = text.replace(",", ".") if style.comma else text
+    if "_" in text or not text.isascii():
+        raise ValueError
+    number = float(re.sub("[dD]", "e", text))
+    return number if abs(number) < OVERFLOW else math.nan
+
+
+def _to_quantity(cell: str, style: NumberStyle) -> float:
+    found = _PATTERNS["quantity"].fullmatch(cell.strip().strip('"'))
+    return _to_number(cell if found is None else found[1], style)
+
+
+def _find_common_unit(cells: Sequence[str]) -> str:
+    found = [_PATTERNS["quantity"].fullmatch(cell.strip().strip('"')) for cell in cells[:200]]
+    units = [one[2].strip() for one in found if one is not None]
+    return max(set(units), key=units.count) if units else ""
+
+
+def _to_clock(cell: str, style: NumberStyle) -> float:
+    found = _PATTERNS["clock"].fullmatch(cell.strip().strip('"'))
+    if found is None:
+        raise ValueError
+    return _count_seconds(*found.groups())
+
+
+def _count_seconds(
+    first: str, second: str, third: str | None, part: str | None, short: str | None, half: str | None
+) -> float:
+    """Seconds of the day of 17:27:33.5, of 5:27 PM, or seconds that have passed, of 27:33.5."""
+    if third is None and short is not None:
+        return 60.0 * int(first) + int(second) + float(f"0.{short}")
+    hours = int(first)
+    if half is not None:
+        hours = hours % 12 + (12 if half in "pP" else 0)
+    return 3600.0 * hours + 60.0 * int(second) + int(third or 0) + float(f"0.{part or 0}")
+
+
+def _read_dates(cells: Sequence[str], kind: str) -> ReadCells:
+    matched = [_PATTERNS[kind].fullmatch(cell.strip().strip('"')) for cell in cells]
+    texts = [None if one is None else one[1] if kind == "stamp" else one[0] for one in matched]
+    days, unsure = _count_days([text for text in texts if text is not None])
+    numbers, wrong, rest = np.full(len(cells), math.nan), list[int](), iter(days)
+    for k, one in enumerate(matched):
+        if one is not None:
+            numbers[k] = next(rest) * DAY + (_count_seconds(*one.groups()[2:8]) if kind == "stamp" else 0.0)
+        elif not is_missing(cells[k]):
+            wrong.append(k)
+    return ReadCells(kind, numbers, wrong, "", unsure)
+
+
+def _count_days(texts: Sequence[str]) -> tuple[list[float], bool]:
+    """Days of the calendar, NaN for what is no date; and whether day and month may have changed places."""
+    known = {text: tuple(re.split(r"[-/. ]", text)) for text in dict.fromkeys(texts)}
+    written = [part for part in known.values() if len(part[0]) < 3 and part[1].isdigit()]
+    over = [any(int(part[k]) > 12 for part in written) for k in (0, 1)]
+    month_first = over[1] and not over[0]
+    unsure = bool(written) and not any(over) and any(part[0] != part[1] for part in written)
+    if unsure and len(known) > 1:  # days that follow one another are not months apart
+        spans = [np.ptp([_find_day(part, first) for part in written]) for first in (False, True)]
+        month_first, unsure = bool(spans[1] < spans[0]), bool(spans[0] == spans[1])
+    days = {text: _find_day(part, month_first) for text, part in known.items()}
+    return [days[text] for text in texts], unsure
+
+
+def _find_day(parts: tuple[str, ...], month_first: bool) -> float:
+    if len(parts[0]) == 4:
+        year, month, day = parts
+    else:
+        day, month, year = (parts[1], parts[0], parts[2]) if month_first else parts
+    number = (
+        month if month.isdigit() else str(_MONTHS.index(month[:3].lower()) + 1 if month[:3].lower() in _MONTHS else 0)
+    )
+    try:
+        return float(date(int(year) + (2000 if int(year) < 100 else 0), int(number), int(day)).toordinal())
+    except ValueError:
+        return math.nan

@@ -1,0 +1,169 @@
+"""What the columns of a raw table are: by what is given, by heading and unit, and by their values."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from martensite.base.errors import DataError, UnitError, suggest_name
+from martensite.scenario.heading_guess import find_listed, guess_heading
+from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, read_headings
+from martensite.scenario.raw_table import RawColumn, RawTable
+from martensite.scenario.table_times import is_part_of_clock
+from martensite.scenario.value_guess import ValueGuess, guess_columns, guess_unit, is_even_time
+
+IMPLIED = {"millis": "ms", "micros": "us", "milliseconds": "ms", "microseconds": "us", "seconds": "s"}
+"""Heading -> unit of time that it is."""
+SECOND = re.compile(r"set|target|command|demand|soll|ambient|room|chamber|reference|cold", re.IGNORECASE)
+"""Words of a heading beside which another column is the one that is meant."""
+COUNTER = re.compile(r"(?:#|no\.?|nr\.?|index|scan|sample|reading|point|row|record|sequence|x)", re.IGNORECASE)
+"""Headings of columns that count the rows."""
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a column is taken for; an empty name for nothing."""
+
+    name: str
+    unit: str
+    known: str
+    sure: bool = True
+
+
+def guess_meanings(raw: RawTable, named: Mapping[str, str]) -> list[Meaning]:
+    """What the columns of a table are; of two that are the same, the second keeps its heading as a name.
+
+    Raises:
+        DataError: `named` names no column, or what is none.
+    """
+    given = _read_named(raw, named)
+    found = [given.get(place) or _guess_column(raw, place) for place in range(len(raw.columns))]
+    unknown = {
+        place: raw.columns[place].numbers
+        for place, one in enumerate(found)
+        if not one.name and raw.columns[place].kind == "number" and not raw.columns[place].heading
+    }
+    timed = any(
+        one.name == "time" or column.kind in ("clock", "stamp") for one, column in zip(found, raw.columns, strict=True)
+    )
+    for place, guess in guess_columns(unknown).items():
+        if guess.name != "time" or not timed:
+            found[place] = Meaning(guess.name, guess.unit, "values", guess.sure)
+    if not any(one.name == "time" for one in found):
+        found = _find_headed_time(raw, found)
+    return _name_apart(raw, found, given)
+
+
+def _guess_column(raw: RawTable, place: int) -> Meaning:
+    """What one column is by its heading and unit, and the unit by its values where neither names one."""
+    column = raw.columns[place]
+    if column.kind in ("clock", "stamp"):
+        return Meaning("time", CLOCK, "values" if not column.heading else "heading")
+    if column.kind in ("text", "date"):
+        return Meaning("", "", "")
+    words = column.heading.lower().strip()
+    if is_part_of_clock(raw, column):
+        return Meaning(IGNORED, "", "")
+    if words in IMPLIED:
+        return Meaning("time", IMPLIED[words], "heading")
+    listed = find_listed(column.unit.strip("()[] "))
+    if COUNTER.fullmatch(words) and not listed and is_even_time(column.numbers):
+        return Meaning(IGNORED, "", "")
+    plain = guess_heading(column.heading)
+    guess = guess_heading(f"{column.heading or 'column'} [{listed}]") if listed else plain
+    if not listed and not plain.unit and "vertical units" in raw.said:  # an oscilloscope
+        timed = plain.name == "time" or (not column.heading and is_even_time(column.numbers))
+        listed = find_listed(raw.said.get("horizontal units" if timed else "vertical units", ""))
+        guess = guess_heading(f"{column.heading or 'column'} [{listed}]") if listed else plain
+    if not guess.name and not guess.unit and "emissivity" in raw.said and column.heading:
+        return Meaning("temperature", "degC", "values")  # an infrared camera writes nothing else
+    if not guess.name:
+        return Meaning("", guess.unit, "")
+    if guess.unit:
+        return Meaning(guess.name, guess.unit, "heading" if plain.name == guess.name and plain.name else "unit")
+    by_values: ValueGuess = guess_unit(guess.name.rpartition(".")[2], column.numbers)
+    return Meaning(guess.name, by_values.unit, "values", by_values.sure)
+
+
+def _find_headed_time(raw: RawTable, found: list[Meaning]) -> list[Meaning]:
+    """Where nothing is called time, a nameless first column that rises by equal steps is."""
+    first = next((k for k, column in enumerate(raw.columns) if column.kind == "number"), None)
+    if first is None or found[first].name or raw.columns[first].heading or not is_even_time(raw.columns[first].numbers):
+        return found
+    if sum(column.kind == "number" for column in raw.columns) < 2:
+        return found
+    guess = guess_unit("time", raw.columns[first].numbers)
+    return [Meaning("time", guess.unit, "values", guess.sure) if k == first else one for k, one in enumerate(found)]
+
+
+def _name_apart(raw: RawTable, found: list[Meaning], given: Mapping[int, Meaning]) -> list[Meaning]:
+    """Columns with names that differ; what is unknown but headed is kept under its heading."""
+    order = sorted(range(len(found)), key=lambda k: (k not in given, bool(SECOND.search(raw.columns[k].heading)), k))
+    taken: set[str] = set()
+    named = list(found)
+    for place in order:
+        one, column = found[place], raw.columns[place]
+        if one.name == "time" or one.name == IGNORED:
+            continue
+        if place in given and one.name in taken:
+            raise DataError(f"`{raw.name}` has two columns `{one.name}`; name one of them differently.")
+        if place in given and column.kind == "text":
+            raise DataError(
+                f"`{raw.name}`: column {place + 1} is to be `{one.name}`, but holds no numbers: `{column.sample}`."
+            )
+        usable = column.kind == "number" and bool(np.isfinite(column.numbers).any())
+        if not usable or (not one.name and not column.heading):
+            named[place] = replace(one, name="")
+            continue
+        if not one.name or one.name in taken:
+            named[place] = one = _keep_heading(column, place, one, taken)
+        taken.add(one.name)
+    return named
+
+
+def _keep_heading(column: RawColumn, place: int, one: Meaning, taken: set[str]) -> Meaning:
+    slug = re.sub(r"\W+", "_", re.sub(r"[\[(].*", "", column.heading).lower()).strip("_") or f"column_{place + 1}"
+    unit = one.unit if one.unit and one.unit != CLOCK else "1"
+    if slug in taken or slug.rpartition(".")[2] in CANONICAL or not slug.isascii():
+        slug = f"{one.name or 'column'}_{place + 1}"
+    try:
+        read_headings([f"{slug} [{unit}]"], "")
+    except (DataError, UnitError):
+        unit = "1"
+    return Meaning(slug, unit, "heading", one.sure)
+
+
+def _read_named(raw: RawTable, named: Mapping[str, str]) -> dict[int, Meaning]:
+    headings = [column.heading for column in raw.columns]
+    found: dict[int, Meaning] = {}
+    for key, text in named.items():
+        same = [k for k, heading in enumerate(headings) if heading and heading.lower() == key.strip().lower()]
+        if not same and key.strip().isdigit() and 0 < int(key) <= len(headings):
+            same = [int(key) - 1]
+        if len(same) != 1:
+            valid = [h for h in headings if h] or [f"{k + 1}" for k in range(len(headings))]
+            reason = "has several columns" if same else "has no column"
+            raise DataError(
+                f"`{raw.name}` {reason} `{key}`; its columns are 1 to {len(headings)}. {suggest_name(key, valid)}"
+            )
+        column = raw.columns[same[0]]
+        if text.strip() == IGNORED:
+            found[same[0]] = Meaning(IGNORED, "", "given")
+            continue
+        written = find_listed(write_unit(column)) or guess_heading(column.heading).unit
+        bare = "[" not in text and "(" not in text and written
+        (head,) = read_headings([f"{text} [{written}]" if bare else text], f"`{raw.name}`")
+        unit = CLOCK if column.kind in ("clock", "stamp") and head.name == "time" else head.spelling
+        found[same[0]] = Meaning(head.name, unit, "given")
+    return found
+
+
+def write_unit(column: RawColumn) -> str:
+    """The unit of a column as the file writes it."""
+    if column.unit:
+        return column.unit
+    found = re.search(r"[\[(]\s*([^\])]+?)\s*[\])]\s*$", column.heading)
+    return found[1] if found else ""

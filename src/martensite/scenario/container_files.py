@@ -1,0 +1,150 @@
+"""Tables in files that are no text: spreadsheets, MAT, Parquet, netCDF, TDMS (LabVIEW) and MCAP (robots).
+
+All but Parquet are read in a process of their own (`scenario.binary_files.read_apart`): a damaged file can end the one
+that reads it.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from martensite.base.errors import DataError
+from martensite.base.files import MOST_LOG, check_ordinary
+from martensite.base.lazy import import_extra
+from martensite.scenario.binary_files import Columns, read_apart, read_arrays
+from martensite.scenario.raw_table import RawTable, describe_arrays, find_table
+from martensite.scenario.sheets import describe_unreadable
+from martensite.scenario.tables import BINARY
+
+EXTRAS = {
+    ".xlsx": ("openpyxl", "excel", "openpyxl", "read_workbook"),
+    ".xlsm": ("openpyxl", "excel", "openpyxl", "read_workbook"),
+    ".tdms": ("nptdms", "tdms", "npTDMS", "read_tdms"),
+    ".mcap": ("mcap.reader", "mcap", "mcap", "read_mcap"),
+}
+"""Ending -> module, extra that brings it, its title, and function here that reads such files."""
+KINDS = (*BINARY, *EXTRAS)
+MOST_ROWS = 1_048_576
+"""Rows of a sheet."""
+MOST_MESSAGES = 2_000_000
+_TITLES = {".mat": "MATLAB file", ".parquet": "Parquet file", ".nc": "netCDF file", ".tdms": "TDMS file"}
+
+
+def read_container(path: Path) -> RawTable:
+    """The table of a file that is no text.
+
+    Raises:
+        DataError: it is missing, damaged, or holds no table of numbers.
+        InputError: the extra that brings its reader is not installed.
+    """
+    ending = path.suffix.lower()
+    if ending in BINARY:
+        return describe_arrays(path, read_arrays(path), _TITLES[ending])
+    module, extra, title, reader = EXTRAS[ending]
+    import_extra(module, extra, title)
+    with describe_unreadable(path):
+        size = check_ordinary(path, MOST_LOG)
+    found = read_apart(path, f"{__name__}:{reader}", size)
+    if reader != read_workbook.__name__:
+        return describe_arrays(path, found, f"{_TITLES.get(ending, 'MCAP file')}, {len(found)} channels")
+    sheet = str(found.pop("sheet")[0])
+    rows = [(k, [str(cell) for cell in row]) for k, row in enumerate(zip(*found.values(), strict=True), start=1)]
+    filled = [(k, row) for k, row in rows if any(cell.strip() for cell in row)]
+    return find_table(path, filled, (f"spreadsheet, sheet `{sheet}`",))
+
+
+def read_workbook(path: Path) -> Columns:
+    """Cells of the sheet with most numbers, column by column as text, and its title."""
+    from openpyxl import load_workbook
+
+    book = cast(Any, load_workbook(path, read_only=True, data_only=True))
+    best, title, most = list[list[Any]](), "", 0
+    for sheet in book.worksheets:
+        rows = [list(row) for row in sheet.iter_rows(values_only=True, max_row=MOST_ROWS, max_col=200)]
+        count = sum(isinstance(cell, int | float) for row in rows for cell in row)
+        if count > most:
+            best, title, most = rows, str(sheet.title), count
+    if not most:
+        raise DataError(f"`{path.name}` holds no numbers in any of its sheets.")
+    width = max(len(row) for row in best)
+    used = max(k for row in best for k, cell in enumerate(row) if cell is not None) + 1
+    texts = [[_write_cell(cell) for cell in row] + [""] * (width - len(row)) for row in best]
+    return {"sheet": np.array([title])} | {str(k): np.array([row[k] for row in texts]) for k in range(min(width, used))}
+
+
+def _write_cell(cell: Any) -> str:
+    if cell is None:
+        return ""
+    return cell.isoformat(sep=" ") if hasattr(cell, "hour") and hasattr(cell, "year") else str(cell)
+
+
+def read_tdms(path: Path) -> Columns:
+    """Channels of numbers of a TDMS file, by name with unit, and their times."""
+    from nptdms import TdmsFile
+
+    columns: Columns = {}
+    times: dict[int, Any] = {}
+    for group in cast(Any, TdmsFile.read(path)).groups():
+        for channel in group.channels():
+            values = np.asarray(channel[:])
+            if values.dtype.kind == "M":
+                values = (values - values[0]) / np.timedelta64(1, "s")
+            if values.dtype.kind not in "iufb" or values.size < 2:
+                continue
+            unit = str(channel.properties.get("unit_string", ""))
+            name = f"{channel.name} [{unit}]" if unit else str(channel.name)
+            columns[f"{group.name} {name}" if name in columns else name] = values.astype(float)
+            if "wf_increment" in channel.properties:
+                times.setdefault(values.size, np.asarray(channel.time_track(), dtype=float))
+    for length, found in times.items():
+        if not any("time" in name.lower() and len(column) == length for name, column in columns.items()):
+            columns[f"time [s]{'' if len(times) == 1 else f' {length}'}"] = found
+    return columns
+
+
+def read_mcap(path: Path) -> Columns:
+    """Numbers of the messages of an MCAP file in JSON, those of every field by its dotted name over the log's time [s].
+
+    Messages of several topics are brought to the times of the topic that has most; a field holds its last value.
+    """
+    from mcap.reader import make_reader
+
+    topics: dict[str, list[tuple[float, dict[str, float]]]] = {}
+    others: set[str] = set()
+    with path.open("rb") as file:
+        for count, (_, channel, message) in enumerate(cast(Any, make_reader(file)).iter_messages()):
+            if count >= MOST_MESSAGES:
+                raise DataError(f"`{path.name}` holds more than {MOST_MESSAGES} messages.")
+            if channel.message_encoding != "json":
+                others.add(channel.message_encoding)
+                continue
+            fields = dict(_list_fields(json.loads(message.data)))
+            if fields:
+                topics.setdefault(channel.topic.strip("/"), []).append((message.log_time * 1e-9, fields))
+    if not topics:
+        said = f"; its messages are encoded as {', '.join(sorted(others))}" if others else ""
+        raise DataError(f"`{path.name}` holds no messages of numbers in JSON{said}. Export it as CSV.")
+    main = max(topics, key=lambda topic: len(topics[topic]))
+    times = np.array([time for time, _ in topics[main]])
+    columns: Columns = {"time [s]": times - times[0]}
+    for topic, messages in topics.items():
+        own = np.array([time for time, _ in messages])
+        rows = np.searchsorted(own, times, side="right") - 1
+        for name in dict.fromkeys(name for _, fields in messages for name in fields):
+            values = np.array([fields.get(name, np.nan) for _, fields in messages])
+            head = name if len(topics) == 1 else f"{topic}.{name}"
+            columns[head] = np.where(rows >= 0, values[np.maximum(rows, 0)], np.nan)
+    return columns
+
+
+def _list_fields(found: Any, name: str = "") -> Iterator[tuple[str, float]]:
+    if isinstance(found, Mapping):
+        for key, value in cast(Mapping[str, Any], found).items():
+            yield from _list_fields(value, f"{name}.{key}" if name else str(key))
+    elif isinstance(found, int | float):
+        yield name, float(found)

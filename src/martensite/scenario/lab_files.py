@@ -1,0 +1,355 @@
+"""Files of laboratory instruments, read without being told what is in them.
+
+`read_lab_file` finds the table (`scenario.raw_table`), what its columns are by heading, unit and values
+(`scenario.heading_guess`, `scenario.value_guess`), and its times (`scenario.table_times`), and says so: format,
+columns with their ranges, rows left out and why. What values do not make certain is marked in a note; what cannot be
+told is an error that says what to write. `named` corrects: a heading or the number of a column -> `stress[MPa]`, or
+`-` to pass it over.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from martensite.base import units
+from martensite.base.errors import DataError, InputError, ParameterError, suggest_name
+from martensite.base.files import tell_once, write_file
+from martensite.scenario.cells import Numbers
+from martensite.scenario.column_meanings import Meaning, guess_meanings, write_unit
+from martensite.scenario.container_files import KINDS, read_container
+from martensite.scenario.csv_files import format_heading
+from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, Layout, read_headings
+from martensite.scenario.raw_table import LeftOut, RawColumn, RawTable, count_rows
+from martensite.scenario.sheets import is_number, read_sheet
+from martensite.scenario.table_headings import SEPARATORS
+from martensite.scenario.table_times import TableTimes, build_times, find_interval, find_start
+from martensite.scenario.tables import PREFIX, read_table
+from martensite.scenario.text_tables import read_text_table
+from martensite.scenario.value_guess import mend_fall
+from martensite.signals.records import Record
+
+
+@dataclass(frozen=True)
+class ReadColumn:
+    """What a column of a file was taken for."""
+
+    number: int
+    """Its place in the file, from 1."""
+    heading: str
+    """As it is written."""
+    name: str
+    """Column of the record; `-` where it is passed over."""
+    written: str
+    """Unit as it is written; empty where the file names none."""
+    unit: str
+    """Unit that it was read in."""
+    si: str
+    """SI unit of the record."""
+    low: float
+    """Smallest number, in SI."""
+    high: float
+    """Largest number, in SI."""
+    known: str
+    """By what it is known: `heading`, `unit`, `values`, or `given`."""
+
+
+@dataclass(frozen=True)
+class LabFile:
+    """A file of an instrument, and how it was understood."""
+
+    path: Path
+    format: str
+    """How it is written, in one sentence."""
+    record: Record
+    """In SI; without times its rows are one second apart (`has_time`)."""
+    columns: tuple[ReadColumn, ...]
+    dropped: tuple[LeftOut, ...]
+    """Rows left out, by reason."""
+    notes: tuple[str, ...]
+    """What is not certain, and what was put right."""
+    has_time: bool
+    start: float | None = None
+    """Absolute time of the record's zero [s] since the first day of the calendar; below 86 400 it is that of a day."""
+
+    def with_interval(self, interval: float) -> LabFile:
+        """With rows so far apart [s], where the file has no times."""
+        times = [k * interval for k in range(len(self.record))]
+        record = replace(self.record, columns=self.record.columns | {"time": times}, interval=interval)
+        return replace(self, record=record, has_time=True)
+
+    def to_csv(self) -> str:
+        """The record as text with headings that `read_table` reads; missing samples are empty."""
+        names = [name for name in self.record.columns if name != "time" or self.has_time]
+        heads = [format_heading(name, self.record.units[name]) for name in names]
+        rows = zip(*(self.record[name] for name in names), strict=True)
+        lines = [",".join("" if math.isnan(x) else f"{x:.10g}" for x in row) for row in rows]
+        return "\n".join([",".join(heads), *lines, ""])
+
+    def save(self, path: str | Path) -> None:
+        """Write `to_csv` to a file.
+
+        Raises:
+            DataError: it cannot be written.
+        """
+        write_file(Path(path), self.to_csv())
+
+
+class UntoldError(DataError):
+    """What the columns of a file are cannot be told; the sentence says what to write."""
+
+
+def read_lab_file(path: str | Path, named: Mapping[str, str] | None = None) -> LabFile:
+    """Read a file of a laboratory instrument: text of any layout, .xlsx, .mat, .parquet, .nc, .tdms or .mcap.
+
+    Args:
+        path: the file.
+        named: what columns are, by heading or number: `{"2": "stress[MPa]", "Comment": "-"}`.
+
+    Raises:
+        DataError: it holds no table of numbers, its time runs back, or what its columns are cannot be told.
+        InputError: an extra that its kind needs is not installed.
+    """
+    raw = read_raw(Path(path))
+    return interpret_table(raw, Path(path), named or {})
+
+
+def parse_named(texts: Iterable[str]) -> dict[str, str]:
+    """What columns are, from `2=stress[MPa]`.
+
+    Raises:
+        InputError: a text names no column.
+    """
+    parts = [text.rpartition("=") for text in texts]
+    wrong = next((text for key, equals, text in parts if not (key.strip() and equals and text.strip())), None)
+    if wrong is not None:
+        raise InputError(f"`{wrong}` does not say which column it is; write for example `--as 2=stress[MPa]`.")
+    return {key.strip(): text.strip() for key, _, text in parts}
+
+
+def read_log_table(
+    source: str | Path,
+    columns: Sequence[str] | None = None,
+    interval: float | None = None,
+    named: Mapping[str, str] | None = None,
+) -> Record:
+    """A log with headings `name [unit]` as `read_table` reads it, with gaps; any other as `read_lab_file` does.
+
+    How another was understood is said once on standard error. A fault below such headings is no reason to guess.
+
+    Raises:
+        DataError: neither can read it.
+    """
+    if not named:
+        try:
+            return read_table(source, columns, interval=interval, gaps=True)
+        except DataError as error:
+            ours = str(source).startswith(PREFIX) or Path(source).suffix.lower() == ".nc"
+            if columns is not None or ours or not Path(source).is_file():
+                raise
+            refused = error
+        try:
+            found = read_lab_file(source)
+        except UntoldError:
+            raise
+        except DataError:
+            raise refused from None
+        if _has_own_headings(Path(source)):
+            raise DataError(f"{refused} `martensite data show {found.path.name} --save clean.csv` leaves it out.")
+    else:
+        found = read_lab_file(source, named)
+    if interval is not None and not found.has_time:
+        found = found.with_interval(interval)
+    listed = "; ".join(f"{c.name} in {c.unit} is column {c.number}" for c in found.columns if c.si)
+    tell_once(f"{found.path.name}: {found.format}; {listed}. {' '.join(found.notes)}".strip())
+    return found.record
+
+
+def _has_own_headings(path: Path) -> bool:
+    """Whether a text file begins with headings that `read_table` reads."""
+    if path.suffix.lower() in KINDS:
+        return False
+    try:
+        first = read_sheet(path, Layout(())).rows[0]
+        return len(first) > 1 and not any(map(is_number, first)) and bool(read_headings(first, path.name))
+    except DataError:
+        return False
+
+
+def read_raw(path: Path, separator: str = "auto") -> RawTable:
+    """The table of a file of any kind, without a meaning; errors as of `read_lab_file`."""
+    if separator not in ("auto", *SEPARATORS):
+        raise ParameterError(f"There is no separator `{separator}`. {suggest_name(separator, SEPARATORS)}")
+    return read_container(path) if path.suffix.lower() in KINDS else read_text_table(path, separator)
+
+
+def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabFile:
+    """A table with the meaning of its columns; arguments and errors as of `read_lab_file`."""
+    meant = guess_meanings(raw, named)
+    times, clock = _find_times(raw, meant)
+    kept = np.arange(raw.rows) if times is None else times.kept
+    columns: dict[str, list[float]] = {}
+    si_units: dict[str, str] = {}
+    listed: list[ReadColumn] = []
+    notes = list(raw.notes) + (list(times.notes) if times else [])
+    for place, (column, one) in enumerate(zip(raw.columns, meant, strict=True)):
+        if place == clock and times is not None:
+            listed.append(_describe_column(place, column, one, "time", "s", times.times))
+            columns["time"], si_units["time"] = times.times.tolist(), "s"
+            continue
+        if not one.name or one.name == IGNORED or one.unit == CLOCK or one.name == "time":
+            listed.append(_describe_column(place, column, one, IGNORED, "", np.array([math.nan])))
+            continue
+        (head,) = read_headings([f"{one.name} [{one.unit}]"], f"`{raw.name}`")
+        factor, offset = units.find_conversion(head.spelling, head.unit)
+        numbers = column.numbers[kept] * factor + offset
+        columns[head.name], si_units[head.name] = numbers.tolist(), head.unit
+        listed.append(_describe_column(place, column, one, head.name, head.unit, numbers))
+    notes += _list_doubts(raw, meant, clock)
+    notes += _mend_columns(columns, meant)
+    if not any(name != "time" for name in columns):
+        raise UntoldError(_explain_unknown(raw, meant))
+    left, interval = raw.left_out + (times.left_out if times else ()), None
+    if times is None:
+        interval = find_interval(raw.said)
+        columns = {"time": [k * (interval or 1.0) for k in range(raw.rows)]} | columns
+        si_units = {"time": "s"} | si_units
+        notes += [f"The file has no times: it says that its samples are {interval:g} s apart."] if interval else []
+    kept_rows = _drop_empty(columns)
+    if len(kept_rows) < len(columns["time"]):
+        lost = [raw.numbers[int(kept[k])] for k in sorted(set(range(len(columns["time"]))) - set(kept_rows))]
+        columns = {name: [column[k] for k in kept_rows] for name, column in columns.items()}
+        left += count_rows("no number but the time", lost)
+    count = sum(one.count for one in left if one.reason != "below the table")
+    assumed = None if times is not None or interval else 1.0
+    record = Record(path.stem, columns, si_units, path, count, assumed)
+    known = times is not None or interval is not None
+    return LabFile(path, raw.form, record, tuple(listed), left, tuple(notes), known, times.start if times else None)
+
+
+def _drop_empty(columns: Mapping[str, list[float]]) -> list[int]:
+    """Rows that hold a number besides their time."""
+    others = np.array([column for name, column in columns.items() if name != "time"])
+    rows = np.flatnonzero(np.any(np.isfinite(others), axis=0))
+    if not rows.size:
+        raise DataError(f"No column but the time holds a number: {', '.join(columns)} are empty.")
+    return [int(row) for row in rows]
+
+
+def _describe_column(
+    place: int, column: RawColumn, meaning: Meaning, name: str, si: str, numbers: Numbers
+) -> ReadColumn:
+    known = numbers[np.isfinite(numbers)]
+    low, high = (float(known.min()), float(known.max())) if known.size else (math.nan, math.nan)
+    return ReadColumn(
+        place + 1, column.heading, name, write_unit(column), meaning.unit, si, low, high, meaning.known if si else ""
+    )
+
+
+def choose_time(raw: RawTable, meant: list[Meaning]) -> int:
+    """The place of the column of time: a number that rises, else a clock; -1 where there is none."""
+    places = [k for k, one in enumerate(meant) if one.name == "time"]
+    numeric = [k for k in places if raw.columns[k].kind == "number"]
+    clocks = [k for k in places if raw.columns[k].kind in ("stamp", "clock")]
+    numeric.sort(key=lambda k: (meant[k].known != "given", not _is_rising(raw.columns[k].numbers)))
+    if numeric and (not clocks or meant[numeric[0]].known == "given" or _is_rising(raw.columns[numeric[0]].numbers)):
+        return numeric[0]
+    return clocks[0] if clocks else -1
+
+
+def _find_times(raw: RawTable, meant: list[Meaning]) -> tuple[TableTimes | None, int]:
+    """Times of the rows, and the place of their column; none and -1 where there is no time."""
+    seconds, start = find_start(raw)
+    place = choose_time(raw, meant)
+    if place < 0:
+        return None, -1
+    times = raw.columns[place].numbers
+    if raw.columns[place].kind != "number" and seconds is not None and start is not None:
+        return build_times(raw, seconds - start, start, False), place
+    if seconds is not None and meant[place].known == "values":
+        meant[place] = _judge_by_clock(meant[place], times, seconds)
+    factor, _ = units.find_conversion(meant[place].unit or "s", "s")
+    known = times[np.isfinite(times)]
+    absolute = bool(known.size) and known[0] * factor > 1e8  # a stamp of a computer or a spreadsheet
+    times = (times - known[0] if absolute else times) * factor
+    begin = None if start is None or not known.size else start - (0.0 if absolute else float(known[0]) * factor)
+    return build_times(raw, times, begin, True), place
+
+
+def _is_rising(numbers: Numbers) -> bool:
+    known = numbers[np.isfinite(numbers)]
+    return known.size > 1 and bool(np.all(np.diff(known) >= 0.0)) and known[-1] > known[0]
+
+
+def _judge_by_clock(one: Meaning, times: Numbers, seconds: Numbers) -> Meaning:
+    """A time without unit in the unit with which it lasts as long as the clock beside it."""
+    known = np.flatnonzero(np.isfinite(times) & np.isfinite(seconds))
+    if known.size < 2 or seconds[known[-1]] <= seconds[known[0]]:
+        return one
+    ratio = (times[known[-1]] - times[known[0]]) / (seconds[known[-1]] - seconds[known[0]])
+    for unit, size in (("s", 1.0), ("ms", 1e3), ("us", 1e6), ("min", 1 / 60.0)):
+        if abs(ratio / size - 1.0) < 0.1 + 2.0 / (seconds[known[-1]] - seconds[known[0]]):
+            return replace(one, unit=unit, sure=True)
+    return one
+
+
+def _list_doubts(raw: RawTable, meant: list[Meaning], clock: int) -> list[str]:
+    """Sentences about columns that are not certain, or passed over."""
+    doubts: list[str] = []
+    for place, (column, one) in enumerate(zip(raw.columns, meant, strict=True)):
+        title = f"Column {place + 1}" + (f" `{column.heading}`" if column.heading else "")
+        if column.wrong and column.kind != "text" and one.name not in ("", IGNORED):
+            many = f"{len(column.wrong)} cells hold no finite number and count as missing"
+            doubts.append(f"{title}: {many}, first {column.wrong[0]}.")
+        if place == clock or (one.name not in ("", IGNORED, "time") and one.known in ("values", "heading")):
+            if one.known == "values" and not one.sure:
+                doubts.append(
+                    f"{title} is taken for {one.name} in {one.unit} by its values alone; "
+                    f"`--as {place + 1}=…` corrects it."
+                )
+            elif one.known == "heading" and one.unit == "1" and one.name.rpartition(".")[2] not in CANONICAL:
+                doubts.append(
+                    f"{title} is kept as plain numbers, `{one.name}`; `--as {place + 1}=quantity[unit]` names it."
+                )
+        elif not one.name and column.kind == "number" and np.isfinite(column.numbers).any():
+            low, high = np.nanmin(column.numbers), np.nanmax(column.numbers)
+            doubts.append(
+                f"{title}, {low:.6g} to {high:.6g}, was not understood and is left out; "
+                f"write for example `--as {place + 1}=stress[MPa]`."
+            )
+        if column.unsure and place == clock:
+            doubts.append(f"{title}: day and month cannot be told apart; the day is taken to come first.")
+    return doubts
+
+
+def _mend_columns(columns: dict[str, list[float]], meant: list[Meaning]) -> list[str]:
+    """Put right a stepped supply whose counter fell back, where values tell it; sentences about it."""
+    by_values = {one.name for one in meant if one.known == "values"}
+    if not {"voltage", "current"} <= by_values:
+        return []
+    mended, rows, height = mend_fall(np.array(columns["voltage"]), np.array(columns["current"]))
+    columns["voltage"] = mended.tolist()
+    where = f"at row {rows[0] + 1} of the record" if rows else ""
+    words = f"The counter of `voltage` fell back by {height:g} V while the current went on, {where}: put right."
+    return [words] if rows else []
+
+
+def _explain_unknown(raw: RawTable, meant: list[Meaning]) -> str:
+    numbered = [
+        k for k, column in enumerate(raw.columns) if column.kind == "number" and np.isfinite(column.numbers).any()
+    ]
+    if all(meant[k].name == "time" for k in numbered):
+        return f"`{raw.name}` holds no numbers but its times."
+    ranges = [
+        f"{k + 1} ({np.nanmin(raw.columns[k].numbers):.4g} to {np.nanmax(raw.columns[k].numbers):.4g})"
+        for k in numbered[:6]
+    ]
+    free = next((k for k in numbered if meant[k].name != "time"), numbered[0])
+    return (
+        f"`{raw.name}`: what its columns are cannot be told from headings or values: column {', '.join(ranges)}. "
+        f'Say it, for example `--as {free + 1}=stress[MPa]` (in Python `named={{"{free + 1}": "stress[MPa]"}}`).'
+    )

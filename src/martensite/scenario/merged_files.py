@@ -1,0 +1,151 @@
+"""Files of several instruments in one experiment, joined on the clock of the first.
+
+Clocks with dates, or times of day, are compared. Where one has none, the offset is the one at which some quantity of
+both files goes together best: the lag of largest |correlation|, which must reach 0.8 and stand above all lags that are
+farther away. Values between samples are on straight lines; outside its own times a file has none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from martensite.base.errors import DataError, InputError
+from martensite.scenario.cells import DAY, Numbers
+from martensite.scenario.lab_files import LabFile
+from martensite.signals.records import Record
+
+FEWEST = 0.8
+"""Least |correlation| of two quantities that are to set two clocks."""
+LAGS = 600
+"""Lags that are tried first, and around the best of them again."""
+OVERLAP = 0.4
+"""Least share of the shorter file that must lie within the other."""
+
+
+def merge_by_clock(files: Sequence[LabFile], offsets: Sequence[float] | None = None) -> LabFile:
+    """Join files of one experiment on the times of the first.
+
+    Args:
+        files: as `read_lab_file` gives them.
+        offsets: time of the first's clock at which each other file begins to count [s], where it is known better.
+
+    Raises:
+        DataError: a file has no times, they do not overlap, or how the clocks stand to one another cannot be told.
+    """
+    if not files:
+        raise InputError("No file is given; a merge needs at least one.")
+    if offsets is not None and len(offsets) != len(files) - 1:
+        raise InputError(f"There are {len(files) - 1} further files, but {len(offsets)} offsets.")
+    untimed = next((one for one in files if not one.has_time), None)
+    if untimed is not None and len(files) > 1:
+        raise DataError(f"`{untimed.path.name}` has no times; only files with times are joined.")
+    first, notes = files[0], list(files[0].notes)
+    columns, si_units = dict(first.record.columns), dict(first.record.units)
+    times = np.array(first.record.times)
+    listed, dropped = list(first.columns), list(first.dropped)
+    for number, other in enumerate(files[1:], start=2):
+        offset, reason = (offsets[number - 2], "as given") if offsets else find_offset(first, other)
+        own = np.array(other.record.times) + offset
+        inside = int(np.count_nonzero((times >= own[0]) & (times <= own[-1])))
+        if inside < 2:
+            raise DataError(
+                f"`{other.path.name}` lasts from {own[0]:.6g} s to {own[-1]:.6g} s by the clock of "
+                f"`{first.path.name}`, which ends at {times[-1]:.6g} s: they do not overlap."
+            )
+        notes.append(f"Zero of `{other.path.name}` is at {offset:.6g} s of `{first.path.name}`, {reason}.")
+        notes += [f"`{other.path.name}`: {note}" for note in other.notes]
+        for name in [name for name in other.record.columns if name != "time"]:
+            new = name if name not in columns else f"{name}_{number}"
+            columns[new] = _interpolate(times, own, np.array(other.record[name])).tolist()
+            si_units[new] = other.record.units[name]
+        listed += [one for one in other.columns if one.name not in ("time", "-")]
+        dropped += other.dropped
+    name = "+".join(one.record.name for one in files)
+    record = Record(name, columns, si_units, first.path, sum(one.record.dropped for one in files))
+    form = "joined: " + "; ".join(f"{one.path.name}: {one.format}" for one in files)
+    return replace(first, format=form, record=record, columns=tuple(listed), dropped=tuple(dropped), notes=tuple(notes))
+
+
+def find_offset(first: LabFile, other: LabFile) -> tuple[float, str]:
+    """Time of the first file's clock at the other's zero [s], and by what it is known.
+
+    Raises:
+        DataError: neither clocks nor quantities tell it.
+    """
+    if first.start is not None and other.start is not None:
+        if first.start >= DAY and other.start >= DAY:
+            return other.start - first.start, "by the dates of both"
+        apart = (other.start - first.start) % DAY
+        return apart - DAY * (apart > DAY / 2), "by the times of day of both"
+    best = max(_list_matches(first.record, other.record), default=(0.0, 0.0, "", ""))
+    if best[0] < FEWEST:
+        raise DataError(
+            f"How the clocks of `{first.path.name}` and `{other.path.name}` stand to one another cannot be told: one "
+            "has no absolute time, and no quantity of the two goes together; give the offset."
+        )
+    return best[1], f"estimated: `{best[2]}` and `{best[3]}` go together best there (correlation {best[0]:.2f})"
+
+
+def _list_matches(one: Record, other: Record) -> list[tuple[float, float, str, str]]:
+    """|correlation|, offset [s] and names of pairs of columns; where a name is in both, only such pairs."""
+    names = [n for n in one.columns if n != "time"], [n for n in other.columns if n != "time"]
+    shared = [(n, n) for n in names[0] if n in names[1]]
+    pairs = shared or [(a, b) for a in names[0] for b in names[1]]
+    found: list[tuple[float, float, str, str]] = []
+    for a, b in pairs:
+        strength, offset = estimate_lag(
+            (np.array(one.times), np.array(one[a])), (np.array(other.times), np.array(other[b])), a == b
+        )
+        found.append((strength, offset, a, b))
+    return found
+
+
+def estimate_lag(one: tuple[Numbers, Numbers], other: tuple[Numbers, Numbers], alike: bool) -> tuple[float, float]:
+    """Largest correlation of two curves over time, and the lag at which the second must be put [s].
+
+    Of curves that are not `alike`, of other quantities, it may be negative.
+    Zero where another lag, farther away than the curve takes to lose its likeness, does as well.
+    """
+    (times, values), (own, answer) = one, other
+    short = min(np.ptp(times), np.ptp(own)) * OVERLAP
+    low, high = times[0] - own[-1] + short, times[-1] - own[0] - short
+    if not high > low or np.ptp(answer[np.isfinite(answer)]) == 0.0:
+        return 0.0, 0.0
+    lags = np.linspace(low, high, LAGS)
+    strengths = np.array([_correlate_at(times, values, own, answer, lag) for lag in lags])
+    strengths = strengths if alike else np.abs(strengths)
+    peak = int(np.argmax(strengths))
+    left = right = peak
+    while left > 0 and strengths[left - 1] <= strengths[left]:
+        left -= 1
+    while right < LAGS - 1 and strengths[right + 1] <= strengths[right]:
+        right += 1
+    rivals = np.concatenate([strengths[:left], strengths[right + 1 :]])
+    if rivals.size and 1.0 - rivals.max() ** 2 < 1.5 * (1.0 - strengths[peak] ** 2) + 0.005:
+        return 0.0, 0.0
+    step = float(lags[1] - lags[0])
+    near = np.linspace(lags[peak] - step, lags[peak] + step, 101)
+    finer = np.array([_correlate_at(times, values, own, answer, lag) for lag in near])
+    finer = finer if alike else np.abs(finer)
+    return float(finer.max()), float(near[int(np.argmax(finer))])
+
+
+def _correlate_at(times: Numbers, values: Numbers, own: Numbers, answer: Numbers, lag: float) -> float:
+    begin, end = max(times[0], own[0] + lag), min(times[-1], own[-1] + lag)
+    grid = np.linspace(begin, end, 400)
+    a, b = _interpolate(grid, times, values), _interpolate(grid, own + lag, answer)
+    known = np.isfinite(a) & np.isfinite(b)
+    if known.sum() < 50 or np.ptp(a[known]) == 0.0 or np.ptp(b[known]) == 0.0:
+        return 0.0
+    return float(np.corrcoef(a[known], b[known])[0, 1])
+
+
+def _interpolate(grid: Numbers, times: Numbers, values: Numbers) -> Numbers:
+    known = np.isfinite(values)
+    if not known.any():
+        return np.full(grid.size, math.nan)
+    return np.interp(grid, times[known], values[known], left=math.nan, right=math.nan)

@@ -1,0 +1,283 @@
+"""A table as an instrument wrote it: its headings, units and numbers, without a meaning yet.
+
+Nothing is known beforehand: encoding, separator and decimal sign are those with which most cells of most rows are
+numbers; the table is the rows of the most frequent width; above it stand a row of units, one of headings, and lines
+that may say how far apart the samples are. Rows that are none of the table are left out and counted.
+"""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from martensite.base.errors import DataError
+from martensite.scenario.cells import Numbers, NumberStyle, find_kind, find_style, is_missing, read_cells
+from martensite.scenario.table_headings import SEPARATORS, Above, Row, collect_said, find_headings
+
+LOOKED_AT = 400
+"""Rows by which the layout is judged."""
+MOST_COLUMNS = 200
+ABOVE = 6
+"""Lines above the numbers among which headings and units are looked for."""
+
+
+@dataclass(frozen=True)
+class RawColumn:
+    """One column."""
+
+    heading: str
+    unit: str
+    """As it is written in a row of units or behind the numbers; a unit within the heading stays there."""
+    kind: str
+    """`number`, `clock`, `date`, `stamp` (both, in seconds), or `text`."""
+    numbers: Numbers
+    """As they stand in the file; NaN where there is none."""
+    sample: str = ""
+    """Its first cell that is not empty."""
+    wrong: tuple[str, ...] = ()
+    """Rows and texts of cells that are neither numbers nor empty."""
+    unsure: bool = False
+    """Whether day and month of a date may have changed places."""
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """Rows that were left out."""
+
+    reason: str
+    count: int
+    rows: tuple[int, ...]
+    """Numbers of the first of them."""
+
+
+@dataclass(frozen=True)
+class RawTable:
+    """A table."""
+
+    name: str
+    form: str
+    """How it is written, in words."""
+    separator: str
+    """A key of `SEPARATORS`; empty for a file that is no text."""
+    headed: bool
+    columns: tuple[RawColumn, ...]
+    numbers: list[int]
+    """Number of each row in the file."""
+    preview: list[list[str]]
+    left_out: tuple[LeftOut, ...] = ()
+    said: Mapping[str, str] = field(default_factory=dict[str, str])
+    """What lines above the table say: word, in small letters -> text beside it."""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def rows(self) -> int:
+        """Rows of numbers."""
+        return len(self.numbers)
+
+
+def count_rows(reason: str, rows: Sequence[int]) -> tuple[LeftOut, ...]:
+    """What is said of rows left out; nothing of none."""
+    return (LeftOut(reason, len(rows), tuple(rows[:3])),) if rows else ()
+
+
+def find_table(
+    path: Path, rows: list[Row], form: tuple[str, ...], separator: str = "", texts: Mapping[int, str] | None = None
+) -> RawTable:
+    """The table of numbers among rows of cells.
+
+    Args:
+        path: of the file, whose name is told.
+        rows: that are not empty.
+        form: kind, separator and encoding, in words.
+        separator: a key of `SEPARATORS`, if rows are text.
+        texts: lines of the rows by number, in which headings may be separated otherwise.
+
+    Raises:
+        DataError: there is none.
+    """
+    where = f"`{path.name}`"
+    numeric = {k for k, (_, row) in enumerate(rows) if any(map(find_kind, row))}
+    width = _find_width(rows, numeric, where)
+    alike = [k for k in sorted(numeric) if len(rows[k][1]) == width]
+    places = _find_places([rows[k][1] for k in alike])
+    if not places:
+        raise DataError(f"{where} holds no column of numbers.")
+    body = _find_body(rows, alike, places, where)
+    sign = SEPARATORS.get(separator)
+    headings, units, used = find_headings(rows[max(0, body[0] - ABOVE) : body[0]], texts or {}, width, sign)
+    body, again = _choose_block(rows, body, headings, where)
+    said = collect_said(rows[: body[0]]) | (collect_said([rows[k] for k in body[:40]]) if 0 not in places else {})
+    style = find_style(rows[k][1][p] for k in body[:: max(1, len(body) // 500)] for p in places)
+    left, above = _list_left(rows, body, (numeric, set(alike)), used, bool(again))
+    columns = _read_columns([rows[k] for k in body], headings, units, style, places)
+    comma = "decimal commas" if style.comma else ""
+    words = [form[0], *form[1:2], comma, _say_lines(max(0, rows[body[0]][0] - 1 - above)), *form[2:]]
+    doubt = ("Numbers such as `1,234` may hold thousands: they are read with a decimal comma.",) * style.unsure
+    return RawTable(
+        path.name,
+        ", ".join(word for word in words if word),
+        separator,
+        any(headings),
+        columns,
+        [rows[k][0] for k in body],
+        [[cell[:60] for cell in rows[k][1]] for k in body[:20]],
+        left,
+        said | {key: text for key, text in units.items() if isinstance(key, str)},
+        again + doubt,
+    )
+
+
+def _find_width(rows: Sequence[Row], numeric: set[int], where: str) -> int:
+    """Cells of the rows of the table: the width of most rows with numbers, wider ones preferred."""
+    widths = Counter(len(rows[k][1]) for k in numeric)
+    if not widths:
+        begin = " ".join(rows[0][1]).strip()[:40]
+        raise DataError(f"{where} holds no row of numbers: of {len(rows)} rows the first begins `{begin}`.")
+    width = max(widths, key=lambda n: (widths[n] * n**0.5, n))
+    if width > MOST_COLUMNS:
+        raise DataError(f"{where} has {width} columns; at most {MOST_COLUMNS} are read. Is the separator right?")
+    return width
+
+
+def _find_body(rows: Sequence[Row], alike: Sequence[int], places: Sequence[int], where: str) -> list[int]:
+    """Indices of the rows of the table, of rows of its width."""
+    body = [k for k in alike if _is_data(rows[k][1], places)]
+    while len(body) > 2 and _stands_above(rows, body, places):
+        body = body[1:]
+    reach = body[-1] - body[0] + 1
+    if len(body) * 3 < reach - 1:
+        raise DataError(
+            f"{where} is ragged: of {reach} rows from row {rows[body[0]][0]} on, only {len(body)} have the "
+            f"{len(rows[body[0]][1])} cells, with numbers among them, that are most frequent."
+        )
+    return body
+
+
+def _list_left(
+    rows: Sequence[Row], body: Sequence[int], known: tuple[set[int], set[int]], used: set[int], again: bool
+) -> tuple[tuple[LeftOut, ...], int]:
+    """Rows left out, and how many stand right above the table; `known` are rows with numbers, and of its width."""
+    (numeric, same), inside = known, set(body)
+    spoilt = [k for k in range(body[0], body[-1] + 1) if k not in inside]
+    behind = [] if again else range(body[-1] + 1, len(rows))
+    above = _list_spoilt(rows, body[0], same, used)
+    ragged = [k for k in [*spoilt, *behind] if k in numeric and k not in same]
+    remarks = [k for k in [*above, *spoilt] if k not in ragged and rows[k][0] not in used]
+    ends = [k for k in behind if k not in ragged]
+    reasons = {
+        "remarks, or cells that are no numbers": remarks,
+        "more or fewer cells than the table has columns": ragged,
+        "below the table": ends,
+    }
+    found = [one for reason, listed in reasons.items() for one in count_rows(reason, [rows[k][0] for k in listed])]
+    return tuple(found), len(above)
+
+
+def _stands_above(rows: Sequence[Row], body: Sequence[int], places: Sequence[int]) -> bool:
+    """Whether the first row is a number with a word among the lines above, far from the table or labelled."""
+    apart = body[1] - body[0]
+    words = [cell for place, cell in enumerate(rows[body[0]][1]) if place not in places and cell.strip()]
+    return apart > ABOVE or (apart > 1 and bool(words))
+
+
+def _list_spoilt(rows: Sequence[Row], first: int, same: set[int], used: set[int]) -> list[int]:
+    """Rows right above the table that would be of it but for a cell that is no number."""
+    found: list[int] = []
+    for k in range(first - 1, -1, -1):
+        if k not in same or rows[k][0] in used:
+            break
+        found.insert(0, k)
+    return found
+
+
+def _say_lines(lines: int) -> str:
+    return "" if not lines else "1 heading line" if lines == 1 else f"{lines} heading lines"
+
+
+def _find_places(rows: Sequence[Sequence[str]]) -> list[int]:
+    """Columns of which most cells in the rows looked at are values."""
+    looked = rows[:: max(1, len(rows) // LOOKED_AT)]
+    found: list[int] = []
+    for place in range(len(looked[0])):
+        cells = [row[place] for row in looked if not is_missing(row[place])]
+        share = 0.5 if len(cells) * 2 > len(looked) else 0.95  # words of a heading may stand beside the first rows
+        if cells and sum(map(bool, map(find_kind, cells))) > share * len(cells):
+            found.append(place)
+    return found
+
+
+def _is_data(row: Sequence[str], places: Sequence[int]) -> bool:
+    """Whether all cells that should be are values or missing, and at least one is a value."""
+    kinds = [(find_kind(row[p]), row[p]) for p in places]
+    return all(kind or is_missing(cell) for kind, cell in kinds) and any(kind for kind, _ in kinds)
+
+
+def _choose_block(
+    rows: Sequence[Row], body: list[int], headings: Sequence[str], where: str
+) -> tuple[list[int], tuple[str, ...]]:
+    """Of tables with the same headings in one file the longest, and a sentence about the others."""
+    plain = [cell.strip() for cell in headings]
+    if not any(plain):
+        return body, ()
+    cuts = [k for k in range(body[0], body[-1]) if [cell.strip() for cell in rows[k][1]] == plain]
+    if not cuts:
+        return body, ()
+    edges = [body[0], *cuts, body[-1] + 1]
+    blocks = [[k for k in body if a <= k < b] for a, b in pairwise(edges)]
+    longest = max(blocks, key=len)
+    first, last = rows[longest[0]][0], rows[longest[-1]][0]
+    return longest, (f"{where} holds {len(blocks)} tables; the longest, rows {first} to {last}, is read.",)
+
+
+def _read_columns(
+    body: Sequence[Row], headings: Sequence[str], units: Above, style: NumberStyle, places: Sequence[int]
+) -> tuple[RawColumn, ...]:
+    found: list[RawColumn] = []
+    for place, heading in enumerate(headings):
+        cells = [row[place] for _, row in body]
+        read = read_cells(cells, style)
+        wrong = tuple(f"row {body[k][0]}: {cells[k].strip()[:60]}" for k in read.wrong)
+        sample = next((cell.strip()[:60] for cell in cells if cell.strip()), "")
+        kind = read.kind if sample and place in places else "text"
+        unit = units.get(place) or read.unit
+        found.append(RawColumn(heading.strip().strip('"')[:60], unit, kind, read.numbers, sample, wrong, read.unsure))
+    return _use_unit_columns(found)
+
+
+def _use_unit_columns(columns: list[RawColumn]) -> tuple[RawColumn, ...]:
+    """Columns whose unit stands in the column behind them (`Reading`, `Unit`)."""
+    for k, one in enumerate(columns[1:], start=1):
+        before = columns[k - 1]
+        if one.kind == "text" and re.fullmatch(r"units?", one.heading.lower()) and not before.unit and one.sample:
+            columns[k - 1] = RawColumn(
+                before.heading, one.sample, before.kind, before.numbers, before.sample, before.wrong
+            )
+    return tuple(columns)
+
+
+def describe_arrays(path: Path, arrays: Mapping[str, Numbers], form: str) -> RawTable:
+    """A file of named arrays as a table: those of the length that holds most of its numbers.
+
+    Raises:
+        DataError: there is none.
+    """
+    lengths = Counter(len(array) for array in arrays.values() if len(array) > 1)
+    if not lengths:
+        raise DataError(f"`{path.name}` holds no columns of numbers.")
+    length = max(lengths, key=lambda n: n * lengths[n])
+    kept = {name: np.asarray(array, dtype=float) for name, array in arrays.items() if len(array) == length}
+    others = len(arrays) - len(kept)
+    notes = (f"{others} arrays of another length than {length} are left out.",) if others else ()
+    columns: list[RawColumn] = []
+    for name, array in kept.items():
+        wrong = tuple(f"row {k + 1}: {array[k]}" for k in np.flatnonzero(np.isinf(array))[:20])
+        numbers = np.where(np.isinf(array), np.nan, array)
+        columns.append(RawColumn(name, "", "number", numbers, f"{array[0]:.9g}", wrong))
+    preview = [[f"{column.numbers[k]:.9g}" for column in columns] for k in range(min(length, 20))]
+    return RawTable(path.name, form, "", True, tuple(columns), [*range(1, length + 1)], preview, notes=notes)

@@ -1,0 +1,79 @@
+"""Headings, units and other words that stand above a table of numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+from martensite.scenario.cells import find_kind
+from martensite.scenario.heading_guess import find_listed
+from martensite.scenario.sheets import split_heading
+
+SEPARATORS = {"tab": "\t", "semicolon": ";", "comma": ",", "pipe": "|", "whitespace": ""}
+COMMENT = "#%!;/"
+"""Signs that begin a comment, which may be the line of headings."""
+Row = tuple[int, list[str]]
+"""Number of a row in the file, and its cells."""
+Above = dict[int | str, str]
+"""Place of a column -> its unit; word -> number, for what stands among units (a Rigol's `Increment`)."""
+
+_SIGNAL = re.compile(r"^Sig(\d+)\s+(.+)$")
+
+
+def find_headings(
+    above: Sequence[Row], texts: Mapping[int, str], width: int, sign: str | None
+) -> tuple[list[str], Above, set[int]]:
+    """Headings, units, and the rows they were found in, from the lines above the numbers."""
+    signals = {int(m[1]): m[2] for _, row in above if (m := _SIGNAL.match(" ".join(row)))}
+    if len(signals) == width:
+        return [signals[k] for k in sorted(signals)], {}, {n for n, _ in above}
+    units: Above = {}
+    used: set[int] = set()
+    for number, cells in reversed(above):
+        row = _fit_width(cells, texts.get(number, ""), width, sign)
+        if row is None:
+            continue
+        filled = [(place, cell.strip()) for place, cell in enumerate(row) if cell.strip()]
+        plain = [(place, cell.strip("()[] ")) for place, cell in filled if not find_kind(cell)]
+        listed = [place for place, cell in plain if find_listed(cell) or cell in ("Sequence", "-")]
+        if not units and not used and listed and len(listed) * 2 >= len(plain) and not _names_more(plain):
+            units = dict(plain) | {f"at {place}": cell for place, cell in filled if find_kind(cell)}
+            used.add(number)
+        elif len(plain) * 3 >= 2 * len(filled) and plain:
+            used.add(number)
+            told: Above = {
+                row[int(str(key)[3:])].strip().lower(): text for key, text in units.items() if isinstance(key, str)
+            }
+            return row, {key: text for key, text in units.items() if isinstance(key, int)} | told, used
+    return [""] * width, {k: u for k, u in units.items() if isinstance(k, int)}, used
+
+
+def _names_more(cells: Sequence[tuple[int, str]]) -> bool:
+    """Whether a row of symbols, `t;T;F`, is rather one of names than of units."""
+    return all(len(cell) == 1 for _, cell in cells) and "t" in [cell for _, cell in cells]
+
+
+def _fit_width(cells: Sequence[str], line: str, width: int, sign: str | None) -> list[str] | None:
+    """A line above the table as that many cells, however it is separated; None if it cannot be."""
+    text = line.strip().lstrip(COMMENT + '"').strip()
+    splits = [list(cells)]
+    if line:
+        splits += [text.split(sign) if sign else [], split_heading(text), re.split(r"\s{2,}|\t", text)]
+        splits += [text.split(other) for other in ",;\t|"] + [text.split()]
+    for found in splits:
+        while len(found) > width and found[-1].strip().lower() in ("", "comment"):
+            found = found[:-1]
+        if len(found) == width:
+            return [found[0].strip().lstrip(COMMENT + " "), *found[1:]]
+    short = next((found for found in splits if len(found) == width - 1 > 1), None)
+    return None if short is None else ["", *short]  # names of rows, or a date before its time, have no heading
+
+
+def collect_said(rows: Sequence[Row]) -> dict[str, str]:
+    """Words above the table with what stands beside them."""
+    found: dict[str, str] = {}
+    for _, row in rows:
+        cells = [part.strip() for cell in row for part in re.split(r":\s", cell, maxsplit=1) if part.strip()]
+        if len(cells) > 1 and not find_kind(cells[0]):
+            found.setdefault(cells[0].strip("#% :=").lower(), cells[1])
+    return found

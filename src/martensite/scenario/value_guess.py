@@ -1,0 +1,218 @@
+"""What columns without headings or units are, by their values.
+
+Shape-memory records are told by their physics: a strain is a few percent at most, written as a fraction up to 0.12;
+in an isobaric loop the stress stays and the strain falls while the temperature rises (the wire shortens on heating),
+in an isothermal test the temperature stays and the strain rises with the stress; a supply is stepped, and the current
+follows with noise. What the values leave open is said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from martensite.scenario.cells import Numbers
+
+LARGEST_STRAIN = 0.12
+"""Of a record in fractions; larger numbers are percent."""
+STEADY = 0.15
+"""Largest standard deviation of a held quantity, as a share of its mean."""
+STIFFEST = 1.2e11
+"""Largest modulus of these alloys [Pa], with a margin: what would be stiffer is no stress beside a strain."""
+EVEN = 0.02
+"""Largest deviation of the steps of a counter of time from their median."""
+
+
+@dataclass(frozen=True)
+class ValueGuess:
+    """What a column is by its values."""
+
+    name: str
+    unit: str
+    sure: bool
+    """Whether nothing else comes into question."""
+
+
+def guess_unit(name: str, numbers: Numbers) -> ValueGuess:
+    """The unit of a known quantity whose heading names none; empty where the size of the numbers says nothing."""
+    known = numbers[np.isfinite(numbers)]
+    if not known.size:
+        return ValueGuess(name, "", False)
+    low, high, size = float(known.min()), float(known.max()), float(np.abs(known).max())
+    if name == "temperature":
+        return (
+            ValueGuess(name, "K", low > 200.0 and high < 700.0)
+            if low > 200.0
+            else ValueGuess(name, "degC", size < 400.0)
+        )
+    if name == "strain":
+        unit = "1" if size <= LARGEST_STRAIN else "%" if size <= 15.0 else "ppm"
+        return ValueGuess(name, unit, size < 0.09 or 0.15 < size <= 15.0)
+    if name == "stress":
+        return ValueGuess(name, "Pa" if size > 1e5 else "MPa", size > 1e5 or size > 20.0)
+    if name == "time":
+        return ValueGuess(name, *_guess_time_unit(known))
+    if name in ("martensite_fraction", "duty"):
+        return ValueGuess(name, "1" if size <= 1.0 else "%", True)
+    if name == "voltage":
+        return ValueGuess(name, "V" if size <= 60.0 else "mV", size <= 24.0)
+    if name == "current":
+        return ValueGuess(name, "A" if size <= 15.0 else "mA", size <= 15.0)
+    usual = {"force": "N", "position": "mm", "elongation": "mm", "crosshead": "mm", "lift": "mm", "resistance": "ohm"}
+    usual |= {"power": "W", "angle": "deg" if size > 6.3 else "rad", "motor_current": "A"}
+    return ValueGuess(name, usual.get(name, ""), False)
+
+
+def _guess_time_unit(times: Numbers) -> tuple[str, bool]:
+    """Seconds, unless they are stamps of a computer, or whole numbers that are far apart."""
+    first = float(times[0])
+    stamp = next((unit for unit, size in (("s", 1e9), ("ms", 1e12), ("us", 1e15)) if size < first < 2.2 * size), "")
+    if stamp:
+        return stamp, True
+    steps = np.diff(times)
+    step = float(np.median(steps[steps > 0.0])) if np.any(steps > 0.0) else 1.0
+    if 3e4 < first < 6e4 and step < 0.02:
+        return "day", True  # of a spreadsheet
+    whole = bool(np.all(times == np.round(times)))
+    if whole and step >= 1000.0 and times[-1] > 1e6:
+        return "us", False
+    return ("ms", False) if whole and step >= 5.0 else ("s", not whole or step <= 2.0)
+
+
+def guess_columns(found: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
+    """What columns are of which nothing but the numbers is known, by place; what is not told is left out."""
+    left = {place: one for place, one in found.items() if np.isfinite(one).sum() > 2}
+    times = next((place for place, one in left.items() if is_even_time(one)), None)
+    guesses: dict[int, ValueGuess] = {}
+    if times is not None and len(found) > 1:
+        unit, sure = _guess_time_unit(left.pop(times))
+        guesses[times] = ValueGuess("time", unit, sure)
+    return guesses | (_guess_loop(left) or _guess_pair(left) or _guess_supply(left))
+
+
+def is_even_time(numbers: Numbers) -> bool:
+    """Whether numbers rise from row to row by equal steps."""
+    if not np.all(np.isfinite(numbers)) or len(numbers) < 3:
+        return False
+    steps = np.diff(numbers)
+    middle = float(np.median(steps))
+    return (
+        middle > 0.0 and bool(np.all(steps > 0.0)) and float(np.quantile(np.abs(steps - middle), 0.9)) <= EVEN * middle
+    )
+
+
+def _is_strain(numbers: Numbers) -> bool:
+    size, span = float(np.nanmax(np.abs(numbers))), float(np.nanmax(numbers) - np.nanmin(numbers))
+    return 5e-4 < size < 15.0 and span > 2e-4 * max(1.0, size)
+
+
+def _is_temperature(numbers: Numbers) -> bool:
+    return float(np.nanmin(numbers)) > -200.0 and 10.0 < float(np.nanmax(numbers)) < 700.0
+
+
+def _is_steady(numbers: Numbers) -> bool:
+    mean = abs(float(np.nanmean(numbers)))
+    return mean > 1.0 and float(np.nanstd(numbers)) <= STEADY * mean
+
+
+def _correlate(one: Numbers, other: Numbers) -> float:
+    known = np.isfinite(one) & np.isfinite(other)
+    if known.sum() < 3 or np.ptp(one[known]) == 0.0 or np.ptp(other[known]) == 0.0:
+        return 0.0
+    return float(np.corrcoef(one[known], other[known])[0, 1])
+
+
+def _guess_loop(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
+    """Temperature, strain and stress of a loop in which one of temperature and stress is held."""
+    if len(columns) != 3:
+        return {}
+    by_size = sorted(columns, key=lambda place: float(np.nanmax(np.abs(columns[place]))))
+    strain, others = by_size[0], by_size[1:]
+    held = [place for place in others if _is_steady(columns[place])]
+    if not _is_strain(columns[strain]) or not held:
+        held = [place for place in columns if _is_steady(columns[place])]  # 7 MPa is less than strains in percent
+        moved = [place for place in columns if place not in held[:1]]
+        if len(held) != 1 or len(moved) != 2:
+            return {}
+        strain = min(moved, key=lambda place: float(np.nanmax(np.abs(columns[place]))))
+    held = sorted(held, key=lambda place: float(np.nanstd(columns[place]) / np.nanmean(columns[place])))
+    level = next(place for place in held if place != strain)
+    swept = next(place for place in columns if place not in (strain, level))
+    unit = guess_unit("strain", columns[strain])
+    slope = _correlate(columns[swept], columns[strain])
+    found = {strain: unit}
+    modulus = (
+        1e6 * float(np.ptp(columns[swept])) / (float(np.ptp(columns[strain])) * (0.01 if unit.unit == "%" else 1.0))
+    )
+    if (slope < -0.3 or modulus > STIFFEST) and _is_temperature(columns[swept]):
+        heat, stress = swept, level
+    elif slope > 0.3 and _is_temperature(columns[level]):
+        heat, stress = level, swept
+    else:
+        return {}
+    kelvin = guess_unit("temperature", columns[heat]).unit
+    sure = abs(slope) > 0.5 or modulus > STIFFEST
+    found[heat] = ValueGuess("temperature", kelvin, sure)
+    found[stress] = ValueGuess("stress", guess_unit("stress", columns[stress]).unit, sure)
+    return found
+
+
+def _guess_pair(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
+    """Strain beside a temperature that it falls with, or a stress that it rises with."""
+    if len(columns) != 2:
+        return {}
+    strain, other = sorted(columns, key=lambda place: float(np.nanmax(np.abs(columns[place]))))
+    slope, numbers = _correlate(columns[strain], columns[other]), columns[other]
+    if (
+        not _is_strain(columns[strain])
+        or abs(slope) < 0.5
+        or float(np.nanmax(np.abs(columns[strain]))) > 0.5 * float(np.nanmax(np.abs(numbers)))
+    ):
+        return {}
+    name = "temperature" if slope < 0.0 and _is_temperature(numbers) else "stress"
+    unit = guess_unit("strain", columns[strain])
+    return {
+        strain: ValueGuess("strain", unit.unit, False),
+        other: ValueGuess(name, guess_unit(name, numbers).unit, False),
+    }
+
+
+def _guess_supply(columns: Mapping[int, Numbers]) -> dict[int, ValueGuess]:
+    """Set-point of a supply that is held on steps, and the current that follows it."""
+    if len(columns) != 2:
+        return {}
+    levels = {place: len(np.unique(one[np.isfinite(one)])) for place, one in columns.items()}
+    stepped = min(levels, key=levels.__getitem__)
+    (follower,) = (place for place in columns if place != stepped)
+    drive, answer = columns[stepped], columns[follower]
+    if levels[stepped] < 3 or levels[stepped] * 5 > len(drive) or levels[follower] < 4 * levels[stepped]:
+        return {}
+    if _correlate(mend_fall(drive, answer)[0], answer) < 0.7:
+        return {}
+    milli = float(np.nanmax(drive)) > 60.0
+    names = ("mV", "mA") if milli else ("V", "A")
+    return {stepped: ValueGuess("voltage", names[0], False), follower: ValueGuess("current", names[1], False)}
+
+
+def mend_fall(drive: Numbers, answer: Numbers) -> tuple[Numbers, list[int], float]:
+    """A stepped drive whose counter fell back while its answer went on: mended, with rows and height of the falls.
+
+    A fall counts where it is at least five of its usual steps and the answer changes by less than a tenth of its range.
+    """
+    steps = np.diff(drive)
+    usual = float(np.median(np.abs(steps[steps != 0.0]))) if np.any(steps != 0.0) else 0.0
+    reach = float(np.nanmax(answer) - np.nanmin(answer))
+    falls = [
+        int(k) + 1
+        for k in np.flatnonzero(steps < -5.0 * usual)
+        if abs(float(np.nanmedian(answer[k + 1 : k + 6]) - np.nanmedian(answer[max(0, k - 4) : k + 1]))) < 0.1 * reach
+    ]
+    if not falls or usual == 0.0 or not np.all(np.diff(falls) > 5):
+        return drive, [], 0.0
+    height = usual - float(steps[falls[0] - 1])
+    mended = drive.copy()
+    for row in falls:
+        mended[row:] += height
+    return mended, falls, height

@@ -1,0 +1,78 @@
+"""Files of instruments and how they were understood, on one screen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from martensite.base import units
+from martensite.base.formats import typeset_unit
+from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Sentence, Summary
+from martensite.scenario.lab_files import LabFile, ReadColumn
+
+WIDEST = 14
+"""Letters of a heading that are shown."""
+
+
+def summarise_lab_files(found: Sequence[LabFile]) -> Summary:
+    """Formats, columns with their ranges, rows left out, and doubts."""
+    blocks = [block for one in found for block in _describe_file(one, len(found) > 1)]
+    title = f"{found[0].record.name}: {_count(found[0])}" if len(found) == 1 else f"{len(found)} files"
+    return Summary(title, blocks, {"tables": [_list_data(one) for one in found]})
+
+
+def _count(one: LabFile) -> str:
+    times = one.record.times
+    return f"{len(one.record)} rows" + (f", {times[-1] - times[0]:.6g} s" if one.has_time else ", without times")
+
+
+def _describe_file(one: LabFile, several: bool) -> Iterator[Block]:
+    if several:
+        yield Heading(f"{one.record.name}: {_count(one)}")
+    yield Sentence(f"{one.format[:1].upper()}{one.format[1:]}.")
+    yield DataTable(
+        ("column", "heading", "in", "is", "from", "to", "unit", "known by"),
+        [_describe_column(column) for column in one.columns],
+        right=(0, 4, 5),
+    )
+    left = [
+        f"{lost.count} row{'s' * (lost.count > 1)} left out: {lost.reason} (row {_list_rows(lost.rows, lost.count)})."
+        for lost in one.dropped
+    ]
+    if left:
+        yield BulletList(left)
+    if one.notes:
+        yield Notice("Look at", one.notes, True)
+
+
+def _describe_column(column: ReadColumn) -> tuple[str, ...]:
+    shown = column.heading if len(column.heading) <= WIDEST else f"{column.heading[: WIDEST - 1]}…"
+    if not column.si or math.isnan(column.low):
+        return str(column.number), shown, "", "not used", "", "", "", ""
+    unit = units.of_column(column.name, column.si)
+    low, high = (f"{units.from_si(x, unit, column.si):.5g}" for x in (column.low, column.high))
+    read = typeset_unit(column.unit, "1")
+    return str(column.number), shown, read, column.name, low, high, typeset_unit(unit, "1"), column.known
+
+
+def _list_rows(rows: Sequence[int], count: int) -> str:
+    return ", ".join(map(str, rows)) + (", …" if count > len(rows) else "")
+
+
+def _list_data(one: LabFile) -> dict[str, Any]:
+    return {
+        "path": str(one.path),
+        "format": one.format,
+        "rows": len(one.record),
+        "has_time": one.has_time,
+        "columns": [_drop_gaps(asdict(column)) for column in one.columns],
+        "dropped": [asdict(left) for left in one.dropped],
+        "notes": list(one.notes),
+    }
+
+
+def _drop_gaps(column: dict[str, Any]) -> dict[str, Any]:
+    """A column without numbers has no range: JSON knows no NaN."""
+    return {key: None if isinstance(x, float) and math.isnan(x) else x for key, x in column.items()}

@@ -1,0 +1,257 @@
+"""Files as instruments write them, read without options: what must be understood of each.
+
+Source of truth: the layouts of the makers' exports (`lab_files.toml`), with numbers put in here; for the raw files of
+the published data sets the notes of their authors. Ten broken files get a sentence each.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.io import savemat
+
+from martensite.base.errors import DataError, InputError
+from martensite.scenario.lab_files import LabFile, read_lab_file
+from martensite.scenario.merged_files import merge_by_clock
+from martensite.scenario.tables import read_table
+
+FILES: dict[str, Any] = tomllib.loads((Path(__file__).parent / "lab_files.toml").read_text("utf-8"))
+
+
+def write_clock(seconds: float, digits: int = 3) -> str:
+    minutes, rest = divmod(seconds, 60.0)
+    return f"{int(minutes // 60) % 24:02d}:{int(minutes % 60):02d}:{rest:0{digits + 3 if digits else 2}.{digits}f}"
+
+
+def write_row(case: dict[str, Any], k: int) -> str:
+    turn = min(k, 39 - k)
+    values = {
+        **{"k": k, "t": 0.1 * k, "T": 20.0 + 2.0 * k, "e": 4.0 - 0.1 * k, "s": 100.0 + 0.25 * k, "h": 100 * k},
+        **{"c": write_clock(86_398.0 + 0.1 * k), "S": write_clock(36_000.0 + k, 0), "m": 100 * (k % 10)},
+        **{"q": write_clock(36_000.0 + k // 10, 0), "w": (2**32 - 1000 + 100 * k) % 2**32, "d": 0.1 * (k - (k > 20))},
+        **{"v": (65_000 + 100 * k) % 2**16, "x": 20.0 + 5.0 * turn, "y": 0.04 - 0.0018 * turn, "z": 172 + k % 3},
+        **{
+            "g": 0.001 + 0.002 * turn,
+            "p": 1000 + 100 * (k // 20) - 1500 * (k >= 300),
+            "i": 20 * (k // 20) + k % 7 * 0.3,
+        },
+    }
+    side = [*case["side"], *[","] * 40][k] + "," if "side" in case else ""
+    return side + case["row"].format(**values)
+
+
+def write_case(folder: Path, name: str) -> Path:
+    case = FILES[name]
+    text = "\n".join(write_row(case, k) for k in range(case.get("rows", 40)))
+    text = (text.replace(".", ",") if case.get("comma") else text).replace(*case.get("replace", ("\r", "")))
+    head, end = (f"{case['head']}\n" if "head" in case else ""), case.get("end", "")
+    path = folder / name
+    path.write_bytes(f"{head}{text}\n{end}\n".encode(case.get("encoding", "utf-8")))
+    return path
+
+
+def check_columns(found: LabFile, ends: dict[str, tuple[float, float]]) -> None:
+    for column, (first, last) in ends.items():
+        values = [x for x in found.record[column] if math.isfinite(x)]
+        assert values[0] == pytest.approx(first, rel=1e-5, abs=1e-9), column
+        assert values[-1] == pytest.approx(last, rel=1e-5, abs=1e-9), column
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_files_of_many_makes_are_understood(name: str, tmp_path: Path) -> None:
+    case = FILES[name]
+    found = read_lab_file(write_case(tmp_path, name))
+    assert case.get("form", "text") in found.format
+    left = case.get("left", {})
+    rows = case.get("rows", 40) - left.get("the time of the row before again", 0)
+    assert (len(found.record), found.has_time) == (rows, not case.get("untimed", False))
+    check_columns(found, ({} if case.get("untimed") else {"time": (0.0, 3.9)}) | case["columns"])
+    assert {one.reason: one.count for one in found.dropped} == left
+    assert case.get("says", "") in " ".join(found.notes)
+
+
+DATA = Path(os.environ.get("MARTENSITE_DATA", ""))
+needs_data = pytest.mark.skipif(not os.environ.get("MARTENSITE_DATA"), reason="MARTENSITE_DATA names no folder")
+RAW = {
+    "flexinol_isobaric/isobaric_172MPa.txt": (("temperature", "degC"), ("strain", "1"), ("stress", "MPa")),
+    "nitihf_isobaric/isobaric_7MPa.txt": (("temperature", "degC"), ("strain", "%"), ("stress", "MPa")),
+    "nitihf_isobaric/isobaric_300MPa.txt": (("temperature", "degC"), ("strain", "%"), ("stress", "MPa")),
+    "flexinol_electrothermal/untrained_wire_voltage_current_run5.txt": (("voltage", "mV"), ("current", "mA")),
+    "flexinol_electrothermal/trained_wire_172MPa_electric.txt": (("voltage", "mV"), ("current", "mA")),
+    "flexinol_electrothermal/trained_wire_172MPa_temperature.txt": (("temperature", "degC"),),
+}
+"""Raw file -> columns and units that its authors' notes name."""
+
+
+@needs_data
+@pytest.mark.parametrize("name", RAW)
+def test_raw_files_are_read_as_their_notes_say(name: str) -> None:
+    found = read_lab_file(DATA / name)
+    assert [(one.name, one.unit) for one in found.columns if one.name not in ("-", "time")] == list(RAW[name])
+    listed = read_table(f"data:{name.replace('_', '-', 1)}")
+    assert len(found.record) in (len(listed), len(listed) + 1)
+    for own, other in zip(found.record.columns.items(), listed.columns.items(), strict=True):
+        assert own[1][:200] == pytest.approx(other[1][:200])
+
+
+def write_workbook(path: Path) -> None:
+    book = pytest.importorskip("openpyxl").Workbook()
+    book.active.append(["Notes", "nothing here"])
+    sheet = book.create_sheet("Test 1")
+    for row in (["Wire 3"], [], ["Time", "Temp", "Strain"], ["s", "°C", "%"]):
+        sheet.append(row)
+    for k in range(40):
+        sheet.append([0.1 * k, 20.0 + 2.0 * k, 4.0 - 0.1 * k])
+    book.save(path)
+
+
+def write_tdms(path: Path) -> None:
+    tdms = pytest.importorskip("nptdms")
+    made = {"Temp": (20.0 + 2.0 * np.arange(40), "degC"), "Strain": (4.0 - 0.1 * np.arange(40), "%")}
+    with tdms.TdmsWriter(path) as file:
+        file.write_segment(
+            [
+                tdms.ChannelObject(
+                    "run", name, values, {"unit_string": unit, "wf_increment": 0.1, "wf_start_offset": 0.0}
+                )
+                for name, (values, unit) in made.items()
+            ]
+        )
+
+
+def write_mcap(path: Path) -> None:
+    writer_of = pytest.importorskip("mcap.writer").Writer
+    with path.open("wb") as file:
+        writer = writer_of(file)
+        writer.start()
+        schema = writer.register_schema("wire", "jsonschema", b"{}")
+        channel = writer.register_channel("/wire", "json", schema)
+        for k in range(40):
+            text = json.dumps({"temp [degC]": 20.0 + 2.0 * k, "strain [%]": 4.0 - 0.1 * k})
+            writer.add_message(channel, k * 100_000_000, text.encode(), k * 100_000_000)
+        writer.finish()
+
+
+def write_struct(path: Path) -> None:
+    signals = [{"label": f"{name}", "values": values} for name, values in RAMPS.items()]
+    savemat(path, {"out": {"time": 0.1 * np.arange(40), "signals": signals, "blockName": "wire/Scope"}})
+
+
+def write_to_file_block(path: Path) -> None:
+    savemat(path, {"strain": np.vstack([0.1 * np.arange(40), 4.0 - 0.1 * np.arange(40)])})
+
+
+RAMPS = {"Temp (C)": 20.0 + 2.0 * np.arange(40), "Strain (%)": 4.0 - 0.1 * np.arange(40)}
+KINDS = {"a.xlsx": write_workbook, "a.tdms": write_tdms, "a.mcap": write_mcap, "a.mat": write_struct}
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_files_that_are_no_text_are_understood(name: str, tmp_path: Path) -> None:
+    KINDS[name](tmp_path / name)
+    found = read_lab_file(tmp_path / name)
+    assert len(found.record) == 40
+    check_columns(found, {"time": (0.0, 3.9), "temperature": (293.15, 371.15), "strain": (0.04, 0.001)})
+    if name == "a.xlsx":
+        assert found.format == "spreadsheet, sheet `Test 1`, 4 heading lines"
+
+
+def test_the_block_to_file_of_simulink_is_understood(tmp_path: Path) -> None:
+    write_to_file_block(tmp_path / "b.mat")
+    found = read_lab_file(tmp_path / "b.mat")
+    check_columns(found, {"time": (0.0, 3.9), "strain": (0.04, 0.001)})
+    assert "taken for strain in % by its values" in " ".join(found.notes) or found.columns[1].unit == "%"
+
+
+def test_a_missing_package_is_a_sentence_that_names_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a.tdms").write_bytes(b"TDSm")
+    monkeypatch.setitem(sys.modules, "nptdms", None)
+    with pytest.raises(InputError, match=r"needs npTDMS.*martensite\[tdms\]"):
+        read_lab_file(tmp_path / "a.tdms")
+
+
+ROWS = "".join(f"{k},{20 + k}\n" for k in range(20))
+BROKEN: dict[str, tuple[str | bytes, str]] = {
+    "empty.csv": ("", "is empty"),
+    "junk.csv": (bytes(range(256)) * 20, "is not a text file"),
+    "headings.csv": ("time [s],T [degC]\n", "holds no row of numbers"),
+    "ragged.csv": ("time [s],T [degC]\n" + "".join(f"{k}" + ",x" * (k % 7) + "\n" for k in range(30)), "is ragged: of"),
+    "words.txt": ("Lorem ipsum dolor\nsit amet, consectetur\n", "holds no row of numbers"),
+    "cut.xlsx": (b"PK\x03\x04" + bytes(range(200)), "cannot be read as .xlsx"),
+    "image.png": (b"\x89PNG\r\n\x1a\n" + bytes(range(32)) * 10, "is not a text file"),
+    "back.csv": (f"time [s],T [degC]\n{ROWS}5,22\n6,23\n", "time runs backwards at row 22"),
+    "one.csv": ("".join(f"{math.sin(k):.4f}\n" for k in range(30)), r"cannot be told.*--as 1="),
+    "gaps.csv": ("time [s],T [degC]\n" + "0,NaN\n1,NaN\n2,\n", "holds no numbers but its times"),
+    "two.csv": ("".join(f"{math.sin(k):.4f};{math.cos(3 * k):.4f}\n" for k in range(30)), r"cannot be told.*--as 1="),
+    "gone.csv": ("a\n", "no file"),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_files_get_a_sentence(name: str, tmp_path: Path) -> None:
+    content, words = BROKEN[name]
+    path = tmp_path / name
+    if name != "gone.csv":
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(DataError, match=words):
+        read_lab_file(path)
+
+
+def test_what_is_given_goes_over_what_is_guessed(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("t,Sensor,Bath\n" + "".join(f"{k},{100 + k},{k % 3}\n" for k in range(20)))
+    found = read_lab_file(path, {"Sensor": "stress[MPa]", "3": "-", "1": "time[ms]"})
+    assert list(found.record.columns) == ["time", "stress"]
+    assert [one.known for one in found.columns[:2]] == ["given", "given"]
+    check_columns(found, {"time": (0.0, 0.019), "stress": (1e8, 1.19e8)})
+    with pytest.raises(DataError, match=r"has no column `Sens`.*Did you mean `Sensor`"):
+        read_lab_file(path, {"Sens": "stress[MPa]"})
+    with pytest.raises(DataError, match="cannot be converted"):
+        read_lab_file(path, {"2": "stress[kg]"})
+
+
+def test_the_understood_table_is_read_by_the_strict_reader(tmp_path: Path) -> None:
+    found = read_lab_file(write_case(tmp_path, "testxpert.TRA"))
+    found.save(tmp_path / "out.csv")
+    again = read_table(tmp_path / "out.csv")
+    assert again.units == found.record.units
+    for name, column in found.record.columns.items():
+        assert again[name] == pytest.approx(column, rel=1e-9)
+
+
+@pytest.mark.parametrize("clocked", [True, False])
+def test_files_of_one_experiment_are_joined_by_clock(clocked: bool, tmp_path: Path) -> None:
+    """The second logger is started 3 s later; without its clock the offset follows from what both measure."""
+    times = np.arange(0.0, 60.0, 0.1)
+    heat = 40.0 + 20.0 * np.sin(times / 7.0) + 10.0 * np.sin(times / 2.3)
+    rows = [f"2026-01-02 10:00:{0.1 * k // 1:02.0f}.{k % 10},{heat[k]:.4f}\n" for k in range(600)]
+    (tmp_path / "camera.csv").write_text("clock,T [degC]\n" + "".join(rows))
+    later = list(range(30, 600, 3))
+    stamps = [f"10:00:{0.1 * k // 1:02.0f}.{k % 10}" if clocked else f"{0.1 * (k - 30):.1f}" for k in later]
+    text = "".join(f"{stamp},{heat[k]:.4f},{0.01 * k:.3f}\n" for stamp, k in zip(stamps, later, strict=True))
+    (tmp_path / "logger.csv").write_text(f"{'clock' if clocked else 'time [s]'},T [degC],I [A]\n{text}")
+    merged = merge_by_clock([read_lab_file(tmp_path / "camera.csv"), read_lab_file(tmp_path / "logger.csv")])
+    current = merged.record["current"]
+    assert math.isnan(current[0])
+    assert current[300] == pytest.approx(3.0, abs=2e-3)
+    words = "times of day" if clocked else "estimated: `temperature` and `temperature` go together"
+    assert words in " ".join(merged.notes)
+
+
+def test_clocks_that_cannot_be_compared_are_said(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    files: list[LabFile] = []
+    for name in ("a.csv", "b.csv"):
+        rows = "".join(f"{k},{x:.4f}\n" for k, x in enumerate(rng.normal(50.0, 5.0, 300)))
+        (tmp_path / name).write_text(f"time [s],T [degC]\n{rows}")
+        files.append(read_lab_file(tmp_path / name))
+    with pytest.raises(DataError, match="cannot be told"):
+        merge_by_clock(files)
+    assert "as given" in " ".join(merge_by_clock(files, [2.0]).notes)
