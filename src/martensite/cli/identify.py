@@ -12,7 +12,7 @@ from typer import Argument, Option
 
 from martensite.base.errors import InputError, suggest_name
 from martensite.base.files import replace_together
-from martensite.base.interrupts import InterruptError
+from martensite.base.interrupts import InterruptError, rescue_answer
 from martensite.cli.app import app
 from martensite.cli.options import (
     Imports,
@@ -30,6 +30,7 @@ from martensite.cli.progress import show_share, show_spinner
 if TYPE_CHECKING:
     from martensite.identify.chains.estimate import Options
     from martensite.identify.chains.stages import Identified, ModelStage
+    from martensite.identify.ladder.climb import LadderTrial
     from martensite.signals.sampling.sampled import Sampled
 
 REPORTS = (".html", ".md")
@@ -274,7 +275,8 @@ def _climb(
     from martensite.show.terminal import print_summary
 
     interval = read_positive("interval", options.interval, "s")
-    with show_share("identifying") as bar:
+    best: list[LadderTrial] = []
+    with rescue_answer(lambda: _save_best(best, outputs.data)), show_share("identifying") as bar:
         found = identify_log(
             logs,
             options.list_inputs(),
@@ -287,6 +289,7 @@ def _climb(
             options=replace(options.choose_search(interval or 1.0), ridge=options.ridge or 0.0),
             time_box=read_positive("time-box", options.time_box, "s") or TIME_BOX,
             watch=bar,
+            keep=best.append,
         )
     summary, written = summarise_ladder(found), outputs.paths()
     if outputs.data is not None:
@@ -303,6 +306,20 @@ def _climb(
         raise typer.Exit(InterruptError.exit_code)
     if found.doubts or not found.predicts:
         raise typer.Exit(1)
+
+
+def _save_best(best: Sequence[LadderTrial], path: Path | None) -> str:
+    """Write the best model of a climb that ends in a long run, and say so; nothing where there is none."""
+    from martensite.scenario.model_files import write_model
+
+    if not best or best[-1].chain is None:
+        return ""
+    one = best[-1]
+    said = f"Interrupted; the best so far is `{one.structure}`, fit {one.held.fit:.1f} % on the blocks held out"
+    if path is None:
+        return f"{said}; --save would have kept it."
+    write_model(one.chain, path)
+    return f"{said}, saved in `{path}`."
 
 
 def _write_stages_report(found: Identified, records: Sequence[Sampled], report: Path) -> list[Path]:

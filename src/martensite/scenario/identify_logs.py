@@ -12,7 +12,7 @@ from pathlib import Path
 
 from martensite.base.errors import InputError
 from martensite.identify.chains.estimate import Options
-from martensite.identify.ladder.climb import TIME_BOX, Ladder, Watch, climb_ladder
+from martensite.identify.ladder.climb import TIME_BOX, Keep, Ladder, Watch, climb_ladder
 from martensite.scenario.binary_files import name_column, read_arrays
 from martensite.scenario.heading_guess import guess_heading
 from martensite.scenario.lab_files import read_log_table
@@ -124,6 +124,7 @@ def identify_log(
     options: Options | None = None,
     time_box: float = TIME_BOX,
     watch: Watch | None = None,
+    keep: Keep | None = None,
 ) -> Ladder:
     """The simplest model that predicts a log best, as `martensite identify LOG` finds it.
 
@@ -139,6 +140,7 @@ def identify_log(
         options: how the best structure of each rung is estimated.
         time_box: processor time [s].
         watch: called with a sentence and the share of the time that is used.
+        keep: called with every better model as soon as it is found.
 
     Raises:
         DataError: a log cannot be read.
@@ -153,5 +155,5 @@ def identify_log(
         read_logs([str(one) for one in group], names, ends, fitted[0].interval, units, named)
         for group in (validation, other)
     )
-    found = climb_ladder(fitted, chosen_by, held, options, time_box, watch)
+    found = climb_ladder(fitted, chosen_by, held, options, time_box, watch, keep)
     return replace(found, tests=(why, *found.tests))

@@ -154,20 +154,18 @@ def compare_errors(before: BlockErrors, after: BlockErrors, level: float = CERTA
 
 
 def describe_silence(blocked: Sequence[BlockedRecord], held: bool) -> str:
-    """Why blocks tell nothing: inputs stay in all, or inputs and outputs in most of them; empty if they move."""
+    """Why blocks tell nothing: inputs or outputs stay in all, or both in most of them; empty if they move."""
     what = "blocks held out" if held else "blocks to choose by"
     pairs = [(one.record, block) for one in blocked for block in (one.held if held else one.chosen_by)]
     quiet = [_stays(record.inputs, block, STILL) for record, block in pairs]
-    still = sum(
-        alone and _stays(record.outputs, block, 5.0 * STILL)
-        for alone, (record, block) in zip(quiet, pairs, strict=True)
-    )
-    if not pairs or (2 * still < len(pairs) and not all(quiet)):
+    mute = [_stays(record.outputs, block, 5.0 * STILL) for record, block in pairs]
+    still = sum(a and b for a, b in zip(quiet, mute, strict=True))
+    if not pairs or (2 * still < len(pairs) and not all(quiet) and not all(mute)):
         return ""
-    count = len(pairs) if all(quiet) else still
+    count = len(pairs) if all(quiet) or all(mute) else still
     return (
-        f"In {count} of the {len(pairs)} {what} nothing excites the system: they cannot tell which model is right. "
-        f"Record so that the input moves throughout, or give {'--other' if held else '--validate'} a log."
+        f"In {count} of the {len(pairs)} {what} the input or the output does not move: they cannot tell which model is "
+        f"right. Record so that the input moves throughout, or give {'--other' if held else '--validate'} a log."
     )
 
 
@@ -183,7 +181,7 @@ def describe_step(records: Iterable[Sampled]) -> str:
     count = 0
     for record in records:
         for column in record.inputs.T:
-            moved = np.abs(np.diff(column)) > STILL * np.ptp(column)
+            moved = np.abs(np.diff(column)) > 0.05 * STILL * np.ptp(column)
             count += int(np.sum(moved & ~np.concatenate([[False], moved[:-1]])))
     if count > 1:
         return ""

@@ -69,6 +69,7 @@ DOUBTFUL = 0.01
 JUDGED = 0.95
 """Probability with which the verdict must not be chance."""
 Watch = Callable[[str, float], None]
+Keep = Callable[["LadderTrial"], None]
 _LINEAR = re.compile(r"oe\(\d+,(\d+),(\d+)\)")
 
 
@@ -162,6 +163,7 @@ class _Climb:
     options: Options
     clock: _TimeBox
     watch: Watch
+    keep: Keep
     rungs: list[LadderRung] = field(default_factory=list[LadderRung])
     best: LadderTrial | None = None
     stopped: str = ""
@@ -198,9 +200,11 @@ class _Climb:
             if lead.chain is not None and (larger or compare_errors(self.reference, lead.chosen_by).value > 0.0):
                 more = replace(self.options, begin=(lead.chain,), refined=1)
                 trials.append(self.try_structure(name, lead.structure, more))
+                if self.clock.halt.is_set():
+                    raise KeyboardInterrupt
         except KeyboardInterrupt:
             accept_interrupt()
-            self.stopped = "time box" if self.clock.halt.is_set() else "interrupted"
+            self.stopped = "time box" if self.clock.over else "interrupted"
             self.clock.halt.set()
         if not trials:
             return
@@ -213,6 +217,7 @@ class _Climb:
         self.rungs.append(LadderRung(name, (lead, *others), gain, kept))
         if kept:
             self.best = lead
+            self.keep(lead)
 
     def trim_order(self) -> None:
         """Take off poles without which the model so far is as good."""
@@ -245,9 +250,11 @@ class _Climb:
             for k in ORDERS[:count]:
                 text = write_linear(k, delay, ins, outs)
                 trials.append(self.try_structure("linear", text, replace(PROBE, starts=2)))
+                if self.clock.halt.is_set():
+                    raise KeyboardInterrupt
         except KeyboardInterrupt:
             accept_interrupt()
-            self.stopped = "time box" if self.clock.halt.is_set() else "interrupted"
+            self.stopped = "time box" if self.clock.over else "interrupted"
             self.clock.halt.set()
         if not trials:
             raise SolveError("Nothing was found yet: not even the first linear model was finished.")
@@ -261,6 +268,7 @@ class _Climb:
         others = [one for one in sorted(trials, key=_rank) if one is not best]
         self.rungs.append(LadderRung("linear", (best, *others), gain, gain.certain))
         self.best = best if gain.certain else None
+        self.keep(best)
         return order
 
     @property
@@ -281,6 +289,7 @@ class _TimeBox:
 
     def __init__(self, seconds: float) -> None:
         self.halt, self._ended = Event(), Event()
+        self.over = False
         self._begun, self._seconds = measure_processor_time(), seconds
 
     @property
@@ -295,6 +304,7 @@ class _TimeBox:
         def look() -> None:
             while not self._ended.wait(0.1):
                 if self.share >= part:
+                    self.over = True
                     self.halt.set()
                     return
 
@@ -317,6 +327,7 @@ def climb_ladder(
     options: Options | None = None,
     time_box: float = TIME_BOX,
     watch: Watch | None = None,
+    keep: Keep | None = None,
 ) -> Ladder:
     """The simplest structure that predicts records best, without one being given.
 
@@ -328,6 +339,7 @@ def climb_ladder(
         options: how the best structure of a rung is estimated; others with fewer starts.
         time_box: processor time [s].
         watch: called with a sentence and the share of the box that is used.
+        keep: called with every better model as soon as it is found.
 
     Raises:
         InputError: the records do not fit together, or say nothing at all.
@@ -347,7 +359,13 @@ def climb_ladder(
     check_records([*kept, *validation, *other])
     blocked = divide_records(kept, validation, other)
     clock = _TimeBox(time_box)
-    climb = _Climb(blocked, options or replace(PROBE, starts=12), clock, watch or (lambda text, share: None))
+    climb = _Climb(
+        blocked,
+        options or replace(PROBE, starts=12),
+        clock,
+        watch or (lambda text, share: None),
+        keep or (lambda trial: None),
+    )
     with clock.watched(1.0 - RESERVED):
         tests += _climb_all(climb)
     return _finish(climb, tests, [records[k] for k in apart], list(apart.values()))
