@@ -312,9 +312,9 @@ def _save_best(best: Sequence[LadderTrial], path: Path | None) -> str:
     """Write the best model of a climb that ends in a long run, and say so; nothing where there is none."""
     from martensite.scenario.model_files import write_model
 
-    if not best or best[-1].chain is None:
+    one = best[-1] if best else None
+    if one is None or one.chain is None:
         return ""
-    one = best[-1]
     said = f"Interrupted; the best so far is `{one.structure}`, fit {one.held.fit:.1f} % on the blocks held out"
     if path is None:
         return f"{said}; --save would have kept it."

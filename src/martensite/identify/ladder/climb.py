@@ -359,13 +359,8 @@ def climb_ladder(
     check_records([*kept, *validation, *other])
     blocked = divide_records(kept, validation, other)
     clock = _TimeBox(time_box)
-    climb = _Climb(
-        blocked,
-        options or replace(PROBE, starts=12),
-        clock,
-        watch or (lambda text, share: None),
-        keep or (lambda trial: None),
-    )
+    tell: Watch = watch or (lambda text, share: None)
+    climb = _Climb(blocked, options or replace(PROBE, starts=12), clock, tell, keep or (lambda trial: None))
     with clock.watched(1.0 - RESERVED):
         tests += _climb_all(climb)
     return _finish(climb, tests, [records[k] for k in apart], list(apart.values()))
