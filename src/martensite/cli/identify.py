@@ -30,7 +30,7 @@ from martensite.cli.progress import show_share, show_spinner
 if TYPE_CHECKING:
     from martensite.identify.chains.estimate import Options
     from martensite.identify.chains.stages import Identified, ModelStage
-    from martensite.identify.ladder.climb import LadderTrial
+    from martensite.identify.ladder.ladder_result import LadderTrial
     from martensite.signals.sampling.sampled import Sampled
 
 REPORTS = (".html", ".md")

@@ -12,7 +12,8 @@ from pathlib import Path
 
 from martensite.base.errors import InputError
 from martensite.identify.chains.estimate import Options
-from martensite.identify.ladder.climb import TIME_BOX, Keep, Ladder, Watch, climb_ladder
+from martensite.identify.ladder.climb import TIME_BOX, Keep, Watch, climb_ladder
+from martensite.identify.ladder.ladder_result import Ladder
 from martensite.scenario.binary_files import name_column, read_arrays
 from martensite.scenario.heading_guess import guess_heading
 from martensite.scenario.lab_files import read_log_table

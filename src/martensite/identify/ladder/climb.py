@@ -8,12 +8,8 @@ The model is then fitted to all blocks but those held out, and judged on these.
 
 from __future__ import annotations
 
-import os
-import re
-from collections.abc import Callable, Generator, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from threading import Event, Thread
 
 import numpy as np
 
@@ -31,7 +27,6 @@ from martensite.identify.chains.validation import Validation, validate_chain
 from martensite.identify.ladder.blocked_records import (
     BlockedRecord,
     BlockErrors,
-    ErrorFall,
     compare_errors,
     describe_silence,
     describe_step,
@@ -39,6 +34,7 @@ from martensite.identify.ladder.blocked_records import (
     measure_blocks,
     run_blocks,
 )
+from martensite.identify.ladder.ladder_result import Ladder, LadderRung, LadderTrial
 from martensite.identify.ladder.record_tests import (
     DelayTest,
     describe_coherence,
@@ -47,6 +43,8 @@ from martensite.identify.ladder.record_tests import (
     find_delay,
 )
 from martensite.identify.ladder.regimes import set_apart
+from martensite.identify.ladder.rungs import LINEAR, list_neighbours, list_rungs, write_linear
+from martensite.identify.ladder.time_box import TimeBox, measure_processor_time
 from martensite.search.quantity_text import format_number
 from martensite.signals.sampling.resampling import resample_record
 from martensite.signals.sampling.sampled import Sampled
@@ -58,101 +56,14 @@ RESERVED = 0.15
 ORDERS = (1, 2, 3, 4)
 LEAST_ORDER = 2
 """Of the linear blocks above the linear rung."""
-CURVES = ("poly3", "pwl(8,fixed)", "sigmoid4")
-"""Static blocks."""
 PROBE = Options(starts=4, refined=1, iterations=60, start=AUTO, anchor=0.1, ridge=1e-6)
 """How every structure is tried."""
 LIKELY = 0.84
 """Probability of one standard error, with which structures of one rung, and orders, must differ."""
 DOUBTFUL = 0.01
 """Probability of residuals as little white by chance, below which something is left in them."""
-JUDGED = 0.95
-"""Probability with which the verdict must not be chance."""
 Watch = Callable[[str, float], None]
-Keep = Callable[["LadderTrial"], None]
-_LINEAR = re.compile(r"oe\(\d+,(\d+),(\d+)\)")
-
-
-@dataclass(frozen=True, eq=False)
-class LadderTrial:
-    """One structure on the ladder."""
-
-    structure: str
-    numbers: int
-    """Free numbers."""
-    chain: Chain | None
-    """None if no search gave a model, and for the mean."""
-    chosen_by: BlockErrors
-    """On the blocks to choose by."""
-    held: BlockErrors
-    """On the blocks held out: shown, and never used to choose."""
-    seconds: float
-    """Processor time."""
-    fault: str = ""
-
-
-@dataclass(frozen=True, eq=False)
-class LadderRung:
-    """What was tried on a rung, best first, and what became of the best."""
-
-    name: str
-    trials: tuple[LadderTrial, ...]
-    gain: ErrorFall
-    """Of the best over the model before."""
-    kept: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Ladder:
-    """A climb, the model at its end, and what that is worth."""
-
-    blocked: tuple[BlockedRecord, ...]
-    baseline: LadderTrial
-    """The mean of what was fitted."""
-    rungs: tuple[LadderRung, ...]
-    chosen: LadderTrial
-    """The highest rung kept; the best linear model where nothing is better than the mean."""
-    model: Chain
-    """Its structure, fitted to all that is not held out."""
-    held: BlockErrors
-    """Of the model."""
-    checks: tuple[Validation, ...]
-    """The model on what is held out."""
-    tests: tuple[str, ...]
-    """What was tested before, a sentence each."""
-    apart: tuple[str, ...]
-    """Records of another regime, a sentence each."""
-    apart_scores: tuple[OutputScore, ...]
-    """How these are predicted."""
-    doubts: tuple[str, ...]
-    """Why records are uninformative, or the result must not be trusted; empty if nothing is wrong."""
-    remarks: tuple[str, ...] = ()
-    stopped: str = ""
-    """`time box` or `interrupted` if it ended before the last rung."""
-
-    @property
-    def gain(self) -> ErrorFall:
-        """By how much the model is better than the mean on what is held out."""
-        return compare_errors(self.baseline.held, self.held, JUDGED)
-
-    @property
-    def predicts(self) -> bool:
-        """Whether it predicts what is held out better than the mean does."""
-        return self.gain.certain
-
-    @property
-    def verdict(self) -> str:
-        """What the model is worth, in a sentence."""
-        text = f"`{self.model.text()}`"
-        scores = f"fit {self.held.fit:.1f} % on the blocks held out, the mean {self.baseline.held.fit:.1f} %"
-        if not self.predicts:
-            return f"{text} does not predict better than the mean of the output: {scores}."
-        return f"{text} predicts: {scores}."
-
-    @property
-    def advice(self) -> tuple[str, ...]:
-        """What to record next, a sentence each."""
-        return tuple(_advise(self))
+Keep = Callable[[LadderTrial], None]
 
 
 @dataclass(eq=False)
@@ -161,7 +72,7 @@ class _Climb:
 
     blocked: tuple[BlockedRecord, ...]
     options: Options
-    clock: _TimeBox
+    clock: TimeBox
     watch: Watch
     keep: Keep
     rungs: list[LadderRung] = field(default_factory=list[LadderRung])
@@ -221,11 +132,11 @@ class _Climb:
 
     def trim_order(self) -> None:
         """Take off poles without which the model so far is as good."""
-        while self.best is not None and not self.stopped and (found := _LINEAR.search(self.best.structure)):
+        while self.best is not None and not self.stopped and (found := LINEAR.search(self.best.structure)):
             order = int(found[1]) - 1
             if order < 1:
                 return
-            less = _LINEAR.sub(f"oe({order + (found[2] == '0')},{order},{found[2]})", self.best.structure)
+            less = LINEAR.sub(f"oe({order + (found[2] == '0')},{order},{found[2]})", self.best.structure)
             before = self.best
             self.climb_rung("fewer poles", [less], before)
             if self.best is before:
@@ -284,42 +195,6 @@ class _Climb:
         return all(one.explained and all(test.p_value >= DOUBTFUL for test in one.whiteness) for one in checks)
 
 
-class _TimeBox:
-    """Processor time of this process and those it started, such as compilers; sets an event when it is used up."""
-
-    def __init__(self, seconds: float) -> None:
-        self.halt, self._ended = Event(), Event()
-        self.over = False
-        self._begun, self._seconds = measure_processor_time(), seconds
-
-    @property
-    def share(self) -> float:
-        """How much of it is used."""
-        return min((measure_processor_time() - self._begun) / self._seconds, 1.0)
-
-    @contextmanager
-    def watched(self, part: float) -> Generator[None]:
-        """Set the event once a part of the box is used."""
-
-        def look() -> None:
-            while not self._ended.wait(0.1):
-                if self.share >= part:
-                    self.over = True
-                    self.halt.set()
-                    return
-
-        Thread(target=look, daemon=True).start()
-        try:
-            yield
-        finally:
-            self._ended.set()
-
-
-def measure_processor_time() -> float:
-    """Processor time of this process and of those that it has waited for [s]."""
-    return float(sum(os.times()[:4]))
-
-
 def climb_ladder(
     records: Sampled | Sequence[Sampled],
     validation: Sequence[Sampled] = (),
@@ -358,7 +233,7 @@ def climb_ladder(
         )
     check_records([*kept, *validation, *other])
     blocked = divide_records(kept, validation, other)
-    clock = _TimeBox(time_box)
+    clock = TimeBox(time_box)
     tell: Watch = watch or (lambda text, share: None)
     climb = _Climb(blocked, options or replace(PROBE, starts=12), clock, tell, keep or (lambda trial: None))
     with clock.watched(1.0 - RESERVED):
@@ -387,21 +262,11 @@ def _climb_all(climb: _Climb) -> list[str]:
             break
         climb.climb_rung(name, structures)
         if name == "Hammerstein–Wiener" and not climb.stopped and climb.best is not None:
-            climb.climb_rung("order and delay", _list_neighbours(climb.best.structure))
+            climb.climb_rung("order and delay", list_neighbours(climb.best.structure))
         if climb.stopped:
             break
     climb.trim_order()
     return tests
-
-
-def _list_neighbours(structure: str) -> list[str]:
-    """The structure with one pole more, and with another delay: nonlinear terms may have hidden them."""
-    found = _LINEAR.search(structure)
-    if found is None:
-        return []
-    order, delay = int(found[1]), int(found[2])
-    pairs = [(order + 1, delay), (order, delay + 1), (order + 1, delay + 1)]
-    return [_LINEAR.sub(f"oe({n},{n},{k})", structure) for n, k in pairs if k]
 
 
 def _cut_held(one: BlockedRecord) -> Sampled:
@@ -413,57 +278,6 @@ def _describe_order(climb: _Climb, delay: DelayTest, order: int) -> Iterator[str
     tried = ", ".join(f"`{text}` {fit:.1f} %" for text, fit in sorted(fits.items()))
     yield delay.sentence
     yield f"Linear order: {order}; higher ones are not better by more than chance ({tried})."
-
-
-def write_linear(order: int, delay: int, ins: int = 1, outs: int = 1) -> str:
-    """The text of a linear model with its line."""
-    if (ins, outs) == (1, 1):
-        return f"oe({order + (delay == 0)},{order},{delay}) | poly1"
-    return f"{_write_state_space(order, delay, ins, outs)} | {_repeat('poly1', outs)}"
-
-
-def _write_state_space(order: int, delay: int, ins: int, outs: int) -> str:
-    return f"ss({order},{ins},{outs},{delay})"
-
-
-def _repeat(block: str, count: int) -> str:
-    return block if count == 1 else f"[{' & '.join([block] * count)}]"
-
-
-def list_rungs(order: int, delay: int, ins: int = 1, outs: int = 1) -> list[tuple[str, list[str]]]:
-    """Names and structures of the rungs above the linear one, the quickest structures first."""
-    single = (ins, outs) == (1, 1)
-    line = f"oe({order + (delay == 0)},{order},{delay})" if single else _write_state_space(order, delay, ins, outs)
-
-    def join(before: str, after: str) -> str:
-        parts = [_repeat(before, ins) if before else "", line, _repeat(after, outs) if after else ""]
-        return " | ".join(part for part in parts if part)
-
-    last = "" if single else "poly1"  # an `ss` behind a static block has no offset of its own
-    rungs = [
-        ("Hammerstein", [join(curve, last) for curve in CURVES]),
-        ("Wiener", [join("", curve) for curve in CURVES]),
-        ("Hammerstein–Wiener", [join(curve, curve) for curve in CURVES]),
-        (
-            "hysteresis",
-            [
-                *(join(block, "poly1") for block in ("boucwen", "duhem1", "pi8")),
-                join("pi8", "poly3"),
-                *(join("", f"{block} | poly1" if single else block) for block in (("duhem2",) if single else ())),
-                *((join("", "pi8 | sigmoid4"), join("poly2", "pi8 | sigmoid4")) if single else ()),
-                *((join("preisach(5,6)", ""), join("", "preisach(5,6)"), "heated(position)") if single else ()),
-            ],
-        ),
-    ]
-    if single:
-        near = f"oe({order + 1},{order + 1},{max(delay, 1)})"
-        own = f"oe({order},{order},{max(delay, 1)})"
-        loops = [f"[{own} < boucwen] | poly1", f"[{near} < boucwen] | poly1", f"[{near} < pi6] | poly1"]
-        rungs.append(("feedback", [f"fb({max(order, 2)},3,2) | poly1", *loops]))
-    if ins == 1:
-        small = [(min(order, 2), 3), (min(max(order, 2), 3), 2)]
-        rungs.append(("nonlinear state space", [f"nlss({n},{d},{outs},{delay})" for n, d in small]))
-    return rungs
 
 
 def _rank(trial: LadderTrial) -> float:
@@ -560,37 +374,3 @@ def _score_apart(chain: Chain, apart: Sequence[Sampled]) -> Iterator[OutputScore
             yield from score_chain(chain, [record], "set apart")
         except MartensiteError:  # shorter than a sample of the model
             continue
-
-
-def _advise(found: Ladder) -> Iterator[str]:
-    """What to record next."""
-    records = [one.record for one in found.blocked if one.fitted]
-    if found.doubts:
-        yield "An input that moves throughout: steps and ramps of several heights, at least two rates, minor loops."
-    if not found.predicts:
-        yield (
-            "An output that answers: check that both columns are of one experiment and not exchanged, drive harder, "
-            "and record longer."
-        )
-    memory = max((_find_memory(one) for one in found.checks), default=np.nan)
-    if np.isfinite(memory) and memory > 0.02 * min(record.duration for record in records):
-        yield (
-            f"Residuals remember {format_number(memory, 2)} s: a longer record, or one of another cadence given by "
-            "--validate, would tell a slow effect from drift."
-        )
-    if any(not one.explained for one in found.checks):
-        yield (
-            "Residuals still follow the input: more levels and reversals of the input, or a structure of your own "
-            "(--search)."
-        )
-    if len(found.blocked) == 1:
-        yield (
-            "A log of another cadence (other rates, minor loops), given by --other: all blocks of one log share "
-            "theirs, in which lag and hysteresis look alike."
-        )
-
-
-def _find_memory(check: Validation) -> float:
-    from martensite.identify.ladder.record_tests import find_memory
-
-    return max(find_memory(check.record, errors) for errors in check.residuals.T)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
-from martensite.identify.ladder.climb import Ladder, LadderRung, LadderTrial
+from martensite.identify.ladder.ladder_result import Ladder, LadderRung, LadderTrial
 from martensite.show.figures.model import plot_model, plot_model_loop, plot_model_tests
 
 HEAD = ("rung", "structure", "numbers", "chosen by [%]", "held out [%]", "error falls by", "s", "verdict")
