@@ -35,8 +35,8 @@ CERTAIN = 0.99
 """Probability with which a difference must not be chance."""
 LEAST = 0.01
 """Least gain, over the error before, that is worth a larger structure."""
-FLOOR = 0.02
-"""Share of the mean error that is added to those of pieces, so that pieces without any do not decide."""
+FLOOR = 0.2
+"""Share of the mean error that is added to those of pieces, so that those where nothing happens do not decide."""
 STILL = 0.02
 """Share of the range within which a signal does not move."""
 

@@ -82,8 +82,8 @@ class Ladder:
 
     @property
     def predicts(self) -> bool:
-        """Whether it predicts what is held out better than the mean does."""
-        return self.gain.certain
+        """Whether it predicts what is held out: better than the mean, and than a constant of its own there."""
+        return self.gain.certain and self.held.fit > 0.0
 
     @property
     def verdict(self) -> str:
