@@ -23,6 +23,7 @@ KINKED = {
     "bouc-wen",
     "dead-zone",
     "duhem",
+    "feedback-loop",
     "generalised-prandtl-ishlinskii",
     "heated-duhem",
     "piecewise-linear",

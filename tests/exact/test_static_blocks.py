@@ -5,6 +5,7 @@ Source of truth: the same formulas in NumPy and SciPy, on whole arrays.
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
-from martensite.base.errors import InputError, ParameterError
+from martensite.base.errors import InputError, MartensiteError, ParameterError
 from martensite.identify.blocks.gain import Gain, UnitGain
 from martensite.identify.blocks.networks import SigmoidNetwork, TanhNetwork, WaveletNetwork
 from martensite.identify.blocks.piecewise_linear import PiecewiseLinear
@@ -21,7 +22,7 @@ from martensite.identify.blocks.saturation import DeadZone, Saturation
 from martensite.identify.blocks.side_by_side import SideBySide
 from martensite.identify.blocks.spline import Spline
 from martensite.identify.blocks.transfer_function import TransferFunction
-from martensite.identify.chains.chain_text import parse_block, parse_chain
+from martensite.identify.chains.chain_text import expand_pattern, parse_block, parse_chain
 from martensite.identify.chains.engine import ChainEngine
 from martensite.identify.chains.estimate import Options, estimate_chain
 from martensite.kernels import floats
@@ -251,7 +252,70 @@ class TestSideBySide:
             SideBySide(blocks=())
 
 
+class TestJoined:
+    def test_series_and_sum_are_what_their_blocks_give(self):
+        u = RNG.normal(size=(20, 1))
+        for text, one in (("[poly2 | oe(2,2,1)]", False), ("[poly2 + oe(2,2,1)]", True)):
+            block: Any = parse_block(text).adapt_to(u, 0.1)
+            theta = block.sample_parameters(np.random.default_rng(1), 2.0, 0.1)
+            found = ChainEngine([block], 0.1, compiled=False).simulate(theta, u)
+            made, total = u, 0.0
+            for child, own in block.split(theta, lambda child: len(child.numbers())):
+                made = ChainEngine([child], 0.1, compiled=False).simulate(own, u if one else made)
+                total = total + made
+            assert np.allclose(found, total if one else made, atol=1e-12)
+
+    @pytest.mark.parametrize("delay", [0, 1])
+    def test_a_linear_loop_is_the_closed_loop(self, delay):
+        # y = (1 - a) z / (1 - a q^-1) q^-delay, z = u - g b y, y that of the sample before without a delay
+        (block,) = parsed(f"[oe(1,1,{delay}) < gain]")
+        theta, u = np.array([0.0, *block.blocks[1].line(2.0, 0.0), 0.7]), np.sin(np.arange(30.0))
+        a, g, y = np.exp(-0.1), 0.7 * 2.0, np.zeros(30)
+        for k in range(1, 30):
+            fed = u[k - delay] - g * y[k - 1]
+            y[k] = a * y[k - 1] + (1.0 - a) * fed
+        found = ChainEngine([block], 0.1, compiled=False).simulate(theta, u[:, None])
+        assert np.allclose(found[:, 0], y, atol=1e-12)
+
+    def test_a_loop_rests_where_both_paths_agree(self):
+        (block,) = parsed("[oe(2,2,1) < poly3]")
+        theta, u = np.array([0.1, 0.2, 0.3, 1.0, 0.0, 0.5, 0.8]), np.full((5, 1), 0.9)
+        y = ChainEngine([block], 0.1, compiled=False).simulate(theta, u)
+        assert np.ptp(y) < 1e-12
+        fed = ChainEngine([block.blocks[1]], 0.1, compiled=False).simulate(theta[3:-1], y)
+        assert y[-1, 0] == pytest.approx(0.9 - 0.8 * fed[-1, 0])
+
+    def test_what_is_fed_back_is_fenced(self):
+        block: Any = parse_block("[oe(2,2,1) < poly3]")
+        states = np.zeros((3, block.states()))
+        states[:, -1] = -1.0, 0.0, 3.0
+        made = block.fence_in(block.start(), states, 0.1)
+        assert (made.fence_low, made.fence_high) == (-2.0, 4.0)
+
+    def test_bad_joins_are_refused(self):
+        for text, words in (
+            ("[poly2 & unit + unit]", "one kind of sign"),
+            ("[oe(1,1,1) < ss(1,2,2)]", "two blocks of one input and one output"),
+            ("[poly2 + ss(1,2,1)]", "must take the same signals"),
+            ("[poly2 | ss(1,2,1)]", "takes 2"),
+        ):
+            with pytest.raises(MartensiteError, match=re.escape(words)):
+                parse_block(text)
+
+
 class TestTexts:
+    def test_joined_blocks_are_read_written_and_chosen_between(self):
+        text = "[[gain | oe(2,2,1)] < [poly(3) + boucwen]] | [poly(1) & [pwl(5,fixed) & gain]]"
+        assert " | ".join(block.text() for block in parse_chain(text)) == text
+        chosen = expand_pattern("{[oe(2,2,1) < boucwen],[poly2 + pi(4)],gpi(6,8)} | poly{1..2}")
+        assert [len(parse_chain(one)) for one in chosen] == [2] * 6
+
+    def test_of_summed_offsets_one_is_left(self):
+        (block,) = parsed("[poly2 + gain + oe]")
+        assert [child.offset for child in block.blocks[:2]] == ["yes", "no"]
+        (loop,) = parsed("[oe < poly2]")
+        assert loop.blocks[1].offset == "no"
+
     def test_chains_are_read_and_written(self):
         text = "[poly(2) & unit] | [oe(2,2,1) & deadzone] | [pwl(5,fixed) & unit]"
         blocks = parse_chain(text.upper().replace(" ", ""))
@@ -275,9 +339,9 @@ class TestTexts:
             ("poly2 | [oe & gain", "nothing closes the bracket `[`"),
             ("poly2)", "nothing opens the bracket `)`"),
             ("oe(3,3,1] | pwl", "nothing opens the bracket `]`"),
-            ("[poly2 & ]", "between square brackets stand single blocks"),
-            ("[poly2 | oe & unit]", "between square brackets stand single blocks"),
-            ("[poly2 & unit] x", "between square brackets stand single blocks"),
+            ("[poly2 & ]", "between square brackets stand blocks"),
+            ("[poly2 | & unit]", "between square brackets stand blocks"),
+            ("[poly2 & unit] x", "between square brackets stand blocks"),
             ("[poly2 & polly3]", "Did you mean `poly`?"),
             ("sigmoyd3", "Did you mean `sigmoid`?"),
             ("unit3", "`unit` takes none"),

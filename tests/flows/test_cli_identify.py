@@ -9,15 +9,17 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from command import Command
 from first_order import LINE, STRUCTURE, log, pulses, ramps
 
 from martensite.base.errors import InputError
-from martensite.cli.identify import ANCHOR, IdentifyOptions, choose_columns
+from martensite.cli.identify import ANCHOR, IdentifyOptions
 from martensite.identify.blocks.base import BLOCKS
 from martensite.identify.chains.estimate import INTERRUPTED, Options
 from martensite.identify.chains.stages import identify_stages
+from martensite.scenario.identify_logs import choose_columns, guess_columns
 from martensite.scenario.model_files import read_model
 from martensite.scenario.sampled_files import read_sampled, write_sampled
 from martensite.show.summaries.identification import collect_warnings
@@ -63,6 +65,29 @@ def test_columns_of_which_there_is_no_choice_need_not_be_named() -> None:
         choose_columns("pulses.csv", [], None, [])
     with pytest.raises(InputError, match="--output"):
         choose_columns("pulses.csv", ["duty"], None, [])
+
+
+def test_a_log_alone_is_enough() -> None:
+    text = IDENTIFY.fine("pulses.csv", "--unit", "duty=%", "--save", "model.json", "--report", "page.md")
+    assert "Input `duty`, output `position`: by their names, of `duty`, `temperature`, `position`" in text
+    assert "predicts: fit" in text
+    assert "chosen" in text
+    assert read_model("model.json").output_names == ("position",)
+    page = Path("page.md").read_text(encoding="utf-8")
+    assert "## What to record next" in page
+    assert "held out" in page
+    assert Path("page_figures/held0.png").is_file()
+    assert "is there already" in IDENTIFY.refused("pulses.csv", "--report", "page.md")
+    assert "must end in" in IDENTIFY.refused("pulses.csv", "--report", "page.txt")
+
+
+def test_a_log_that_cannot_tell_is_exit_code_1() -> None:
+    step = log("step", np.concatenate([np.zeros(50), np.full(150, 20.0)]))
+    write_sampled(step, "step.csv")
+    done = IDENTIFY("step.csv", "--unit", "duty=%")
+    assert done.exit_code == 1
+    assert "moves once" in done.stdout
+    assert guess_columns("step.csv", ["duty"], None)[:2] == (["duty"], "position")
 
 
 def test_without_another_record_nothing_is_proved() -> None:
@@ -147,7 +172,6 @@ def test_an_interrupted_search_exits_with_1(monkeypatch: pytest.MonkeyPatch) -> 
         (("pulses.csv", "--input", "dutty", "--output", "temperature", "--stage", "poly1"), "Did you mean `duty`"),
         (("pulses.csv", "--output", "temperature", "--stage", "poly1"), "needs --input"),
         (("pulses.csv", "--input", "duty", "--stage", "poly1"), "needs --output"),
-        (("pulses.csv", "--input", "duty", "--output", "temperature"), "give one of the two"),
         (("pulses.csv", *ONE, "--search", "poly{1,2}"), "give one of the two"),
         (("pulses.csv", *SIGNALS, "--output", "temperature", "--stage", "polly1"), "There is no block `polly`"),
         (("pulses.csv", *SIGNALS, "--output", "position", "--stage", STRUCTURE), "The last stage gives `temperature`"),

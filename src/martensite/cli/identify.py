@@ -12,7 +12,7 @@ from typer import Argument, Option
 
 from martensite.base.errors import InputError, suggest_name
 from martensite.base.files import replace_together
-from martensite.base.interrupts import InterruptError
+from martensite.base.interrupts import InterruptError, rescue_answer
 from martensite.cli.app import app
 from martensite.cli.options import (
     Imports,
@@ -24,14 +24,16 @@ from martensite.cli.options import (
     read_quantity,
     spread_options,
 )
-from martensite.cli.outputs import AnswerOptions, Outputs
+from martensite.cli.outputs import AnswerOptions, Outputs, check_absent, check_ending, check_folder
 from martensite.cli.progress import show_share, show_spinner
 
 if TYPE_CHECKING:
     from martensite.identify.chains.estimate import Options
     from martensite.identify.chains.stages import Identified, ModelStage
+    from martensite.identify.ladder.ladder_result import LadderTrial
     from martensite.signals.sampling.sampled import Sampled
 
+REPORTS = (".html", ".md")
 ANCHOR = 0.1
 """Weight of rest where a record begins there, in shares of all rows."""
 
@@ -85,6 +87,9 @@ class IdentifyOptions:
             "[default: 0.1 for logs that begin at rest, else 0].",
         ),
     ] = None
+    time_box: Annotated[
+        Text, Option(metavar="TIME", help='Processor time that finding a structure may take [default: "120 s"].')
+    ] = None
     ridge: Annotated[
         float | None,
         Option(
@@ -102,10 +107,10 @@ class IdentifyOptions:
         """
         from martensite.identify.chains.stages import ModelStage
 
-        if bool(self.stage) == (self.search is not None):
+        if self.stage and self.search is not None:
             raise InputError(
-                "Identification needs --stage, blocks such as `poly2 | oe(3,3,1) | pwl10`, or "
-                "--search, a pattern of them; give one of the two."
+                "Identification takes --stage, blocks such as `poly2 | oe(3,3,1) | pwl10`, or --search, a pattern of "
+                "them, or neither; give one of the two."
             )
         texts = [self.search] if self.search is not None else list(self.stage or ())
         output = self.output or ""
@@ -114,44 +119,52 @@ class IdentifyOptions:
             raise InputError(f"The last stage gives `{read[-1].output}`, but --output is `{output}`.")
         return read
 
+    @property
+    def climbs(self) -> bool:
+        """Whether no structure is given, so that one is found."""
+        return not self.stage and self.search is None
+
     def complete_columns(self, log: str) -> IdentifyOptions:
         """With the columns that the first log leaves no choice of.
 
         Raises:
             InputError: it leaves a choice.
         """
-        given = [name.strip() for text in self.inputs or () for name in text.split(",") if name.strip()]
+        from martensite.scenario.identify_logs import choose_columns
+
+        given = self.list_inputs()
         arrows = [text.partition("->")[2].strip() for text in self.stage or ()]
         named = [name.strip() for arrow in arrows for name in arrow.split(",") if name.strip()]
         last = arrows[-1] if arrows else ""
-        inputs, output = choose_columns(log, given, self.output or last or None, named, self.named or ())
+        inputs, output = choose_columns(log, given, self.output or last or None, named, self.read_named())
         return replace(self, inputs=inputs, output=output)
+
+    def list_inputs(self) -> list[str]:
+        """The inputs that are given."""
+        return [name.strip() for text in self.inputs or () for name in text.split(",") if name.strip()]
 
     def read_records(self, fitted: Sequence[str], outputs: Sequence[str]) -> tuple[list[Sampled], ...]:
         """Records to fit, to validate with, and others, all of one sample time."""
+        from martensite.scenario.identify_logs import read_logs
+
         interval = read_positive("interval", self.interval, "s")
         groups: list[list[Sampled]] = []
         for logs in (fitted, self.validate or (), self.other or ()):
             group: list[Sampled] = []
             for log in logs:
-                group += self._read_record(log, outputs, interval)
+                group += read_logs([log], self.inputs or [], outputs, interval, self.read_units(), self.read_named())
                 interval = group[-1].interval
             groups.append(group)
         return tuple(groups)
 
-    def _read_record(self, log: str, outputs: Sequence[str], interval: float | None) -> Sequence[Sampled]:
+    def read_named(self) -> dict[str, str]:
+        """What columns of files without headings are."""
         from martensite.scenario.log_tables import parse_named
-        from martensite.scenario.sampled_files import read_pieces
 
-        both = set(self.inputs or ()) & set(outputs)
-        if both:
-            raise InputError(
-                f"Column `{min(both)}` is given as input and as output; a column says nothing about itself, so name "
-                "another one."
-            )
-        return read_pieces(log, self.inputs or [], outputs, interval, self._read_units(), parse_named(self.named or ()))
+        return dict(parse_named(self.named or ()))
 
-    def _read_units(self) -> dict[str, str]:
+    def read_units(self) -> dict[str, str]:
+        """Units of columns by name."""
         found: dict[str, str] = {}
         for text in self.unit or ():
             name, equals, spelling = text.partition("=")
@@ -194,18 +207,31 @@ def identify(
     options: IdentifyOptions,
     answer: AnswerOptions,
     save: Annotated[Path | None, Option(metavar="MODEL", help="Model file to write: .json.")] = None,
+    report: Annotated[Path | None, Option(metavar="PAGE", help="Report to write: .html or .md.")] = None,
     modules: Imports = None,
 ) -> None:
     """Find a model of blocks that repeats logs in free run.
 
-    Blocks: see `martensite list block`. All scores are of free runs: no measured output is fed
-    back.
-    --input and --output may be left out where the log leaves no choice, as with two columns
-    beside the time. A fit on the logs that it was found from proves little; give --validate a log
-    of another cadence. Ctrl-C ends a search and keeps the best so far; the exit code is 1 then.
+    With a log alone, columns are chosen by their names, rest, delay, order and linearity are tested, and structures
+    are tried from linear to hysteresis, feedback and nonlinear state space. One is kept if it predicts blocks that
+    it was not fitted to better than the one before by more than chance; the last fifth of the log judges the
+    result. --validate gives logs to choose by, --other logs to judge on instead. Logs of another regime than the
+    first are set apart.
+    With --stage or --search a structure is given, or a pattern; --input and --output may then be left out where the
+    log leaves no choice. Blocks: see `martensite list block`. All scores are of free runs: no measured output is
+    fed back.
+    Exit code 1: nothing was found that predicts, or the log cannot tell. Ctrl-C keeps the best so far; the exit
+    code is 130 then.
     """
     import_modules(modules)
     outputs = answer.check_files(save, ".json")
+    if report is not None:
+        check_ending(report, REPORTS)
+        check_folder(report)
+        check_absent(report, answer.force)
+    if options.climbs:
+        _climb(logs, options, answer, outputs, report)
+        return
     options = options.complete_columns(logs[0])
     stages = options.plan_stages()
     with show_spinner("reading logs"):
@@ -229,10 +255,82 @@ def identify(
         found = identify_stages(fitted, stages, validation, other, search, tell)
     records = [*fitted, *validation, *other]
     written = _write_files(found, outputs, records)
+    if report is not None:
+        written += _write_stages_report(found, records, report)
     print_summary(summarise_identified(found, records), answer.json, written)
     if ended or not all(one is None or one.complete for one in found.searches):
         typer.echo("interrupted: this is the best so far", err=True)
         raise typer.Exit(InterruptError.exit_code)
+
+
+def _climb(
+    logs: list[str], options: IdentifyOptions, answer: AnswerOptions, outputs: Outputs, report: Path | None
+) -> None:
+    """Find a structure by itself, write and print what there is to say; the exit code says whether it is worth it."""
+    from martensite.identify.ladder.climb import TIME_BOX
+    from martensite.scenario.identify_logs import identify_log
+    from martensite.scenario.model_files import write_model
+    from martensite.show.pages import write_page
+    from martensite.show.summaries.ladder import summarise_ladder
+    from martensite.show.terminal import print_summary
+
+    interval = read_positive("interval", options.interval, "s")
+    best: list[LadderTrial] = []
+    with rescue_answer(lambda: _save_best(best, outputs.data)), show_share("identifying") as bar:
+        found = identify_log(
+            logs,
+            options.list_inputs(),
+            options.output,
+            validation=options.validate or (),
+            other=options.other or (),
+            interval=interval,
+            units=options.read_units(),
+            named=options.read_named(),
+            options=replace(options.choose_search(interval or 1.0), ridge=options.ridge or 0.0),
+            time_box=read_positive("time-box", options.time_box, "s") or TIME_BOX,
+            watch=bar,
+            keep=best.append,
+        )
+    summary, written = summarise_ladder(found), outputs.paths()
+    if outputs.data is not None:
+        write_model(found.model, outputs.data, {"ladder": summary.data["rungs"], "verdict": found.verdict})
+    if outputs.figure is not None and found.checks:
+        from martensite.show.figures.model import plot_model
+        from martensite.show.figures.style import write_figure
+
+        write_figure(plot_model(found.checks[0]), outputs.figure)
+    if report is not None:
+        written += write_page(summary, report)
+    print_summary(summary, answer.json, written)
+    if found.stopped == "interrupted":
+        raise typer.Exit(InterruptError.exit_code)
+    if found.doubts or not found.predicts:
+        raise typer.Exit(1)
+
+
+def _save_best(best: Sequence[LadderTrial], path: Path | None) -> str:
+    """Write the best model of a climb that ends in a long run, and say so; nothing where there is none."""
+    from martensite.scenario.model_files import write_model
+
+    one = best[-1] if best else None
+    if one is None or one.chain is None:
+        return ""
+    said = f"Interrupted; the best so far is `{one.structure}`, fit {one.held.fit:.1f} % on the blocks held out"
+    if path is None:
+        return f"{said}; --save would have kept it."
+    write_model(one.chain, path)
+    return f"{said}, saved in `{path}`."
+
+
+def _write_stages_report(found: Identified, records: Sequence[Sampled], report: Path) -> list[Path]:
+    """Write how the model of given stages does on its records."""
+    from martensite.identify.chains.validation import validate_chain
+    from martensite.show.pages import write_model_report
+    from martensite.signals.sampling.resampling import select_signals
+
+    names = found.stages[-1].outputs
+    own = [select_signals(record, found.model.input_names, names) for record in records]
+    return write_model_report([validate_chain(found.model, one, found.options.skip) for one in own], report)
 
 
 def _write_files(found: Identified, outputs: Outputs, records: Sequence[Sampled]) -> list[Path]:
@@ -265,45 +363,3 @@ def _save_model(found: Identified, path: Path) -> None:
     origin = stages[0] if len(stages) == 1 else {"stages": stages}
     scores = [asdict(score) for score in found.scores]
     write_model(found.model, path, origin | {"scores_of_free_runs": scores})
-
-
-def list_columns(log: str, given: Sequence[str] = ()) -> list[str]:
-    """Names of the columns of a log, without its time."""
-    from martensite.scenario.binary_files import name_column, read_arrays
-    from martensite.scenario.log_tables import parse_named, read_log_table
-    from martensite.scenario.sampled_files import is_columnar
-
-    whole = given or not is_columnar(log)
-    known = read_log_table(log, named=parse_named(given)).columns if whole else map(name_column, read_arrays(Path(log)))
-    return [name for name in known if name != "time"]
-
-
-def choose_columns(
-    log: str, inputs: Sequence[str], output: str | None, named: Sequence[str], given: Sequence[str] = ()
-) -> tuple[list[str], str]:
-    """Inputs and last output: those given, else what alone is left in the log.
-
-    Raises:
-        InputError: the log leaves a choice.
-    """
-    if inputs and output is not None:
-        return list(inputs), output
-    found = list_columns(log, given)
-    free = [name for name in found if name not in (*inputs, *named, output)]
-    if not inputs:
-        last = output is not None or bool(named)
-        if len(free) != (1 if last else 2):
-            raise InputError(_explain_lack("--input", found))
-        inputs, free = free[:1], free[1:]
-    if output is None and named:
-        output = named[-1]
-    if output is None:
-        if len(free) != 1:
-            raise InputError(_explain_lack("--output", found))
-        output = free[0]
-    return list(inputs), output
-
-
-def _explain_lack(option: str, found: Sequence[str]) -> str:
-    listed = f": {', '.join(f'`{name}`' for name in found)}" if found else ""
-    return f"Identification needs {option}, a column of the logs{listed}; none given."

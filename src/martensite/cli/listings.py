@@ -78,7 +78,9 @@ def _list_kinds(json: bool) -> None:
 
 
 def _write_block(block: type[AbstractBlock]) -> str:
-    if not block.short or not block.shape:
+    if not block.short:
+        return block().text()
+    if not block.shape:
         return block.short
     return f"{block.short}({','.join(block.shape)})"
 

@@ -21,7 +21,9 @@ from martensite.identify.chains.stages import ModelStage as ModelStage
 from martensite.identify.chains.stages import identify_stages as identify_stages
 from martensite.identify.chains.uncertainty import estimate_chain_uncertainty as _model_uncertainty
 from martensite.identify.chains.validation import validate_chain as _validate_model
+from martensite.identify.ladder.climb import climb_ladder as climb_ladder
 from martensite.identify.operators.play import PlaySum as PlaySum
+from martensite.scenario.identify_logs import identify_log as identify_log
 from martensite.scenario.model_files import model_provenance as model_provenance
 from martensite.scenario.model_files import read_model as read_model
 from martensite.scenario.model_files import write_model as write_model

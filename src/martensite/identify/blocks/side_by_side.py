@@ -1,4 +1,4 @@
-"""Blocks side by side, each on signals of its own: `[poly2 & unit]`.
+"""Blocks made of blocks; and side by side, each on signals of its own: `[poly2 & unit]`.
 
 Inputs, outputs, states, free and fixed numbers are those of the blocks, one after the other. So a
 chain of several signals has a static block, a delay or a hysteresis for each of them.
@@ -6,8 +6,9 @@ chain of several signals has a static block, a delay or a hysteresis for each of
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
@@ -18,10 +19,11 @@ from martensite.identify.blocks.gain import UnitGain
 from martensite.kernels.namespace import Namespace, Scalar
 
 
-@BLOCKS.register("side-by-side")
-class SideBySide(AbstractBlock):
-    """Any blocks, the signals of one after those of another."""
+class AbstractComposite(AbstractBlock):
+    """Blocks as one, written between square brackets: their states and numbers one after the other."""
 
+    sign: ClassVar[str]
+    """What stands between them in a text."""
     blocks: tuple[AbstractBlock, ...] = part("the blocks", default=(UnitGain(), UnitGain()))
 
     def check(self) -> None:
@@ -31,17 +33,11 @@ class SideBySide(AbstractBlock):
             ParameterError: there is none.
         """
         if not self.blocks:
-            raise ParameterError("Blocks side by side need at least one block.")
+            raise ParameterError(f"A block `{self.registered_name}` needs at least one block inside.")
 
-    @property
-    def inputs(self) -> int:
-        """Of all blocks."""
-        return sum(block.inputs for block in self.blocks)
-
-    @property
-    def outputs(self) -> int:
-        """Of all blocks."""
-        return sum(block.outputs for block in self.blocks)
+    @abstractmethod
+    def adapt_to(self, x: Numbers, dt: float) -> Self:
+        """Every block adapted to what reaches it."""
 
     def numbers(self) -> tuple[str, ...]:
         """Of all blocks, with the place of each."""
@@ -63,31 +59,11 @@ class SideBySide(AbstractBlock):
             yield block, column[first:last]
             first = last
 
-    def _shares(self, theta: Column, x: Column) -> list[tuple[AbstractBlock, Column, Column]]:
+    def _list_parts(self, theta: Column, state: Column) -> list[tuple[AbstractBlock, Column, Column]]:
+        """The blocks, each with its free numbers and its state."""
         own = self.split(theta, lambda block: len(block.numbers()))
-        signals = self.split(x, lambda block: block.inputs)
-        return [(b, numbers, taken) for (b, numbers), (_, taken) in zip(own, signals, strict=True)]
-
-    def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
-        """Every block at rest."""
-        shares = self._shares(theta, x)
-        return [s for block, own, taken in shares for s in block.rest(xp, own, taken, dt)]
-
-    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
-        """A step of every block."""
         held = self.split(state, lambda block: block.states())
-        outputs: list[Scalar] = []
-        after: list[Scalar] = []
-        for (block, own, taken), (_, before) in zip(self._shares(theta, x), held, strict=True):
-            y, s = block.step(xp, own, before, taken, dt)
-            outputs += y
-            after += s
-        return outputs, after
-
-    def adapt_to(self, x: Numbers, dt: float) -> Self:
-        """Every block adapted to its own signals."""
-        columns = self.split(x.T, lambda block: block.inputs)
-        return self.with_parts(blocks=tuple(block.adapt_to(own.T, dt) for block, own in columns))
+        return [(block, numbers, before) for (block, numbers), (_, before) in zip(own, held, strict=True)]
 
     @property
     def fenced(self) -> bool:  # type: ignore[override]
@@ -115,11 +91,6 @@ class SideBySide(AbstractBlock):
         expected, weights = zip(*(block.priors() for block in self.blocks), strict=True)
         return np.concatenate(expected), np.concatenate(weights)
 
-    def gains(self) -> tuple[str, ...]:
-        """Of all blocks, with the place of each."""
-        named = ((place, name) for place, block in self._place_blocks for name in block.gains())
-        return tuple(f"{place}.{name}" if name else "" for place, name in named)
-
     def describe_numbers(self, theta: Numbers) -> list[tuple[str, float, str]]:
         """Of all blocks, with the place of each."""
         shares = self.split(theta, lambda block: len(block.numbers()))
@@ -131,7 +102,7 @@ class SideBySide(AbstractBlock):
 
     def text(self) -> str:
         """The blocks between square brackets."""
-        return f"[{' & '.join(block.text() for block in self.blocks)}]"
+        return f"[{f' {self.sign} '.join(block.text() for block in self.blocks)}]"
 
     @property
     def fixed(self) -> tuple[str, ...]:  # type: ignore[override]
@@ -150,3 +121,51 @@ class SideBySide(AbstractBlock):
     def structure(self) -> tuple[Any, ...]:
         """Those of all blocks."""
         return type(self), tuple(block.structure() for block in self.blocks)
+
+
+@BLOCKS.register("side-by-side")
+class SideBySide(AbstractComposite):
+    """Any blocks, the signals of one after those of another."""
+
+    sign = "&"
+
+    @property
+    def inputs(self) -> int:
+        """Of all blocks."""
+        return sum(block.inputs for block in self.blocks)
+
+    @property
+    def outputs(self) -> int:
+        """Of all blocks."""
+        return sum(block.outputs for block in self.blocks)
+
+    def _shares(self, theta: Column, x: Column) -> list[tuple[AbstractBlock, Column, Column]]:
+        own = self.split(theta, lambda block: len(block.numbers()))
+        signals = self.split(x, lambda block: block.inputs)
+        return [(b, numbers, taken) for (b, numbers), (_, taken) in zip(own, signals, strict=True)]
+
+    def rest(self, xp: Namespace, theta: Column, x: Column, dt: Scalar) -> Column:
+        """Every block at rest."""
+        shares = self._shares(theta, x)
+        return [s for block, own, taken in shares for s in block.rest(xp, own, taken, dt)]
+
+    def step(self, xp: Namespace, theta: Column, state: Column, x: Column, dt: Scalar) -> tuple[Column, Column]:
+        """A step of every block."""
+        held = self.split(state, lambda block: block.states())
+        outputs: list[Scalar] = []
+        after: list[Scalar] = []
+        for (block, own, taken), (_, before) in zip(self._shares(theta, x), held, strict=True):
+            y, s = block.step(xp, own, before, taken, dt)
+            outputs += y
+            after += s
+        return outputs, after
+
+    def adapt_to(self, x: Numbers, dt: float) -> Self:
+        """Every block adapted to its own signals."""
+        columns = self.split(x.T, lambda block: block.inputs)
+        return self.with_parts(blocks=tuple(block.adapt_to(own.T, dt) for block, own in columns))
+
+    def gains(self) -> tuple[str, ...]:
+        """Of all blocks, with the place of each."""
+        named = ((place, name) for place, block in self._place_blocks for name in block.gains())
+        return tuple(f"{place}.{name}" if name else "" for place, name in named)

@@ -1,12 +1,13 @@
 """Chains as text: `poly2 | oe(3,3,1) | pwl10`.
 
     chain = stage { "|" stage }
-    stage = block  or  "[" block { "&" block } "]"
+    stage = block  or  "[" chain { "&" chain } "]"  or  "[" chain { "+" chain } "]"  or  "[" chain "<" chain "]"
     block = name [ number ]  or  name "(" word { "," word } ")"
 
 A block is its short name with its structure: numbers, then choices such as `pwl(10,fixed)`, in
 brackets or, if it is one number, behind the name. Blocks between `&` in square brackets stand
-side by side, each on signals of its own: `[poly2 & unit]`. Capitals and blanks do not matter.
+side by side, each on signals of its own: `[poly2 & unit]`; between `+` they are summed; what follows `<`
+is in the feedback of what stands before. Each may be a chain, or in brackets again. Capitals and blanks do not matter.
 
 Patterns of structures: `poly{1..3} | oe({2..3},3,1) | {pwl,sigmoid}{5,10}`.
 
@@ -17,16 +18,18 @@ Every choice is combined with every other, in the order in which they are writte
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from itertools import product
 
 from martensite.base.errors import InputError, MartensiteError, suggest_name
 from martensite.identify.blocks.base import BLOCKS, AbstractBlock, AbstractStatic
+from martensite.identify.blocks.block_joins import FeedbackLoop, Series, SummedBlocks
 from martensite.identify.blocks.saturation import AbstractInterval
-from martensite.identify.blocks.side_by_side import SideBySide
+from martensite.identify.blocks.side_by_side import AbstractComposite, SideBySide
 
 _BLOCK = re.compile(r"([a-z][a-z_-]*)\s*(?:\(([^()]*)\)|(\d+))?")
-_BAR = re.compile(r"\|(?![^\[]*\])")
-"""A bar outside of square brackets."""
+JOINED: dict[str, type[AbstractComposite]] = {one.sign: one for one in (SideBySide, SummedBlocks, FeedbackLoop)}
+"""Blocks made of blocks by the sign between these."""
 
 
 def short_names() -> dict[str, type[AbstractBlock]]:
@@ -43,7 +46,7 @@ def parse_block(text: str) -> AbstractBlock:
     """
     text = text.strip()
     if text.startswith("["):
-        return _parse_beside(text)
+        return _parse_joined(text)
     found = _BLOCK.fullmatch(text.lower())
     if found is None:
         raise InputError(
@@ -57,16 +60,40 @@ def parse_block(text: str) -> AbstractBlock:
     return _build_block(known[name], text, words)
 
 
-def _parse_beside(text: str) -> AbstractBlock:
+def _split_outside(text: str, sign: str) -> list[str]:
+    """The parts of a text between signs that stand outside of all brackets."""
+    parts, depth = [""], 0
+    for character in text:
+        depth += (character in "([") - (character in ")]")
+        if character == sign and not depth:
+            parts.append("")
+        else:
+            parts[-1] += character
+    return parts
+
+
+def _parse_joined(text: str) -> AbstractBlock:
     """Blocks between square brackets."""
-    words = text[1:-1].split("&")
-    if not text.endswith("]") or any(not w.strip() or set(w) & set("[]|") for w in words):
+    signs = [sign for sign in JOINED if len(_split_outside(text[1:-1], sign)) > 1]
+    parts = _split_outside(text[1:-1], signs[0]) if signs else [text[1:-1]]
+    words = [_split_outside(part, "|") for part in parts]
+    if len(signs) > 1 or not text.endswith("]") or any(not word.strip() for part in words for word in part):
         raise InputError(
-            f"`{text}` is not well written; between square brackets stand single blocks with `&` "
-            "between them, such as `[poly2 & unit]`."
+            f"`{text}` is not well written; between square brackets stand blocks or chains with one kind of sign "
+            "between them: `[poly2 & unit]` side by side, `[poly2 + pi8]` summed, `[oe(2,2,1) < boucwen]` the second "
+            "in the feedback of the first."
         )
-    blocks = [parse_block(word) for word in words]
-    return blocks[0] if len(blocks) == 1 else SideBySide(blocks=tuple(blocks))
+    blocks = [_join_series([parse_block(word) for word in part]) for part in words]
+    if not signs:
+        return blocks[0]
+    try:
+        return JOINED[signs[0]](blocks=tuple(blocks))
+    except MartensiteError as error:
+        raise InputError(f"Block `{text}`: {error}") from None
+
+
+def _join_series(blocks: list[AbstractBlock]) -> AbstractBlock:
+    return blocks[0] if len(blocks) == 1 else Series(blocks=tuple(blocks))
 
 
 def _build_block(block: type[AbstractBlock], text: str, words: list[str]) -> AbstractBlock:
@@ -95,7 +122,7 @@ def parse_chain(text: str) -> tuple[AbstractBlock, ...]:
         InputError: a block is unknown or not well written.
     """
     _check_brackets(text)
-    words = _BAR.split(text)
+    words = _split_outside(text, "|")
     if not text.strip() or any(not word.strip() for word in words):
         raise InputError(f"`{text}` is no chain; write blocks between bars, such as `poly2 | oe(3,3,1) | pwl10`.")
     return fix_gauge([parse_block(word) for word in words])
@@ -119,12 +146,16 @@ def fix_gauge(blocks: list[AbstractBlock]) -> tuple[AbstractBlock, ...]:
     Two could not be told apart. Where signals mix, an offset on any way counts. Saturations and
     dead zones before it have the gain 1 for the same reason.
     """
+    return _fix_series(blocks, [False] * (blocks[-1].outputs if blocks else 0))[0]
+
+
+def _fix_series(blocks: Sequence[AbstractBlock], after: list[bool]) -> tuple[tuple[AbstractBlock, ...], list[bool]]:
+    """Blocks in series without the offsets that a later one makes up for, and whether one follows each input."""
     made: list[AbstractBlock] = []
-    after = [False] * (blocks[-1].outputs if blocks else 0)
     for block in reversed(blocks):
         changed, after = _drop_offset(block, after)
         made.append(changed)
-    return tuple(reversed(made))
+    return tuple(reversed(made)), after
 
 
 def _drop_offset(block: AbstractBlock, after: list[bool]) -> tuple[AbstractBlock, list[bool]]:
@@ -134,11 +165,26 @@ def _drop_offset(block: AbstractBlock, after: list[bool]) -> tuple[AbstractBlock
         found = [_drop_offset(child, own) for child, own in shares]
         children = tuple(child for child, _ in found)
         return block.with_parts(blocks=children), [flag for _, flags in found for flag in flags]
+    if isinstance(block, AbstractComposite):
+        return _fix_joined(block, after)
     follows = any(after)
     if isinstance(block, AbstractStatic):
         gain = {"gain": "one"} if isinstance(block, AbstractInterval) else {}
         return (block.with_parts(offset="no", **gain) if follows else block), [True]
     return block, [follows] * block.inputs
+
+
+def _fix_joined(block: AbstractComposite, after: list[bool]) -> tuple[AbstractBlock, list[bool]]:
+    """The same of blocks in series, summed, and with feedback."""
+    if isinstance(block, Series):
+        children, flags = _fix_series(block.blocks, after)
+        return block.with_parts(blocks=children), flags
+    made: list[AbstractBlock] = []
+    for child in block.blocks:  # of all that end in one sum, the first with an offset has it
+        changed, flags = _drop_offset(child, after)
+        made.append(changed)
+        after = [True] if isinstance(block, FeedbackLoop) else [any((*after, *flags))]
+    return block.with_parts(blocks=tuple(made)), after * block.inputs
 
 
 MOST = 500

@@ -99,6 +99,7 @@ def estimate_chain(
     records: Sampled | Sequence[Sampled],
     options: Options | None = None,
     watch: Tell | None = None,
+    halt: Event | None = None,
 ) -> ChainEstimate:
     """A chain of blocks that reproduces the outputs of records in free run.
 
@@ -107,10 +108,12 @@ def estimate_chain(
         records: one or several, of one sample time.
         options: how it is searched.
         watch: called with a sentence and the share that is done.
+        halt: once it is set, for instance by a clock, searches end as after Ctrl-C.
 
     Raises:
         InputError: records or structure do not fit.
         SolveError: no search gave a model that can be simulated.
+        KeyboardInterrupt: it was halted or interrupted before there was a model.
     """
     options = options or Options()
     records = (records,) if isinstance(records, Sampled) else tuple(records)
@@ -120,7 +123,12 @@ def estimate_chain(
     _check_signals(made, records[0])
     chain = build_untrained(made, max(records, key=len))
     check_enough(chain, records, options.skip)
-    return _Estimation(chain, records, options, watch or (lambda text, share: None)).run()
+    made = _Estimation(chain, records, options, watch or (lambda text, share: None))
+    made.goal = replace(made.goal, halt=halt or made.goal.halt)
+    try:
+        return made.run()
+    except HaltedSearchError:  # between two searches
+        raise KeyboardInterrupt from None
 
 
 def _check_signals(blocks: Sequence[AbstractBlock], record: Sampled) -> None:

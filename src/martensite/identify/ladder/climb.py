@@ -1,0 +1,378 @@
+"""The ladder of structures: from the best linear model to hysteresis, feedback and nonlinear state space.
+
+Each rung has a few structures; the best of them on the blocks to choose by goes on with more starts and takes the
+place of the model so far if its errors there are smaller by more than chance. So of equals the simpler stays, which
+comes first. The climb ends where the residuals hold nothing more, at the last rung, or when the time box is used up.
+The model is then fitted to all blocks but those held out, and judged on these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from martensite.base.errors import MartensiteError, SolveError
+from martensite.base.interrupts import accept_interrupt
+from martensite.identify.blocks.base import Numbers
+from martensite.identify.chains.chain import Chain, build_untrained
+from martensite.identify.chains.chain_text import parse_chain
+from martensite.identify.chains.decimation import COARSE, find_thinnest
+from martensite.identify.chains.doubts import describe_copies, describe_exchange
+from martensite.identify.chains.estimate import ChainEstimate, Options, estimate_chain
+from martensite.identify.chains.goals import AUTO, check_informative, check_records
+from martensite.identify.chains.scores import OutputScore, score_chain
+from martensite.identify.chains.validation import Validation, validate_chain
+from martensite.identify.ladder.blocked_records import (
+    BlockedRecord,
+    BlockErrors,
+    compare_errors,
+    describe_silence,
+    describe_step,
+    divide_records,
+    measure_blocks,
+    run_blocks,
+)
+from martensite.identify.ladder.ladder_result import Ladder, LadderRung, LadderTrial
+from martensite.identify.ladder.record_tests import (
+    DelayTest,
+    describe_coherence,
+    describe_linearity,
+    describe_rest,
+    find_delay,
+)
+from martensite.identify.ladder.regimes import set_apart
+from martensite.identify.ladder.rungs import LINEAR, list_neighbours, list_rungs, write_linear
+from martensite.identify.ladder.time_box import TimeBox, measure_processor_time
+from martensite.search.quantity_text import format_number
+from martensite.signals.sampling.resampling import resample_record
+from martensite.signals.sampling.sampled import Sampled
+
+TIME_BOX = 120.0
+"""Processor time of a climb [s]."""
+RESERVED = 0.15
+"""Share of it for the last fit."""
+ORDERS = (1, 2, 3, 4)
+LEAST_ORDER = 2
+"""Of the linear blocks above the linear rung."""
+PROBE = Options(starts=4, refined=1, iterations=60, start=AUTO, anchor=0.1, ridge=1e-6)
+"""How every structure is tried."""
+LIKELY = 0.84
+"""Probability of one standard error, with which structures of one rung, and orders, must differ."""
+DOUBTFUL = 0.01
+"""Probability of residuals as little white by chance, below which something is left in them."""
+Watch = Callable[[str, float], None]
+Keep = Callable[[LadderTrial], None]
+
+
+@dataclass(eq=False)
+class _Climb:
+    """A climb under way: what is found so far stays when it is stopped."""
+
+    blocked: tuple[BlockedRecord, ...]
+    options: Options
+    clock: TimeBox
+    watch: Watch
+    keep: Keep
+    rungs: list[LadderRung] = field(default_factory=list[LadderRung])
+    best: LadderTrial | None = None
+    stopped: str = ""
+
+    def try_structure(self, rung: str, text: str, options: Options) -> LadderTrial:
+        """A structure fitted without the blocks to choose by, and its errors on these."""
+        begun = measure_processor_time()
+        seen = [one.hide(False) for one in self.blocked if one.fitted]
+        numbers = len(build_untrained(parse_chain(text), seen[0]).theta)
+        done = "" if self.best is None else f", so far {self.best.chosen_by.fit:.1f} %"
+        tell: Watch = lambda words, share: self.watch(f"{rung}, {text}: {words}{done}", self.clock.share)  # noqa: E731
+        none = BlockErrors(np.nan, np.full(1, np.inf))
+        try:
+            with np.errstate(all="ignore"):  # a structure may grow without bound
+                found = estimate_chain(text, seen, options, tell, self.clock.halt)
+                runs = run_blocks(found.chain, self.blocked, False)
+                chosen_by, held = (measure_blocks(self.blocked, runs, last) for last in (False, True))
+        except MartensiteError as error:
+            return LadderTrial(text, numbers, None, none, none, measure_processor_time() - begun, str(error))
+        return LadderTrial(text, numbers, found.chain, chosen_by, held, measure_processor_time() - begun)
+
+    def climb_rung(self, name: str, structures: Sequence[str], larger: LadderTrial | None = None) -> None:
+        """Try the structures of a rung; the best takes the place of the model so far if it is better.
+
+        Of a `larger` model it takes the place if that is not better.
+        """
+        trials: list[LadderTrial] = []
+        try:
+            for text in structures:
+                trials.append(self.try_structure(name, text, PROBE))
+                if self.clock.halt.is_set():
+                    raise KeyboardInterrupt
+            lead = _pick_best(trials)
+            if lead.chain is not None and (larger or compare_errors(self.reference, lead.chosen_by).value > 0.0):
+                more = replace(self.options, begin=(lead.chain,), refined=1)
+                trials.append(self.try_structure(name, lead.structure, more))
+                if self.clock.halt.is_set():
+                    raise KeyboardInterrupt
+        except KeyboardInterrupt:
+            accept_interrupt()
+            self.stopped = "time box" if self.clock.over else "interrupted"
+            self.clock.halt.set()
+        if not trials:
+            return
+        lead = _pick_best(trials)
+        gain = compare_errors(self.reference, lead.chosen_by)
+        kept = lead.chain is not None and gain.certain
+        if larger is not None:
+            kept = lead.chain is not None and not compare_errors(lead.chosen_by, larger.chosen_by, LIKELY).certain
+        others = sorted((one for one in trials if one.structure != lead.structure), key=_rank)
+        self.rungs.append(LadderRung(name, (lead, *others), gain, kept))
+        if kept:
+            self.best = lead
+            self.keep(lead)
+
+    def trim_order(self) -> None:
+        """Take off poles without which the model so far is as good."""
+        while self.best is not None and not self.stopped and (found := LINEAR.search(self.best.structure)):
+            order = int(found[1]) - 1
+            if order < 1:
+                return
+            less = LINEAR.sub(f"oe({order + (found[2] == '0')},{order},{found[2]})", self.best.structure)
+            before = self.best
+            self.climb_rung("fewer poles", [less], before)
+            if self.best is before:
+                return
+
+    @property
+    def reference(self) -> BlockErrors:
+        """The errors of the model so far, or of the mean."""
+        return self.best.chosen_by if self.best else self.measure_mean().chosen_by
+
+    def measure_mean(self) -> LadderTrial:
+        """The mean of what was fitted, as a model."""
+        runs = run_blocks(None, self.blocked, False)
+        chosen_by, held = (measure_blocks(self.blocked, runs, last) for last in (False, True))
+        return LadderTrial("mean", 1, None, chosen_by, held, 0.0)
+
+    def climb_linear(self, delay: int, count: int) -> int:
+        """The linear rung: the lowest order that no higher one is better than by more than chance."""
+        ins, outs = (len(names) for names in (self.record.input_names, self.record.output_names))
+        trials: list[LadderTrial] = []
+        try:
+            for k in ORDERS[:count]:
+                text = write_linear(k, delay, ins, outs)
+                trials.append(self.try_structure("linear", text, replace(PROBE, starts=2)))
+                if self.clock.halt.is_set():
+                    raise KeyboardInterrupt
+        except KeyboardInterrupt:
+            accept_interrupt()
+            self.stopped = "time box" if self.clock.over else "interrupted"
+            self.clock.halt.set()
+        if not trials:
+            raise SolveError("Nothing was found yet: not even the first linear model was finished.")
+        best, order = trials[0], ORDERS[0]
+        for k, one in zip(ORDERS, trials, strict=False):
+            if one.chain is not None and compare_errors(best.chosen_by, one.chosen_by, LIKELY).certain:
+                best, order = one, k
+        if best.chain is None:
+            raise SolveError(f"No linear model could be found. {best.fault}".strip())
+        gain = compare_errors(self.reference, best.chosen_by)
+        others = [one for one in sorted(trials, key=_rank) if one is not best]
+        self.rungs.append(LadderRung("linear", (best, *others), gain, gain.certain))
+        self.best = best if gain.certain else None
+        self.keep(best)
+        return order
+
+    @property
+    def record(self) -> Sampled:
+        """The first record."""
+        return self.blocked[0].record
+
+    def exhausts(self) -> bool:
+        """Whether the residuals of the model so far are white and hold nothing of the inputs."""
+        if self.best is None or self.best.chain is None:
+            return False
+        chain, fitted = self.best.chain, [one for one in self.blocked if one.fitted]
+        # without gaps: of the longest stretch of a record in blocks nothing may happen in any
+        checks = [validate_chain(chain, _cut_held(one), state=_run_until(chain, one, False, 0)) for one in fitted]
+        return all(one.explained and all(test.p_value >= DOUBTFUL for test in one.whiteness) for one in checks)
+
+
+def climb_ladder(
+    records: Sampled | Sequence[Sampled],
+    validation: Sequence[Sampled] = (),
+    other: Sequence[Sampled] = (),
+    options: Options | None = None,
+    time_box: float = TIME_BOX,
+    watch: Watch | None = None,
+    keep: Keep | None = None,
+) -> Ladder:
+    """The simplest structure that predicts records best, without one being given.
+
+    Args:
+        records: what is fitted; those of another regime than the first are set apart. The last fifth of each is
+            held out, and a third of the rest is left out of fits to choose by.
+        validation: records to choose by instead.
+        other: records that are held out instead.
+        options: how the best structure of a rung is estimated; others with fewer starts.
+        time_box: processor time [s].
+        watch: called with a sentence and the share of the box that is used.
+        keep: called with every better model as soon as it is found.
+
+    Raises:
+        InputError: the records do not fit together, or say nothing at all.
+        SolveError: not even a linear model was found.
+    """
+    records = [records] if isinstance(records, Sampled) else list(records)
+    check_informative(records[:1], 0, "rest")
+    kept, apart = set_apart(records)
+    factor = find_thinnest(kept, max(map(len, kept)) // COARSE)
+    tests = [text for record in kept[:1] for text in describe_copies([record])]
+    if factor > 1:
+        interval = factor * kept[0].interval
+        kept, validation, other = ([resample_record(r, interval) for r in group] for group in (kept, validation, other))
+        tests.append(
+            f"Sample time: {factor} samples are averaged to one of {format_number(interval, 3)} s, which loses nothing."
+        )
+    check_records([*kept, *validation, *other])
+    blocked = divide_records(kept, validation, other)
+    clock = TimeBox(time_box)
+    tell: Watch = watch or (lambda text, share: None)
+    climb = _Climb(blocked, options or replace(PROBE, starts=12), clock, tell, keep or (lambda trial: None))
+    with clock.watched(1.0 - RESERVED):
+        tests += _climb_all(climb)
+    return _finish(climb, tests, [records[k] for k in apart], list(apart.values()))
+
+
+def _climb_all(climb: _Climb) -> list[str]:
+    """Test the records, then climb rung by rung; what the tests say."""
+    seen = [one.hide(False) for one in climb.blocked if one.fitted]
+    climb.watch("rest and delay", climb.clock.share)
+    delay = find_delay(seen)
+    order = climb.climb_linear(delay.value, len(ORDERS))
+    tests = [*describe_rest(seen), *_describe_order(climb, delay, order)]
+    linear = climb.rungs[0].trials[0].chain
+    if linear is not None:
+        tests += [text for one in climb.blocked if one.fitted for text in describe_coherence(_cut_held(one))]
+        tests += describe_linearity(linear, [validate_chain(linear, record) for record in seen])
+    if climb.stopped or describe_step(seen) or describe_silence(climb.blocked, False):
+        return tests
+    ins, outs = (len(names) for names in (climb.record.input_names, climb.record.output_names))
+    # nonlinear terms hide poles from a linear model: at least two go on, and the last step takes off what is idle
+    for name, structures in list_rungs(max(order, LEAST_ORDER), delay.value, ins, outs):
+        if climb.exhausts():
+            tests.append("The residuals are white and hold nothing of the input: higher rungs have nothing to find.")
+            break
+        climb.climb_rung(name, structures)
+        if name == "Hammerstein–Wiener" and not climb.stopped and climb.best is not None:
+            climb.climb_rung("order and delay", list_neighbours(climb.best.structure))
+        if climb.stopped:
+            break
+    climb.trim_order()
+    return tests
+
+
+def _cut_held(one: BlockedRecord) -> Sampled:
+    return one.record.rows(0, one.held[0].start if one.held else None)
+
+
+def _describe_order(climb: _Climb, delay: DelayTest, order: int) -> Iterator[str]:
+    fits = {one.structure: one.chosen_by.fit for one in climb.rungs[0].trials}
+    tried = ", ".join(f"`{text}` {fit:.1f} %" for text, fit in sorted(fits.items()))
+    yield delay.sentence
+    yield f"Linear order: {order}; higher ones are not better by more than chance ({tried})."
+
+
+def _rank(trial: LadderTrial) -> float:
+    """Mean error on the blocks to choose by; infinite without a model."""
+    error = float(np.mean(trial.chosen_by.pieces)) if len(trial.chosen_by.pieces) else np.inf
+    return error if trial.chain is not None and np.isfinite(error) else np.inf
+
+
+def _pick_best(trials: Sequence[LadderTrial]) -> LadderTrial:
+    """The one with the least error; of those that are as good but for chance the one of fewest numbers."""
+    best = min(trials, key=_rank)
+    near = [
+        one
+        for one in trials
+        if _rank(one) < np.inf and not compare_errors(one.chosen_by, best.chosen_by, LIKELY).certain
+    ]
+    return min(near, key=lambda one: (one.numbers, _rank(one)), default=best)
+
+
+def _finish(climb: _Climb, tests: list[str], apart: Sequence[Sampled], said: Sequence[str]) -> Ladder:
+    """The chosen structure fitted to all that is not held out, and judged on that."""
+    chosen = climb.best or climb.rungs[0].trials[0]
+    chain, whole = chosen.chain, False
+    remarks: list[str] = []
+    if chain is None:
+        raise SolveError("No model was found.")
+    if climb.stopped != "interrupted" and any(one.chosen_by and one.fitted for one in climb.blocked):
+        chain, whole, remarks = _fit_whole(climb, chain)
+    runs = run_blocks(chain, climb.blocked, whole)
+    errors = measure_blocks(climb.blocked, runs, True)
+    fitted = [one.record for one in climb.blocked if one.fitted]
+    doubts = [describe_step(fitted), *(describe_silence(climb.blocked, held) for held in (False, True))]
+    doubts += describe_exchange(fitted, errors.fit)
+    return Ladder(
+        climb.blocked,
+        climb.measure_mean(),
+        tuple(climb.rungs),
+        chosen,
+        chain,
+        errors,
+        tuple(_check_held(chain, climb.blocked, whole)),
+        tuple(tests),
+        tuple(said),
+        tuple(_score_apart(chain, apart)),
+        tuple(text for text in doubts if text),
+        tuple(remarks),
+        climb.stopped,
+    )
+
+
+def _fit_whole(climb: _Climb, chain: Chain) -> tuple[Chain, bool, list[str]]:
+    """The chain, its numbers fitted to the blocks to choose by as well; whether it was."""
+    own = [one.hide(True) for one in climb.blocked if one.fitted]
+    options = replace(PROBE, starts=0, begin=(chain,))
+    try:
+        climb.watch("last fit", climb.clock.share)
+        found: ChainEstimate = estimate_chain(chain.blocks, own, options)
+    except KeyboardInterrupt:
+        accept_interrupt()
+        climb.stopped = "interrupted"
+        return chain, False, []
+    except MartensiteError:
+        return chain, False, []
+    return found.chain, True, list(found.remarks)
+
+
+def _check_held(chain: Chain, blocked: Sequence[BlockedRecord], whole: bool) -> Iterator[Validation]:
+    """The chain on what is held out, each run on from the first sample of its record."""
+    runs = run_blocks(chain, blocked, whole)
+    for one, run in zip(blocked, runs, strict=True):
+        if not one.held or not np.all(np.isfinite(run)):
+            continue
+        first = one.held[0].start
+        part = one.record.rows(first, None, f"{one.record.name}, held out")
+        if np.isfinite(part.outputs).sum(axis=0).min() >= 10:
+            yield validate_chain(chain, part, state=_run_until(chain, one, whole, first))
+
+
+def _run_until(chain: Chain, one: BlockedRecord, whole: bool, first: int) -> Numbers:
+    """The state of a run at a sample."""
+    from martensite.identify.chains.record_starts import find_start
+
+    begin = find_start(chain, one.hide(whole) if one.fitted else one.record, AUTO)
+    rested = chain.engine.rest(chain.theta, one.record.inputs[0]).state
+    state = np.array(rested if begin.state is None else begin.state, dtype=float)
+    if first:
+        chain.engine.simulate(chain.theta, one.record.inputs[:first], state)
+    return state
+
+
+def _score_apart(chain: Chain, apart: Sequence[Sampled]) -> Iterator[OutputScore]:
+    for record in apart:
+        try:
+            yield from score_chain(chain, [record], "set apart")
+        except MartensiteError:  # shorter than a sample of the model
+            continue

@@ -1,0 +1,134 @@
+"""What a climb of the ladder found: every structure that was tried, the model, and what that is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.scores import OutputScore
+from martensite.identify.chains.validation import WHOLE, Validation
+from martensite.identify.ladder.blocked_records import BlockedRecord, BlockErrors, ErrorFall, compare_errors
+from martensite.identify.ladder.record_tests import find_memory
+from martensite.search.quantity_text import format_number
+
+JUDGED = 0.95
+"""Probability with which the verdict must not be chance."""
+
+
+@dataclass(frozen=True, eq=False)
+class LadderTrial:
+    """One structure on the ladder."""
+
+    structure: str
+    numbers: int
+    """Free numbers."""
+    chain: Chain | None
+    """None if no search gave a model, and for the mean."""
+    chosen_by: BlockErrors
+    """On the blocks to choose by."""
+    held: BlockErrors
+    """On the blocks held out: shown, and never used to choose."""
+    seconds: float
+    """Processor time."""
+    fault: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class LadderRung:
+    """What was tried on a rung, best first, and what became of the best."""
+
+    name: str
+    trials: tuple[LadderTrial, ...]
+    gain: ErrorFall
+    """Of the best over the model before."""
+    kept: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Ladder:
+    """A climb, the model at its end, and what that is worth."""
+
+    blocked: tuple[BlockedRecord, ...]
+    baseline: LadderTrial
+    """The mean of what was fitted."""
+    rungs: tuple[LadderRung, ...]
+    chosen: LadderTrial
+    """The highest rung kept; the best linear model where nothing is better than the mean."""
+    model: Chain
+    """Its structure, fitted to all that is not held out."""
+    held: BlockErrors
+    """Of the model."""
+    checks: tuple[Validation, ...]
+    """The model on what is held out."""
+    tests: tuple[str, ...]
+    """What was tested before, a sentence each."""
+    apart: tuple[str, ...]
+    """Records of another regime, a sentence each."""
+    apart_scores: tuple[OutputScore, ...]
+    """How these are predicted."""
+    doubts: tuple[str, ...]
+    """Why records are uninformative, or the result must not be trusted; empty if nothing is wrong."""
+    remarks: tuple[str, ...] = ()
+    stopped: str = ""
+    """`time box` or `interrupted` if it ended before the last rung."""
+
+    @property
+    def gain(self) -> ErrorFall:
+        """By how much the model is better than the mean on what is held out."""
+        return compare_errors(self.baseline.held, self.held, JUDGED)
+
+    @property
+    def predicts(self) -> bool:
+        """Whether it predicts what is held out: better than the mean, and than a constant of its own there."""
+        return self.gain.certain and self.held.fit > 0.0
+
+    @property
+    def verdict(self) -> str:
+        """What the model is worth, in a sentence."""
+        text = f"`{self.model.text()}`"
+        scores = f"fit {self.held.fit:.1f} % on the blocks held out, the mean {self.baseline.held.fit:.1f} %"
+        sizes = [f"{format_number(s.rms, 2)} {s.unit}" for one in self.checks for s in one.scores if s.part == WHOLE]
+        scores += f", rms error {', '.join(sizes)}" if sizes else ""
+        if not self.predicts:
+            return f"{text} does not predict better than the mean of the output: {scores}."
+        return f"{text} predicts: {scores}."
+
+    @property
+    def advice(self) -> tuple[str, ...]:
+        """What to record next, a sentence each."""
+        return tuple(_advise(self))
+
+
+def _advise(found: Ladder) -> Iterator[str]:
+    """What to record next."""
+    records = [one.record for one in found.blocked if one.fitted]
+    if found.doubts:
+        yield "An input that moves throughout: steps and ramps of several heights, at least two rates, minor loops."
+    if not found.predicts:
+        yield (
+            "An output that answers: check that both columns are of one experiment and not exchanged, drive harder, "
+            "and record longer."
+        )
+    memory = max((_find_memory(one) for one in found.checks), default=np.nan)
+    if np.isfinite(memory) and memory > 0.02 * min(record.duration for record in records):
+        yield (
+            f"Residuals remember {format_number(memory, 2)} s: a longer record, or one of another cadence given by "
+            "--validate, would tell a slow effect from drift."
+        )
+    if any(not one.explained for one in found.checks):
+        yield (
+            "Residuals still follow the input: more levels and reversals of the input, or a structure of your own "
+            "(--search)."
+        )
+    if len(found.blocked) == 1:
+        yield (
+            "A log of another cadence (other rates, minor loops), given by --other: all blocks of one log share "
+            "theirs, in which lag and hysteresis look alike."
+        )
+
+
+def _find_memory(check: Validation) -> float:
+    return max(find_memory(check.record, errors) for errors in check.residuals.T)

@@ -1,0 +1,172 @@
+"""What records say before a structure is chosen: rest, delay, order, whether they are linear.
+
+The delay is profiled: inputs are shifted and a linear model is fitted for each shift. Delays whose squared error V
+is not beyond V₀ exp(3.84/n) are within its interval of 95 %, n being the number of independent residuals.
+Whether a record is linear is asked of the residuals of its best linear approximation: correlation with the square
+of the input (a bend), errors that differ between rising and falling inputs (a loop); and of the coherence
+|S_yu|²/(S_u S_y), the share of the output that a linear system could give at all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+
+from martensite.base.errors import MartensiteError
+from martensite.identify.blocks.base import Numbers
+from martensite.identify.blocks.state_space import StateSpace
+from martensite.identify.blocks.transfer_function import TransferFunction
+from martensite.identify.chains.best_linear import polish_linear
+from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.decimation import coarsen_records
+from martensite.identify.chains.record_starts import shows_rest
+from martensite.identify.chains.validation import Validation
+from martensite.search.quantity_text import format_number
+from martensite.search.whiteness import count_effective_samples
+from martensite.signals.sampling.sampled import Sampled
+
+SHIFTS = (-1, 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48)
+"""Delays that are tried first [samples], less one."""
+WORSE = 1.5
+"""Squared error, over the least, from which longer delays are not tried."""
+CHI2 = 3.84
+"""Quantile of 95 % of χ² with one degree of freedom."""
+STEPS = 12
+"""Of each search."""
+UNKNOWN = 0.9
+"""Share of the variance that a linear model leaves, from which a delay cannot be told."""
+
+
+@dataclass(frozen=True)
+class DelayTest:
+    """The delay in samples, and between which it is with 95 %."""
+
+    value: int
+    low: int
+    high: int
+    interval: float
+    """Sample time [s]."""
+    left: float
+    """Share of the variance of the outputs that a linear model of this delay leaves."""
+
+    @property
+    def sentence(self) -> str:
+        """The delay and its interval."""
+        if self.left > UNKNOWN:
+            return (
+                f"Delay: cannot be told, as linear models leave {100.0 * self.left:.0f} % of the variance of the "
+                "output; one sample is taken."
+            )
+        ends = f"{self.low} to {self.high}" if self.low < self.high else "no other"
+        return (
+            f"Delay: {self.value} samples ({format_number(self.value * self.interval, 3)} s); within 95 %: {ends}. "
+            "A slow pole that the model lacks counts as delay."
+        )
+
+
+def find_delay(records: Sequence[Sampled], order: int = 2) -> DelayTest:
+    """The delay with which a linear model reproduces records best."""
+    thin = coarsen_records(records, 2000)
+    if abs(thin[0].interval / records[0].interval - 1.0) > 1e-6:
+        thin = [record.rows(0, 4000) for record in records]  # delays are counted in samples of the records
+    found: dict[int, tuple[float, float]] = {}
+    for shift in SHIFTS:
+        if shift >= min(map(len, thin)) // 4:
+            break
+        found[shift] = _measure_shift(thin, shift, order)
+        best = min(found, key=lambda k: found[k][0])
+        if found[shift][0] > WORSE * found[best][0] and shift > best + 1:
+            break
+    best = min(found, key=lambda k: found[k][0])
+    for shift in range(best - 3, best + 4):
+        if shift >= -1 and shift not in found and shift < max(found):
+            found[shift] = _measure_shift(thin, shift, order)
+    best = min(found, key=lambda k: found[k][0])
+    least, count = found[best]
+    near = [k for k, (value, _) in found.items() if count * np.log(value / least) <= CHI2] if least > 0.0 else [best]
+    if best > min(near, default=best):  # the least that is as good: a longer one may stand for poles
+        best = max(min(near), min(best, 0))
+    left = least / sum(int(np.isfinite(r.outputs).all(axis=1).sum()) * r.outputs.shape[1] for r in thin)
+    value = 0 if left > UNKNOWN else best
+    low, high = min([value, *near]), max([value, *near])
+    return DelayTest(value + 1, low + 1, high + 1, records[0].interval, left)
+
+
+def _measure_shift(records: Sequence[Sampled], shift: int, order: int) -> tuple[float, float]:
+    """Squared error of a linear model of inputs that come later, and how many residuals are independent."""
+    moved = [replace(r, inputs=r.inputs[np.clip(np.arange(len(r)) - shift, 0, len(r) - 1)]) for r in records]
+    ins, outs = records[0].inputs.shape[1], records[0].outputs.shape[1]
+    block = StateSpace(order=order, ins=ins, outs=outs, nk=1, offset="yes")
+    if (ins, outs) == (1, 1):
+        block = TransferFunction(nb=order, nf=order, nk=1)
+    try:
+        model = polish_linear(block, moved, iterations=STEPS)
+    except MartensiteError:
+        return np.inf, 1.0
+    scale = np.nanstd(np.concatenate([r.outputs for r in records]), axis=0)
+    errors = np.concatenate([(r.outputs - model.simulate(r.inputs)) / scale for r in moved])
+    known = errors[np.all(np.isfinite(errors), axis=1)]
+    if not len(known):
+        return np.inf, 1.0
+    return float(np.sum(known**2)), count_effective_samples(known[:, 0])
+
+
+def describe_rest(records: Sequence[Sampled]) -> list[str]:
+    """How every record begins, in a sentence each."""
+    return [
+        f"`{record.name}` begins at rest: inputs are held at an end of their range and outputs stay."
+        if shows_rest(record)
+        else f"`{record.name}` does not show that it begins at rest: its initial state is found with the model."
+        for record in records
+    ]
+
+
+def describe_coherence(record: Sampled) -> Iterator[str]:
+    """How much of the output a linear system could give, in a sentence; none where it is too short."""
+    share = measure_coherence(record)
+    if np.isfinite(share):
+        yield (
+            f"`{record.name}`: coherence of `{record.input_names[0]}` and `{record.output_names[0]}` {share:.2f}, the "
+            "share of the power of the output that a linear system could give."
+        )
+
+
+def measure_coherence(record: Sampled) -> float:
+    """Share of the power of the outputs that a linear system of the first input could give; NaN if too short."""
+    u = record.inputs[:, 0]
+    y = record.outputs[:, 0]
+    known = np.isfinite(y)
+    size = int(known.sum()) // 8
+    if size < 32 or not known.any():
+        return np.nan
+    y = np.interp(np.arange(len(y)), np.flatnonzero(known), y[known])
+    signal: Any = import_module("scipy.signal")
+    _, shares = signal.coherence(u, y, nperseg=size, detrend="linear")
+    _, power = signal.welch(y, nperseg=size, detrend="linear")
+    return float(np.nansum(shares * power) / np.sum(power))
+
+
+def describe_linearity(linear: Chain, checks: Sequence[Validation]) -> list[str]:
+    """What speaks against a linear system, a sentence each."""
+    found: list[str] = []
+    for one in checks:
+        bends = [test for test in one.crossed if "²" in test.signal and not test.explained]
+        for test in bends:
+            found.append(
+                f"`{one.record.name}`: what `{linear.text()}` leaves follows {test.signal} "
+                f"({format_number(test.following[1], 2)}, by chance {format_number(test.limit, 2)}): not linear."
+            )
+        if not bends and one.crossed:
+            found.append(f"`{one.record.name}`: what `{linear.text()}` leaves does not follow the square of an input.")
+        found += [text for text in one.failures if "uneven" in text]
+    return found
+
+
+def find_memory(record: Sampled, errors: Numbers) -> float:
+    """How long residuals remember [s]: the record over its number of independent residuals."""
+    known = errors[np.isfinite(errors)]
+    return record.duration / count_effective_samples(known) if len(known) > 1 else np.nan

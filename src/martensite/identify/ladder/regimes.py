@@ -1,0 +1,78 @@
+"""Which records belong together: those of another regime are set apart, and named.
+
+The first record says what the regime is. Another sample time, another range or level of a signal, or dynamics that
+its best linear approximation does not have, and a record is not fitted with it, only predicted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from martensite.base.errors import MartensiteError
+from martensite.identify.chains.best_linear import best_linear
+from martensite.identify.chains.decimation import coarsen_records
+from martensite.identify.chains.goals import AUTO
+from martensite.identify.chains.scores import fit_percent, free_run
+from martensite.search.quantity_text import format_number
+from martensite.signals.sampling.sampled import Sampled
+
+RATIO = 2.0
+"""Of the ranges of an input from which the amplitude is another."""
+SHIFT = 0.5
+"""Of the middle of a signal, over the larger range, from which its level is another."""
+FOREIGN = 2.0
+"""Error of the linear model of another record, over that of its own, from which dynamics differ."""
+POOR = 0.25
+"""Such an error at least, over the spread of the output."""
+
+
+def set_apart(records: Sequence[Sampled]) -> tuple[list[Sampled], dict[int, str]]:
+    """The records of the regime of the first, and why others are not, by their place."""
+    first, kept, apart = records[0], [records[0]], dict[int, str]()
+    for place, record in enumerate(records[1:], start=1):
+        reason = _explain_range(first, record) or _explain_dynamics(first, record)
+        if reason:
+            apart[place] = f"`{record.name}` is set apart from `{first.name}`: {reason}. It is predicted, not fitted."
+        else:
+            kept.append(record)
+    return kept, apart
+
+
+def _explain_range(first: Sampled, record: Sampled) -> str:
+    """What of sample time, amplitude and level differs, in words; empty if nothing does."""
+    if abs(record.interval / first.interval - 1.0) > 1e-6:
+        return f"its sample time is {record.interval:.4g} s, not {first.interval:.4g} s"
+    pairs = zip((*first.inputs.T, *first.outputs.T), (*record.inputs.T, *record.outputs.T), strict=True)
+    names = (*first.input_names, *first.output_names)
+    for k, (name, (a, b)) in enumerate(zip(names, pairs, strict=True)):
+        low, high = ((float(np.nanmin(x)), float(np.nanmax(x))) for x in (a, b))
+        ranges = f"{_write_range(high)}, not {_write_range(low)}"
+        wide = sorted((low[1] - low[0], high[1] - high[0]))
+        if k < len(first.input_names) and wide[1] > RATIO * wide[0]:
+            return f"the amplitude of `{name}` is another, {ranges}"
+        if abs(sum(low) - sum(high)) / 2.0 > SHIFT * max(wide[1], 1e-300):
+            return f"the level of `{name}` is another, {ranges}"
+    return ""
+
+
+def _write_range(ends: tuple[float, float]) -> str:
+    return " to ".join(format_number(end, 3) for end in ends)
+
+
+def _explain_dynamics(first: Sampled, record: Sampled) -> str:
+    """Whether the linear model of one record fails on the other where that has a better one of its own."""
+    try:
+        ours, its = coarsen_records([first, record], 2000)
+        model, own = (best_linear(one, 2, iterations=20) for one in (ours, its))
+        fits = [float(np.mean(fit_percent(its.outputs, free_run(m, its, AUTO)))) for m in (model, own)]
+    except MartensiteError:
+        return ""
+    errors = [1.0 - fit / 100.0 for fit in fits]
+    if errors[0] > FOREIGN * errors[1] and errors[0] > POOR:
+        return (
+            f"its dynamics are others: the linear model of `{first.name}` fits it to {fits[0]:.0f} %, one of its own "
+            f"to {fits[1]:.0f} %"
+        )
+    return ""

@@ -1,0 +1,44 @@
+"""A limit of processor time."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Generator
+from contextlib import contextmanager
+from threading import Event, Thread
+
+
+class TimeBox:
+    """Processor time of this process and those it started, such as compilers; sets an event when it is used up."""
+
+    def __init__(self, seconds: float) -> None:
+        self.halt, self._ended = Event(), Event()
+        self.over = False
+        self._begun, self._seconds = measure_processor_time(), seconds
+
+    @property
+    def share(self) -> float:
+        """How much of it is used."""
+        return min((measure_processor_time() - self._begun) / self._seconds, 1.0)
+
+    @contextmanager
+    def watched(self, part: float) -> Generator[None]:
+        """Set the event once a part of the box is used."""
+
+        def look() -> None:
+            while not self._ended.wait(0.1):
+                if self.share >= part:
+                    self.over = True
+                    self.halt.set()
+                    return
+
+        Thread(target=look, daemon=True).start()
+        try:
+            yield
+        finally:
+            self._ended.set()
+
+
+def measure_processor_time() -> float:
+    """Processor time of this process and of those that it has waited for [s]."""
+    return float(sum(os.times()[:4]))

@@ -1,0 +1,142 @@
+"""A climb of the ladder of structures in words: what the record is, what was tried, what the model is worth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
+from martensite.identify.ladder.ladder_result import Ladder, LadderRung, LadderTrial
+from martensite.show.figures.model import plot_model, plot_model_loop, plot_model_tests
+
+HEAD = ("rung", "structure", "numbers", "chosen by [%]", "held out [%]", "error falls by", "s", "verdict")
+STOPPED = {
+    "time box": "The climb was ended by the time box (--time-box)",
+    "interrupted": "The climb was interrupted: this is the best so far",
+}
+
+
+def summarise_ladder(found: Ladder) -> Summary:
+    """Everything about a climb: for a terminal without the figures, for a page with them."""
+    names = ", ".join(f"`{name}`" for name in found.model.input_names)
+    outputs = ", ".join(f"`{name}`" for name in found.model.output_names)
+    title = f"Model of {outputs} from {names}".replace("`", "")
+    blocks = [
+        *_describe_records(found),
+        *_describe_climb(found),
+        *_describe_verdict(found),
+        *_describe_held(found),
+        *_describe_next(found),
+    ]
+    return Summary(title, blocks, _collect_numbers(found), f"{found.verdict} All scores are of free runs.")
+
+
+def _describe_records(found: Ladder) -> Iterator[Block]:
+    yield Heading("The record")
+    rows = [
+        (
+            one.record.name,
+            f"{len(one.record)}",
+            f"{one.record.interval:.4g}",
+            f"{one.record.duration:.4g}",
+            _tell_use(one.fitted, bool(one.chosen_by), bool(one.held)),
+        )
+        for one in found.blocked
+    ]
+    yield DataTable(("record", "samples", "sample time [s]", "length [s]", "used to"), rows, right=(1, 2, 3))
+    remarks = [f"`{one.record.name}`: {text}" for one in found.blocked for text in one.record.remarks]
+    yield BulletList([*remarks, *found.tests])
+    if found.apart:
+        scores = [f"`{s.record}`, `{s.output}`: fit {s.fit:.1f} % with the model" for s in found.apart_scores]
+        yield Notice("Another regime", [*found.apart, *scores], True)
+
+
+def _tell_use(fitted: bool, chosen: bool, held: bool) -> str:
+    return ", ".join(word for word, used in (("fit", fitted), ("choose", chosen), ("judge", held)) if used)
+
+
+def _describe_climb(found: Ladder) -> Iterator[Block]:
+    yield Heading("The ladder")
+    mean = found.baseline
+    rows = [("–", "mean of the output", "1", f"{mean.chosen_by.fit:.1f}", f"{mean.held.fit:.1f}", "–", "–", "baseline")]
+    rows += [_write_trial(rung, rung.trials[0], found) for rung in found.rungs]
+    note = (
+        "The best structure of every rung, with the fall of its error from that of the model before and the interval "
+        "of that fall (99 %). It is kept if that is above 0. What is held out chose nothing."
+    )
+    yield DataTable(HEAD, rows, right=(2, 3, 4, 6), note=note, detail=(2, 6), tones={"chosen": "good"})
+    more = [_write_trial(rung, trial, found) for rung in found.rungs for trial in rung.trials[1:]]
+    yield DataTable(HEAD, more, right=(2, 3, 4, 6), folded="All other structures that were tried")
+    if found.stopped:
+        yield Sentence(f"{STOPPED[found.stopped]}: higher rungs were not tried.", "caution")
+
+
+def _write_trial(rung: LadderRung, trial: LadderTrial, found: Ladder) -> tuple[str, ...]:
+    first = trial is rung.trials[0]
+    verdict = ("chosen" if trial is found.chosen else "kept" if rung.kept else "not better") if first else "–"
+    seconds = f"{trial.seconds:.1f}"
+    if trial.chain is None:
+        return rung.name, trial.structure, f"{trial.numbers}", "–", "–", "–", seconds, trial.fault
+    scores = (f"{trial.chosen_by.fit:.1f}", f"{trial.held.fit:.1f}")
+    return rung.name, trial.structure, f"{trial.numbers}", *scores, rung.gain.text if first else "–", seconds, verdict
+
+
+def _describe_verdict(found: Ladder) -> Iterator[Block]:
+    yield Heading("Verdict")
+    good = found.predicts and not found.doubts
+    said = [found.verdict]
+    if found.predicts:
+        said.append(f"Its error there is smaller than that of the mean by {found.gain.text}, at 95 %.")
+    title = "Result" if good else "Uninformative" if found.doubts else "No prediction"
+    yield Notice(title, [*said, *found.doubts, *found.remarks], not good)
+
+
+def _describe_held(found: Ladder) -> Iterator[Block]:
+    for k, one in enumerate(found.checks):
+        yield Heading(one.record.name[:1].upper() + one.record.name[1:], detail=True)
+        yield Picture(f"held{k}", lambda one=one: plot_model(one), "Measured and model, with the residual, held out.")
+        yield Picture(f"loop{k}", lambda one=one: plot_model_loop(one), "Output over input.")
+        yield Picture(f"tests{k}", lambda one=one: plot_model_tests(one), "Residuals with themselves and the inputs.")
+        yield BulletList(one.sentences, detail=True)
+
+
+def _describe_next(found: Ladder) -> Iterator[Block]:
+    if found.advice:
+        yield Heading("What to record next")
+        yield BulletList(found.advice)
+
+
+def _collect_numbers(found: Ladder) -> dict[str, Any]:
+    return {
+        "structure": found.model.text(),
+        "numbers": dict(zip(found.model.names(), map(float, found.model.theta), strict=True)),
+        "predicts": found.predicts,
+        "verdict": found.verdict,
+        "fit_held_out": found.held.fit,
+        "fit_held_out_of_mean": found.baseline.held.fit,
+        "free_run": True,
+        "stopped": found.stopped,
+        "tests": list(found.tests),
+        "set_apart": list(found.apart),
+        "doubts": list(found.doubts),
+        "advice": list(found.advice),
+        "rungs": [
+            {
+                "rung": rung.name,
+                "kept": rung.kept,
+                "gain": rung.gain.text,
+                "trials": [
+                    {
+                        "structure": trial.structure,
+                        "free_numbers": trial.numbers,
+                        "fit_chosen_by": trial.chosen_by.fit,
+                        "fit_held_out": trial.held.fit,
+                        "fault": trial.fault,
+                    }
+                    for trial in rung.trials
+                ],
+            }
+            for rung in found.rungs
+        ],
+        "residuals": [one.to_dict() for one in found.checks],
+    }
