@@ -80,7 +80,7 @@ distclean: clean ## clean, and remove .venv too
 	rm -rf $(VENV)
 
 # One stamp per set of extras, so that the environment is touched only when its declaration changed.
-# Every set contains the core and the studies, those of developers the web bench and the exports too; nothing
+# Every set contains the core and the studies, those of developers the web bench, exports and sweeps too; nothing
 # is uninstalled on the way from one to another.
 $(VENV)/.stamp-core: extra =
 $(VENV)/.stamp-dev: extra = dev
@@ -94,6 +94,6 @@ else
 		exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile \
-		-e '.$(if $(extra),[$(extra)])' -e ./studies $(if $(extra),-e ./app -e ./export)
+		-e '.$(if $(extra),[$(extra)])' -e ./studies $(if $(extra),-e ./app -e ./export -e ./sweep)
 endif
 	@touch $(VENV)/.stamp-core $@

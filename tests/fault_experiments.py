@@ -378,7 +378,7 @@ def sweep_store(path: Path, **how: Any) -> Any:
     """Make or go on with the sweep of the experiments."""
     from sweep_cases import wanted, wire
 
-    from martensite.design.sweep.api import SweepExecution, begin_sweep
+    from martensite_sweep.api import SweepExecution, begin_sweep
 
     return begin_sweep(wire(), wanted(), path, SweepExecution(**{"backend": "serial", **how})).run()
 
@@ -396,7 +396,7 @@ def try_store(seed: int) -> Verdict:
     """A store with a file that is damaged or gone: read, and gone on with."""
     from sweep_cases import arrays
 
-    from martensite.design.sweep.reading import read_sweep
+    from martensite_sweep.reading import read_sweep
 
     rng = random.Random(seed)
     expected = make_whole()
@@ -573,7 +573,7 @@ def try_cluster(seed: int) -> Verdict:
     """A worker of a Dask cluster is killed while a sweep is made."""
     from sweep_cases import arrays, undisturbed, wanted, wire
 
-    from martensite.design.sweep.api import SweepExecution, begin_sweep
+    from martensite_sweep.api import SweepExecution, begin_sweep
 
     distributed: Any = import_module("distributed")
     rng = random.Random(seed)

@@ -16,13 +16,13 @@ from martensite.base import units
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
 from martensite.base.status import Status
-from martensite.design.backends.base import BACKENDS
-from martensite.design.sampling.samples import DESIGNS
 from martensite.physics.materials.base import DOUBTFUL, NAMES, Material, load_material, material_names
 from martensite.scenario import catalogue
 from martensite.show.summaries.parts import write_default
 from martensite.simulate.measures.base import MEASURES
 from martensite.studies.base import AbstractStudy, Claim, load_study, study_names
+from martensite_sweep.backends.base import BACKENDS
+from martensite_sweep.sampling.samples import DESIGNS
 
 PLURALS = {
     "element": "Elements",

@@ -20,10 +20,6 @@ from websockets.sync.client import connect
 
 from martensite.base.errors import DataError, InputError
 from martensite.cli.app import app
-from martensite.design.sweep.indices import compute_sensitivity as sensitivity_indices
-from martensite.design.sweep.pareto import find_pareto_front
-from martensite.design.sweep.reading import read_sweep
-from martensite.design.sweep.store import Store
 from martensite_app.calls import sweep_form
 from martensite_app.calls.sweeps import delete_sweep as delete
 from martensite_app.calls.sweeps import estimate_indices as indices
@@ -36,6 +32,10 @@ from martensite_app.sweeping.sweep_drawing import MOST_DRAWN, SweepDrawing
 from martensite_app.sweeping.sweep_folder import SweepFolder, hold_store, make_slug
 from martensite_app.sweeping.sweep_request import quote_words
 from martensite_app.worker import Desk
+from martensite_sweep.indices import compute_sensitivity as sensitivity_indices
+from martensite_sweep.pareto import find_pareto_front
+from martensite_sweep.reading import read_sweep
+from martensite_sweep.store import Store
 
 TEXT = (Path(__file__).parents[2] / "examples/constant_power.toml").read_text("utf-8")
 SHORT = TEXT.replace('duration = "10 s"', 'duration = "2 s"\nsamples = 41')

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from martensite.base.errors import InputError
-from martensite.design.sampling.samples import DESIGNS, AbstractSample, parse_sampling
-from martensite.design.sweep.axes import SweepAxis, parse_axis
 from martensite.search.free_numbers import Target
+from martensite_sweep.axes import SweepAxis, parse_axis
+from martensite_sweep.sampling.samples import DESIGNS, AbstractSample, parse_sampling
 
 COUNT = 60
 TARGETS = {

@@ -22,7 +22,16 @@ from fences import README, ROOT, fences
 from packaging.requirements import Requirement
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-ABSENT = ("pytest", "jax", "starlette", "hatchling", "martensite_app", "martensite_export", "martensite_studies")
+ABSENT = (
+    "pytest",
+    "jax",
+    "starlette",
+    "hatchling",
+    "martensite_app",
+    "martensite_export",
+    "martensite_studies",
+    "martensite_sweep",
+)
 TAB = """
 import rlcompleter, martensite as ms
 complete = rlcompleter.Completer({"ms": ms}).complete
@@ -69,6 +78,19 @@ except ms.InputError as error:
     assert str(error).endswith("not installed; run `pip install 'martensite[export]'`."), error
 else:
     raise SystemExit("exports are no part of the core")
+"""
+SWEEP = """
+import martensite as ms
+assert "tune_model" in dir(ms.design) and not {"run_sweep", "SweepTable"} & set(dir(ms.design))
+assert "plot_fit" in dir(ms.plot) and "plot_sweep" not in dir(ms.plot)
+assert ms.design.size_wire and ms.design.StoppedError
+for ask in (lambda: ms.design.run_sweep("wire.toml", over=["diameter=1..2 mm:2"]), lambda: ms.plot.plot_pareto):
+    try:
+        ask()
+    except ms.InputError as error:
+        assert str(error).endswith("not installed; run `pip install 'martensite[sweep]'`."), error
+    else:
+        raise SystemExit("sweeps are no part of the core")
 """
 STUDY = """
 from martensite.studies.base import STUDIES, AbstractStudy, Claim
@@ -141,7 +163,7 @@ def call(python: Path, folder: Path, *words: str) -> subprocess.CompletedProcess
     return subprocess.run(whole, cwd=folder, env=clean, capture_output=True, text=True, check=False)
 
 
-@pytest.mark.parametrize("code", [TAB, RUN, WRONG, EXPORT], ids=["tab", "run", "wrong", "export"])
+@pytest.mark.parametrize("code", [TAB, RUN, WRONG, EXPORT, SWEEP], ids=["tab", "run", "wrong", "export", "sweep"])
 def test_it_works_without_any_extra(python: Path, folder: Path, code: str) -> None:
     done = call(python, folder, "-c", code)
     assert done.returncode == 0, done.stderr
@@ -176,6 +198,25 @@ def test_exports_are_added_by_their_wheel(python: Path, folder: Path, tmp_path: 
         assert "modelDescription.xml" in made.namelist()
     done = call(python, tmp_path, "-c", "import martensite as ms; print(ms.export.Fmu.__module__, len(dir(ms.export)))")
     assert done.stdout.split()[0] == "martensite_export.fmu.archive" and int(done.stdout.split()[1]) > 20
+
+
+@pytest.mark.parametrize("words", ["sweep wire.toml --over diameter=1..2", "sensitivity --help", "pareto"])
+def test_sweeps_say_what_brings_them(python: Path, folder: Path, words: str) -> None:
+    done = call(python, folder, "-m", "martensite", *words.split())
+    assert (done.returncode, done.stdout) == (2, "")
+    need = "This needs `martensite-sweep`, which is not installed; run `pip install 'martensite[sweep]'`."
+    assert done.stderr == f"error: {need}\n"
+
+
+def test_sweeps_are_added_by_their_wheel(python: Path, folder: Path, tmp_path: Path) -> None:
+    without = call(python, folder, "-m", "martensite", "--help").stdout
+    unpack_wheel(ROOT / "sweep", tmp_path, tmp_path)
+    assert call(python, tmp_path, "-m", "martensite", "--help").stdout == without
+    assert "--over NAME=NUMBERS" in call(python, tmp_path, "-m", "martensite", "sweep", "--help").stdout
+    done = call(
+        python, tmp_path, "-c", "import martensite as ms; print(ms.design.run_sweep.__module__, dir(ms.design))"
+    )
+    assert done.stdout.startswith("martensite_sweep.api ") and "'run_sweep'" in done.stdout
 
 
 @pytest.mark.parametrize("words", [["study"], ["study", "migaone"], ["cite", "migaone"]], ids=" ".join)

@@ -105,7 +105,7 @@ def test_make_target_exists(line: str) -> None:
 
 @pytest.mark.parametrize("line", [line for line in SHELL if line.startswith(INSTALLS)])
 def test_installation_is_of_this_checkout(line: str) -> None:
-    known = {".": "martensite"} | {f"./{one}": f"martensite-{one}" for one in ("app", "export", "studies")}
+    known = {".": "martensite"} | {f"./{one}": f"martensite-{one}" for one in ("app", "export", "studies", "sweep")}
     for word in line.partition("install ")[2].replace('"', "").split():
         path, _, extra = word.partition("[")
         project = tomllib.loads((ROOT / path / "pyproject.toml").read_text("utf-8"))["project"]

@@ -16,6 +16,7 @@ import pytest
 from fences import ROOT, pages
 
 import martensite
+import martensite_sweep
 from martensite.base.registry import Registry
 from martensite.physics.materials.base import load_material, material_names
 from martensite.scenario import catalogue, citations
@@ -44,9 +45,10 @@ def test_every_part_and_parameter_is_there(extension: ModuleType) -> None:
 
 
 def all_registries() -> list[Registry[Any]]:
-    """Every registry that a module of the package holds; the server's own modules apart."""
+    """Every registry that a module of the package holds, or one of the sweeps."""
     found: dict[str, Registry[Any]] = {}
-    for module in pkgutil.walk_packages(martensite.__path__, "martensite."):
+    packages = (martensite, martensite_sweep)
+    for module in (m for one in packages for m in pkgutil.walk_packages(one.__path__, f"{one.__name__}.")):
         if module.name.endswith((".base", ".samples")) or "supervisor" in module.name:
             for one in vars(import_module(module.name)).values():
                 if isinstance(one, Registry):

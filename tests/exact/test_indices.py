@@ -13,9 +13,6 @@ import pytest
 from sweep_tables import ANGLES, ishigami, ishigami_indices, table, with_status, with_value
 
 from martensite.base.errors import DataError, InputError, UnknownNameError
-from martensite.design.sampling.samples import parse_sampling
-from martensite.design.sweep.indices import SensitivityIndices, compute_sensitivity, estimate_block_indices
-from martensite.design.sweep.table import SweepTable
 from martensite.search.given_data_indices import (
     estimate_delta,
     estimate_first_order,
@@ -23,6 +20,9 @@ from martensite.search.given_data_indices import (
     fit_slopes,
     rank_columns,
 )
+from martensite_sweep.indices import SensitivityIndices, compute_sensitivity, estimate_block_indices
+from martensite_sweep.sampling.samples import parse_sampling
+from martensite_sweep.table import SweepTable
 
 BASE = 2048
 

@@ -1,6 +1,6 @@
 """The distributions of this repository belong together.
 
-Source of truth: their declarations, `pyproject.toml` and those in `app`, `export` and `studies`.
+Source of truth: their declarations, `pyproject.toml` and those in `app`, `export`, `studies` and `sweep`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import pytest
 from martensite.studies.base import STUDIES
 
 ROOT = Path(__file__).resolve().parents[2]
-APART = ("app", "export", "studies")
+APART = ("app", "export", "studies", "sweep")
 """Folders of what is installed apart, which are extras too."""
 
 
@@ -45,6 +45,11 @@ def test_each_asks_for_the_other_of_its_own_version(folder: str) -> None:
 @pytest.mark.parametrize("extra", ["control", "fmu", "gymnasium", "mujoco"])
 def test_what_an_export_needs_brings_the_exports(extra: str) -> None:
     assert set(EXTRAS["export"]) < set(EXTRAS[extra])
+
+
+def test_what_runs_sweeps_brings_them() -> None:
+    (sweeps,) = EXTRAS["sweep"]
+    assert sweeps in EXTRAS["cluster"] and sweeps in read_project("app")["dependencies"]
 
 
 def test_every_study_has_its_entry_point() -> None:

@@ -24,7 +24,7 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
         str(ROOT / "pyproject.toml"),
         "--no-cache",
     ]
-    paths = os.pathsep.join([str(folder), *(str(ROOT / one / "src") for one in ("app", "export", "studies"))])
+    paths = os.pathsep.join([str(folder), *(str(ROOT / one / "src") for one in ("app", "export", "studies", "sweep"))])
     changes = {"PYTHONPATH": paths, "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "200"}
     environment = os.environ | changes
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
@@ -54,6 +54,7 @@ def test_contracts_hold() -> None:
         ("actuators/assembly/base.py", "import jax", "import jax"),
         ("studies/base.py", "import martensite_studies", "imports none"),
         ("cli/export.py", "import martensite_export.cli", "imports none"),
+        ("cli/sweep.py", "import martensite_sweep.cli", "imports none"),
         ("simulate/result.py", "import mujoco", "Only martensite_export imports mujoco"),
     ],
 )

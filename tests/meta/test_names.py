@@ -15,7 +15,7 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-SOURCES = (ROOT / "src", *(ROOT / one / "src" for one in ("app", "export", "studies")))
+SOURCES = (ROOT / "src", *(ROOT / one / "src" for one in ("app", "export", "studies", "sweep")))
 ONE_WORD = 0.25
 """Largest share of module-level functions with a name of one word: commands, and verbs that need
 no object."""
@@ -33,7 +33,7 @@ Names = Iterator[tuple[str, str]]
 
 @cache
 def parse_sources() -> dict[str, ast.Module]:
-    """Every module of the four packages, by its path."""
+    """Every module of the five packages, by its path."""
     paths = [(path, top) for top in SOURCES for path in sorted(top.rglob("*.py"))]
     return {str(p.relative_to(top)): ast.parse(p.read_text("utf-8")) for p, top in paths}
 

@@ -58,15 +58,20 @@ def list_public_names(package: str) -> dict[str, tuple[str, str]]:
 def attach_names(package: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """Make `__getattr__` and `__dir__` of a package, from its stub.
 
-    A name that is a module is the module; a function is guarded (`guard_arguments`).
+    A name that is a module is the module; a function is guarded (`guard_arguments`). A name may be defined in a
+    distribution that is installed apart, `martensite_<extra>`; where that is absent, `__dir__` leaves the name out, and
+    who asks for it is told what brings it.
     """
     names = list_public_names(package)
+    tops = {home.partition(".")[0] for home, _ in names.values()}
 
     def import_name(name: str) -> Any:
         if name not in names:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         home, own = names[name]
-        module = import_module(home)
+        top = home.partition(".")[0]
+        inside = top == package.partition(".")[0]
+        module = import_module(home) if inside else import_extra(home, *_name_extra(top))
         is_module = hasattr(module, "__path__") and find_spec(f"{home}.{own}") is not None
         found = import_module(f"{home}.{own}") if is_module else getattr(module, own)
         if isinstance(found, FunctionType):
@@ -74,7 +79,16 @@ def attach_names(package: str) -> tuple[Callable[[str], Any], Callable[[], list[
         setattr(sys.modules[package], name, found)
         return found
 
-    return import_name, lambda: sorted(names)
+    def list_names() -> list[str]:
+        absent = {top for top in tops if find_spec(top) is None}
+        return sorted(name for name, (home, _) in names.items() if home.partition(".")[0] not in absent)
+
+    return import_name, list_names
+
+
+def _name_extra(top: str) -> tuple[str, str]:
+    """The extra that brings a distribution, and how that is called."""
+    return top.removeprefix("martensite_"), f"`{top.replace('_', '-')}`"
 
 
 def guard_arguments(function: Function) -> Function:

@@ -51,7 +51,7 @@ class Registry(Generic[T]):
         def file_under(cls: type[C]) -> type[C]:
             require_methods(cls)
             holder = self._find_holder(name, cls)
-            if holder is not None and not replace and not _is_redefined(holder, cls):
+            if holder is not None and not replace and not self._is_redefined(holder, cls):
                 raise InputError(
                     f"The {self.kind} name `{name}` belongs to {_describe_place(holder)}, so "
                     f"{_describe_place(cls)} cannot have it; choose another name, or write "
@@ -85,7 +85,7 @@ class Registry(Generic[T]):
         """The class that has a name which another asks for."""
         # two files of this package meet when both are imported; looking further for each of them
         # would import all of a folder at the start of every run
-        if name not in self._entries and not _is_own(cls):
+        if name not in self._entries and not self._is_own(cls):
             self._find(name)
             self._scan()
             self._load_plug_in(name, cls.__module__.partition(".")[0])
@@ -119,15 +119,13 @@ class Registry(Generic[T]):
             if point.module.partition(".")[0] != besides:
                 point.load()
 
+    def _is_own(self, cls: type[Any]) -> bool:
+        return cls.__module__.partition(".")[0] == self.package.partition(".")[0]
 
-def _is_own(cls: type[Any]) -> bool:
-    return cls.__module__.partition(".")[0] == __name__.partition(".")[0]
-
-
-def _is_redefined(old: type[Any], new: type[Any]) -> bool:
-    """Whether a class of a user is the same one again: its cell or its file is executed anew."""
-    same_place = old.__module__ == new.__module__ or _find_file(old) == _find_file(new) is not None
-    return same_place and old.__qualname__ == new.__qualname__ and not _is_own(new)
+    def _is_redefined(self, old: type[Any], new: type[Any]) -> bool:
+        """Whether a class of a user is the same one again: its cell or its file is executed anew."""
+        same_place = old.__module__ == new.__module__ or _find_file(old) == _find_file(new) is not None
+        return same_place and old.__qualname__ == new.__qualname__ and not self._is_own(new)
 
 
 def _find_file(cls: type[Any]) -> str | None:

@@ -20,7 +20,6 @@ Text = str | None
 Texts = list[str] | None
 Json = Annotated[bool, Option("--json", help="Print JSON instead of text.")]
 ScenarioFile = Annotated[Path, Argument(metavar="SCENARIO", help="A scenario file (TOML).")]
-StoreFolder = Annotated[Path, Argument(metavar="STORE", help="A sweep (Zarr).")]
 NamedColumns = Annotated[
     list[str] | None,
     Option("--as", metavar="COL=QUANTITY[UNIT]", help="What a column is, by heading or number: 2=stress[MPa], 3=-."),

@@ -25,14 +25,6 @@ from martensite.design.sizing.coil_in_hand import CoilInHand as CoilInHand
 from martensite.design.sizing.request import WireRequest as WireRequest
 from martensite.design.sizing.wire_in_hand import WireInHand as WireInHand
 from martensite.design.sizing.wire_ratings import rate_wire as rate_wire
-from martensite.design.sweep.api import run_sweep as run_sweep
-from martensite.design.sweep.indices import SensitivityIndices as SensitivityIndices
-from martensite.design.sweep.indices import compute_sensitivity as compute_sensitivity
-from martensite.design.sweep.pareto import ParetoFront as ParetoFront
-from martensite.design.sweep.pareto import find_pareto_front as find_pareto_front
-from martensite.design.sweep.reading import open_sweep as open_sweep
-from martensite.design.sweep.reading import read_sweep as read_sweep
-from martensite.design.sweep.table import SweepTable as SweepTable
 from martensite.design.synthesis.inverse_hysteresis import IdentifiedHysteresis as IdentifiedHysteresis
 from martensite.design.synthesis.inverse_hysteresis import fit_rising_curve as fit_rising_curve
 from martensite.design.synthesis.inverse_hysteresis import identify_hysteresis as identify_hysteresis
@@ -60,3 +52,11 @@ from martensite.design.tuning.plant_spread import draw_plants as draw_plants
 from martensite.design.tuning.tuning import CostScale as CostScale
 from martensite.design.tuning.tuning import ModelTuning as ModelTuning
 from martensite.design.tuning.tuning import tune_model as tune_model
+from martensite_sweep.api import run_sweep as run_sweep
+from martensite_sweep.indices import SensitivityIndices as SensitivityIndices
+from martensite_sweep.indices import compute_sensitivity as compute_sensitivity
+from martensite_sweep.pareto import ParetoFront as ParetoFront
+from martensite_sweep.pareto import find_pareto_front as find_pareto_front
+from martensite_sweep.reading import open_sweep as open_sweep
+from martensite_sweep.reading import read_sweep as read_sweep
+from martensite_sweep.table import SweepTable as SweepTable

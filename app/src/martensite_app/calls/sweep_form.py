@@ -14,13 +14,6 @@ from martensite.base.errors import InputError, MartensiteError, suggest_name
 from martensite.base.files import replace_file
 from martensite.base.parameters import Declared
 from martensite.base.status import Status
-from martensite.design.backends.processes import count_cores
-from martensite.design.sampling.samples import DESIGNS
-from martensite.design.sweep.job import MEASURES as USUAL
-from martensite.design.sweep.reading import read_sweep
-from martensite.design.sweep.store import import_zarr
-from martensite.design.sweep.subject import list_targets, list_waveforms
-from martensite.design.sweep.table import NOT_MADE
 from martensite.scenario.catalogue import summarise_class
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario
@@ -32,6 +25,13 @@ from martensite_app.messages import JsonTable, Request, require_entry
 from martensite_app.sweeping.sweep_folder import SweepFolder
 from martensite_app.uploads import UploadFolder
 from martensite_app.worker import Desk
+from martensite_sweep.backends.processes import count_cores
+from martensite_sweep.job import MEASURES as USUAL
+from martensite_sweep.reading import read_sweep
+from martensite_sweep.sampling.samples import DESIGNS
+from martensite_sweep.store import import_zarr
+from martensite_sweep.subject import list_targets, list_waveforms
+from martensite_sweep.table import NOT_MADE
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 """What a text begins with that a spreadsheet would compute."""

@@ -9,13 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from martensite.base.errors import DataError, StoppedError
-from martensite.design.backends.processes import count_cores
-from martensite.design.sweep.api import begin_sweep
-from martensite.design.sweep.indices import compute_sensitivity
-from martensite.design.sweep.job import SweepRequest, build_plan, prepare_plan
-from martensite.design.sweep.pareto import find_pareto_front
-from martensite.design.sweep.reading import count_statuses, read_sweep
-from martensite.design.sweep.store import Store, import_zarr
 from martensite.scenario.exact_text import exact_text
 from martensite.scenario.scenario import Scenario
 from martensite_app.documents import build_packaged, read_request_scenario
@@ -33,6 +26,13 @@ from martensite_app.sweeping.sweep_request import (
     write_command,
 )
 from martensite_app.worker import Desk
+from martensite_sweep.api import begin_sweep
+from martensite_sweep.backends.processes import count_cores
+from martensite_sweep.indices import compute_sensitivity
+from martensite_sweep.job import SweepRequest, build_plan, prepare_plan
+from martensite_sweep.pareto import find_pareto_front
+from martensite_sweep.reading import count_statuses, read_sweep
+from martensite_sweep.store import Store, import_zarr
 
 
 def list_sweeps(request: Request, desk: Desk) -> JsonTable:

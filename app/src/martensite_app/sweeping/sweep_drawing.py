@@ -17,16 +17,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.status import Status
-from martensite.design.backends.base import AbstractBackend, Report
-from martensite.design.sweep.api import PlannedSweep, Progress
-from martensite.design.sweep.axes import SweepAxis
-from martensite.design.sweep.job import SweepJob
-from martensite.design.sweep.reading import count_statuses, read_axes, read_levels
-from martensite.design.sweep.store import STATUS, Store
-from martensite.design.sweep.table import SweepColumn, shorten_names
 from martensite_app.messages import JsonTable
 from martensite_app.views.columns import describe_conversion, round_digits
 from martensite_app.worker import Desk
+from martensite_sweep.api import PlannedSweep, Progress
+from martensite_sweep.axes import SweepAxis
+from martensite_sweep.backends.base import AbstractBackend, Report
+from martensite_sweep.job import SweepJob
+from martensite_sweep.reading import count_statuses, read_axes, read_levels
+from martensite_sweep.store import STATUS, Store
+from martensite_sweep.table import SweepColumn, shorten_names
 
 MOST_DRAWN = 20_000
 """Runs that are drawn of a sweep."""

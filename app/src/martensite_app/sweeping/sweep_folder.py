@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Any
 
 from martensite.base.errors import DataError, MartensiteError
-from martensite.design.sweep.store import STATUS, Store
 from martensite_app.messages import JsonTable
 from martensite_app.uploads import is_key, make_key
+from martensite_sweep.store import STATUS, Store
 
 STORES = "sweeps"
 LONGEST_SLUG = 40

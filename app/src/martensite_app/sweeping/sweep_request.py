@@ -18,17 +18,17 @@ from typing import Any, TypeVar
 
 from martensite.base import units
 from martensite.base.errors import MartensiteError, ParameterError
-from martensite.design.backends.processes import count_cores
-from martensite.design.sampling.samples import AbstractDesign, parse_sampling
-from martensite.design.sweep.api import SweepExecution
-from martensite.design.sweep.axes import SweepAxis, parse_axis
-from martensite.design.sweep.job import SweepRequest, build_plan
-from martensite.design.sweep.plan import CHUNK, SweepPlan
-from martensite.design.sweep.subject import build_course, list_targets
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.measures.base import parse_measure
 from martensite.simulate.variants import LANES
 from martensite_app.messages import BadMessageError, Request, require_entry
+from martensite_sweep.api import SweepExecution
+from martensite_sweep.axes import SweepAxis, parse_axis
+from martensite_sweep.backends.processes import count_cores
+from martensite_sweep.job import SweepRequest, build_plan
+from martensite_sweep.plan import CHUNK, SweepPlan
+from martensite_sweep.sampling.samples import AbstractDesign, parse_sampling
+from martensite_sweep.subject import build_course, list_targets
 
 T = TypeVar("T")
 MOST_RUNS = 1_000_000

@@ -17,7 +17,7 @@ from martensite.show.figures.model import plot_model as plot_model
 from martensite.show.figures.model import plot_model_loop as plot_model_loop
 from martensite.show.figures.model import plot_model_tests as plot_model_tests
 from martensite.show.figures.overview import plot_profile as plot_profile
-from martensite.show.figures.sweep import plot_sweep as plot_sweep
-from martensite.show.figures.sweep_analysis import plot_pareto as plot_pareto
-from martensite.show.figures.sweep_analysis import plot_sensitivity as plot_sensitivity
 from martensite.show.figures.workspace import plot_workspace as plot_workspace
+from martensite_sweep.analysis_figures import plot_pareto as plot_pareto
+from martensite_sweep.analysis_figures import plot_sensitivity as plot_sensitivity
+from martensite_sweep.figures import plot_sweep as plot_sweep

@@ -28,11 +28,11 @@ from numpy.typing import NDArray
 
 from martensite.base.lazy import import_extra
 from martensite.base.status import Status
-from martensite.design.sweep.axes import SweepAxis, parse_axis
-from martensite.design.sweep.plan import DETAILS
-from martensite.design.sweep.store import RUN, STATUS, Store
-from martensite.design.sweep.table import NOT_MADE, SweepColumn, SweepTable
 from martensite.search.free_numbers import Target
+from martensite_sweep.axes import SweepAxis, parse_axis
+from martensite_sweep.plan import DETAILS
+from martensite_sweep.store import RUN, STATUS, Store
+from martensite_sweep.table import NOT_MADE, SweepColumn, SweepTable
 
 if TYPE_CHECKING:
     import xarray

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from martensite.design.sweep.indices import SensitivityIndices
-from martensite.design.sweep.pareto import ParetoFront
-from martensite.design.sweep.table import SweepTable, shorten_names
 from martensite.show.figures.panels import make_panels, write_suptitle
 from martensite.show.figures.style import COOLING, FAINT, HEATING, INK, MEASURED, QUIET, make_figure, use_style
-from martensite.show.figures.sweep import arrange_panels, label_column, write_sweep_title
+from martensite_sweep.figures import arrange_panels, label_column, write_sweep_title
+from martensite_sweep.indices import SensitivityIndices
+from martensite_sweep.pareto import ParetoFront
+from martensite_sweep.table import SweepTable, shorten_names
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

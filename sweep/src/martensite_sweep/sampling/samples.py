@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError
 from martensite.base.registry import Registry
-from martensite.design.sweep.axes import Numbers, SweepAxis
+from martensite_sweep.axes import Numbers, SweepAxis
 
 MOST_RUNS = 1_000_000_000
 
@@ -84,7 +84,7 @@ class AbstractSample(AbstractDesign):
         return np.stack([one.quantile(points[:, k]) for k, one in enumerate(axes)], axis=1)
 
 
-DESIGNS: Registry[AbstractDesign] = Registry("sample", "martensite.design.sampling")
+DESIGNS: Registry[AbstractDesign] = Registry("sample", "martensite_sweep.sampling")
 
 
 def parse_sampling(words: str, seed: int = 0) -> AbstractDesign:

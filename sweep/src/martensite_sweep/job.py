@@ -15,14 +15,14 @@ from typing import Any
 
 from martensite.base.errors import InputError, MartensiteError, StoppedError, require_known
 from martensite.base.registry import import_modules
-from martensite.design.backends.base import Report, keep_runs
-from martensite.design.sampling.samples import parse_sampling
-from martensite.design.sweep.axes import parse_axis
-from martensite.design.sweep.plan import CHUNK, SweepPiece, SweepPlan, SweepTrace
-from martensite.design.sweep.store import Store, list_differences
-from martensite.design.sweep.subject import build_course, list_targets, list_waveforms
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.measures.base import parse_measure
+from martensite_sweep.axes import parse_axis
+from martensite_sweep.backends.base import Report, keep_runs
+from martensite_sweep.plan import CHUNK, SweepPiece, SweepPlan, SweepTrace
+from martensite_sweep.sampling.samples import parse_sampling
+from martensite_sweep.store import Store, list_differences
+from martensite_sweep.subject import build_course, list_targets, list_waveforms
 
 MEASURES = ("stroke", "max(temperature)", "max(stress)", "energy")
 """What is kept of every run, unless chosen."""

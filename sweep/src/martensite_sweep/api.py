@@ -16,11 +16,11 @@ from martensite.base.errors import DataError, InputError, ParameterError
 from martensite.base.interrupts import rescue_answer
 from martensite.base.lazy import import_extra
 from martensite.base.registry import import_modules
-from martensite.design.backends.base import BACKENDS, AbstractBackend, Report
-from martensite.design.sweep.job import MEASURES, SweepJob, SweepRequest, build_spec, prepare_plan
-from martensite.design.sweep.plan import CHUNK, SweepPlan
-from martensite.design.sweep.store import Store, create_store
 from martensite.scenario.scenario import Scenario, load
+from martensite_sweep.backends.base import BACKENDS, AbstractBackend, Report
+from martensite_sweep.job import MEASURES, SweepJob, SweepRequest, build_spec, prepare_plan
+from martensite_sweep.plan import CHUNK, SweepPlan
+from martensite_sweep.store import Store, create_store
 
 if TYPE_CHECKING:
     import xarray
@@ -269,7 +269,7 @@ def run_sweep(
         InputError: something that was asked for is wrong.
         StoppedError: it stopped on the way; what was made is kept.
     """
-    from martensite.design.sweep.reading import open_sweep
+    from martensite_sweep.reading import open_sweep
 
     import_extra("xarray", "sweep")  # missed before anything is run, not after
     import_modules(modules)

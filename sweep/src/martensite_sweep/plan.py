@@ -16,12 +16,12 @@ import numpy as np
 from martensite.base.errors import MartensiteError, ParameterError
 from martensite.base.parameters import Parametrised, describe_structure
 from martensite.base.status import Status
-from martensite.design.sampling.samples import AbstractDesign
-from martensite.design.sweep.axes import SweepAxis
 from martensite.simulate.ensembles import Ensemble, Numbers
 from martensite.simulate.measures.base import AbstractMeasure, judge_runs, list_needed
 from martensite.simulate.measures.means import Integral, RootMeanSquare
 from martensite.simulate.variants import VariantSetup
+from martensite_sweep.axes import SweepAxis
+from martensite_sweep.sampling.samples import AbstractDesign
 
 Kind = TypeVar("Kind")
 ENDED, ACCURACY = "ended", "accuracy"

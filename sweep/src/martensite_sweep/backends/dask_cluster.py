@@ -3,7 +3,7 @@
 Every task makes one chunk and writes it into its own region of the store, which all workers must
 reach under the same path; what comes back is a report. A task whose worker dies is made again
 elsewhere by Dask. One that has killed several workers is salvaged in processes of this machine
-(`martensite.design.backends.processes`). Some tasks per thread of the cluster are under way at a
+(`martensite_sweep.backends.processes`). Some tasks per thread of the cluster are under way at a
 time, so that a scheduler never holds a whole sweep.
 
 <https://distributed.dask.org/en/stable/resilience.html>
@@ -21,11 +21,11 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from martensite.base.errors import InputError, StoppedError
-from martensite.design.backends.base import BACKENDS, AbstractBackend, Report
-from martensite.design.backends.processes import count_cores, salvage_chunk
+from martensite_sweep.backends.base import BACKENDS, AbstractBackend, Report
+from martensite_sweep.backends.processes import count_cores, salvage_chunk
 
 if TYPE_CHECKING:
-    from martensite.design.sweep.job import SweepJob
+    from martensite_sweep.job import SweepJob
 
 PATIENCE = 10.0
 """How long a scheduler may take to answer [s]."""

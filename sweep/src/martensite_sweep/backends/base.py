@@ -17,10 +17,10 @@ from typing import TYPE_CHECKING, ClassVar
 
 from martensite.base.errors import MartensiteError, StoppedError
 from martensite.base.registry import Registry
-from martensite.design.sweep.plan import SweepPiece
+from martensite_sweep.plan import SweepPiece
 
 if TYPE_CHECKING:
-    from martensite.design.sweep.job import SweepJob
+    from martensite_sweep.job import SweepJob
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class AbstractBackend(ABC):
         """
 
 
-BACKENDS: Registry[AbstractBackend] = Registry("backend", "martensite.design.backends")
+BACKENDS: Registry[AbstractBackend] = Registry("backend", "martensite_sweep.backends")
 
 
 MOST_LOST = 32

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from martensite.base.formats import typeset_unit
 from martensite.base.status import Status
-from martensite.design.sweep.table import SweepColumn, SweepTable, shorten_names
 from martensite.search.given_data_indices import is_spread
 from martensite.show.figures.panels import add_colour_bar, write_suptitle
 from martensite.show.figures.style import FAINT, HEATING, QUIET, SIMULATED, make_figure, use_style
+from martensite_sweep.table import SweepColumn, SweepTable, shorten_names
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,13 +11,13 @@ import numpy as np
 from martensite.base.formats import write_quantity
 from martensite.base.status import Status
 from martensite.base.summary import Block, DataTable, Sentence, Summary
-from martensite.design.sweep.api import Progress
-from martensite.design.sweep.indices import SensitivityIndices
-from martensite.design.sweep.pareto import ParetoFront
-from martensite.design.sweep.plan import ACCURACY, SweepPlan
-from martensite.design.sweep.reading import compute_spread, count_above, count_statuses
-from martensite.design.sweep.store import Store
-from martensite.design.sweep.table import SweepTable
+from martensite_sweep.api import Progress
+from martensite_sweep.indices import SensitivityIndices
+from martensite_sweep.pareto import ParetoFront
+from martensite_sweep.plan import ACCURACY, SweepPlan
+from martensite_sweep.reading import compute_spread, count_above, count_statuses
+from martensite_sweep.store import Store
+from martensite_sweep.table import SweepTable
 
 NAMED = 5
 """Failed runs that are named."""

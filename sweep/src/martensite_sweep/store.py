@@ -35,7 +35,7 @@ import numpy as np
 from martensite.base.errors import DataError, InputError, StoppedError
 from martensite.base.interrupts import hold_interrupts
 from martensite.base.status import Status
-from martensite.design.sweep.plan import DETAILS, SweepPiece, SweepPlan
+from martensite_sweep.plan import DETAILS, SweepPiece, SweepPlan
 
 RUN, CHUNK, MADE, STATUS = "run", "chunk", "made", "status"
 TIME = "time of {}"

@@ -22,11 +22,11 @@ from threading import Thread
 from typing import TYPE_CHECKING
 
 from martensite.base.errors import StoppedError
-from martensite.design.backends.base import BACKENDS, AbstractBackend, Report, keep_runs
-from martensite.design.sweep.plan import SweepPiece
+from martensite_sweep.backends.base import BACKENDS, AbstractBackend, Report, keep_runs
+from martensite_sweep.plan import SweepPiece
 
 if TYPE_CHECKING:
-    from martensite.design.sweep.job import SweepJob
+    from martensite_sweep.job import SweepJob
 
 
 @BACKENDS.register("serial")

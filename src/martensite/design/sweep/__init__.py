@@ -1,1 +1,0 @@
-"""Sweeps of scenarios: variants, their runs, and the store that holds them."""
