@@ -272,6 +272,7 @@ PACKAGED = [name for name in datasets.dataset_names() if datasets.describe_datas
 def test_packaged_sets_are_read_without_a_network(name):
     """The files in the package are, unpacked, those listed; their licence lies beside them."""
     dataset = datasets.describe_dataset(name)
+    assert dataset.packaged is not None
     assert dataset.notice in (dataset.packaged / "LICENSE").read_text("utf-8")
     for file in dataset.files.values():
         assert file.upstream

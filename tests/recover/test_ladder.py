@@ -105,12 +105,12 @@ class TestTests:
 
     def test_errors_that_differ_by_chance_are_no_gain(self):
         rng = np.random.default_rng(9)
-        errors = [BlockErrors(0.0, rng.uniform(0.5, 1.5, 15)) for _ in range(2)]
-        assert not compare_errors(*errors).certain
-        smaller = BlockErrors(0.0, 0.8 * errors[0].pieces)
-        assert compare_errors(errors[0], smaller).certain
-        assert compare_errors(errors[0], smaller).share == pytest.approx(0.2)
-        assert not compare_errors(smaller, errors[0]).certain
+        one, other = (BlockErrors(0.0, rng.uniform(0.5, 1.5, 15)) for _ in range(2))
+        assert not compare_errors(one, other).certain
+        smaller = BlockErrors(0.0, 0.8 * one.pieces)
+        assert compare_errors(one, smaller).certain
+        assert compare_errors(one, smaller).share == pytest.approx(0.2)
+        assert not compare_errors(smaller, one).certain
 
     def test_blocks_are_apart(self):
         (one,) = divide_records([linear(10, 1000)])
