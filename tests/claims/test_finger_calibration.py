@@ -17,13 +17,7 @@ from claim_checks import check_complete, check_decides, settle_some, verdict_of,
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.citations import read_bibliography
 from martensite.studies.base import load_study
-from martensite_studies.finger_calibration import (
-    FingerCalibration,
-    bench,
-    gauge_numbers,
-    record_numbers,
-    search_numbers,
-)
+from martensite_studies.finger_calibration import FingerCalibration, bench, gauge_numbers, record_numbers
 from martensite_studies.finger_calibration.bench import EVERY, FAR, JOINT, NEAR
 from martensite_studies.finger_calibration.searches import (
     ALL,
