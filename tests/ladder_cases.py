@@ -32,7 +32,7 @@ def record(name: str, u: np.ndarray, y: np.ndarray, rng: np.random.Generator, in
 def low_pass(w: np.ndarray) -> np.ndarray:
     """A resonance of second order, unit gain, delayed by two samples."""
     a = np.poly(np.exp(np.array([-0.08 + 0.22j, -0.08 - 0.22j])))
-    return lfilter([0.0, 0.0, a.sum().real], a.real, w)
+    return np.asarray(lfilter([0.0, 0.0, a.sum().real], a.real, w))
 
 
 def linear(seed: int, count: int = 3000) -> Sampled:
@@ -72,7 +72,8 @@ def bouc_wen(seed: int, count: int = 4000) -> Sampled:
 def noise(seed: int, count: int = 3000) -> Sampled:
     """An output that has nothing to do with its input."""
     rng = np.random.default_rng(seed)
-    return record("noise", excite(rng, count), lfilter([1.0], [1.0, -0.8], rng.normal(size=count)), rng)
+    y = np.asarray(lfilter([1.0], [1.0, -0.8], rng.normal(size=count)))
+    return record("noise", excite(rng, count), y, rng)
 
 
 SYSTEMS: dict[str, Callable[[int], Sampled]] = {
