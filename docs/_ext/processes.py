@@ -28,7 +28,7 @@ def run_cells(ways: Connection, folder: str, sources: list[str]) -> None:
             return cells.ordinary(line)
         ways.send(("command", (line, str(Path.cwd()), dict(os.environ))))
         code, out, err = ways.recv()
-        if code != 0 and not (may_fail and code == 1):
+        if code != 0 and not (may_fail and code in (1, 2)):
             raise RuntimeError(f"{line} exited with {code}: {err}")
         return out
 
