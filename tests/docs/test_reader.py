@@ -162,7 +162,9 @@ def test_readme_then_tutorial(
     assert len(both) >= 12
     monkeypatch.chdir(tmp_path_factory.mktemp("alone"))
     alone = Reader(Path.cwd()).follow(TUTORIAL)
-    assert timeless(both) == timeless(alone)
+    pairs = list(zip(timeless(both), timeless(alone), strict=True))
+    apart = [pair for pair in pairs if not alike(*(one.split() for one in pair))]
+    assert apart == []  # floats and C agree to the tolerance
 
 
 def test_what_a_page_hides_the_reader_has_not(reader: Reader) -> None:
