@@ -22,6 +22,8 @@ import pytest
 from command import Command
 from fences import README, ROOT, Fence, apart, fences
 
+from martensite.simulate.accuracy import RunEngine
+
 TUTORIAL = ROOT / "docs" / "tutorial.md"
 CELL = "{code-cell} ipython3"
 HIDDEN = ("remove-cell", "remove-input")
@@ -140,9 +142,8 @@ def _alike(one: str, other: str, near: float) -> bool:
 
 
 def timeless(outputs: list[str]) -> list[str]:
-    """Outputs without how long a search took, and without the runtime that was ready first."""
-    steps = r"\d+ steps of at most \S+ s (on floats|in C), accuracy \S+ of range"
-    return [re.sub(rf", [\d.e+-]+ s(?=[.\n])|{steps}", ", …", text) for text in outputs]
+    """Outputs without how long a search took."""
+    return [re.sub(r", [\d.e+-]+ s(?=[.\n])", ", some time", text) for text in outputs]
 
 
 @pytest.fixture
@@ -151,6 +152,8 @@ def reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Reader:
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("matplotlib.pyplot.show", lambda: None)  # there is no screen
+    # which runtime is ready first depends on what the process did before, and on other work of the machine
+    monkeypatch.setattr(RunEngine, "_quickest", lambda self, plan: self._on_floats(plan, hasty=False))
     return Reader(tmp_path)
 
 
@@ -162,9 +165,7 @@ def test_readme_then_tutorial(
     assert len(both) >= 12
     monkeypatch.chdir(tmp_path_factory.mktemp("alone"))
     alone = Reader(Path.cwd()).follow(TUTORIAL)
-    pairs = list(zip(timeless(both), timeless(alone), strict=True))
-    apart = [pair for pair in pairs if not alike(*(one.split() for one in pair))]
-    assert apart == []  # floats and C agree to the tolerance
+    assert timeless(both) == timeless(alone)
 
 
 def test_what_a_page_hides_the_reader_has_not(reader: Reader) -> None:

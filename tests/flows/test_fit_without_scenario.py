@@ -121,7 +121,7 @@ def test_missing_samples_of_a_loop_are_passed_over() -> None:
 
 
 def test_model_predicts_only_where_it_beats_every_naive_prediction() -> None:
-    one = HeldOutError("a", "position", "m", 1.0, 1.0, 10.0, {"mean": 10.0, "first-order lag": 1.2}, False, True, 9)
+    one = HeldOutError("position", "m", 1.0, 1.0, 10.0, {"mean": 10.0, "first-order lag": 1.2}, "a", False, True, 9)
     (pooled,) = pool_errors([one])
     assert not pooled.beats_naive
     assert not pooled.predicts

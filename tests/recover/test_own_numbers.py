@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from condition_cases import make_coil, write_rows
+from fit_cases import ISOBARIC
 
 from martensite.base.errors import InputError
 from martensite.fit.api import build_task, fit_logs, read_problem
@@ -27,23 +28,6 @@ COILS = {
     "B": {"element.turns": 16, "environment.cooling.h": "70 W/m^2/K"},
     "C": {"element.turns": 19, "environment.cooling.h": "60 W/m^2/K"},
 }
-WIRE = """
-[element]
-kind = "wire"
-material = "flexinol-90"
-law = { kind = "liang-rogers", modulus = "mixture" }
-diameter = "0.381 mm"
-length = "100 mm"
-[mechanism]
-kind = "testing-machine"
-control = "stress"
-section = "0.114009 mm^2"
-[signals.command]
-kind = "log"
-[drive]
-kind = "temperature"
-waveform = "log"
-"""
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +40,7 @@ def table(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def wire(tmp_path: Path) -> Path:
     path = tmp_path / "wire.toml"
-    path.write_text(WIRE)
+    path.write_text(ISOBARIC)
     return path
 
 

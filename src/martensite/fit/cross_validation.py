@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
+from martensite.fit.baselines import find_period
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit, list_compared
-from martensite.fit.fit_verdicts import find_period
 from martensite.fit.logs import ALL, choose_held_out
 from martensite.fit.naive_predictions import fit_drive_lag, predict_from_nearest, predict_last_cycle
 from martensite.fit.problem import Problem
@@ -34,25 +34,19 @@ FOLD_EVALUATIONS = 40
 
 
 @dataclass(frozen=True)
-class HeldOutError:
-    """Errors in one output of what was left out of one record, in SI."""
+class OutputError:
+    """Errors in one output of what was left out, in SI."""
 
-    record: str
     output: str
     unit: str
     rms: float
-    """Of the prediction, with the zero of the record where `own_zero`."""
+    """Of the prediction, with the zero of the record where it has its own."""
     raw_rms: float
     """With the mean zero of the records that were fitted, or none."""
     spread: float
     """Standard deviation of what was measured."""
     naive: Mapping[str, float]
     """Prediction without a model -> its error."""
-    own_zero: bool
-    """Whether the zero of the record was fitted to it."""
-    whole: bool
-    """Whether the whole record was left out."""
-    samples: int
 
     @property
     def fit_percent(self) -> float:
@@ -61,20 +55,20 @@ class HeldOutError:
 
 
 @dataclass(frozen=True)
-class PooledError:
-    """Held-out errors of one output over all records."""
+class HeldOutError(OutputError):
+    """Of one record."""
 
-    output: str
-    unit: str
-    rms: float
-    raw_rms: float
-    spread: float
-    naive: Mapping[str, float]
+    record: str
+    own_zero: bool
+    """Whether the zero of the record was fitted to it."""
+    whole: bool
+    """Whether the whole record was left out."""
+    samples: int
 
-    @property
-    def fit_percent(self) -> float:
-        """As of one record."""
-        return 100.0 * (1.0 - self.rms / self.spread) if self.spread > 0.0 else math.nan
+
+@dataclass(frozen=True)
+class PooledError(OutputError):
+    """Over all records."""
 
     @property
     def best_naive(self) -> str:
@@ -184,13 +178,13 @@ def _judge_fold(fit: Fit, fold: Problem, kind: str, drive: str, own_zero: bool) 
         }
         model = one.model if own else raw
         yield HeldOutError(
-            one.record,
             one.output,
             one.description.unit,
             _compute_rms(model[rows] - measured),
             _compute_rms(raw[rows] - measured),
             float(np.std(measured)),
             naive,
+            one.record,
             own,
             whole,
             int(rows.sum()),

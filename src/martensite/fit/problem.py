@@ -232,10 +232,10 @@ class Problem:
             if jacobian is not None:
                 jacobian[k] = fix.whiten(jacobian[k])
         if self.spreads:
-            apart, slopes = self._weigh_spreads(u)
+            apart, by_numbers = self._weigh_spreads(u)
             residuals.append(apart)
             if jacobian is not None:
-                jacobian.append(slopes)
+                jacobian.append(by_numbers)
         return Evaluation(fitted, np.concatenate(residuals), None if jacobian is None else np.concatenate(jacobian))
 
     def split(self, residuals: Any) -> list[Any]:

@@ -111,8 +111,8 @@ def solve_problem(
     try:
         watch.resume()
         reason = _run_search(watch, method, chosen, starts, seed, most)
-        if watch.best is not None and _rests(training, watch.best):
-            reason = _describe_rest(training, watch.best)
+        if watch.best is not None and (idle := _find_unmoved(training, watch.best)):
+            reason = _describe_rest(training, watch.best, idle)
         elif reason == CONVERGED:
             reason = _verify_optimum(watch, chosen, most)
     except KeyboardInterrupt:
@@ -260,30 +260,31 @@ def _run_search(watch: SearchMonitor, method: str, loss: Loss, starts: int, seed
             watch.evaluate(problem.start.tolist())
         spread = find_starts(costs, size, count=SPREAD * starts, keep=starts, seed=seed)
         begins += [(f"start {k}", problem.order.find_shares(s.values)) for k, s in enumerate(spread, start=1)]
-    elif watch.best is None and (problem.evaluate(problem.start) is None or _rests(problem, problem.start)):
+    elif watch.best is None and _find_unmoved(problem, problem.start) != []:
         watch.stage = "other starts: at the first runs fail, or nothing transforms"
         watch.evaluate(problem.start.tolist())  # which is kept where no point is better
         try:
             spread = find_starts(costs, size, count=SPREAD, keep=OTHERS, seed=seed)
         except SolveError:
             spread = ()
-        moving = [u for u in (problem.order.find_shares(s.values) for s in spread) if not _rests(problem, u)]
+        moving = [u for u in (problem.order.find_shares(s.values) for s in spread) if not _find_unmoved(problem, u)]
         begins = [(f"start {k}", u) for k, u in enumerate(moving, start=1)] or begins
     return _run_descents(watch, begins, loss, most)
 
 
-def _rests(problem: Problem, u: Any) -> bool:
-    """Whether numbers move nothing at a point: none of them, or some since nothing transforms."""
+def _find_unmoved(problem: Problem, u: Any) -> list[int] | None:
+    """Places of numbers that move nothing where all are so, or nothing transforms; None where a run fails."""
     found = problem.evaluate(u, slopes=True)
-    if found is None or not (idle := find_idle(problem, found)):
-        return False
-    return len(idle) == len(problem.free) or not detect_transformation(problem, u)
+    if found is None:
+        return None
+    idle = find_idle(problem, found)
+    if not idle or len(idle) == len(problem.free):
+        return idle
+    return [] if detect_transformation(problem, u) else idle
 
 
-def _describe_rest(problem: Problem, u: Any) -> str:
-    """How a search ends where nothing transforms."""
-    found = problem.evaluate(u, slopes=True)
-    idle = [] if found is None else find_idle(problem, found)
+def _describe_rest(problem: Problem, u: Any, idle: Sequence[int]) -> str:
+    """How a search ends where numbers in the places `idle` move nothing."""
     numbers = [format_quantity(problem.free[i].value(float(u[i])), problem.free[i].unit) for i in idle]
     where = join_phrases([f"{problem.names[i]} = {number}" for i, number in zip(idle, numbers, strict=True)])
     what = "nothing that is compared changes" if detect_transformation(problem, u) else "nothing transforms"

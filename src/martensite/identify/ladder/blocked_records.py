@@ -157,8 +157,8 @@ def describe_silence(blocked: Sequence[BlockedRecord], held: bool) -> str:
     """Why blocks tell nothing: inputs or outputs stay in all, or both in most of them; empty if they move."""
     what = "blocks held out" if held else "blocks to choose by"
     pairs = [(one.record, block) for one in blocked for block in (one.held if held else one.chosen_by)]
-    quiet = [_stays(record.inputs, block, STILL) for record, block in pairs]
-    mute = [_stays(record.outputs, block, 5.0 * STILL) for record, block in pairs]
+    quiet = [_keeps_still(record.inputs, block, STILL) for record, block in pairs]
+    mute = [_keeps_still(record.outputs, block, 5.0 * STILL) for record, block in pairs]
     still = sum(a and b for a, b in zip(quiet, mute, strict=True))
     if not pairs or (2 * still < len(pairs) and not all(quiet) and not all(mute)):
         return ""
@@ -169,7 +169,7 @@ def describe_silence(blocked: Sequence[BlockedRecord], held: bool) -> str:
     )
 
 
-def _stays(signals: Numbers, block: slice, share: float) -> bool:
+def _keeps_still(signals: Numbers, block: slice, share: float) -> bool:
     """Whether all signals stay within a share of their range."""
     with np.errstate(all="ignore"):
         whole, part = (np.nanmax(one, axis=0) - np.nanmin(one, axis=0) for one in (signals, signals[block]))

@@ -9,6 +9,7 @@ The model is then fitted to all blocks but those held out, and judged on these.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -90,11 +91,31 @@ class _Climb:
         try:
             with np.errstate(all="ignore"):  # a structure may grow without bound
                 found = estimate_chain(text, seen, options, tell, self.clock.halt)
-                runs = run_blocks(found.chain, self.blocked, False)
-                chosen_by, held = (measure_blocks(self.blocked, runs, last) for last in (False, True))
+                chosen_by, held = self._measure(found.chain)
         except MartensiteError as error:
             return LadderTrial(text, numbers, None, none, none, measure_processor_time() - begun, str(error))
         return LadderTrial(text, numbers, found.chain, chosen_by, held, measure_processor_time() - begun)
+
+    def _measure(self, chain: Chain | None) -> tuple[BlockErrors, BlockErrors]:
+        """Errors of a model, or of the mean, in the blocks to choose by and in those held out."""
+        runs = run_blocks(chain, self.blocked, False)
+        return measure_blocks(self.blocked, runs, False), measure_blocks(self.blocked, runs, True)
+
+    def _add_trial(self, trials: list[LadderTrial], name: str, text: str, options: Options) -> None:
+        """Try a structure; `KeyboardInterrupt` after it where the climb is to end."""
+        trials.append(self.try_structure(name, text, options))
+        if self.clock.halt.is_set():
+            raise KeyboardInterrupt
+
+    @contextmanager
+    def _keep_stopped(self) -> Iterator[None]:
+        """What ends the climb ends the block only, and is kept in `stopped`."""
+        try:
+            yield
+        except KeyboardInterrupt:
+            accept_interrupt()
+            self.stopped = "time box" if self.clock.over else "interrupted"
+            self.clock.halt.set()
 
     def climb_rung(self, name: str, structures: Sequence[str], larger: LadderTrial | None = None) -> None:
         """Try the structures of a rung; the best takes the place of the model so far if it is better.
@@ -102,21 +123,12 @@ class _Climb:
         Of a `larger` model it takes the place if that is not better.
         """
         trials: list[LadderTrial] = []
-        try:
+        with self._keep_stopped():
             for text in structures:
-                trials.append(self.try_structure(name, text, PROBE))
-                if self.clock.halt.is_set():
-                    raise KeyboardInterrupt
+                self._add_trial(trials, name, text, PROBE)
             lead = _pick_best(trials)
             if lead.chain is not None and (larger or compare_errors(self.reference, lead.chosen_by).value > 0.0):
-                more = replace(self.options, begin=(lead.chain,), refined=1)
-                trials.append(self.try_structure(name, lead.structure, more))
-                if self.clock.halt.is_set():
-                    raise KeyboardInterrupt
-        except KeyboardInterrupt:
-            accept_interrupt()
-            self.stopped = "time box" if self.clock.over else "interrupted"
-            self.clock.halt.set()
+                self._add_trial(trials, name, lead.structure, replace(self.options, begin=(lead.chain,), refined=1))
         if not trials:
             return
         lead = _pick_best(trials)
@@ -149,24 +161,15 @@ class _Climb:
 
     def measure_mean(self) -> LadderTrial:
         """The mean of what was fitted, as a model."""
-        runs = run_blocks(None, self.blocked, False)
-        chosen_by, held = (measure_blocks(self.blocked, runs, last) for last in (False, True))
-        return LadderTrial("mean", 1, None, chosen_by, held, 0.0)
+        return LadderTrial("mean", 1, None, *self._measure(None), 0.0)
 
     def climb_linear(self, delay: int, count: int) -> int:
         """The linear rung: the lowest order that no higher one is better than by more than chance."""
         ins, outs = (len(names) for names in (self.record.input_names, self.record.output_names))
         trials: list[LadderTrial] = []
-        try:
+        with self._keep_stopped():
             for k in ORDERS[:count]:
-                text = write_linear(k, delay, ins, outs)
-                trials.append(self.try_structure("linear", text, replace(PROBE, starts=2)))
-                if self.clock.halt.is_set():
-                    raise KeyboardInterrupt
-        except KeyboardInterrupt:
-            accept_interrupt()
-            self.stopped = "time box" if self.clock.over else "interrupted"
-            self.clock.halt.set()
+                self._add_trial(trials, "linear", write_linear(k, delay, ins, outs), replace(PROBE, starts=2))
         if not trials:
             raise SolveError("Nothing was found yet: not even the first linear model was finished.")
         best, order = trials[0], ORDERS[0]

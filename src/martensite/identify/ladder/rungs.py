@@ -14,14 +14,14 @@ def write_linear(order: int, delay: int, ins: int = 1, outs: int = 1) -> str:
     """The text of a linear model with its line."""
     if (ins, outs) == (1, 1):
         return f"oe({order + (delay == 0)},{order},{delay}) | poly1"
-    return f"{_write_state_space(order, delay, ins, outs)} | {_repeat('poly1', outs)}"
+    return f"{_write_state_space(order, delay, ins, outs)} | {_repeat_block('poly1', outs)}"
 
 
 def _write_state_space(order: int, delay: int, ins: int, outs: int) -> str:
     return f"ss({order},{ins},{outs},{delay})"
 
 
-def _repeat(block: str, count: int) -> str:
+def _repeat_block(block: str, count: int) -> str:
     return block if count == 1 else f"[{' & '.join([block] * count)}]"
 
 
@@ -31,7 +31,7 @@ def list_rungs(order: int, delay: int, ins: int = 1, outs: int = 1) -> list[tupl
     line = f"oe({order + (delay == 0)},{order},{delay})" if single else _write_state_space(order, delay, ins, outs)
 
     def join(before: str, after: str) -> str:
-        parts = [_repeat(before, ins) if before else "", line, _repeat(after, outs) if after else ""]
+        parts = [_repeat_block(before, ins) if before else "", line, _repeat_block(after, outs) if after else ""]
         return " | ".join(part for part in parts if part)
 
     last = "" if single else "poly1"  # an `ss` behind a static block has no offset of its own

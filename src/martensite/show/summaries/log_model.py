@@ -8,10 +8,11 @@ from itertools import pairwise
 from typing import Any
 
 from martensite.base.summary import Block, BulletList, DataTable, Heading, Notice, Picture, Sentence, Summary
+from martensite.fit.baselines import find_period
 from martensite.fit.cross_validation import BETTER, EXPLAINED, HeldOutError, PooledError
 from martensite.fit.experiment_kinds import KINDS
 from martensite.fit.fit import list_compared
-from martensite.fit.fit_verdicts import find_period, format_error
+from martensite.fit.fit_verdicts import format_error
 from martensite.fit.log_models import LogModel, TriedModel
 from martensite.search.quantity_text import format_number, format_quantity, join_phrases
 from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops
