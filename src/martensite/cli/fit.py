@@ -36,7 +36,7 @@ class Fits(TyperGroup):
 
 fit = typer.Typer(
     cls=Fits,
-    short_help="Fit the numbers of a scenario to measured logs.",
+    short_help="Make a model of measured logs, with a scenario or without.",
     help="Fit numbers of a model to measurements: `martensite fit LOG... --scenario S --free ...` "
     "(or fit FILE.toml), or one of the commands below.",
     no_args_is_help=True,
