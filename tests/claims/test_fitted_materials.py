@@ -43,7 +43,7 @@ lead = "60 s"
 FLEXINOL, NITIHF = "flexinol-trained-0.381mm", "nitihf-bigelow2022"
 HELD_OUT = 0.0015
 """Largest error of strain of a cycle that the fit did not see."""
-AIM = 6e-4
+AIM = 3e-4
 """Largest error over all levels of NiTiHf."""
 
 
@@ -88,8 +88,9 @@ def test_the_cycles_of_nitihf_are_repeated() -> None:
 
 
 def test_materials_say_with_which_law_they_hold() -> None:
-    for name in (FLEXINOL, NITIHF):
-        assert load_material(name).law == {"kind": "lagoudas", "hardening": "waisted"}
+    waisted = {"kind": "lagoudas", "hardening": "waisted"}
+    assert load_material(FLEXINOL).law == waisted
+    assert load_material(NITIHF).law == waisted | {"surfaces": "curved"}
 
 
 def test_the_fit_gives_the_shipped_numbers_again(c_compiler: str) -> None:

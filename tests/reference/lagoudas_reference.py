@@ -8,7 +8,8 @@ A leg is cut into increments; after each, ξ is moved onto the surface it has cr
 reverse first, then forward. The transformation strain grows by ∫H dξ forward, by Gauss's rule
 over ξ with the stress at each ξ from the increment, and by Λ = ε_t/ξ at the last reversal.
 
-With a waist b, y = ξ^m - (1 - ξ)^n of a branch becomes (1 - b) y + b y³.
+With a waist b, y = ξ^m - (1 - ξ)^n of a branch becomes (1 - b) y + b y³. Curved surfaces add to T of a branch in Φ
+-c σ (σ - 2 σ_cal), and to its hardening s (½ - h) w σ, in tension: a₁ and a₂ hold s times a range.
 """
 
 from __future__ import annotations
@@ -49,12 +50,20 @@ class Parameters:
     n_4: float
     waist_f: float = 0.0
     waist_r: float = 0.0
+    curvature_f: float = 0.0  # [K/Pa²]
+    curvature_r: float = 0.0
+    widening_f: float = 0.0  # [K/Pa]
+    widening_r: float = 0.0
 
     def h(self, xi: float, back: bool = False) -> float:
         """Hardening of a branch, from 0 to 1."""
         m, n, b = (self.n_3, self.n_4, self.waist_r) if back else (self.n_1, self.n_2, self.waist_f)
         y = xi**m - (1 - xi) ** n
         return 0.5 * (1 + (1 - b) * y + b * y**3)
+
+    def bend(self, curvature: float, sigma: float) -> float:
+        """What a curved surface adds to the temperature of its line [K]."""
+        return curvature * sigma * (sigma - 2 * self.sigma_cal) if sigma > 0 else 0.0
 
     def H(self, sigma: float) -> float:
         if sigma <= self.sigma_crit:
@@ -96,7 +105,8 @@ def forward(p: Parameters, c: dict[str, float], xi: float, sigma: float, T: floa
     """Φ of the forward surface."""
     elastic = 0.5 * (1 / p.E_M - 1 / p.E_A) * sigma**2
     hardening = c["a1"] * p.h(xi)
-    drive = (1 - c["D"]) * p.H(sigma) * sigma + elastic + c["s"] * T - c["u"]
+    drive = (1 - c["D"]) * p.H(sigma) * sigma + elastic + c["s"] * (T - p.bend(p.curvature_f, sigma)) - c["u"]
+    hardening += c["s"] * (0.5 - p.h(xi)) * p.widening_f * max(sigma, 0.0)
     return drive - hardening - c["a3"] - c["Y"]
 
 
@@ -104,7 +114,8 @@ def reverse(p: Parameters, c: dict[str, float], ratio: float, xi: float, sigma: 
     """Φ of the reverse surface."""
     elastic = 0.5 * (1 / p.E_M - 1 / p.E_A) * sigma**2
     hardening = c["a2"] * p.h(xi, back=True)
-    drive = (1 + c["D"]) * ratio * sigma + elastic + c["s"] * T - c["u"]
+    drive = (1 + c["D"]) * ratio * sigma + elastic + c["s"] * (T - p.bend(p.curvature_r, sigma)) - c["u"]
+    hardening += c["s"] * (0.5 - p.h(xi, back=True)) * p.widening_r * max(sigma, 0.0)
     return -drive + hardening - c["a3"] - c["Y"]
 
 

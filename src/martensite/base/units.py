@@ -16,7 +16,7 @@ from typing import Any
 from martensite.base.errors import UnitError
 
 _DECLARED = (
-    "1 K m m^3 s Hz kg N N/m Pa Pa/K V A W ohm ohm/m ohm*m kg/m^3 J/kg J/kg/K W/m/K W/m^2/K W/m^2/K^2 "
+    "1 K K/Pa K/Pa^2 m m^3 s Hz kg N N/m Pa Pa/K V A W ohm ohm/m ohm*m kg/m^3 J/kg J/kg/K W/m/K W/m^2/K W/m^2/K^2 "
     "W/m^2/K^3 1/K 1/Pa m/s^2 m/s rad rad/s N*m N*m/rad N*m*s/rad N*s/m kg*m^2 N*m/A V*s/rad H"
 )
 """Units that parameters are declared in."""
@@ -36,6 +36,8 @@ EVERYDAY: dict[str, tuple[str, float, float]] = {unit: (unit, 1.0, 0.0) for unit
     "MPa": ("Pa", 1e6, 0.0),
     "GPa": ("Pa", 1e9, 0.0),
     "MPa/K": ("Pa/K", 1e6, 0.0),
+    "K/MPa": ("K/Pa", 1e-6, 0.0),
+    "K/MPa^2": ("K/Pa^2", 1e-12, 0.0),
     "mV": ("V", 1e-3, 0.0),
     "mA": ("A", 1e-3, 0.0),
     "mW": ("W", 1e-3, 0.0),
@@ -65,6 +67,8 @@ READABLE = {
     "Pa": "MPa",
     "m": "mm",
     "Pa/K": "MPa/K",
+    "K/Pa": "K/MPa",
+    "K/Pa^2": "K/MPa^2",
     "kg": "g",
     "rad": "deg",
     "rad/s": "deg/s",

@@ -204,7 +204,8 @@ def _build_difference(wanted: SearchRange, known: Sequence[Target], record: str 
         )
     shown = wanted.name if record is None else f"{wanted.name}@{record}"
     doc = f"how far {name} lies above {base}"
-    return FreeNumber(shown, one.path, one.unit, start, low, high, record=record, doc=doc, base=other.path)
+    unit = units.DEGREES if one.unit == "K" else one.unit
+    return FreeNumber(shown, one.path, unit, start, low, high, record=record, doc=doc, base=other.path)
 
 
 def _build_one(wanted: SearchRange, known: Sequence[Target], record: str | None) -> FreeNumber:

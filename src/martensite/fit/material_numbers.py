@@ -157,7 +157,8 @@ def describe_trust(fit: Fit, free: FreeNumber) -> str:
     found = fit.uncertainty
     wide = format_interval(found.widened(free.name), free.unit)
     plain = format_interval(found.interval(free.name), free.unit)
-    words = [wide if wide == NOT_DETERMINED else f"95 % interval {wide}"]
+    of = f" of {free.name}" if free.base else ""
+    words = [f"{wide}{of}" if wide == NOT_DETERMINED else f"95 % interval{of} {wide}"]
     if plain != wide:
         words.append(f"{plain} if all samples were independent")
     words.append(f"searched from {shown_range((free.low, free.high), free.unit)}")

@@ -234,7 +234,7 @@ def _describe_machine(rows: Sequence[Record], section: float) -> Document:
 def _vary_loop_laws(
     rows: Sequence[Record], base: Document, guess: Mapping[str, float], levels: int, zeroed: bool
 ) -> Iterator[Proposal]:
-    """Lagoudas with a waist and without, Liang–Rogers."""
+    """Lagoudas with a waist, with curved surfaces, and without both; Liang–Rogers."""
     each = ("offset.strain",) if zeroed else ()
     stroke = max(float(np.ptp(one["strain"])) for one in rows)
     sigma = max(float(np.mean([one["stress"][0] for one in rows])), 1e6)
@@ -289,9 +289,13 @@ def _vary_loop_laws(
         surface |= {"H_min": stroke, "H_sat": 0.19, "H_k": "0 1/MPa"}
     waist = surface | {"hardening": "waisted", "waist_f": 0.8, "waist_r": 0.8}
     waist |= {"n_1": 0.4, "n_2": 0.5, "n_3": 0.4, "n_4": 0.5}
-    yield build(
-        "lagoudas with a waist", waist, (*strain, *expansion, *place, "waist_f=0.1..0.98", "waist_r=0.1..0.98"), 2.0
-    )
+    waisted = (*strain, *expansion, *place, "waist_f=0.1..0.98", "waist_r=0.1..0.98")
+    yield build("lagoudas with a waist", waist, waisted, 2.0)
+    if levels > 2:
+        curved = waist | {"surfaces": "curved"} | dict.fromkeys(("widening_f", "widening_r"), "0.05 K/MPa")
+        bends = ("curvature_f=-1e-3..1e-3 K/MPa^2", "curvature_r=-1e-3..1e-3 K/MPa^2")
+        growths = ("widening_f=0..0.9 K/MPa", "widening_r=0..0.9 K/MPa")
+        yield build("lagoudas with a waist and curved surfaces", curved, (*waisted, *bends, *growths), 1.0)
     roundness = tuple(f"n_{k}=0.1..1" for k in (1, 2, 3, 4))
     yield build("lagoudas", surface, (*strain, *expansion, *place, *roundness), 1.3)
     simple = {"kind": "liang-rogers", "modulus": "mixture", "eps_L": 0.8 * stroke, "Theta": "0 Pa/K"}

@@ -28,9 +28,19 @@ M_s - (M_s - M_f) h_f, reverse while T - s_r(σ, Λ) rises above A_f - (A_f - A_
 positive; in compression H = H_min and the elastic term is left out, so that stress never
 works against martensite.
 
+Measured loops keep neither straight lines beyond the work of transformation nor the width of their ranges. With the
+option `surfaces = "curved"`, for tension, M = ½ (M_s + M_f) and A = ½ (A_s + A_f),
+
+    forward   M + s_f(σ) + c_f σ (σ - 2 σ_cal) - T = (h_f - ½) (M_s - M_f + w_f σ)
+    reverse   A + s_r(σ, Λ) + c_r σ (σ - 2 σ_cal) - T = (h_r - ½) (A_f - A_s + w_r σ)
+
+with c = `curvature`, w = `widening`, so that temperatures at zero stress and slopes at σ_cal mean what they did: c
+bends the line of the middle, w spreads a range about it.
+
 Sources: Boyd and Lagoudas (1996); Lagoudas et al. (2012), Int. J. Plasticity 32–33, with the
 smooth hardening of Hartl and Lagoudas. The derivation is written out for this package. The
-option `hardening = "waisted"` (`martensite.physics.kinetics.hardening`) is this package's extension.
+options `hardening = "waisted"` (`martensite.physics.kinetics.hardening`) and `surfaces = "curved"` are this
+package's extensions.
 """
 
 from typing import NamedTuple
@@ -53,6 +63,8 @@ from martensite.physics.laws.base import Doubt
 
 SAMPLES = 201
 """Fractions at which the order of the surfaces is checked."""
+SOUGHT, STEPS = 25e6, 40
+"""Stresses [Pa] up to which it is looked for where they meet, if they are curved."""
 MEETING, PEAK = 6, 8
 """Newton steps."""
 
@@ -98,6 +110,25 @@ class StraightPath(NamedTuple):
         return self.stress + part * self.more, self.temperature + part * self.warmer
 
 
+class TransformationRange(NamedTuple):
+    """Where a surface lies under a stress."""
+
+    start: Scalar
+    """Warmest temperature without stress [K]."""
+    shift: Scalar
+    """What the stress adds to it [K]."""
+    width: Scalar
+    """From the coolest to the warmest temperature [K]."""
+
+    def share(self, temperature: Scalar) -> Scalar:
+        """Hardening share h [-] at a temperature; unlimited."""
+        return (self.start - temperature + self.shift) / self.width
+
+    def temperature(self, share: Scalar) -> Scalar:
+        """Temperature [K] of a hardening share."""
+        return self.start + self.shift - self.width * share
+
+
 class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
     """Parameters, constants and surfaces; a law adds memory and flow."""
 
@@ -122,6 +153,16 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
     )
     waist_f: Scalar = param("1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.8)
     waist_r: Scalar = param("1", "waist of the reverse range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.9)
+    surfaces: str = option(
+        "what stress does to the surfaces: shifts them by its work, or also bends and widens them by four numbers",
+        "work",
+        "curved",
+        default="work",
+    )
+    curvature_f: Scalar = param("K/Pa^2", "bend of the forward line, if curved", low=-1e-14, high=1e-14, default=0.0)
+    curvature_r: Scalar = param("K/Pa^2", "bend of the reverse line, if curved", low=-1e-14, high=1e-14, default=0.0)
+    widening_f: Scalar = param("K/Pa", "growth of the forward range, if curved", low=0.0, high=1e-6, default=0.0)
+    widening_r: Scalar = param("K/Pa", "growth of the reverse range, if curved", low=0.0, high=1e-6, default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` where the surfaces have no width, no order or no slope."""
@@ -148,14 +189,15 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
                 f"forward surface at every fraction, but let them cross by {-self.gap():.3g} K."
             )
 
-    def gap(self) -> float:
-        """The least distance from the forward to the reverse surface at zero stress [K]."""
+    def gap(self, stress: float = 0.0) -> float:
+        """The least distance from the forward to the reverse surface under a stress [Pa] of cycles at it [K]."""
+        scale, strain = self.scale(floats), self.current(floats, stress)
+        forward, reverse = self._forward_line(floats, scale, stress), self._reverse_line(floats, scale, strain, stress)
         least = float("inf")
         for i in range(SAMPLES):
             xi = i / (SAMPLES - 1)
-            forward = self.M_s - (self.M_s - self.M_f) * self.forward_hardening(floats, xi)
-            reverse = self.A_f - (self.A_f - self.A_s) * self.reverse_hardening(floats, xi)
-            least = min(least, reverse - forward)
+            cooler = forward.temperature(self.forward_hardening(floats, xi))
+            least = min(least, reverse.temperature(self.reverse_hardening(floats, xi)) - cooler)
         return least
 
     def cautions(self) -> list[str]:
@@ -165,10 +207,34 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
             found.append("E_M is above E_A: martensite is usually the softer phase.")
         if self.hardening == "smooth" and max(self.waist_f, self.waist_r) > 0.0:
             found.append('A waist counts only with the option `hardening = "waisted"` of the law.')
+        if self.surfaces == "work" and any((self.curvature_f, self.curvature_r, self.widening_f, self.widening_r)):
+            found.append('A curvature or widening counts only with the option `surfaces = "curved"` of the law.')
+        falling = self._find_falling_finish()
+        if falling is not None:
+            found.append(
+                f"Above {falling / 1e6:.4g} MPa a range widens faster than stress shifts it, so that M_f or A_s falls: "
+                "true of cycles at constant stress, not shown for loading at constant temperature."
+            )
         return found
+
+    def _find_falling_finish(self) -> float | None:
+        """The stress [Pa] from which on the cool end of a range falls, of cycles at it, if there is one."""
+        scale, before = self.scale(floats), (self.M_f, self.A_s)
+        for k in range(1, STEPS + 1 if self.surfaces == "curved" else 1):
+            at = k * SOUGHT
+            reverse = self._reverse_line(floats, scale, self.current(floats, at), at)
+            ends = self._forward_line(floats, scale, at).temperature(1.0), reverse.temperature(1.0)
+            if min(b - a for a, b in zip(before, ends, strict=True)) < 0.0:
+                return at - SOUGHT
+            before = ends
+        return None
 
     def doubt(self) -> Doubt | None:
         """Where the surfaces meet under stress."""
+        if self.surfaces == "curved":
+            limit = next((k * SOUGHT for k in range(1, STEPS + 1) if self.gap(k * SOUGHT) <= 0.0), 0.0)
+            text = f"forward and reverse surface meet at about {limit / 1e6:.4g} MPa, where loops lose their width."
+            return Doubt(limit, text) if limit else None
         constants = self.constants(floats)
         if not constants.D < 0.0:
             return None
@@ -238,18 +304,42 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
 
     def forward_share(self, xp: Namespace, scale: WorkScale, stress: Scalar, temperature: Scalar) -> Scalar:
         """h_f that forward transformation would reach at (σ, T) [-]; unlimited."""
-        tension = xp.maximum(stress, 0.0)
-        shift = scale.forward * self.current(xp, stress) * stress
-        shift = shift + 0.5 * scale.elastic * tension * tension
-        return (self.M_s - temperature + shift) / (self.M_s - self.M_f)
+        return self._forward_line(xp, scale, stress).share(temperature)
 
     def reverse_share(
         self, xp: Namespace, scale: WorkScale, strain: Scalar, stress: Scalar, temperature: Scalar
     ) -> Scalar:
         """h_r that reverse transformation of martensite of a strain Λ would leave; unlimited."""
+        return self._reverse_line(xp, scale, strain, stress).share(temperature)
+
+    def _forward_line(self, xp: Namespace, scale: WorkScale, stress: Scalar) -> TransformationRange:
+        shift = scale.forward * self.current(xp, stress) * stress
+        return self._place_range(xp, scale, (self.M_f, self.M_s), shift, stress, self.curvature_f, self.widening_f)
+
+    def _reverse_line(self, xp: Namespace, scale: WorkScale, strain: Scalar, stress: Scalar) -> TransformationRange:
+        shift = scale.reverse * strain * stress
+        return self._place_range(xp, scale, (self.A_s, self.A_f), shift, stress, self.curvature_r, self.widening_r)
+
+    def _place_range(
+        self,
+        xp: Namespace,
+        scale: WorkScale,
+        ends: tuple[Scalar, Scalar],
+        shift: Scalar,
+        stress: Scalar,
+        curvature: Scalar,
+        widening: Scalar,
+    ) -> TransformationRange:
+        """A range under a stress [Pa]; it ends at `ends` [K] at none, and work shifts it by `shift` [K]."""
+        low, high = ends
         tension = xp.maximum(stress, 0.0)
-        shift = scale.reverse * strain * stress + 0.5 * scale.elastic * tension * tension
-        return (self.A_f - temperature + shift) / (self.A_f - self.A_s)
+        shift = shift + 0.5 * scale.elastic * tension * tension
+        width = high - low
+        if self.surfaces == "curved":
+            growth = widening * tension
+            shift = shift + curvature * tension * (tension - 2.0 * self.sigma_cal) + 0.5 * growth
+            width = width + growth
+        return TransformationRange(high, shift, width)
 
     def forward_meeting(self, xp: Namespace, scale: WorkScale, way: StraightPath, share: Scalar) -> Scalar:
         """The part of a way after which `forward_share` rises beyond a share; 1 if it does not.
@@ -270,15 +360,18 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
 
         Over t = k σ the slope of s_f falls about t = 3 only (if at all), and from there Newton's
         way to the point with the slope of the leg is monotone. Without a maximum any point does.
-        (A maximum below sigma_crit, possible if E_M is above E_A, is not looked for.)
+        (A maximum below sigma_crit, possible if E_M is above E_A, is not looked for; of a range that widens, the
+        peak of its middle is taken: both are errors of large steps only.)
         """
         moves = xp.abs(way.more) > 1.0
         size = xp.where(moves, way.more, 1.0)
         rate = xp.maximum(self.H_k, 1e-15)
         first = rate * self.sigma_crit
         spread = scale.forward * (self.H_sat - self.H_min)
-        bend = scale.elastic / rate
-        rest = xp.store(scale.forward * self.H_sat - way.warmer / size)
+        bend, slope = scale.elastic / rate, scale.forward * self.H_sat
+        if self.surfaces == "curved":
+            bend, slope = bend + 2.0 * self.curvature_f / rate, slope - 2.0 * self.curvature_f * self.sigma_cal
+        rest = xp.store(slope - way.warmer / size)
         t = xp.maximum(first, 3.0)
         for _ in range(PEAK):
             decay = xp.store(spread * xp.exp(first - t))
@@ -290,9 +383,12 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
 
     def reverse_peak(self, xp: Namespace, scale: WorkScale, way: StraightPath, strain: Scalar) -> Scalar:
         """The part of a way at which `reverse_share` is least, if that is inside."""
-        bend = scale.elastic * way.more * way.more
+        curve, slope = scale.elastic, scale.reverse * strain
+        if self.surfaces == "curved":
+            curve, slope = curve + 2.0 * self.curvature_r, slope - 2.0 * self.curvature_r * self.sigma_cal
+        bend = curve * way.more * way.more
         bends = bend > 1e-30
-        slope = scale.reverse * strain + scale.elastic * way.stress
+        slope = slope + curve * way.stress
         part = (way.warmer - slope * way.more) / xp.where(bends, bend, 1.0)
         return xp.where(bends, xp.clip(part, 0.0, 1.0), 0.0)
 
