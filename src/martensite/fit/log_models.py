@@ -230,7 +230,7 @@ def _try_proposal(proposal: Proposal, kind: ExperimentKind) -> TriedModel:
     fit = _solve_from_starts(problem, proposal)
     fit = replace(fit, scenario=scenario)
     own_zero = kind.name in ("isobaric", "isothermal") and bool(proposal.each)
-    errors = cross_validate(fit, problem.free, kind=kind.name, drive=kind.drive, own_zero=own_zero)
+    errors = cross_validate(fit, problem.free, kind=kind.name, own_zero=own_zero)
     return TriedModel(proposal, fit, tuple(errors))
 
 

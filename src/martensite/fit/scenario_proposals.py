@@ -19,8 +19,8 @@ from martensite.base import units
 from martensite.base.errors import DataError, InputError, MartensiteError
 from martensite.characterise.tangent_fit import fit_tangents
 from martensite.characterise.tangent_points import find_tangent_points
+from martensite.fit.baselines import DriveLag, filter_drive, fit_drive_lag
 from martensite.fit.experiment_kinds import DRIVEN, ExperimentKind
-from martensite.fit.naive_predictions import DriveLag, filter_drive, fit_drive_lag
 from martensite.scenario.overrides import as_toml, change_document
 from martensite.search.quantity_text import format_number, list_names
 from martensite.signals.records import Record
