@@ -9,6 +9,7 @@ import json
 import os
 from dataclasses import replace
 from pathlib import Path
+from shlex import split
 from typing import Any
 
 import numpy as np
@@ -155,8 +156,27 @@ def test_logs_alone_become_a_scenario_that_is_accepted_again(rig_logs: list[str]
     assert {one["record"] for one in found["held_out"]} == {"log1", "log2"}
     assert min(one["fit_percent"] for one in found["held_out"]) > 85.0
     assert found["next"]
-    names = ("--columns", "time [s],duty [1],force [N]", "--column", "force")
-    again = FIT.report(*rig_logs, "--scenario", str(kept), "--free", "E_M", "--hold-out", "none", *names)
+    command = split(found["again"])
+    assert command[-6:] == ["--as", "1=time[s]", "--as", "2=duty[1]", "--as", "3=force[N]"]
+    command[command.index("--free") + 1] = "E_M"
+    again = json.loads(FIT(*command[2:], "--hold-out", "none", "--json").stdout)
+    assert again["scores"][0]["fit_percent"] > 85.0
+
+
+@pytest.mark.parametrize("stressed", [True, False])
+def test_printed_command_fits_the_kept_scenario_again(tmp_path: Path, stressed: bool) -> None:
+    """Below title lines: the raw file where it holds what the scenario follows, else the record as understood."""
+    loop, more = RECORDS["isobaric"], ";100" if stressed else ""
+    pairs = enumerate(zip(loop["temperature"] - 273.15, 100.0 * loop["strain"], strict=True))
+    head = "Time;Chamber;Strain;Tension\ns;degC;%;MPa" if stressed else "Time;Chamber;Strain\ns;degC;%"
+    path, kept = tmp_path / "wire_100MPa.csv", tmp_path / "kept.toml"
+    rows = [f"{k};{kelvin:.2f};{strain:.4f}{more}" for k, (kelvin, strain) in pairs]
+    path.write_text("\n".join(["Report;7", "", head, *rows]))
+    told = json.loads(FIT(str(path), "--json", "--save-scenario", str(kept)).stdout)
+    command = split(told["again"])
+    assert command[:3] == ["martensite", "fit", str(path if stressed else tmp_path / "kept_wire_100MPa.csv")]
+    command[command.index("--free") + 1] = "A_f"
+    again = json.loads(FIT(*command[2:], "--hold-out", "none", "--json").stdout)
     assert again["scores"][0]["fit_percent"] > 85.0
 
 

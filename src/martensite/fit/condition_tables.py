@@ -21,6 +21,7 @@ from martensite.base import units
 from martensite.base.errors import DataError, InputError, UnitError, suggest_name
 from martensite.base.parameters import find_paths
 from martensite.scenario.assemble import waveform_path
+from martensite.scenario.column_meanings import find_places
 from martensite.scenario.layout import IGNORED, Layout
 from martensite.scenario.scenario import Scenario
 from martensite.scenario.sheets import describe_unreadable, is_gap, is_number, read_sheet
@@ -125,11 +126,11 @@ class ConditionTable:
     """Numbers of the rows in the file."""
 
 
-def is_condition_table(source: object, columns: Sequence[str] | None = None) -> bool:
-    """Whether a file is a table of conditions: it has no times, and a heading that is a measure."""
+def is_condition_table(source: object, named: Mapping[str, str] | None = None) -> bool:
+    """Whether a file is a table of conditions: it has no times, and a heading that is a measure, as `named` or not."""
     if not isinstance(source, (str, Path)) or not str(source).lower().endswith(TEXT) or not Path(source).is_file():
         return False
-    names = [_split_heading(one)[0] for one in columns or _read_first_line(Path(source))]
+    names = [_split_heading(one)[0] for one in (*_read_first_line(Path(source)), *(named or {}).values())]
     return "time" not in names and any(_find_words(one, ()) for one in names)
 
 
@@ -143,14 +144,14 @@ def _read_first_line(path: Path) -> list[str]:
 
 
 def read_condition_table(
-    source: str | Path, scenario: Scenario, columns: Sequence[str] | None = None
+    source: str | Path, scenario: Scenario, named: Mapping[str, str] | None = None
 ) -> ConditionTable:
     """Read a table of conditions, with what its columns mean for a scenario.
 
     Args:
         source: a text file with one row per condition.
         scenario: whose numbers the columns set.
-        columns: headings, for a file that has none.
+        named: headings for columns whose own do not say what they are, by heading or number.
 
     Raises:
         InputError: a column is no input and no measure, its unit is missing or does not fit, or a cell is no number.
@@ -158,7 +159,9 @@ def read_condition_table(
     path = Path(source)
     sheet = read_sheet(path, Layout(()))
     own = not any(is_number(cell) for cell in sheet.rows[0])
-    headings, rows = list(columns or sheet.rows[0]), sheet.rows[1:] if own else sheet.rows
+    headings, rows = list(sheet.rows[0]) if own else [""] * len(sheet.rows[0]), sheet.rows[int(own) :]
+    for place, text in find_places(headings, named or {}, sheet.where).items():
+        headings[place] = text
     if not rows:
         raise DataError(f"{sheet.where} holds headings but no rows.")
     width = next((k for k, row in enumerate(rows) if len(row) != len(headings)), None)

@@ -113,7 +113,7 @@ def recognise_experiment(records: Sequence[Record], asked: str | None = None) ->
     raise DataError(
         f"What the logs were recorded from cannot be told: they hold {held}, of which vary "
         f"{list_names(varying) or 'none'}. Known are {'; '.join(f'`{k}`, {v}' for k, v in KINDS.items())}. Name the "
-        "columns (--columns), or write a scenario (--scenario)."
+        "columns (`--as`), or write a scenario (--scenario)."
     )
 
 

@@ -41,7 +41,7 @@ def summarise_log_model(model: LogModel, command: str = "") -> Summary:
     ]
     if command:
         blocks.insert(-1, Sentence(f"The scenario is kept; this fits it again: `{command}`"))
-    return Summary(f"A model of {which}", blocks, _collect_numbers(model), lead)
+    return Summary(f"A model of {which}", blocks, _collect_numbers(model) | {"again": command}, lead)
 
 
 def _make_verdict(model: LogModel) -> Notice:
