@@ -22,7 +22,7 @@ from martensite.base.errors import DataError, InputError, UnitError, suggest_nam
 from martensite.base.parameters import find_paths
 from martensite.scenario.assemble import waveform_path
 from martensite.scenario.column_meanings import find_places
-from martensite.scenario.layout import IGNORED, Layout
+from martensite.scenario.layout import CANONICAL, IGNORED, QUANTITIES, Layout, find_quantity, list_quantities
 from martensite.scenario.scenario import Scenario
 from martensite.scenario.sheets import describe_unreadable, is_gap, is_number, read_sheet
 from martensite.scenario.tables import TEXT, read_table
@@ -46,9 +46,8 @@ WAYS = {
     "rms": "rms",
 }
 """Word beside an output -> measure of it."""
-STROKES = ("stroke", "displacement", "deflection", "travel", "lift", "contraction")
+STROKES = {"lift", *QUANTITIES["position"].words}
 """Words for the first coordinate of a mechanism."""
-OUTPUTS = {"temp": "temperature", "temp.": "temperature", "voltage drop": "voltage"}
 INPUTS = {
     "ambient": ("environment.temperature",),
     "ambient temperature": ("environment.temperature",),
@@ -66,7 +65,7 @@ INPUTS = {
     "film coefficient": ("environment.cooling.h",),
 }
 """Well-known word -> paths as `--set` takes them, the first that the scenario has."""
-LEVELS = {"current": "A", "voltage": "V", "power": "W", "temperature": "K", "duty": "1"}
+LEVELS = {name: CANONICAL[name] for name in (*list_quantities("drive"), "temperature")}
 """What drives -> its unit; such a column sets the level of the waveform."""
 PEAKS = ("level", "high", "first")
 """Numbers of a waveform that are its level."""
@@ -214,8 +213,10 @@ def _find_words(name: str, outputs: Iterable[str]) -> str:
 
 def _find_output(words: str, known: Sequence[str]) -> str:
     """Output that some words name; empty for the first coordinate."""
-    words = OUTPUTS.get(words, words)
-    return "" if words in STROKES else words.replace(" ", "_")
+    plain = words.replace(" ", "_")
+    if plain in known or words in STROKES:
+        return "" if words in STROKES else plain
+    return find_quantity(plain, lambda name: name in known) or plain
 
 
 class _Reading:
