@@ -126,7 +126,7 @@ def list_folds(problem: Problem, kind: str) -> Iterator[Problem]:
         for name in names:
             yield _leave_out(problem, {name: ALL})
         return
-    if kind in ("isobaric", "isothermal"):
+    if kind in ("isobaric", "isothermal", "cooling"):
         rows = [one.times.tolist() for one in problem.experiments]
         yield _leave_out(problem, dict(zip(names, choose_held_out("auto", names, rows), strict=True)))
         return

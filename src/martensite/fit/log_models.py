@@ -91,7 +91,22 @@ class LogModel:
         needed = [{*one.follows.values(), *one.columns.values()} for one in self.fit.problem.experiments]
         made = {read_columns([text])[0].output for text in self.chosen.proposal.columns if "*" in text}
         whole = all(need - made <= held[one.name] for need, one in zip(needed, self.chosen.proposal.rows, strict=True))
-        return whole and self.named is not None
+        same = self.kind.name != "cooling" or all(
+            own.times[0] == one.times[0] and own["temperature"][0] == one["temperature"][0]
+            for own, one in zip(self.records, self.chosen.proposal.rows, strict=False)
+        )
+        return whole and same and self.named is not None
+
+    @property
+    def time_constant(self) -> tuple[float, float, float] | None:
+        """τ = ρ c d/(4 h) [s] of an element left to cool, with its interval; it does not depend on what c and d are."""
+        if self.kind.name != "cooling":
+            return None
+        numbers = {leaf.path.rpartition(".")[2]: float(leaf.value) for leaf in self.fit.system().leaves()}
+        film = next(name for name in self.fit.numbers if name.endswith("cooling.h"))
+        low, high = self.fit.uncertainty.widened(film)
+        tau = numbers["density"] * numbers["heat_capacity"] * numbers["diameter"] / (4.0 * self.fit[film])
+        return tau, tau * self.fit[film] / high, tau * self.fit[film] / low if low > 0.0 else math.inf
 
     def predict_record(self, record: Record) -> dict[str, Any]:
         """Output -> (rows,) in SI of what the model says of another record, with the mean zero of those fitted.
@@ -239,7 +254,7 @@ def _try_proposal(proposal: Proposal, kind: ExperimentKind) -> TriedModel:
     problem = task.arrange(check=False).problem
     fit = _solve_from_starts(problem, proposal)
     fit = replace(fit, scenario=scenario)
-    own_zero = kind.name in ("isobaric", "isothermal") and bool(proposal.each)
+    own_zero = kind.name in ("isobaric", "isothermal", "cooling") and bool(proposal.each)
     errors = cross_validate(fit, problem.free, kind=kind.name, own_zero=own_zero)
     return TriedModel(proposal, fit, tuple(errors))
 

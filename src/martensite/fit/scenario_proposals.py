@@ -20,6 +20,7 @@ from martensite.base import units
 from martensite.base.errors import DataError, InputError, MartensiteError
 from martensite.characterise.tangent_fit import fit_tangents
 from martensite.characterise.tangent_points import find_tangent_points
+from martensite.characterise.time_constant import fit_rise
 from martensite.fit.baselines import DriveLag, filter_drive, fit_drive_lag
 from martensite.fit.experiment_kinds import DRIVEN, ExperimentKind
 from martensite.scenario.overrides import as_toml, change_document
@@ -529,6 +530,42 @@ def propose_resistance(kind: ExperimentKind, records: Sequence[Record], known: A
     yield begun.propose("under a weight", document, (*begun.free, *more), (column,))
 
 
+def propose_cooling(kind: ExperimentKind, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
+    """An element that cools from where each record begins, as if it had been heated until then."""
+    rows = [_cut_hot(record) for record in records]
+    rises = [fit_rise(one.times, one["temperature"]) for one in rows]
+    tau, room = (float(np.median([x.value for x in xs])) for xs in zip(*((r.tau, r.final) for r in rises), strict=True))
+    effect = "the film coefficient is counted from it; the time constant is not"
+    width, length = known.take("element.diameter", "m", WIDTH, effect), 0.1
+    c, density = known.take("element.heat_capacity", "J/kg/K", 837.0, effect), 6450.0
+    h, hot = density * c * width / (4.0 * tau), max(one["temperature"][0] for one in rows)
+    area, fall = math.pi / 4.0 * width**2, max(float(np.ptp(one["temperature"])) for one in rows)
+    volts = math.sqrt(h * math.pi * width * length * fall * 9e-7 * length / area)
+    sizes = _write_values("m", diameter=width, length=length) | {"ambient": write_value(room, "K")}
+    document = tomllib.loads(ELEMENT.format(density=density, c=c, latent=0.0, h=h, drive="pwm-voltage", **sizes))
+    lead, span = f"{10.0 * tau:.4g} s", max(one.times[-1] for one in rows)
+    document["run"] |= {"lead": lead, "duration": f"{10.0 * tau + span:.4g} s"}
+    document["drive"] |= {"supply": f"{volts:.4g} V", "waveform": {"kind": "step", "high": 1, "until": lead}}
+    begun = DrivenElement(rows, DriveLag(tau, 0.0, room, 0.0), area, document, ())
+    low, high = max(room - fall, 200.0), min(room + 0.5 * fall, hot)
+    free = f"environment.cooling.h={h / 6.0:.4g}..{h * 6.0:.4g} W/m^2/K log", f"environment.temperature={low}..{high} K"
+    each, column = (f"drive.supply={0.3 * volts:.4g}..{3.0 * volts:.4g} V",), ("temperature",)
+    yield replace(begun.propose("heat alone", begun.weight, free, column), each=each)
+    places = ("A_s-A_f=-60..-1 K", "M_s-A_f=-70..-1 K", "M_f-M_s=-60..-1 K")
+    more = ("A_f=30..140 degC", f"latent_heat={0.3 * c:.4g}..{60.0 * c:.4g} J/kg log", *places)
+    warm = change_document(document | begun.weight, {"element.latent_heat": f"{10.0 * c:.4g} J/kg"})
+    yield replace(begun.propose("with transformation", warm, (*free, *more), column), each=each)
+
+
+def _cut_hot(record: Record) -> Record:
+    """What a record holds from where its temperature begins to fall, counted from there."""
+    kept = _thin_rows(record, ("temperature",), 4 * ROWS)
+    kelvin = np.asarray(kept["temperature"])
+    first = int(np.flatnonzero(kelvin >= kelvin.max() - 0.02 * np.ptp(kelvin))[-1])
+    found = {name: column[first:] for name, column in kept.columns.items()}
+    return replace(kept, columns=found | {"time": [t - found["time"][0] for t in found["time"]]})
+
+
 def add_waist(proposal: Proposal, numbers: Mapping[str, float]) -> Proposal:
     """A driven element with rounder transformations, that of trained wires; the search begins at numbers found."""
     law = {n: value for n, value in proposal.document["element"]["law"].items() if n not in ("modulus", "eps_L")}
@@ -551,4 +588,5 @@ PROPOSERS: dict[str, Proposer] = {
     "blocked-force": propose_blocked_force,
     "heating": propose_heating,
     "resistance": propose_resistance,
+    "cooling": propose_cooling,
 }
