@@ -158,7 +158,7 @@ def test_measured_record_of_the_scenario_is_compared_unless_unwanted(folder: Pat
 
 def test_columns_name_those_of_a_file_without_headings(folder: Path) -> None:
     (folder / "log.csv").write_text("0,23\n10,90\n", encoding="utf-8")
-    columns = ("--compare", "log.csv", "--columns", "time [s], temperature [degC]")
+    columns = ("--compare", "log.csv", "--as", "1=time[s]", "--as", "2=temperature[degC]")
     assert len(parsed("run", "wire.toml", "--no-figure", *columns)["comparison"]) == 1
 
 
@@ -201,7 +201,7 @@ BAD_CALLS = [
     (("wire.toml", "--figure", "a.bmp"), "must end in .png or .svg or .pdf"),
     (("wire.toml", "--out", "no/where/a.nc"), "There is no folder `no/where`"),
     (("wire.toml", "--tolerance", "-1"), "`tolerance` must be"),
-    (("wire.toml", "--columns", "x [1]"), "`--columns` has no effect"),
+    (("wire.toml", "--as", "2=x[1]"), "`--as` has no effect"),
     (("wire.toml", "--no-figure", "--figure", "a.png"), "`--figure` has no effect"),
     (("wire.toml", "--no-compare", "--compare", "a.csv"), "`--compare` has no effect"),
     (("wire.toml", "--import", "no_such_module"), "Cannot import `no_such_module`"),

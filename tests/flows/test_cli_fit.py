@@ -117,9 +117,8 @@ def test_columns_of_other_names_and_logs_without_headings() -> None:
     right = FIT.report(*SMALL)
     assert found["parameters"]["A_s"]["value"] == pytest.approx(right["parameters"]["A_s"]["value"], abs=1e-3)
     fit_cases.write_rows("bare.csv", [row[1:] for row in rows[1:]])
-    bare = FIT.report(
-        "bare.csv", *SMALL[1:], "--columns", "temperature [degC],stress [MPa],strain [%]", "--interval", "1 s"
-    )
+    named = ("--as=1=temperature[degC]", "--as=2=stress[MPa]", "--as=3=strain[%]")
+    bare = FIT.report("bare.csv", *SMALL[1:], *named, "--interval", "1 s")
     assert bare["parameters"]["A_s"]["value"] == pytest.approx(right["parameters"]["A_s"]["value"], abs=1e-3)
 
 

@@ -9,6 +9,7 @@ import json
 import os
 from dataclasses import replace
 from pathlib import Path
+from shlex import split
 from typing import Any
 
 import numpy as np
@@ -66,7 +67,7 @@ def test_kind_is_told_from_what_varies(kind: str) -> None:
     assert all(f"`{name}`" in found.why for name in found.measured)
 
 
-@pytest.mark.parametrize("kind", [name for name in KINDS if name != "cooling"])
+@pytest.mark.parametrize("kind", KINDS)
 def test_every_proposal_is_a_scenario_that_follows_its_log(kind: str) -> None:
     record = make_record(RECORDS[kind])
     proposals, notes = propose_scenarios(recognise_experiment([record]), [record], {})
@@ -89,10 +90,26 @@ def test_what_is_set_is_not_assumed() -> None:
     assert known[0].document["element"]["diameter"] == "0.3 mm"
 
 
-def test_free_cooling_and_nothing_that_varies_are_sentences() -> None:
+def test_free_cooling_gives_film_ambient_and_time_constant(tmp_path: Path) -> None:
+    """An exponential of 4 s to 296 K with noise of 0.2 K, after a second at rest; the film follows from c and d."""
+    times = np.linspace(0.0, 20.0, 120)
+    kelvin = 296.0 + 64.0 * np.exp(-np.maximum(times - 1.0, 0.0) / 4.0) + np.random.default_rng(1).normal(0.0, 0.2, 120)
+    path, kept = tmp_path / "fall.csv", tmp_path / "kept.toml"
+    path.write_text("\n".join(["time [s],temperature [K]", *(f"{t},{x}" for t, x in zip(times, kelvin, strict=True))]))
+    words = ("--set", "element.diameter=0.25 mm", "--set", "element.heat_capacity=800 J/kg/K")
+    found = FIT.report(str(path), *words, "--save-scenario", str(kept))
+    assert (found["experiment"]["kind"], found["predicts"]) == ("cooling", True)
+    tau, low, high = found["time_constant"]
+    assert low < 4.0 < high
+    assert high - low < 0.2
+    assert found["numbers"]["environment.cooling.h"] == pytest.approx(6450.0 * 800.0 * 0.25e-3 / (4.0 * tau))
+    assert found["numbers"]["environment.temperature"] == pytest.approx(296.0, abs=0.2)
+    again = json.loads(FIT(*split(found["again"])[2:], "--hold-out", "none", "--json").stdout)
+    assert again["scores"][0]["fit_percent"] > 97.0
+
+
+def test_nothing_that_varies_is_a_sentence() -> None:
     cooling = make_record(RECORDS["cooling"])
-    with pytest.raises(DataError, match="martensite fit h"):
-        propose_scenarios(recognise_experiment([cooling]), [cooling], {})
     with pytest.raises(DataError, match="cannot be told"):
         recognise_experiment([make_record({"voltage": 0.0 * WAVE, "force": 0.0 * WAVE})])
     with pytest.raises(DataError, match="no `isobaric` experiment"):
@@ -155,8 +172,27 @@ def test_logs_alone_become_a_scenario_that_is_accepted_again(rig_logs: list[str]
     assert {one["record"] for one in found["held_out"]} == {"log1", "log2"}
     assert min(one["fit_percent"] for one in found["held_out"]) > 85.0
     assert found["next"]
-    names = ("--columns", "time [s],duty [1],force [N]", "--column", "force")
-    again = FIT.report(*rig_logs, "--scenario", str(kept), "--free", "E_M", "--hold-out", "none", *names)
+    command = split(found["again"])
+    assert command[-6:] == ["--as", "1=time[s]", "--as", "2=duty[1]", "--as", "3=force[N]"]
+    command[command.index("--free") + 1] = "E_M"
+    again = json.loads(FIT(*command[2:], "--hold-out", "none", "--json").stdout)
+    assert again["scores"][0]["fit_percent"] > 85.0
+
+
+@pytest.mark.parametrize("stressed", [True, False])
+def test_printed_command_fits_the_kept_scenario_again(tmp_path: Path, stressed: bool) -> None:
+    """Below title lines: the raw file where it holds what the scenario follows, else the record as understood."""
+    loop, more = RECORDS["isobaric"], ";100" if stressed else ""
+    pairs = enumerate(zip(loop["temperature"] - 273.15, 100.0 * loop["strain"], strict=True))
+    head = "Time;Chamber;Strain;Tension\ns;degC;%;MPa" if stressed else "Time;Chamber;Strain\ns;degC;%"
+    path, kept = tmp_path / "wire_100MPa.csv", tmp_path / "kept.toml"
+    rows = [f"{k};{kelvin:.2f};{strain:.4f}{more}" for k, (kelvin, strain) in pairs]
+    path.write_text("\n".join(["Report;7", "", head, *rows]))
+    told = json.loads(FIT(str(path), "--json", "--save-scenario", str(kept)).stdout)
+    command = split(told["again"])
+    assert command[:3] == ["martensite", "fit", str(path if stressed else tmp_path / "kept_wire_100MPa.csv")]
+    command[command.index("--free") + 1] = "A_f"
+    again = json.loads(FIT(*command[2:], "--hold-out", "none", "--json").stdout)
     assert again["scores"][0]["fit_percent"] > 85.0
 
 

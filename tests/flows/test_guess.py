@@ -2,6 +2,7 @@
 
 import pytest
 
+from martensite.fit.condition_tables import _find_words
 from martensite.scenario.heading_guess import SPELLINGS, guess_heading, usual_units
 from martensite.scenario.layout import CANONICAL, read_headings
 
@@ -58,3 +59,10 @@ def test_usual_units_are_those_that_fit(name: str) -> None:
     for unit in found:
         assert read_headings([f"{name} [{unit}]"], "the log")[0].name == name
     assert set(found) < {*SPELLINGS, "clock", *found[:1]}
+
+
+def test_words_of_quantities_are_those_of_all_readers() -> None:
+    """What a heading of a log may be called, a measure in a table of conditions may be called, too."""
+    assert (guess_heading("Contraction (mm)").name, guess_heading("voltage drop [V]").name) == ("position", "voltage")
+    assert _find_words("peak contraction", ()) == _find_words("peak disp", ()) == "stroke"
+    assert _find_words("mean thermocouple", ("temperature",)) == "mean(temperature)"

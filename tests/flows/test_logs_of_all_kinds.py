@@ -71,7 +71,7 @@ def test_a_file_without_units_names_its_columns(folder: Path, result: ms.Result)
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_run_follows_any_of_them(folder: Path, tmp_path: Path, kind: str) -> None:
-    columns = ["--columns", ",".join(HEADS)] if kind == ".mat" else []
+    columns = [w for k, head in enumerate(HEADS, 1) for w in ("--as", f"{k}={head}")] if kind == ".mat" else []
     log = ["--log", str(folder / f"log{kind}"), *columns]
     told = Command("run", str(folder / "wire.toml"), "--no-figure", "--out", str(tmp_path / "o.nc"), *log).report()
     (warm,) = (one for one in told["comparison"] if one["quantity"] == "temperature")
@@ -81,7 +81,7 @@ def test_a_run_follows_any_of_them(folder: Path, tmp_path: Path, kind: str) -> N
 @pytest.mark.parametrize("kind", KINDS[1:])
 def test_a_fit_takes_any_of_them(folder: Path, kind: str) -> None:
     """The number that the run was made with is found again, from samples that smear the edges of its drive."""
-    columns = ["--columns", ",".join(HEADS)] if kind == ".mat" else []
+    columns = [w for k, head in enumerate(HEADS, 1) for w in ("--as", f"{k}={head}")] if kind == ".mat" else []
     log = [str(folder / f"log{kind}"), *columns, "--scenario", str(folder / "wire.toml")]
     told = Command("fit", *log, "--free", "preload=0.3..0.9 N").report()
     (found,) = told["parameters"].values()

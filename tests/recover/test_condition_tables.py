@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from condition_cases import COIL, TRUTH, make_coil, measure_run, write_rows
 
-from martensite.base.errors import InputError
+from martensite.base.errors import DataError, InputError
 from martensite.fit.api import build_task, fit_logs
 from martensite.fit.condition_fits import pick_rows
 from martensite.fit.condition_runs import ConditionExperiment
@@ -186,3 +186,15 @@ def test_rows_at_the_edge_and_in_the_middle_are_kept_back():
     assert pick_rows(15, 0.2) == [1.0, 8.0, 15.0]
     assert len(pick_rows(40, 0.25)) == 10
     assert pick_rows(1, 0.5) == []
+
+
+def test_columns_without_headings_are_named_by_number(tmp_path: Path):
+    path = write_table(tmp_path, "2.4,8.1", "2.8,9.3")
+    named = {"1": "current [A]", "2": "peak stroke [mm]"}
+    assert is_condition_table(path, named)
+    assert not is_condition_table(path)
+    found = read_condition_table(path, make_coil(), named)
+    assert found.inputs[0].values == (2.4, 2.8)
+    assert found.measures[0].values == pytest.approx((8.1e-3, 9.3e-3))
+    with pytest.raises(DataError, match="no column `3`"):
+        read_condition_table(path, make_coil(), {"3": "n"})

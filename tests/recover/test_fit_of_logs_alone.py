@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from rig_cases import draw_rig
 
+from martensite.fit.baselines import fit_drive_lag
 from martensite.fit.cross_validation import BETTER, EXPLAINED
 from martensite.fit.log_models import model_logs
-from martensite.fit.naive_predictions import fit_drive_lag
 
 
 def judge_rig(seed: int, records: int = 3) -> tuple[float, bool]:

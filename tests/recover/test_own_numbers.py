@@ -16,7 +16,17 @@ from fit_cases import ISOBARIC
 
 from martensite.base.errors import InputError
 from martensite.fit.api import build_task, fit_logs, read_problem
-from martensite.fit.baselines import CYCLE, MEAN, SCALING, pool_baselines, refine_period, score_baselines
+from martensite.fit.baselines import (
+    CYCLE,
+    MEAN,
+    NEAREST,
+    SCALING,
+    pool_baselines,
+    predict_naively,
+    refine_period,
+    score_baselines,
+)
+from martensite.fit.experiment import Experiment
 from martensite.fit.fit import HELD_OUT, Fit, compute_rms, list_held_out
 from martensite.fit.fit_file import read_fit_file
 from martensite.fit.fit_verdicts import describe_predictions, list_fit_warnings
@@ -158,6 +168,26 @@ def test_baselines_of_a_periodic_record_by_hand(wire: Path):
     assert scores[MEAN].rms == pytest.approx(np.sqrt(np.mean((strain[held] - strain[~held].mean()) ** 2)))
     assert scores[CYCLE].rms < 3e-4
     assert scores[CYCLE].samples == held.sum()
+
+
+def test_baselines_do_not_see_what_is_kept_back(wire: Path):
+    """Other numbers in the rows kept back, of the record itself and of others, change no prediction."""
+    cycles, loops = [make_log("log")], [make_log("one"), make_log("two")]
+    loops = [replace(x, columns={n: c[:100] for n, c in x.columns.items()}) for x in loops]
+    named = list[set[str]]()
+    for logs, hold_out in ((cycles, "50 %"), (loops, "30 %")):
+        fitted = build_task(wire, logs, "A_s").with_changes(hold_out=hold_out).arrange().problem.experiments
+        other = [_spoil_held(one) for one in fitted]
+        true, spoilt = (predict_naively(ones, ones[0], "strain") for ones in (fitted, other))
+        named.append(set(true))
+        for name, guess in true.items():
+            assert guess == pytest.approx(spoilt[name]), name
+    assert named == [{MEAN, CYCLE}, {MEAN, NEAREST}]
+
+
+def _spoil_held(one: Experiment) -> Experiment:
+    strain = np.where(one.kept_back, 0.01, np.array(one.record["strain"]))
+    return replace(one, record=replace(one.record, columns=one.record.columns | {"strain": strain.tolist()}))
 
 
 def test_a_fit_that_does_not_beat_the_last_cycle_says_so(wire: Path):

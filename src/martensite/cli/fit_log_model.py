@@ -65,7 +65,7 @@ def fit_log_model(
     options: ModelOptions,
     settings: Sequence[str],
     *,
-    columns: str | None = None,
+    named: Sequence[str] = (),
     interval: float | None = None,
     report: Path | None = None,
     material: Path | None = None,
@@ -73,6 +73,7 @@ def fit_log_model(
 ) -> bool:
     """Make a model of logs and print its page; whether it predicts."""
     from martensite.fit.log_models import model_logs
+    from martensite.scenario.log_tables import parse_named
     from martensite.scenario.overrides import read_settings
     from martensite.show.pages import write_page
     from martensite.show.summaries.log_model import summarise_log_model
@@ -83,15 +84,17 @@ def fit_log_model(
             list(logs),
             experiment=options.experiment,
             overrides=read_settings(list(settings)),
-            columns=None if columns is None else columns.split(","),
+            named=parse_named(named),
             interval=interval,
         )
-    scenario = options.find_scenario_file(report)
-    summary = summarise_log_model(model, "" if scenario is None else write_command(model, logs, scenario, columns))
+    scenario, command = options.find_scenario_file(report), ""
     written: list[Path] = []
     if scenario is not None:
         scenario.write_text(model.write_scenario(), encoding="utf-8")
-        written.append(scenario)
+        tables = [] if model.follows_logs else write_records(model, scenario)
+        written += [scenario, *tables]
+        command = write_command(model, tables or logs, scenario, None if tables else interval)
+    summary = summarise_log_model(model, command)
     if material is not None:
         from martensite.fit.material_files import write_material
 
@@ -103,12 +106,24 @@ def fit_log_model(
     return model.predicts
 
 
-def write_command(model: LogModel, logs: Sequence[str], scenario: Path, columns: str | None) -> str:
+def write_records(model: LogModel, scenario: Path) -> list[Path]:
+    """Write the records that the scenario follows beside it, where it needs columns that the logs do not hold."""
+    from martensite.base.files import write_file
+    from martensite.scenario.csv_files import format_record
+
+    written: list[Path] = []
+    for record in model.chosen.proposal.rows:
+        written.append(scenario.with_name(f"{scenario.stem}_{record.name}.csv"))
+        write_file(written[-1], format_record(record, list(record.columns)))
+    return written
+
+
+def write_command(model: LogModel, logs: Sequence[str | Path], scenario: Path, interval: float | None) -> str:
     """The command that fits a kept scenario to the same logs."""
     proposal = model.chosen.proposal
-    words = ["martensite", "fit", *logs, "--scenario", str(scenario), "--free", ",".join(proposal.free)]
+    words = ["martensite", "fit", *map(str, logs), "--scenario", str(scenario), "--free", ",".join(proposal.free)]
     words += [word for one in proposal.each for word in ("--each", one)]
     words += [word for one in proposal.columns for word in ("--column", one)]
-    headings = columns or ",".join(model.headings)
-    words += ["--columns", headings] if headings else []
+    words += [word for one in ((model.named or ()) if model.follows_logs else ()) for word in ("--as", one)]
+    words += [] if interval is None else ["--interval", f"{interval:.12g} s"]
     return " ".join(map(quote, words))

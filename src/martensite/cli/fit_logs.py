@@ -79,7 +79,6 @@ class FitOptions:
     loss: Annotated[Text, Option(help="linear, soft-l1, huber, or cauchy [default: linear].")] = None
     starts: Annotated[int | None, Option(help="Further starts spread over the bounds [default: 0].")] = None
     step: Annotated[Text, Option(help='Longest step, e.g. "0.5 s" [default: to the tolerance].')] = None
-    columns: Annotated[Text, Option(help="Headings of logs that have none, comma-separated.")] = None
     interval: Annotated[Text, Option(help='Time between rows of logs without times, e.g. "0.1 s".')] = None
     named: NamedColumns = None
 
@@ -124,21 +123,14 @@ class FitOptions:
             raise InputError("A fit needs --free, what is to be found, such as `--free A_s,A_f`; none given.")
         task = build_task(self.scenario, logs, self.free)
         interval = read_quantity("interval", self.interval, "s")
-        headings = None if self.columns is None else tuple(self.columns.split(","))
         named = parse_named(self.named or ())
-        read = (replace(one, columns=headings, interval=interval, named=named) for one in task.logs)
+        read = (replace(one, interval=interval, named=named) for one in task.logs)
         return replace(task, logs=tuple(read))
 
     def _refuse_beside_fit_file(self, logs: Sequence[str]) -> None:
         if len(logs) > 1:
             raise InputError("A fit file stands alone; its records are listed in it.")
-        idle = {
-            "--scenario": self.scenario,
-            "--free": self.free,
-            "--columns": self.columns,
-            "--interval": self.interval,
-            "--as": self.named,
-        }
+        idle = {"--scenario": self.scenario, "--free": self.free, "--interval": self.interval, "--as": self.named}
         name = next((name for name, given in idle.items() if given), None)
         if name is not None:
             raise InputError(f"Option `{name}` has no effect: the fit file says that.")
@@ -244,7 +236,7 @@ def fit_logs(
         seconds = read_quantity("interval", options.interval, "s")
         files = {"report": extras.report, "material": extras.out}
         if not fit_log_model(
-            logs, models, settings or [], columns=options.columns, interval=seconds, **files, json=json
+            logs, models, settings or [], named=options.named or (), interval=seconds, **files, json=json
         ):
             raise typer.Exit(1)
         return

@@ -17,6 +17,7 @@ from martensite.cli.options import (
     Force,
     Imports,
     Json,
+    NamedColumns,
     ScenarioFile,
     Settings,
     Text,
@@ -50,7 +51,7 @@ class RunOptions:
     log: Annotated[
         Text, Option(metavar="FILE", help="The log that the scenario follows; it is compared with as well.")
     ] = None
-    columns: Annotated[Text, Option(help="What the columns of such a record or log are, comma-separated.")] = None
+    named: NamedColumns = None
     no_compare: Annotated[bool, Option("--no-compare", help="Compare with nothing.")] = False
     tolerance: Annotated[float | None, Option(help="Replaces the tolerance of the scenario.")] = None
     runtime: Annotated[
@@ -75,12 +76,12 @@ class RunOptions:
         Raises:
             InputError: an option has no effect.
         """
-        from martensite.scenario.log_tables import read_log_table
+        from martensite.scenario.log_tables import parse_named, read_log_table
         from martensite.scenario.overrides import read_settings
         from martensite.scenario.scenario import load
 
-        names = None if self.compare else self._names()
-        log = None if self.log is None else read_log_table(self.log, names)
+        named = {} if self.compare else parse_named(self.named or ())
+        log = None if self.log is None else read_log_table(self.log, named=named)
         loaded = load(path, read_settings(settings or []), log=log)
         idle = log is not None and not loaded.follows
         refuse_idle("--log", idle, "no waveform of the scenario is of kind `log`; use --compare")
@@ -91,17 +92,17 @@ class RunOptions:
         refuse_idle("--budget", closed and self.budget is not None, periods)
         return loaded, log
 
-    def _names(self) -> list[str] | None:
-        return [name.strip() for name in self.columns.split(",")] if self.columns else None
-
     def read_record(self, scenario: Scenario, log: Record | None) -> Record | None:
         """The record to compare with."""
+        from martensite.scenario.log_tables import parse_named, read_log_table
         from martensite.scenario.tables import read_table
 
         if self.no_compare:
             return None
+        if self.compare is not None and self.named:
+            return read_log_table(self.compare, named=parse_named(self.named))
         if self.compare is not None:
-            return read_table(self.compare, self._names())
+            return read_table(self.compare)
         if log is not None:
             return _cut_log(log, scenario)
         return scenario.measured.read() if scenario.measured else None
@@ -139,8 +140,8 @@ def run(
     A run that leaves the envelope (melting, 3 GPa, a strain of 20 %, or a bound of your own)
     stops there, keeps what was computed until then, and exits with 1.
     """
-    lone = options.columns is not None and options.compare is None and options.log is None
-    refuse_idle("--columns", lone, "there is neither --compare nor --log")
+    lone = options.named is not None and options.compare is None and options.log is None
+    refuse_idle("--as", lone, "there is neither --compare nor --log")
     refuse_idle("--figure", figure is not None and no_figure, "--no-figure is given")
     idle = options.compare is not None and options.no_compare
     refuse_idle("--compare", idle, "--no-compare is given")

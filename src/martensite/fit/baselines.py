@@ -2,15 +2,18 @@
 
     mean of training    the mean of what was fitted, of the same record where it has fitted rows
     last cycle          of a periodic record: what was fitted in the cycle before
+    first-order lag     a + b x, where x is the drive (squared, for volts and amperes) behind a lag
+    straight line       a + b x, where x is a strain, force or position that is prescribed
+    nearest record      of temperatures: the record whose load is nearest, at the same place of its loop
     linear scaling      from the nearest record, or condition, in proportion to what drives
 
-Temperatures and times are not scaled but taken over from the nearest.
+All are made of rows that were fitted. Temperatures and times are not scaled but taken over from the nearest.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -20,13 +23,21 @@ from martensite.fit.condition_runs import ConditionExperiment
 from martensite.fit.experiment import Experiment
 from martensite.fit.fit import Fit
 from martensite.fit.problem import Problem
+from martensite.signals.records import Record
 from martensite.simulate.drive_waveforms import arrange_waveforms
 
-MEAN, CYCLE, SCALING = "mean of training", "last cycle", "linear scaling"
+MEAN, CYCLE, LAG, LINE = "mean of training", "last cycle", "first-order lag", "straight line"
+NEAREST, SCALING = "nearest record", "linear scaling"
+DRIVE = "drive"
+"""Column of what drives, whatever it is called in a record."""
 CYCLES = 2.0
 """Periods from which on a record is periodic."""
 TURNED = 0.1
 """How far the period is looked for about its mean, as a share."""
+LAGS = 16
+"""Time constants that are tried."""
+SQUARED = ("V", "A")
+"""Units of drives that heat by their square."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +47,7 @@ class BaselineScore:
     record: str
     output: str
     name: str
-    """`mean of training`, `last cycle`, or `linear scaling`."""
+    """Of the prediction, as above."""
     unit: str
     """SI unit of the output."""
     rms: float
@@ -65,45 +76,91 @@ def score_baselines(found: Fit | Problem) -> list[BaselineScore]:
 
 
 def pool_baselines(scores: Sequence[BaselineScore], output: str) -> dict[str, float]:
-    """Root-mean-square error of every baseline of an output, over all records [unit]."""
+    """Root-mean-square error over all records of every baseline of an output that all have [unit]."""
+    own = [one for one in scores if one.output == output]
+    records = len({one.record for one in own})
     found: dict[str, float] = {}
-    for name in dict.fromkeys(one.name for one in scores if one.output == output):
-        own = [one for one in scores if (one.output, one.name) == (output, name)]
-        found[name] = math.sqrt(sum(one.rms**2 * one.samples for one in own) / sum(one.samples for one in own))
+    for name in dict.fromkeys(one.name for one in own):
+        same = [one for one in own if one.name == name]
+        if len({one.record for one in same}) == records:
+            found[name] = math.sqrt(sum(one.rms**2 * one.samples for one in same) / sum(one.samples for one in same))
     return found
 
 
 def _score_all(fitted: Sequence[Experiment], targets: Sequence[Experiment]) -> Iterator[BaselineScore]:
-    seen = [one for one in fitted if not one.held_out]
     for one in targets:
         for k, output in enumerate(one.outputs):
             measured = one.measured[:, k]
             held = np.isfinite(measured) & one.kept_back
             if held.any():
                 unit, count = one.describe_outputs()[output].unit, int(held.sum())
-                for name, guess in _predict_output(seen, one, k, unit).items():
+                for name, guess in predict_naively(fitted, one, output).items():
                     rms = float(np.sqrt(np.mean((guess[held] - measured[held]) ** 2)))
                     yield BaselineScore(one.name, output, name, unit, rms, count)
 
 
-def _predict_output(seen: Sequence[Experiment], one: Experiment, k: int, unit: str) -> dict[str, Any]:
-    """Baseline -> what it says in every row."""
-    output, own = one.outputs[k], np.isfinite(one.measured[:, k]) & ~one.kept_back
-    known = {x.name: _find_fitted(x, output) for x in seen}
-    known = {name: values for name, values in known.items() if np.isfinite(values).any()}
+def predict_naively(fitted: Sequence[Experiment], one: Experiment, output: str) -> dict[str, Any]:
+    """Baseline -> what it says of an output in every row, from the rows of some experiments that are fitted."""
+    known = {x.name: x for x in fitted if np.isfinite(_find_fitted(x, output)).any()}
     if not known:
         return {}
-    pooled = one.measured[own, k] if own.any() else np.concatenate([v[np.isfinite(v)] for v in known.values()])
-    mean = np.full(len(one.times), float(np.mean(pooled)))
-    found = {MEAN: mean, CYCLE: None, SCALING: None}
-    others = [x for x in seen if x.name in known and (not own.any() or x.name == one.name)]
+    k, unit = one.outputs.index(output), one.describe_outputs()[output].unit
+    own = np.isfinite(one.measured[:, k]) & ~one.kept_back
+    pooled = np.concatenate([_find_fitted(x, output) for x in ([one] if own.any() else known.values())])
+    mean = np.full(len(one.times), float(np.nanmean(pooled)))
+    others = [x for x in known.values() if (x.name == one.name if own.any() else x.name != one.name)]
     if isinstance(one, ConditionExperiment):
-        found[SCALING] = _scale_conditions(others, one, output, unit)
+        found = {SCALING: _scale_conditions(others, one, output, unit)} if others else {}
     elif own.any():
-        found[CYCLE] = _repeat_cycle(one, k, own)
+        found = _predict_driven(known, one, output) | {CYCLE: _repeat_cycle(one, k, own)}
     else:
-        found[SCALING] = _scale_record(others, one, output, unit)
-    return {name: np.where(np.isfinite(x), x, mean) for name, x in found.items() if x is not None}
+        found = _predict_driven(known, one, output)
+        if others and NEAREST not in found:
+            found |= {SCALING: _scale_record(others, one, output, unit)}
+    named = {name: np.where(np.isfinite(x), x, mean) for name, x in found.items() if x is not None}
+    return {MEAN: mean} | named
+
+
+def _predict_driven(known: Mapping[str, Experiment], one: Experiment, output: str) -> dict[str, Any]:
+    """By what drives: a lag, a straight line, or the same temperature of another loop."""
+    driving = _find_unit(one)
+    alike = [x for x in known.values() if _find_unit(x) == driving]
+    if not driving or not alike:
+        return {}
+    mine = _show_fitted(one, output)
+    if driving != "K":
+        lags = 0 if _find_drive(one) in [x.name for x in one.system.drives() if x.at_end] else LAGS
+        lag = fit_drive_lag([_show_fitted(x, output) for x in alike], DRIVE, output, lags)
+        return {LAG if lags else LINE: lag.predict(mine, DRIVE)[one.rows]}
+    others = [x for x in alike if x.name != one.name]
+    if not others or find_period(one) <= (one.times[-1] - one.times[0]) / CYCLES:
+        return {}
+    nearest = others[int(np.argmin(_compare_loads(one, others, output)))]
+    return {NEAREST: _repeat_branches(mine, _show_fitted(nearest, output), output)[one.rows]}
+
+
+def _find_drive(one: Experiment) -> str:
+    """The drive that follows the column that moves most for its size; empty for none."""
+    share = {drive: _measure_move(np.asarray(one.record[name], float)) for drive, name in one.follows.items()}
+    return max(share, key=share.__getitem__, default="")
+
+
+def _measure_move(x: Any) -> float:
+    return float(np.nanmax(x) - np.nanmin(x)) / (float(np.nanmax(np.abs(x))) or 1.0)
+
+
+def _find_unit(one: Experiment) -> str:
+    """Unit of what drives; empty for nothing."""
+    drive = _find_drive(one)
+    return one.record.units[one.follows[drive]] if drive else ""
+
+
+def _show_fitted(one: Experiment, output: str) -> Record:
+    """What drives and an output over time; NaN where the fit does not see it."""
+    column, seen = one.follows[_find_drive(one)], np.full(len(one.record), np.nan)
+    seen[one.rows] = _find_fitted(one, output)
+    columns = {"time": one.record.times, DRIVE: one.record[column], output: seen.tolist()}
+    return Record(one.name, columns, {"time": "s", DRIVE: one.record.units[column], output: "1"})
 
 
 def _find_fitted(one: Experiment, output: str) -> Any:
@@ -111,6 +168,66 @@ def _find_fitted(one: Experiment, output: str) -> Any:
     if output not in one.outputs:
         return np.full(len(one.times), np.nan)
     return np.where(one.kept_back, np.nan, one.measured[:, one.outputs.index(output)])
+
+
+# ---------------------------------------------------------------- a lag behind the drive
+
+
+@dataclass(frozen=True)
+class DriveLag:
+    """A first-order lag from what heats to what is measured."""
+
+    time_constant: float
+    """[s]; 0 for none."""
+    gain: float
+    """Measured unit per unit of what heats."""
+    zero: float
+    rms: float
+    """Error over the rows it was fitted to."""
+
+    def predict(self, record: Record, drive: str) -> Any:
+        """(rows,): what it says of a record."""
+        return self.zero + self.gain * filter_drive(record, drive, self.time_constant)
+
+
+def filter_drive(record: Record, drive: str, time_constant: float) -> Any:
+    """What heats, (rows,), behind a lag [s]; it begins at rest."""
+    times, u = np.asarray(record.times), np.asarray(record[drive], float)
+    heat = np.where(np.isfinite(u), u, 0.0) ** (2.0 if record.units[drive] in SQUARED else 1.0)
+    if time_constant <= 0.0:
+        return heat
+    kept = np.exp(-np.diff(times) / time_constant).tolist()
+    found, rows = [float(heat[0])], heat.tolist()
+    for keep, level in zip(kept, rows[:-1], strict=True):
+        found.append(level + (found[-1] - level) * keep)
+    return np.array(found)
+
+
+def fit_drive_lag(records: Sequence[Record], drive: str, column: str, lags: int = LAGS) -> DriveLag:
+    """The lag that explains a column of some records best; rows with NaN are not seen.
+
+    Args:
+        records: with times.
+        drive: column that drives.
+        column: that is explained.
+        lags: how many time constants are tried, besides none.
+    """
+    seen = [np.isfinite(np.asarray(one[column], float)) for one in records]
+    y = np.concatenate([np.asarray(r[column], float)[s] for r, s in zip(records, seen, strict=True)])
+    longest = max(r.times[-1] - r.times[0] for r in records)
+    least = min(float(np.median(np.diff(r.times))) for r in records)
+    best = DriveLag(0.0, 0.0, float(y.mean()), float(y.std()))
+    for lag in (0.0, *np.geomspace(least, longest, lags)):
+        x = np.concatenate([filter_drive(r, drive, lag)[s] for r, s in zip(records, seen, strict=True)])
+        slope = float(np.cov(x, y, bias=True)[0, 1] / max(float(np.var(x)), 1e-300))
+        zero = float(y.mean() - slope * x.mean())
+        rms = float(np.sqrt(np.mean((zero + slope * x - y) ** 2)))
+        if rms < best.rms:
+            best = DriveLag(float(lag), slope, zero, rms)
+    return best
+
+
+# ---------------------------------------------------------------- the cycle before
 
 
 def _repeat_cycle(one: Experiment, k: int, own: Any) -> Any:
@@ -131,13 +248,13 @@ def _repeat_cycle(one: Experiment, k: int, own: Any) -> Any:
 
 
 def find_period(experiment: Experiment) -> float:
-    """Mean period [s] of the first column that an experiment follows; its length if it never returns, 0 for none.
+    """Mean period [s] of what drives an experiment; its length if it never returns, 0 for none.
 
     Counted are passages from below a quarter of its range to above three quarters, and back.
     """
     if not experiment.follows:
         return 0.0
-    table = experiment.followed(next(iter(experiment.follows)))
+    table = experiment.followed(_find_drive(experiment))
     x, length = np.asarray(table.values), table.times[-1] - table.times[0]
     share = (x - x.min()) / (np.ptp(x) or 1.0)
     sides = np.sign(np.where(np.abs(share - 0.5) >= 0.25, share - 0.5, 0.0))
@@ -150,7 +267,7 @@ def refine_period(one: Experiment) -> float:
     about = find_period(one)
     if about == 0.0:
         return 0.0
-    table = one.followed(next(iter(one.follows)))
+    table = one.followed(_find_drive(one))
     times, values = np.asarray(table.times), np.asarray(table.values)
     tried = about * np.linspace(1.0 - TURNED, 1.0 + TURNED, 81)
 
@@ -160,6 +277,38 @@ def refine_period(one: Experiment) -> float:
 
     apart = [misfit(period) for period in tried if period < 0.9 * (times[-1] - times[0])]
     return float(tried[int(np.argmin(apart))]) if apart else about
+
+
+# ---------------------------------------------------------------- the nearest record, or condition
+
+
+def _compare_loads(one: Experiment, others: Sequence[Experiment], output: str) -> list[float]:
+    """How far the mean loads of others are from that of a record; of their temperatures, where none is recorded."""
+    columns = [n for n in ("stress", "force") if n != output and all(n in x.record.columns for x in (one, *others))]
+    names = [columns[0] if columns else x.follows[_find_drive(x)] for x in (one, *others)]
+    means = [float(np.nanmean(x.record[name])) for x, name in zip((one, *others), names, strict=True)]
+    return [abs(mean - means[0]) for mean in means[1:]]
+
+
+def _repeat_branches(record: Record, other: Record, column: str) -> Any:
+    """(rows,): the column of another loop, at the same temperature of the same branch."""
+    y, found = np.asarray(other[column], float), np.full(len(record), np.nan)
+    for there, here in zip(_cut_branches(other), _cut_branches(record), strict=True):
+        seen = there[np.isfinite(y[there])]
+        kelvin = np.asarray(other[DRIVE], float)[seen]
+        order = np.argsort(kelvin)
+        if len(order):
+            found[here] = np.interp(np.asarray(record[DRIVE], float)[here], kelvin[order], y[seen][order])
+    return found
+
+
+def _cut_branches(record: Record) -> list[Any]:
+    """Rows of heating and of cooling: before and after the hottest, or the other way round from the coldest."""
+    kelvin = np.asarray(record[DRIVE], float)
+    hot, cold, rows = int(np.nanargmax(kelvin)), int(np.nanargmin(kelvin)), np.arange(len(kelvin))
+    if min(hot, len(kelvin) - 1 - hot) >= min(cold, len(kelvin) - 1 - cold):
+        return [rows[: hot + 1], rows[hot + 1 :]]
+    return [rows[cold + 1 :], rows[: cold + 1]]
 
 
 def _scale_record(others: Sequence[Experiment], one: Experiment, output: str, unit: str) -> Any:

@@ -81,7 +81,7 @@ def arrange_conditions(task: FitTask) -> ArrangedConditions:
     for log in task.logs:
         scenario = _load_scenario(log)
         first = first or scenario
-        table = read_condition_table(log.source, scenario, log.columns)  # type: ignore[arg-type]
+        table = read_condition_table(log.source, scenario, log.named)  # type: ignore[arg-type]
         experiments, more = _build_experiments(table, log, scenario, task.step, noise)
         made, notes = made + experiments, [*notes, *table.notes, *more]
         known |= {one.words: _pool_spread(one) for one in table.measures if one.spreads}

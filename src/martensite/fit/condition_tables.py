@@ -21,7 +21,8 @@ from martensite.base import units
 from martensite.base.errors import DataError, InputError, UnitError, suggest_name
 from martensite.base.parameters import find_paths
 from martensite.scenario.assemble import waveform_path
-from martensite.scenario.layout import IGNORED, Layout
+from martensite.scenario.column_meanings import find_places
+from martensite.scenario.layout import CANONICAL, IGNORED, QUANTITIES, Layout, find_quantity, list_quantities
 from martensite.scenario.scenario import Scenario
 from martensite.scenario.sheets import describe_unreadable, is_gap, is_number, read_sheet
 from martensite.scenario.tables import TEXT, read_table
@@ -45,9 +46,8 @@ WAYS = {
     "rms": "rms",
 }
 """Word beside an output -> measure of it."""
-STROKES = ("stroke", "displacement", "deflection", "travel", "lift", "contraction")
+STROKES = {"lift", *QUANTITIES["position"].words}
 """Words for the first coordinate of a mechanism."""
-OUTPUTS = {"temp": "temperature", "temp.": "temperature", "voltage drop": "voltage"}
 INPUTS = {
     "ambient": ("environment.temperature",),
     "ambient temperature": ("environment.temperature",),
@@ -65,7 +65,7 @@ INPUTS = {
     "film coefficient": ("environment.cooling.h",),
 }
 """Well-known word -> paths as `--set` takes them, the first that the scenario has."""
-LEVELS = {"current": "A", "voltage": "V", "power": "W", "temperature": "K", "duty": "1"}
+LEVELS = {name: CANONICAL[name] for name in (*list_quantities("drive"), "temperature")}
 """What drives -> its unit; such a column sets the level of the waveform."""
 PEAKS = ("level", "high", "first")
 """Numbers of a waveform that are its level."""
@@ -125,11 +125,11 @@ class ConditionTable:
     """Numbers of the rows in the file."""
 
 
-def is_condition_table(source: object, columns: Sequence[str] | None = None) -> bool:
-    """Whether a file is a table of conditions: it has no times, and a heading that is a measure."""
+def is_condition_table(source: object, named: Mapping[str, str] | None = None) -> bool:
+    """Whether a file is a table of conditions: it has no times, and a heading that is a measure, as `named` or not."""
     if not isinstance(source, (str, Path)) or not str(source).lower().endswith(TEXT) or not Path(source).is_file():
         return False
-    names = [_split_heading(one)[0] for one in columns or _read_first_line(Path(source))]
+    names = [_split_heading(one)[0] for one in (*_read_first_line(Path(source)), *(named or {}).values())]
     return "time" not in names and any(_find_words(one, ()) for one in names)
 
 
@@ -143,14 +143,14 @@ def _read_first_line(path: Path) -> list[str]:
 
 
 def read_condition_table(
-    source: str | Path, scenario: Scenario, columns: Sequence[str] | None = None
+    source: str | Path, scenario: Scenario, named: Mapping[str, str] | None = None
 ) -> ConditionTable:
     """Read a table of conditions, with what its columns mean for a scenario.
 
     Args:
         source: a text file with one row per condition.
         scenario: whose numbers the columns set.
-        columns: headings, for a file that has none.
+        named: headings for columns whose own do not say what they are, by heading or number.
 
     Raises:
         InputError: a column is no input and no measure, its unit is missing or does not fit, or a cell is no number.
@@ -158,7 +158,9 @@ def read_condition_table(
     path = Path(source)
     sheet = read_sheet(path, Layout(()))
     own = not any(is_number(cell) for cell in sheet.rows[0])
-    headings, rows = list(columns or sheet.rows[0]), sheet.rows[1:] if own else sheet.rows
+    headings, rows = list(sheet.rows[0]) if own else [""] * len(sheet.rows[0]), sheet.rows[int(own) :]
+    for place, text in find_places(headings, named or {}, sheet.where).items():
+        headings[place] = text
     if not rows:
         raise DataError(f"{sheet.where} holds headings but no rows.")
     width = next((k for k, row in enumerate(rows) if len(row) != len(headings)), None)
@@ -211,8 +213,10 @@ def _find_words(name: str, outputs: Iterable[str]) -> str:
 
 def _find_output(words: str, known: Sequence[str]) -> str:
     """Output that some words name; empty for the first coordinate."""
-    words = OUTPUTS.get(words, words)
-    return "" if words in STROKES else words.replace(" ", "_")
+    plain = words.replace(" ", "_")
+    if plain in known or words in STROKES:
+        return "" if words in STROKES else plain
+    return find_quantity(plain, lambda name: name in known) or plain
 
 
 class _Reading:

@@ -14,11 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from martensite.fit.baselines import find_period
-from martensite.fit.experiment import Experiment
+from martensite.fit.baselines import predict_naively
 from martensite.fit.fit import Fit, list_compared
 from martensite.fit.logs import ALL, choose_held_out
-from martensite.fit.naive_predictions import fit_drive_lag, predict_from_nearest, predict_last_cycle
 from martensite.fit.problem import Problem
 from martensite.fit.solve import solve_problem
 from martensite.search.free_numbers import FreeNumber
@@ -103,23 +101,20 @@ def pool_errors(errors: Sequence[HeldOutError]) -> list[PooledError]:
     return found
 
 
-def cross_validate(
-    whole: Fit, start: Sequence[FreeNumber], *, kind: str, drive: str, own_zero: bool
-) -> list[HeldOutError]:
+def cross_validate(whole: Fit, start: Sequence[FreeNumber], *, kind: str, own_zero: bool) -> list[HeldOutError]:
     """Held-out errors of a model that was fitted to all records.
 
     Args:
         whole: the fit to all records, near which the searches begin.
         start: the free numbers as proposed, where they begin as well.
         kind: of the experiment.
-        drive: column that drives.
         own_zero: whether a record that is left out gets a zero of its own.
     """
     problem = whole.problem
     found: list[HeldOutError] = []
     for fold in list_folds(problem, kind):
         fit = _solve_fold(fold, whole, start)
-        found += list(_judge_fold(fit, fold, kind, drive, own_zero))
+        found += list(_judge_fold(fit, fold, own_zero))
     return found
 
 
@@ -131,7 +126,7 @@ def list_folds(problem: Problem, kind: str) -> Iterator[Problem]:
         for name in names:
             yield _leave_out(problem, {name: ALL})
         return
-    if kind in ("isobaric", "isothermal"):
+    if kind in ("isobaric", "isothermal", "cooling"):
         rows = [one.times.tolist() for one in problem.experiments]
         yield _leave_out(problem, dict(zip(names, choose_held_out("auto", names, rows), strict=True)))
         return
@@ -161,7 +156,7 @@ def _solve_fold(fold: Problem, whole: Fit, start: Sequence[FreeNumber]) -> Fit:
     return min(fits, key=lambda fit: fit.cost)
 
 
-def _judge_fold(fit: Fit, fold: Problem, kind: str, drive: str, own_zero: bool) -> Iterator[HeldOutError]:
+def _judge_fold(fit: Fit, fold: Problem, own_zero: bool) -> Iterator[HeldOutError]:
     training = [one for one in fold.experiments if not one.held_out]
     for one in list_compared(fit):
         rows = one.held
@@ -173,8 +168,7 @@ def _judge_fold(fit: Fit, fold: Problem, kind: str, drive: str, own_zero: bool) 
         own = own_zero and one.raw is not None
         naive = {
             name: _compute_rms(guess[rows] - measured, centred=own)
-            for name, guess in _predict_naively(one.experiment, training, one.output, kind, drive)
-            if np.isfinite(guess[rows]).all()
+            for name, guess in predict_naively(training, one.experiment, one.output).items()
         }
         model = one.model if own else raw
         yield HeldOutError(
@@ -194,32 +188,3 @@ def _judge_fold(fit: Fit, fold: Problem, kind: str, drive: str, own_zero: bool) 
 def _compute_rms(errors: Any, centred: bool = False) -> float:
     found = errors - np.mean(errors) if centred else errors
     return math.sqrt(float(np.mean(found**2)))
-
-
-def _predict_naively(
-    one: Experiment, training: Sequence[Experiment], output: str, kind: str, drive: str
-) -> Iterator[tuple[str, Any]]:
-    """Names and rows of what is predicted without a model."""
-    column, at = one.columns[output], one.rows
-    seen = [t.measured[~t.kept_back, t.outputs.index(output)] for t in training]
-    yield "mean", np.full(len(at), float(np.nanmean(np.concatenate(seen))))
-    records = {t.name: t.record for t in training if t.name != one.name}
-    if kind == "isobaric":
-        if records:
-            loads = {t.name: float(np.mean(t.record["stress"])) for t in (*training, one)}
-            named = replace(one.record, name=one.name)
-            yield "nearest record", predict_from_nearest(named, records, loads, column)[at]
-        return
-    if kind == "isothermal":
-        pairs = [(np.asarray(t.record["strain"])[t.rows], t.measured[:, t.outputs.index(output)]) for t in training]
-        used = [~t.kept_back & np.isfinite(y) for t, (_, y) in zip(training, pairs, strict=True)]
-        x, y = (np.concatenate([p[k][u] for p, u in zip(pairs, used, strict=True)]) for k in (0, 1))
-        yield "straight line", np.polyval(np.polyfit(x, y, 1), np.asarray(one.record["strain"])[at])
-        return
-    used = [np.isin(np.arange(len(t.record)), t.rows[~t.kept_back]) for t in training]
-    lag = fit_drive_lag([t.record for t in training], drive, column, used)
-    yield "first-order lag", lag.predict(one.record, drive)[at]
-    if not one.held_out:
-        period = find_period(one)
-        if 0.0 < period < 0.7 * (one.times[-1] - one.times[0]):
-            yield "last cycle", predict_last_cycle(one.record, column, period)[at]

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from martensite.base.errors import DataError, require_known
+from martensite.scenario.layout import list_quantities
 from martensite.search.quantity_text import list_names
 from martensite.signals.records import Record
 
@@ -33,9 +34,7 @@ KINDS = {
     "isothermal": "drawn and released at a constant temperature",
     "cooling": "left to cool without a drive",
 }
-DRIVES = ("duty", "voltage", "current", "power")
-DEFORMATIONS = ("strain", "elongation", "crosshead", "lift", "position")
-LOADS = ("stress", "force")
+DRIVES, DEFORMATIONS, LOADS = map(list_quantities, ("drive", "shape", "load"))
 DRIVEN = {"stroke": DEFORMATIONS, "blocked-force": LOADS, "heating": ("temperature",), "resistance": ("resistance",)}
 """Driven experiment -> columns, one of which it measures."""
 NOISE, LEVEL = 6.0, 0.02
@@ -113,7 +112,7 @@ def recognise_experiment(records: Sequence[Record], asked: str | None = None) ->
     raise DataError(
         f"What the logs were recorded from cannot be told: they hold {held}, of which vary "
         f"{list_names(varying) or 'none'}. Known are {'; '.join(f'`{k}`, {v}' for k, v in KINDS.items())}. Name the "
-        "columns (--columns), or write a scenario (--scenario)."
+        "columns (`--as`), or write a scenario (--scenario)."
     )
 
 

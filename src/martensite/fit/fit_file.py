@@ -12,8 +12,8 @@
     set = { "mechanism.mass" = "1162.57 g" }
 
 Further keys of the file: title, column, step, method, loss, starts, seed. Further keys of a
-record: name, scenario, columns (headings of a file without), interval, weight, hold_out, group (what it
-belongs to, such as `{ specimen = "A" }`; see `free_parameters` for what groups may have for themselves).
+record: name, scenario, as (what columns are, such as `{ "2" = "stress[MPa]" }`), interval, weight, hold_out, group
+(what it belongs to, such as `{ specimen = "A" }`; see `free_parameters` for what groups may have for themselves).
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ KEYS = (
     "seed",
     "record",
 )
-RECORD = ("file", "name", "scenario", "columns", "interval", "set", "weight", "hold_out", "group")
+RECORD = ("file", "name", "scenario", "as", "interval", "set", "weight", "hold_out", "group")
 
 
 def is_fit_file(path: str | Path) -> bool:
@@ -88,18 +88,18 @@ def _read_log(document: Mapping[str, Any], entry: Any, path: Path) -> Log:
     file, scenario = (_read_text(table, "file", where), table.get("scenario", document.get("scenario")))
     if not isinstance(scenario, str):
         raise DataError(f"Fit file `{path.name}` needs `scenario`, the file of one; none given.")
-    columns, weight = _read_texts(table, "columns", where), table.get("weight", 1.0)
+    weight = table.get("weight", 1.0)
     if isinstance(weight, bool) or not isinstance(weight, (int, float)) or not weight > 0.0:
         raise ParameterError(f"{where}: `weight` must be a number above 0, but is {weight!r}.")
     return Log(
         source=file if file.startswith(PREFIX) else path.parent / file,
         scenario=path.parent / scenario,
-        columns=tuple(columns) or None,
         interval=_read_seconds(table, "interval", where),
         settings={**_read_settings(document, where), **_read_settings(table, where)},
         weight=float(weight),
         held=_read_flag(table, "hold_out", where),
         name=str(table.get("name", "")),
+        named={key: str(value) for key, value in as_table(table.get("as", {}), "as").items()},
         groups={key: str(value) for key, value in as_table(table.get("group", {}), "group").items()},
     )
 

@@ -85,7 +85,7 @@ class FitTask:
         if not self.logs:
             raise InputError("A fit needs at least one log; none given.")
         logs = [] if self.columns else [one for one in self.logs if one.interval is None]
-        tables = [one for one in logs if is_condition_table(one.source, one.columns)]
+        tables = [one for one in logs if is_condition_table(one.source, one.named)]
         if tables:
             return self._arrange_tables(len(tables))
         found = read_logs(self.logs)

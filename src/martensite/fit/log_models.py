@@ -17,6 +17,7 @@ import numpy as np
 
 from martensite.base.errors import DataError, ParameterError, SolveError
 from martensite.fit.api import build_task
+from martensite.fit.column_matching import read_columns
 from martensite.fit.cross_validation import HeldOutError, PooledError, cross_validate, pool_errors, with_start
 from martensite.fit.experiment_kinds import ExperimentKind, recognise_experiment
 from martensite.fit.fit import Fit
@@ -25,10 +26,10 @@ from martensite.fit.problem import Problem
 from martensite.fit.scenario_proposals import Proposal, add_waist, propose_scenarios
 from martensite.fit.solve import solve_problem
 from martensite.scenario.exact_text import exact_text
-from martensite.scenario.lab_files import LabFile, read_lab_file
+from martensite.scenario.lab_files import LabFile
+from martensite.scenario.log_tables import has_own_headings, read_log
 from martensite.scenario.overrides import as_toml, change_document
 from martensite.scenario.scenario import Scenario, read_scenario
-from martensite.scenario.tables import PREFIX, read_table
 from martensite.signals.records import Record
 
 ALIKE = 1.05
@@ -68,8 +69,10 @@ class LogModel:
     tried: tuple[TriedModel, ...]
     notes: tuple[str, ...]
     """What was assumed, what was done to the logs, what failed."""
-    headings: tuple[str, ...] = ()
-    """Of the columns of all files, where their own had to be understood."""
+    records: tuple[Record, ...] = ()
+    """As the logs hold them."""
+    named: tuple[str, ...] | None = ()
+    """What `--as` must say for the logs to be read so again; None where files differ too much for it."""
 
     @property
     def fit(self) -> Fit:
@@ -80,6 +83,30 @@ class LogModel:
     def predicts(self) -> bool:
         """Whether it predicts what the experiment is about, by what it did not see."""
         return self.chosen.pooled[0].predicts
+
+    @property
+    def follows_logs(self) -> bool:
+        """Whether the scenario follows columns that the logs hold, and not ones that were computed from them."""
+        held = {one.name: set(one.columns) for one in self.records}
+        needed = [{*one.follows.values(), *one.columns.values()} for one in self.fit.problem.experiments]
+        made = {read_columns([text])[0].output for text in self.chosen.proposal.columns if "*" in text}
+        whole = all(need - made <= held[one.name] for need, one in zip(needed, self.chosen.proposal.rows, strict=True))
+        same = self.kind.name != "cooling" or all(
+            own.times[0] == one.times[0] and own["temperature"][0] == one["temperature"][0]
+            for own, one in zip(self.records, self.chosen.proposal.rows, strict=False)
+        )
+        return whole and same and self.named is not None
+
+    @property
+    def time_constant(self) -> tuple[float, float, float] | None:
+        """τ = ρ c d/(4 h) [s] of an element left to cool, with its interval; it does not depend on what c and d are."""
+        if self.kind.name != "cooling":
+            return None
+        numbers = {leaf.path.rpartition(".")[2]: float(leaf.value) for leaf in self.fit.system().leaves()}
+        film = next(name for name in self.fit.numbers if name.endswith("cooling.h"))
+        low, high = self.fit.uncertainty.widened(film)
+        tau = numbers["density"] * numbers["heat_capacity"] * numbers["diameter"] / (4.0 * self.fit[film])
+        return tau, tau * self.fit[film] / high, tau * self.fit[film] / low if low > 0.0 else math.inf
 
     def predict_record(self, record: Record) -> dict[str, Any]:
         """Output -> (rows,) in SI of what the model says of another record, with the mean zero of those fitted.
@@ -115,29 +142,16 @@ class LogModel:
         return as_toml(change_document(self.chosen.proposal.document, found))
 
 
-def read_log_files(
-    logs: Sequence[Source], columns: Sequence[str] | None, interval: float | None
-) -> tuple[list[Record], list[str], tuple[str, ...]]:
-    """Records of files, with NaN for missing samples, sentences about how they were read, and their headings.
-
-    Args:
-        logs: files of any layout, `data:<data set>/<file>`, or records.
-        columns: headings of the columns of all files; where left out they are recognised.
-        interval: time between rows [s] of files without times.
-    """
+def _read_files(
+    logs: Sequence[Source], named: Mapping[str, str], interval: float | None
+) -> tuple[list[Record], list[str], list[LabFile]]:
+    """Records of logs, sentences about how they were read, and the files that were not read to the letter."""
     found: list[Record] = []
-    notes: list[str] = []
-    headings: list[tuple[str, ...]] = []
+    files: list[LabFile] = []
     for log in logs:
-        if isinstance(log, Record):
-            found.append(log)
-        elif columns is not None or interval is not None or str(log).startswith(PREFIX):
-            found.append(read_table(log, columns, interval=interval, gaps=True))
-        else:
-            file = read_lab_file(log)
-            found.append(file.record)
-            headings.append(tuple(f"{one.name} [{one.unit}]" if one.si else "-" for one in file.columns))
-            notes += [f"`{file.record.name}`: {note}" for note in _describe_file(file)]
+        record, file = (log, None) if isinstance(log, Record) else read_log(log, interval, named, known=True)
+        found.append(record)
+        files += [] if file is None else [file]
     if not found:
         raise DataError("A fit needs at least one log; none given.")
     names = [one.name for one in found]
@@ -145,13 +159,23 @@ def read_log_files(
         replace(one, name=f"{one.name}-{names[:k].count(one.name) + 1}") if names.count(one.name) > 1 else one
         for k, one in enumerate(found)
     ]
-    return numbered, notes, headings[0] if len(set(headings)) == 1 else ()
+    notes = [f"`{file.record.name}`: {note}" for file in files for note in _describe_file(file)]
+    return numbered, notes, files
+
+
+def _name_columns(files: Sequence[LabFile], logs: int) -> tuple[str, ...] | None:
+    """What the columns are of files that would be read to the letter, were all columns not to be known ones."""
+    own = [one for one in files if has_own_headings(one.path)]
+    said = {tuple(f"{c.number}={c.name}[{c.unit}]" if c.si else f"{c.number}=-" for c in f.columns) for f in own}
+    if not own:
+        return ()
+    return said.pop() if len(said) == 1 and len(own) == logs else None
 
 
 def _describe_file(file: LabFile) -> list[str]:
     """Columns that were told by their values, and what was noticed on reading."""
     guessed = [f"{one.number} as `{one.name} [{one.unit}]`" for one in file.columns if one.known == "values"]
-    said = [f"by their values columns are taken, {', '.join(guessed)} (--columns)."] if guessed else []
+    said = [f"by their values columns are taken, {', '.join(guessed)} (`--as`)."] if guessed else []
     return [*said, *file.notes]
 
 
@@ -160,7 +184,7 @@ def model_logs(
     *,
     experiment: str | None = None,
     overrides: Mapping[str, Any] | None = None,
-    columns: Sequence[str] | None = None,
+    named: Mapping[str, str] | None = None,
     interval: float | None = None,
     tell: Stage | None = None,
 ) -> LogModel:
@@ -170,7 +194,7 @@ def model_logs(
         logs: files, or records in SI.
         experiment: what they hold, where it is known; see `martensite.fit.experiment_kinds`.
         overrides: what is known of the experiment, by dotted path, such as `element.diameter`.
-        columns: headings of files that have none.
+        named: what columns of files are, by heading or number, where it is not to be guessed (`read_lab_file`).
         interval: time between rows [s] of files without times.
         tell: told what is being done.
 
@@ -179,7 +203,8 @@ def model_logs(
         SolveError: no proposal can be run.
     """
     sources = [logs] if isinstance(logs, (str, Path, Record)) else list(logs)
-    records, notes, headings = read_log_files(sources, columns, interval)
+    records, notes, files = _read_files(sources, named or {}, interval)
+    said = _name_columns(files, len(sources)) if not named else tuple(f"{key}={text}" for key, text in named.items())
     kind = recognise_experiment(records, experiment)
     moving, still = _part_still(records, kind.measured)
     notes += still
@@ -200,7 +225,7 @@ def model_logs(
                 proposals.append(add_waist(best.proposal, best.fit.numbers))
     if not tried:
         raise SolveError(f"None of the proposed models can be run. {' '.join(notes)}")
-    return LogModel(kind, _choose_model(tried), tuple(tried), tuple(dict.fromkeys(notes)), headings)
+    return LogModel(kind, _choose_model(tried), tuple(tried), tuple(dict.fromkeys(notes)), tuple(records), said)
 
 
 def _part_still(records: Sequence[Record], measured: Sequence[str]) -> tuple[list[Record], list[str]]:
@@ -229,8 +254,8 @@ def _try_proposal(proposal: Proposal, kind: ExperimentKind) -> TriedModel:
     problem = task.arrange(check=False).problem
     fit = _solve_from_starts(problem, proposal)
     fit = replace(fit, scenario=scenario)
-    own_zero = kind.name in ("isobaric", "isothermal") and bool(proposal.each)
-    errors = cross_validate(fit, problem.free, kind=kind.name, drive=kind.drive, own_zero=own_zero)
+    own_zero = kind.name in ("isobaric", "isothermal", "cooling") and bool(proposal.each)
+    errors = cross_validate(fit, problem.free, kind=kind.name, own_zero=own_zero)
     return TriedModel(proposal, fit, tuple(errors))
 
 

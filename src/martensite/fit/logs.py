@@ -44,8 +44,6 @@ class Log:
     source: Source
     """A file, `data:<data set>/<file>`, or a record."""
     scenario: Model
-    columns: tuple[str, ...] | None = None
-    """Headings of a file that has none."""
     interval: float | None = None
     """Time between rows [s] of a file without times."""
     settings: Mapping[str, Any] = field(default_factory=dict[str, Any])
@@ -65,7 +63,7 @@ class Log:
         """The record, with NaN for missing samples."""
         if isinstance(self.source, Record):
             return self.source
-        return read_log_table(self.source, self.columns, self.interval, self.named)
+        return read_log_table(self.source, self.interval, self.named)
 
     def model(self, record: Record) -> Scenario:
         """The scenario for a record."""

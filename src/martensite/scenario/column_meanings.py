@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -136,9 +136,13 @@ def _keep_heading(column: RawColumn, place: int, one: Meaning, taken: set[str]) 
     return Meaning(slug, unit, "heading", one.sure)
 
 
-def _read_named(raw: RawTable, named: Mapping[str, str]) -> dict[int, Meaning]:
-    headings = [column.heading for column in raw.columns]
-    found: dict[int, Meaning] = {}
+def find_places(headings: Sequence[str], named: Mapping[str, str], where: str) -> dict[int, str]:
+    """Place of a column -> what it is said to be, from headings or numbers.
+
+    Raises:
+        DataError: there is no such column, or more than one.
+    """
+    found: dict[int, str] = {}
     for key, text in named.items():
         same = [k for k, heading in enumerate(headings) if heading and heading.lower() == key.strip().lower()]
         if not same and key.strip().isdigit() and 0 < int(key) <= len(headings):
@@ -147,17 +151,24 @@ def _read_named(raw: RawTable, named: Mapping[str, str]) -> dict[int, Meaning]:
             valid = [h for h in headings if h] or [f"{k + 1}" for k in range(len(headings))]
             reason = "has several columns" if same else "has no column"
             raise DataError(
-                f"`{raw.name}` {reason} `{key}`; its columns are 1 to {len(headings)}. {suggest_name(key, valid)}"
+                f"{where} {reason} `{key}`; its columns are 1 to {len(headings)}. {suggest_name(key, valid)}"
             )
-        column = raw.columns[same[0]]
+        found[same[0]] = text
+    return found
+
+
+def _read_named(raw: RawTable, named: Mapping[str, str]) -> dict[int, Meaning]:
+    found: dict[int, Meaning] = {}
+    for place, text in find_places([one.heading for one in raw.columns], named, f"`{raw.name}`").items():
+        column = raw.columns[place]
         if text.strip() == IGNORED:
-            found[same[0]] = Meaning(IGNORED, "", "given")
+            found[place] = Meaning(IGNORED, "", "given")
             continue
         written = find_listed(write_unit(column)) or guess_heading(column.heading).unit
         bare = "[" not in text and "(" not in text and written
         (head,) = read_headings([f"{text} [{written}]" if bare else text], f"`{raw.name}`")
         unit = CLOCK if column.kind in ("clock", "stamp") and head.name == "time" else head.spelling
-        found[same[0]] = Meaning(head.name, unit, "given")
+        found[place] = Meaning(head.name, unit, "given")
     return found
 
 

@@ -11,12 +11,14 @@ column `case`, explained by comments at the top.
 from __future__ import annotations
 
 import csv
+import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
 
 from martensite.base import units
 from martensite.base.files import replace_file, write_file
+from martensite.signals.records import Record
 from martensite.simulate.point import PointResult
 from martensite.simulate.result import Result
 
@@ -50,6 +52,13 @@ def format_heading(name: str, unit: str) -> str:
     """A name with its unit, safe in a spreadsheet."""
     text = f"{name} [{unit}]"
     return f"'{text}" if text.startswith(FORMULA) else text
+
+
+def format_record(record: Record, names: Sequence[str]) -> str:
+    """Columns of a record as text with headings that `read_table` reads; missing samples are empty."""
+    rows = zip(*(record[name] for name in names), strict=True)
+    lines = [",".join("" if math.isnan(x) else f"{x:.10g}" for x in row) for row in rows]
+    return "\n".join([",".join(format_heading(name, record.units[name]) for name in names), *lines, ""])
 
 
 def write_points(results: Sequence[PointResult], path: Path) -> None:

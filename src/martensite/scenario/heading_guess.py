@@ -13,29 +13,9 @@ from functools import lru_cache
 
 from martensite.base import units
 from martensite.base.errors import UnitError
-from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED
+from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, find_quantity
 from martensite.signals.base import DRIVE
 
-WORDS = {
-    "time": ("time", "t", "zeit", "elapsed", "timestamp", "clock", "x_value", "millis", "micros"),
-    "temperature": ("temperature", "temp", "thermocouple", "theta", "temperatur", "tc", "T"),
-    "strain": ("strain", "eps", "epsilon", "ε", "dehnung"),
-    "stress": ("stress", "sigma", "σ", "spannung_mech"),
-    "force": ("force", "load", "kraft", "standardkraft", "loadcell", "weight", "tension", "F"),
-    "crosshead": ("crosshead",),
-    "elongation": ("elongation", "extension"),
-    "lift": ("lift",),
-    "position": ("position", "weg", "standardweg", "pos", "displacement", "disp", "stroke", "travel", "laser", "x"),
-    "resistance": ("resistance", "res", "R"),
-    "current": ("current", "strom", "amps", "I", "i"),
-    "voltage": ("voltage", "volt", "volts", "U", "V", "u", "v"),
-    "power": ("power", "leistung", "P"),
-    "martensite_fraction": ("martensite_fraction", "martensite", "xi", "ξ"),
-    "rotor_speed": ("rotor_speed", "speed", "omega", "rpm"),
-    "angle": ("angle", "winkel", "phi", "φ"),
-    "duty": ("duty", "pwm", "duty_cycle"),
-}
-"""Known column -> words for it; single letters count as they are written, words in any case."""
 SPELLINGS = {
     "degC": ("degC", "°C", "ºC", "C", "deg C", "degrees c", "celsius", "℃", "<temp> (C)"),
     "degF": ("degF", "°F", "ºF", "F", "deg F", "fahrenheit"),
@@ -183,11 +163,9 @@ def _find_named(words: str, unit: str) -> str:
         return plain.lower()
     parts = [re.sub(r"\d+$", "", part) for part in (plain, *re.split(r"[_:,.]+", plain))]
     for part in parts:
-        for name, others in WORDS.items():
-            if (part in others or (len(part) > 1 and part.lower() in others)) and (
-                not unit or _is_convertible(unit, CANONICAL[name])
-            ):
-                return name
+        name = find_quantity(part, lambda one: not unit or _is_convertible(unit, CANONICAL[one]))
+        if name:
+            return name
     return next((name for si, name in BY_UNIT.items() if unit and _is_convertible(unit, si)), "")
 
 

@@ -16,13 +16,14 @@ from martensite.identify.ladder.climb import TIME_BOX, Keep, Watch, climb_ladder
 from martensite.identify.ladder.ladder_result import Ladder
 from martensite.scenario.binary_files import name_column, read_arrays
 from martensite.scenario.heading_guess import guess_heading
+from martensite.scenario.layout import list_quantities
 from martensite.scenario.log_tables import read_log_table
 from martensite.scenario.sampled_files import is_columnar, read_pieces
 from martensite.signals.sampling.sampled import Sampled
 
-DRIVING = ("duty", "voltage", "current", "power", "u", "input")
+DRIVING = (*list_quantities("drive"), "u", "input")
 """What goes in, the first that a log has."""
-ANSWERING = ("position", "elongation", "lift", "angle", "strain", "crosshead", "force", "stress", "temperature")
+ANSWERING = (*reversed(list_quantities("shape")), "angle", *reversed(list_quantities("load")), "temperature")
 ANSWERING += ("resistance", "rotor_speed", "y", "output")
 """What comes out, the first that a log has."""
 

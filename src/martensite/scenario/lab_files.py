@@ -22,7 +22,7 @@ from martensite.base.files import write_file
 from martensite.scenario.cells import Numbers
 from martensite.scenario.column_meanings import Meaning, guess_meanings, write_unit
 from martensite.scenario.container_files import KINDS, read_container
-from martensite.scenario.csv_files import format_heading
+from martensite.scenario.csv_files import format_record
 from martensite.scenario.layout import CANONICAL, CLOCK, IGNORED, read_headings
 from martensite.scenario.raw_table import LeftOut, RawColumn, RawTable, count_rows
 from martensite.scenario.table_headings import SEPARATORS
@@ -74,6 +74,11 @@ class LabFile:
     start: float | None = None
     """Absolute time of the record's zero [s] since the first day of the calendar; below 86 400 it is that of a day."""
 
+    @property
+    def is_given(self) -> bool:
+        """Whether nothing in it was guessed, left out or put right."""
+        return not (self.notes or self.dropped or any(one.si and one.known != "given" for one in self.columns))
+
     def with_interval(self, interval: float) -> LabFile:
         """With rows so far apart [s], where the file has no times."""
         times = [k * interval for k in range(len(self.record))]
@@ -82,11 +87,7 @@ class LabFile:
 
     def to_csv(self) -> str:
         """The record as text with headings that `read_table` reads; missing samples are empty."""
-        names = [name for name in self.record.columns if name != "time" or self.has_time]
-        heads = [format_heading(name, self.record.units[name]) for name in names]
-        rows = zip(*(self.record[name] for name in names), strict=True)
-        lines = [",".join("" if math.isnan(x) else f"{x:.10g}" for x in row) for row in rows]
-        return "\n".join([",".join(heads), *lines, ""])
+        return format_record(self.record, [name for name in self.record.columns if name != "time" or self.has_time])
 
     def save(self, path: str | Path) -> None:
         """Write `to_csv` to a file.

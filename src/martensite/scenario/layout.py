@@ -8,37 +8,67 @@ over, and the unit `clock` reads times of day (17:27:33) as seconds since the fi
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from martensite.base import units
 from martensite.base.errors import DataError, UnitError
 from martensite.signals.base import DRIVE
 
-CANONICAL = {
-    "time": "s",
-    "temperature": "K",
-    "strain": "1",
-    "stress": "Pa",
-    "force": "N",
-    "position": "m",
-    "resistance": "ohm",
-    "current": "A",
-    "voltage": "V",
-    "power": "W",
-    "drive": DRIVE,
-    "martensite_fraction": "1",
-    "angle": "rad",
-    "rotor_angle": "rad",
-    "rotor_speed": "rad/s",
-    "motor_current": "A",
-    "crosshead": "m",
-    "elongation": "m",
-    "lift": "m",
-    "duty": "1",
+
+class Quantity(NamedTuple):
+    """What a column may hold."""
+
+    unit: str
+    """In SI; that of the drive depends on the source."""
+    words: tuple[str, ...] = ()
+    """For it in headings; single letters count as they are written, words in any case."""
+    role: str = ""
+    """`drive`, `shape` (what moves), or `load` in an experiment; of each role the most telling come first."""
+
+
+QUANTITIES = {
+    "time": Quantity("s", ("t", "zeit", "elapsed", "timestamp", "clock", "x_value", "millis", "micros")),
+    "temperature": Quantity("K", ("temp", "temp.", "thermocouple", "theta", "temperatur", "tc", "T")),
+    "strain": Quantity("1", ("eps", "epsilon", "ε", "dehnung"), "shape"),
+    "stress": Quantity("Pa", ("sigma", "σ", "spannung_mech"), "load"),
+    "force": Quantity("N", ("load", "kraft", "standardkraft", "loadcell", "weight", "tension", "F"), "load"),
+    "elongation": Quantity("m", ("extension",), "shape"),
+    "crosshead": Quantity("m", role="shape"),
+    "lift": Quantity("m", role="shape"),
+    "position": Quantity(
+        "m",
+        (
+            "weg",
+            "standardweg",
+            "pos",
+            "displacement",
+            "disp",
+            "stroke",
+            "travel",
+            "deflection",
+            "contraction",
+            "laser",
+            "x",
+        ),
+        "shape",
+    ),
+    "resistance": Quantity("ohm", ("res", "R")),
+    "duty": Quantity("1", ("pwm", "duty_cycle"), "drive"),
+    "voltage": Quantity("V", ("volt", "volts", "voltage_drop", "U", "V", "u", "v"), "drive"),
+    "current": Quantity("A", ("strom", "amps", "I", "i"), "drive"),
+    "power": Quantity("W", ("leistung", "P"), "drive"),
+    "drive": Quantity(DRIVE),
+    "martensite_fraction": Quantity("1", ("martensite", "xi", "ξ")),
+    "rotor_speed": Quantity("rad/s", ("speed", "omega", "rpm")),
+    "angle": Quantity("rad", ("winkel", "phi", "φ")),
+    "rotor_angle": Quantity("rad"),
+    "motor_current": Quantity("A"),
 }
-"""Known column -> its SI unit; that of the drive depends on the source. With a port in front, as
-in `protagonist.temperature`, a column means the same."""
+"""Known column -> what it is. With a port in front, as in `protagonist.temperature`, a column means the same."""
+CANONICAL = {name: one.unit for name, one in QUANTITIES.items()}
+"""Known column -> its SI unit."""
 DRIVEN_BY = ("V", "A", "W", "K")
 CLOCK = "clock"
 IGNORED = "-"
@@ -68,6 +98,20 @@ class Layout:
     """Lines to pass over at the beginning."""
     drop: bool = False
     """Leave out rows that cannot be read, or that repeat the time before; count them."""
+
+
+def find_quantity(words: str, fits: Callable[[str], bool] = lambda _: True) -> str:
+    """The known column that a word stands for, of those that fit; empty for none."""
+    for name, one in QUANTITIES.items():
+        named = words in one.words or (len(words) > 1 and words.lower() in (name, *one.words))
+        if named and name != "drive" and fits(name):  # `temp drive [V]` is a voltage
+            return name
+    return ""
+
+
+def list_quantities(role: str) -> tuple[str, ...]:
+    """Known columns of a role."""
+    return tuple(name for name, one in QUANTITIES.items() if one.role == role)
 
 
 def read_headings(headings: Iterable[str], where: str) -> list[FileColumn]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from martensite.base.errors import DataError, InputError
 from martensite.base.files import tell_once
 from martensite.scenario.container_files import KINDS
-from martensite.scenario.lab_files import UntoldError, read_lab_file
-from martensite.scenario.layout import Layout, read_headings
+from martensite.scenario.lab_files import LabFile, UntoldError, read_lab_file
+from martensite.scenario.layout import CANONICAL, Layout, read_headings
 from martensite.scenario.sheets import is_number, read_sheet
 from martensite.scenario.tables import PREFIX, read_table
 from martensite.signals.records import Record
@@ -28,46 +28,68 @@ def parse_named(texts: Iterable[str]) -> dict[str, str]:
     return {key.strip(): text.strip() for key, _, text in parts}
 
 
-def read_log_table(
-    source: str | Path,
-    columns: Sequence[str] | None = None,
-    interval: float | None = None,
-    named: Mapping[str, str] | None = None,
-) -> Record:
-    """A log with headings `name [unit]` as `read_table` reads it, with gaps; any other as `read_lab_file` does.
-
-    How another was understood is said once on standard error. A fault below such headings is no reason to guess.
+def read_log_table(source: str | Path, interval: float | None = None, named: Mapping[str, str] | None = None) -> Record:
+    """The record of a log, as `read_log` reads it; what was guessed or left out is said once on standard error.
 
     Raises:
-        DataError: neither can read it.
+        DataError: it cannot be read.
     """
+    record, file = read_log(source, interval, named)
+    if file is not None and not file.is_given:
+        listed = "; ".join(f"{c.name} in {c.unit} is column {c.number}" for c in file.columns if c.si)
+        tell_once(f"{file.path.name}: {file.format}; {listed}. {' '.join(file.notes)}".strip())
+    return record
+
+
+def read_log(
+    source: str | Path, interval: float | None = None, named: Mapping[str, str] | None = None, known: bool = False
+) -> tuple[Record, LabFile | None]:
+    """A log with headings `name [unit]` as `read_table` reads it, with gaps; any other as `read_lab_file` does.
+
+    A fault below such headings is no reason to guess.
+
+    Args:
+        source: a file, or `data:<data set>/<file>`.
+        interval: time between rows [s] of a file without times.
+        named: what columns are, by heading or number, as `read_lab_file` takes it.
+        known: whether headings that are none of the known columns are guessed as well, such as `Load [N]`.
+
+    Returns:
+        The record, with NaN for missing samples, and how the file was understood where it was not to the letter.
+
+    Raises:
+        DataError: neither can read it, or `named` corrects a published data set.
+    """
+    ours = str(source).startswith(PREFIX)
+    if named and ours:
+        raise DataError(f"The columns of `{source}` are known; `--as` has no effect on it.")
+    refused: DataError | None = None
     if not named:
         try:
-            return read_table(source, columns, interval=interval, gaps=True)
+            record = read_table(source, interval=interval, gaps=True)
+            if ours or not known or all(name.rpartition(".")[2] in CANONICAL for name in record.columns):
+                return record, None
         except DataError as error:
-            ours = str(source).startswith(PREFIX) or Path(source).suffix.lower() == ".nc"
-            if columns is not None or ours or not Path(source).is_file():
+            if ours or Path(source).suffix.lower() == ".nc" or not Path(source).is_file():
                 raise
             refused = error
-        try:
-            found = read_lab_file(source)
-        except UntoldError:
-            raise
-        except DataError:
-            raise refused from None
-        if _has_own_headings(Path(source)):
-            raise DataError(f"{refused} `martensite data show {found.path.name} --save clean.csv` leaves it out.")
-    else:
+    try:
         found = read_lab_file(source, named)
+    except UntoldError:
+        raise
+    except DataError:
+        if refused is None:
+            raise
+        raise refused from None
+    if refused is not None and has_own_headings(Path(source)):
+        raise DataError(f"{refused} `martensite data show {found.path.name} --save clean.csv` leaves it out.")
     if interval is not None and not found.has_time:
         found = found.with_interval(interval)
-    listed = "; ".join(f"{c.name} in {c.unit} is column {c.number}" for c in found.columns if c.si)
-    tell_once(f"{found.path.name}: {found.format}; {listed}. {' '.join(found.notes)}".strip())
-    return found.record
+    return found.record, found
 
 
-def _has_own_headings(path: Path) -> bool:
-    """Whether a text file begins with headings that `read_table` reads."""
+def has_own_headings(path: Path) -> bool:
+    """Whether a text file begins with headings that are read to the letter."""
     if path.suffix.lower() in KINDS:
         return False
     try:

@@ -13,7 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from martensite.base.units import choose_readable_unit
 from martensite.scenario.cells import Numbers
+from martensite.scenario.layout import CANONICAL
 
 LARGEST_STRAIN = 0.12
 """Of a record in fractions; larger numbers are percent."""
@@ -60,9 +62,10 @@ def guess_unit(name: str, numbers: Numbers) -> ValueGuess:
         return ValueGuess(name, "V" if size <= 60.0 else "mV", size <= 24.0)
     if name == "current":
         return ValueGuess(name, "A" if size <= 15.0 else "mA", size <= 15.0)
-    usual = {"force": "N", "position": "mm", "elongation": "mm", "crosshead": "mm", "lift": "mm", "resistance": "ohm"}
-    usual |= {"power": "W", "angle": "deg" if size > 6.3 else "rad", "motor_current": "A"}
-    return ValueGuess(name, usual.get(name, ""), False)
+    if name in ("angle", "rotor_angle"):
+        return ValueGuess(name, "deg" if size > 6.3 else "rad", False)
+    usual = CANONICAL.get(name, "") if name not in ("rotor_speed", "drive") else ""  # rpm and rad/s are as usual
+    return ValueGuess(name, usual and choose_readable_unit(usual), False)
 
 
 def _guess_time_unit(times: Numbers) -> tuple[str, bool]:

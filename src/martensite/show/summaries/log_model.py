@@ -41,7 +41,7 @@ def summarise_log_model(model: LogModel, command: str = "") -> Summary:
     ]
     if command:
         blocks.insert(-1, Sentence(f"The scenario is kept; this fits it again: `{command}`"))
-    return Summary(f"A model of {which}", blocks, _collect_numbers(model), lead)
+    return Summary(f"A model of {which}", blocks, _collect_numbers(model) | {"again": command}, lead)
 
 
 def _make_verdict(model: LogModel) -> Notice:
@@ -62,8 +62,8 @@ def _describe_output(one: PooledError, errors: Sequence[HeldOutError]) -> str:
     else:
         said += f": better than the {one.best_naive} ({naive}), but less than {100.0 * EXPLAINED:.0f} % is explained."
     if own[0].own_zero:
-        raw = format_error(one.output, one.raw_rms, one.unit)
-        said += f" The zero of each record was fitted to it; without, the raw error is {raw}."
+        raw, what = format_error(one.output, one.raw_rms, one.unit), "start" if one.output == "temperature" else "zero"
+        said += f" The {what} of each record was fitted to it; without, the raw error is {raw}."
     return said
 
 
@@ -112,6 +112,9 @@ def _tabulate_numbers(model: LogModel) -> DataTable:
         known = math.isfinite(high - low)
         shown = f"{_write(low, free)} to {_write(high, free)}" if known else ""
         rows.append((free.name, _write(fit[free.name], free), shown, f"no: {why}" if why else "yes"))
+    if model.time_constant is not None:
+        tau, low, high = (f"{x:.4g} s" for x in model.time_constant)
+        rows.insert(0, ("time constant", tau, f"{low} to {high}", "yes"))
     note = "Intervals are those of this model, widened where residuals repeat each other."
     return DataTable(("number", "value", "95 % interval", "determined"), rows, right=(1,), note=note)
 
@@ -147,6 +150,12 @@ def _iterate_next(model: LogModel) -> Iterator[str]:
     if kind == "isothermal":
         if len({round(one.record["temperature"][0]) for one in ones}) < 2:
             yield "The same loop 10 to 20 K warmer: it tells C_A and C_M, which are assumed."
+        return
+    if kind == "cooling":
+        if len(ones) < 2:
+            yield "A second fall, from another temperature: only a record left out whole shows what is predicted."
+        if model.chosen.proposal.name == "heat alone":
+            yield "A fall through the transformation, if latent heat matters: none was needed here."
         return
     periods = [find_period(one) for one in ones]
     if len(ones) < 2:
@@ -192,6 +201,7 @@ def _collect_numbers(model: LogModel) -> dict[str, Any]:
         ],
         "tried": [{"model": one.proposal.name, "rms": one.pooled[0].rms} for one in model.tried],
         "numbers": fit.numbers,
+        "time_constant": model.time_constant,
         "undetermined": fit.undetermined,
         "notes": list(model.notes),
         "next": list_next_records(model),
