@@ -9,14 +9,22 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
-from builders import ZERO, along, isobar
+from builders import ZERO, Swings, along, isobar, problem_a
 from strip_cases import CASES, NUMBERS
 
 from martensite.kernels import floats
+from martensite.kernels.compiled_program import CompiledProgram
+from martensite.kernels.compiler import call_compiled
+from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.physics.kinetics import history
 from martensite.physics.kinetics.return_points import DEPTH
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.strip_laws import LiangRogers
+from martensite.signals.moments import Tone
+from martensite.simulate.api import simulate
+from martensite.simulate.batch import compute_sensitivity
+from martensite.simulate.compiled_law import compile_law
+from martensite.simulate.point import PathLeg, material_point
 from martensite.testing.laws import trace_kinetics
 
 COLDEST, HOTTEST = 43.0, 77.0
@@ -129,6 +137,18 @@ def test_depth_is_bounded_and_what_is_forgotten_is_known():
     assert memories[2 * DEPTH - 2].points.forgotten == 0.0
 
 
+@LAWS
+def test_return_points_go_along_with_a_correction(name):
+    """At the same point nothing changes; elsewhere the loop closes where as large a share is left."""
+    law = CASES[name].law("return-point")
+    memory = along(law, isobar(20, 75, 46, 73, 48, 71), 1.0)[-1]
+    assert law.relocate(floats, memory, law.fractions(memory), 0.0, 71 + ZERO) == memory
+    there = 0.9 * memory.fraction
+    moved = law.relocate(floats, memory, Fractions(there, there), 0.0, 71 + ZERO)
+    first, second = (law.kinetics(floats, m, 0.0, 74 + ZERO, 0.0)[1].martensite for m in (memory, moved))
+    assert second == pytest.approx(0.9 * first, abs=1e-12)
+
+
 # ---------------------------------------------------------------- relays
 
 
@@ -208,3 +228,76 @@ def test_branches_of_relays_follow_from_their_outer_loop(case, least):
     loops = path(30, 75, 46, 74, 47, 73, 48, 90, 30)
     fits = fit(np.concatenate(wanted), np.concatenate(found)), fit(relays(up, down, weights, loops), follow(law, loops))
     assert min(fits) > least
+
+
+# ---------------------------------------------------------------- runs
+
+
+def nested_legs(count):
+    """Legs at no stress through ever smaller loops."""
+    turns = [76.0, 43.0, *(c for k in range(count) for c in (75.0 - 0.4 * k, 44.0 + 0.4 * k))]
+    return [PathLeg(temperature=celsius + ZERO, duration=1.0, stress=0.0) for celsius in turns]
+
+
+def test_a_run_says_what_was_forgotten():
+    """In so many words, and only where it matters."""
+    law, start = CASES["elahinia"].law("return-point"), {"start": (0.0, 20 + ZERO), "fractions": Fractions(1.0, 1.0)}
+    deep, shallow = (material_point(law, nested_legs(n), **start, steps=3, tolerance=None) for n in (DEPTH + 4, 4))
+    (sentence,) = deep.warnings
+    assert "more than 8 loops" in sentence and "9.7e-03" in sentence
+    assert not shallow.warnings
+    resumed = material_point(CASES["elahinia"].law(), nested_legs(12), **start, steps=3, tolerance=None)
+    assert not resumed.warnings
+
+
+RIPPLE = """
+void ripple(long reversals, const double *restrict c, double *restrict memory) {{
+    double x[{size} + 3], y[{size} + 5];
+    memcpy(x, memory, sizeof(double) * {size});
+    for (long k = 0; k < reversals; k++) {{
+        x[{size}] = x[{size} + 2] = 0.0;
+        x[{size} + 1] = 273.15 + (k % 2 ? 46.0 : 73.0 + 0.1 * (k % 22 ? k * k % 7 : 20.0));
+        k_stress_step(1, c, x, y);
+        memcpy(x, y, sizeof(double) * {size});
+    }}
+    memcpy(memory, x, sizeof(double) * {size});
+}}
+"""
+"""Heating pulses of seven sizes and, once in a while, one as far as the first."""
+
+
+@pytest.mark.usefixtures("c_compiler")
+def test_a_million_reversals_neither_drift_nor_grow():
+    """After half a million pulses the largest one still ends where it ended first, to the last digits."""
+    law = CASES["liang-rogers mixture"].law("return-point")
+    compiled, shape = compile_law(law), NestedShape(law.init(floats, Fractions(1.0, 1.0), 0.0, 300.0))
+    constants = np.array([*compiled.values(law), 0.0], float)[:, None]
+    program = CompiledProgram(compiled.program, ("stress_step",), constants, RIPPLE.format(size=compiled.size))
+
+    def ripple(reversals):
+        numbers = np.array(flatten_numbers(law.init(floats, Fractions(1.0, 1.0), 0.0, 20 + ZERO)), float)
+        call_compiled(program.library.ripple, reversals, program.constants, numbers)
+        return shape.rebuild(numbers.tolist())
+
+    first, last = ripple(1), ripple(22 * 45_455 + 1)
+    assert last.fraction == pytest.approx(first.fraction, abs=1e-14)
+    assert max(last.points.forwards, last.points.reverses) <= 2.0
+    assert last.points.forgotten == 0.0
+
+
+@pytest.mark.usefixtures("c_compiler")
+def test_slopes_of_a_run_are_those_of_differences():
+    """Of a wire on a spring that goes through loops within loops, where the rule matters."""
+    drive = Swings(level=1.886, swings=(Tone(-0.301, 0.068 * np.pi), Tone(-0.661, 0.27 * np.pi)))
+    system, names, run = problem_a("return-point"), ["A_f", "C_A", "diameter"], {"step": 20e-3, "samples": 301}
+    found = compute_sensitivity(system, drive, 45.0, names, **run)
+    resumed = simulate(problem_a("resume"), drive, 45.0, **run, runtime="c")["position"]
+    assert np.abs(found.column - resumed).max() > 3e-4
+    for path, slope in found.slopes.items():
+        x, width = system.value_of(path), 1e-4 * (10.0 if path.endswith("A_f") else system.value_of(path))
+        above, below = (
+            np.array(simulate(system.with_values({path: x + way}), drive, 45.0, **run, runtime="c")["position"])
+            for way in (width, -width)
+        )
+        wanted = (above - below) / (2 * width)
+        assert slope == pytest.approx(wanted, abs=1e-4 * np.abs(wanted).max()), path

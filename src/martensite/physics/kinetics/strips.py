@@ -78,6 +78,10 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         """All martensite counts as oriented."""
         return Fractions(memory.fraction, memory.fraction)
 
+    def forgotten(self, memory: OneFractionMemory) -> Scalar | None:
+        """By return points that found no place any more [-]."""
+        return memory.points.forgotten if memory.points else None
+
     def select(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
     ) -> OneFractionProcess:
