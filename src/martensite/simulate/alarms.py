@@ -24,6 +24,7 @@ from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.base.status import Status
 from martensite.physics.electrical.base import AbstractSource
 from martensite.physics.laws.base import AbstractLaw
+from martensite.simulate.compiled_law import describe_forgotten_loops
 
 if TYPE_CHECKING:
     from martensite.simulate.result import Result
@@ -283,8 +284,12 @@ def _describe_doubts(result: Result, columns: Columns) -> list[str]:
     found: list[str] = []
     for port, one in result.system.actuators().items():
         law, name = one.element.law, result.system.label(port, "stress")
-        doubt = law.doubt() if isinstance(law, AbstractLaw) else None
-        if doubt is None or name not in columns:
+        if not isinstance(law, AbstractLaw) or name not in columns:
+            continue
+        path = (columns[result.system.label(port, one)] for one in ("stress", "temperature", FRACTIONS[0]))
+        found += describe_forgotten_loops(law, *path)
+        doubt = law.doubt()
+        if doubt is None:
             continue
         most = max(map(abs, columns[name]))
         if most > NEAR * doubt.stress:

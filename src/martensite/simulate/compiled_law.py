@@ -14,21 +14,26 @@ and the step is the fixed point of `laws.coupling`. Numbers never enter the trac
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 from martensite.base.parameters import Keyed, values_at
+from martensite.kernels import floats
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.kernels.program import Program
+from martensite.physics.kinetics.return_points import DEPTH
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.physics.laws.coupling import advance_memory
 
 ROW = ("martensite", "oriented", "strain", "stress", "residual")
 """What every function returns after the memory: [-], [-], [-], [Pa], [-]."""
 AUSTENITE = Fractions(0.0, 0.0)
+FORGOTTEN = 1e-6
+"""Change of a fraction by forgotten loops of which nothing is said."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,3 +109,36 @@ def _strain_step(law: AbstractLaw, shape: NestedShape, tension_only: bool) -> Ca
         return _build_row(xp, law, after, report.residual)
 
     return step
+
+
+def describe_forgotten_loops(
+    law: AbstractLaw, stress: Sequence[float], temperature: Sequence[float], martensite: Sequence[float]
+) -> list[str]:
+    """Whether a law of bounded memory forgot loops on a sampled path, in a sentence.
+
+    It is driven again, from one turning point of the martensite fraction to the next.
+
+    Args:
+        law: any law.
+        stress: along the path [Pa].
+        temperature: along the path [K].
+        martensite: the fraction that was found [-].
+    """
+    start = Fractions(martensite[0], martensite[0])
+    memory = law.init(floats, start, stress[0], temperature[0])
+    if law.forgotten(memory) is None:
+        return []
+    steps = [(k, after - before) for k, (before, after) in enumerate(pairwise(martensite)) if after != before]
+    turns = [k + 1 for (k, before), (_, after) in pairwise(steps) if before * after < 0.0]
+    compiled, shape = compile_law(law), NestedShape(memory)
+    step = compiled.program.bind_floats(*compiled.values(law))["stress_step"]
+    numbers = flatten_numbers(memory)
+    for k in (*turns, len(martensite) - 1):
+        numbers = step(*numbers, stress[k], temperature[k], 0.0)[: compiled.size]
+    lost = law.forgotten(shape.rebuild(numbers))
+    if lost is None or not lost > FORGOTTEN:
+        return []
+    return [
+        f"Caution: more than {DEPTH} loops lay within each other, and those that the law forgot change the martensite "
+        f"fraction by up to {lost:.1e}; see the rule `return-point`."
+    ]

@@ -51,7 +51,9 @@ class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
     C_M: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the forward strip", low=1e5, high=1e9, typical="8 MPa/K")
     Theta: Scalar = param("Pa/K", "thermoelastic modulus; -E times the expansion", low=-1e7, high=1e7, default=0.0)
     T_ref: Scalar = param("K", "temperature of zero thermal strain", low=0.0, high=1000.0, default=293.15)
-    history: str = option("what happens to an interrupted transformation", "resume", "restart", default="resume")
+    history: str = option(
+        "what happens to an interrupted transformation", "resume", "restart", "return-point", default="resume"
+    )
 
     @abstractmethod
     def young(self, fractions: Fractions) -> Scalar:

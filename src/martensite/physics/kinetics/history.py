@@ -2,7 +2,7 @@
 
 A process multiplies what is left to transform by left(v₁)/left(v₀), where v is the distance to its finish line as a
 share of the strip (1 at the start line, 0 at the finish line) of the coordinate T - σ/C. Forward (austenite →
-martensite) works on y = 1 - ξ, reverse on y = ξ. Two rules say what v₀ is:
+martensite) works on y = 1 - ξ, reverse on y = ξ. Three rules say what is remembered; the first two differ in v₀ alone:
 
 - resume: the v at which the branch was opened, and y never grows on it; an interrupted
   transformation waits until the path passes the point where it stopped. Opening the opposite
@@ -10,6 +10,8 @@ martensite) works on y = 1 - ξ, reverse on y = ξ. Two rules say what v₀ is:
   return-point memory: inner loops do not close as in a Preisach model.
 - restart: v at the start of every increment, the literal reading of the papers; small cycles
   inside one strip ratchet.
+- return-point: as resume, but a branch leads back to where the one before of its direction was
+  interrupted, so that loops close within loops (see `return_points`).
 
 Where both processes could act (strips overlap when C_A and C_M differ) the branch in progress goes on, else the one met
 first, else reverse. The result does not depend on how a straight leg is cut into increments.
@@ -24,10 +26,23 @@ from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
 
 from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.physics.kinetics.return_points import (
+    GONE,
+    BranchCourse,
+    ReturnPoints,
+    commit_course,
+    compute_rests,
+    find_next,
+    scale_points,
+    select_course,
+)
 
-RESUME, RESTART = "resume", "restart"
+RESUME, RESTART, RETURN_POINT = "resume", "restart", "return-point"
 LEAST = 1e-3
 """Part of a transformation below which nothing is left of it."""
+
+FARTHEST = 60.0
+"""Strip widths beyond its finish line from which on an endless process is complete, for return points."""
 
 Left = Callable[[Namespace, Scalar], Scalar]
 LegStart: TypeAlias = Any
@@ -64,6 +79,8 @@ class OneFractionMemory(NamedTuple):
     """
     stress: Scalar
     temperature: Scalar
+    points: ReturnPoints | tuple[()] = ()
+    """Under the rule return-point, instead of a scale."""
 
 
 class OneFractionProcess(NamedTuple):
@@ -76,6 +93,8 @@ class OneFractionProcess(NamedTuple):
     finish: Scalar
     per_width: Scalar
     per_slope: Scalar
+    course: BranchCourse | tuple[()] = ()
+    """Under the rule return-point."""
 
     def distance(self, stress: Scalar, temperature: Scalar) -> Scalar:
         """Distance to the finish line of the process in widths of its strip [-]; unlimited."""
@@ -179,8 +198,12 @@ def select_process(
     ahead = direction > 0.0
     begin = xp.where(ahead, f.begin, r.begin)
     remaining = xp.store(xp.where(ahead, 1.0 - memory.fraction, memory.fraction))
-    scale = begin
-    if not forward.endless:
+    scale, course = begin, ()
+    if memory.points:
+        turns = xp.both(xp.abs(direction) > 0.0, memory.branch * direction <= 0.0)
+        share = left(xp, limit_distance(xp, begin, forward.endless))
+        scale, course = memory.scale, select_course(xp, memory.points, ahead, turns, share, [remaining])
+    elif not forward.endless:
         share = left(xp, begin)
         usable = share > 0.0
         scale = xp.where(usable, remaining / xp.where(usable, share, 1.0), 0.0)
@@ -193,7 +216,13 @@ def select_process(
         finish=xp.store(xp.where(ahead, forward.finish, reverse.finish)),
         per_width=xp.store(xp.where(ahead, forward.per_width, reverse.per_width)),
         per_slope=xp.store(xp.where(ahead, forward.per_slope, reverse.per_slope)),
+        course=course,
     )
+
+
+def limit_distance(xp: Namespace, distance: Scalar, endless: bool) -> Scalar:
+    """The distance at which a process is looked at that remembers return points."""
+    return xp.clip(distance, -FARTHEST if endless else 0.0, 1.0)
 
 
 def follow_process(
@@ -201,7 +230,10 @@ def follow_process(
 ) -> Scalar:
     """Martensite fraction if the move ends at (stress, temperature)."""
     distance = move.distance(stress, temperature)
-    if endless:
+    if move.course:
+        share = left(xp, limit_distance(xp, distance, endless))
+        (wanted,) = compute_rests(xp, move.course, share, [move.remaining])
+    elif endless:
         wanted = move.remaining * left(xp, 1.0 - xp.maximum(move.scale - distance, 0.0))
     else:
         wanted = move.scale * left(xp, xp.clip(distance, 0.0, 1.0))
@@ -219,10 +251,10 @@ def commit_move(
     temperature: Scalar,
     endless: bool = False,
 ) -> OneFractionMemory:
-    """The memory after the accepted move."""
+    """The memory after the accepted move; return points are those of before (`remember_points`)."""
     acted = xp.abs(move.direction) > 0.0
     scale = move.scale
-    if endless:
+    if endless and not move.course:
         scale = xp.minimum(scale, move.distance(stress, temperature))
     return OneFractionMemory(
         fraction=fraction,
@@ -230,7 +262,28 @@ def commit_move(
         scale=xp.where(acted, scale, memory.scale),
         stress=stress,
         temperature=temperature,
+        points=memory.points,
     )
+
+
+def remember_points(
+    xp: Namespace,
+    left: Left,
+    before: OneFractionMemory,
+    move: OneFractionProcess,
+    after: OneFractionMemory,
+    endless: bool = False,
+) -> OneFractionMemory:
+    """The memory after a move with its return points, if its rule has them."""
+    if not before.points or not move.course:
+        return after
+    share = left(xp, limit_distance(xp, move.distance(after.stress, after.temperature), endless))
+    ahead = move.direction > 0.0
+    turned, other = before.branch * move.direction < 0.0, xp.where(ahead, before.fraction, 1.0 - before.fraction)
+    rest = xp.where(ahead, 1.0 - after.fraction, after.fraction)
+    interrupts = xp.both(turned, other > GONE)
+    points = commit_course(xp, before.points, move.course, move.direction, interrupts, share, rest)
+    return after._replace(points=points)
 
 
 def relocate_memory(
@@ -265,6 +318,49 @@ def relocate_memory(
         scale = memory.scale * grown * xp.where(inside, then / xp.maximum(there, LEAST), 1.0)
     scale = xp.where(xp.abs(memory.branch) > 0.0, scale, memory.scale)
     return OneFractionMemory(fraction, memory.branch, scale, stress, temperature)
+
+
+def relocate_points(
+    xp: Namespace, left: Left, strips: tuple[Strip, Strip], memory: OneFractionMemory, after: OneFractionMemory
+) -> OneFractionMemory:
+    """The same under the rule return-point: of both directions L and what is left stay the same shares."""
+    if not memory.points:
+        return after
+
+    def compare(before: Scalar, now: Scalar, least: float) -> Scalar:
+        some = xp.both(before > least, now > least)
+        return xp.where(some, now / xp.where(some, before, 1.0), 1.0)
+
+    def grow(strip: Strip, was: Scalar, now: Scalar) -> tuple[Scalar, Scalar]:
+        before, there = (
+            left(xp, limit_distance(xp, strip.distance(at.stress, at.temperature), strip.endless))
+            for at in (memory, after)
+        )
+        return compare(before, there, 0.0 if strip.endless else LEAST), compare(was, now, LEAST)
+
+    forward = grow(strips[0], 1.0 - memory.fraction, 1.0 - after.fraction)
+    reverse = grow(strips[1], memory.fraction, after.fraction)
+    return after._replace(points=scale_points(xp, memory.points, memory.branch > 0.0, forward, reverse))
+
+
+def find_point_kinks(
+    xp: Namespace, left: Left, endless: bool, memory: OneFractionMemory, ahead: Scalar, back: Scalar
+) -> list[Scalar]:
+    """What falls through 0 where an interrupted branch goes on and where the next loop of either direction closes.
+
+    The two distances to the finish lines are those at the point of the memory.
+    """
+    if not memory.points:
+        return []
+    points, forth = memory.points, memory.branch > 0.0
+    shares = [left(xp, limit_distance(xp, one, endless)) for one in (ahead, back)]
+    rest = xp.where(forth, 1.0 - memory.fraction, memory.fraction)
+    wait = points.branch.lines[0].at(xp.where(forth, *shares)) - rest
+    return [
+        xp.where(xp.abs(memory.branch) > 0.0, wait, 1.0),
+        find_next(xp, points.forward, points.forwards, shares[0]),
+        find_next(xp, points.reverse, points.reverses, shares[1]),
+    ]
 
 
 def find_handover(

@@ -11,7 +11,8 @@ from typing import ClassVar
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import history
 from martensite.physics.kinetics.diagram import AbstractPhaseDiagram
-from martensite.physics.kinetics.history import RESUME, OneFractionMemory, OneFractionProcess, Strip
+from martensite.physics.kinetics.history import RESTART, RETURN_POINT, OneFractionMemory, OneFractionProcess, Strip
+from martensite.physics.kinetics.return_points import start_points
 from martensite.physics.laws.base import Doubt, Fractions
 
 
@@ -62,18 +63,24 @@ class AbstractStripLaw(AbstractPhaseDiagram):
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> OneFractionMemory:
         """Memory of a wire that has no history; all martensite counts as oriented."""
-        return OneFractionMemory(fractions.martensite, 0.0, 0.0, stress, temperature)
+        points = start_points(1) if self.history == RETURN_POINT else ()
+        return OneFractionMemory(fractions.martensite, 0.0, 0.0, stress, temperature, points)
 
     def relocate(
         self, xp: Namespace, memory: OneFractionMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> OneFractionMemory:
         """The branch in progress goes on from another fraction at another point."""
         there = fractions.martensite, stress, temperature
-        return history.relocate_memory(xp, self.left, self.strips(), memory, *there)
+        after = history.relocate_memory(xp, self.left, self.strips(), memory, *there)
+        return history.relocate_points(xp, self.left, self.strips(), memory, after)
 
     def fractions(self, memory: OneFractionMemory) -> Fractions:
         """All martensite counts as oriented."""
         return Fractions(memory.fraction, memory.fraction)
+
+    def forgotten(self, memory: OneFractionMemory) -> Scalar | None:
+        """By return points that found no place any more [-]."""
+        return memory.points.forgotten if memory.points else None
 
     def select(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
@@ -101,7 +108,8 @@ class AbstractStripLaw(AbstractPhaseDiagram):
     ) -> OneFractionMemory:
         """The memory after the accepted move."""
         fraction = fractions.martensite
-        return history.commit_move(xp, memory, move, fraction, stress, temperature, self.endless)
+        after = history.commit_move(xp, memory, move, fraction, stress, temperature, self.endless)
+        return history.remember_points(xp, self.left, memory, move, after, self.endless)
 
     def kinetics(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar, dt: Scalar
@@ -122,13 +130,16 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         back = xp.where(xp.either(memory.fraction > 0.0, back < 0.0), back, 2.0)
         lines = [ahead - 1.0, back - 1.0]
         own = xp.where(memory.branch > 0.0, ahead, back)
+        if not self.endless:
+            lines += [ahead, back]
+        if memory.points:
+            return lines + history.find_point_kinks(xp, self.left, self.endless, memory, ahead, back)
         if self.endless:
             wait = own - memory.scale
         else:
-            lines += [ahead, back]
             left = xp.where(memory.branch > 0.0, 1.0 - memory.fraction, memory.fraction)
             wait = memory.scale * self.left(xp, xp.clip(own, 0.0, 1.0)) - left
-        if self.history == RESUME:
+        if self.history != RESTART:
             lines.append(xp.where(xp.abs(memory.branch) > 0.0, wait, 1.0))
         return lines
 

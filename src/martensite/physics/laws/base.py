@@ -65,6 +65,10 @@ class AbstractLaw(Parametrised):
         """A stress beyond which the law is doubtful, if there is one: a run near it says so."""
         return None
 
+    def forgotten(self, memory: Any) -> Scalar | None:
+        """Largest change [-] of a fraction because a memory of bounded size forgot a loop; None if it never does."""
+        return None
+
     @abstractmethod
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> Any:
         """Memory of a wire in a phase state that has no history."""

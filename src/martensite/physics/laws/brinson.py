@@ -19,7 +19,7 @@ positive; Θ > 0 means that a free bar shrinks on heating.
 """
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import param
+from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import two_fractions
 from martensite.physics.kinetics.diagram import WIDTHS, AbstractPhaseDiagram
@@ -42,6 +42,8 @@ class Brinson(AbstractPhaseDiagram):
 
     sigma_s: Scalar = param("Pa", "start stress of detwinning below M_s", above=0.0, high=1e10, typical="80 MPa")
     sigma_f: Scalar = param("Pa", "finish stress of detwinning below M_s", above=0.0, high=1e10, typical="150 MPa")
+
+    history: str = option("what happens to an interrupted transformation", "resume", "restart", default="resume")
 
     def check(self) -> None:
         """Raise `ParameterError` if a strip has no width."""

@@ -1,0 +1,259 @@
+"""Return points: where branches were interrupted, so that loops close within loops.
+
+Let y be what is left to transform of a direction (forward 1 - ξ, reverse ξ), and L = left(v) what its curve leaves at
+the distance v from its finish line: 1 on the start line, 0 on the finish line. A branch is straight in L,
+
+    y = y_t + s (L - L_t),     s = (y_b - y_t)/(L_b - L_t),
+
+from where it begins (b) to its target (t): the point at which the branch before of the same direction was interrupted,
+or completion, L_t = y_t = 0, if none is remembered. At its target it goes over into that branch, and the loop between
+is wiped out. For strips that do not overlap this is a Preisach operator whose weight is a product of two functions,
+one of each coordinate: all of it follows from the major loop.
+
+A target is passed where L or what is left is no more than there. All targets are given up, as under the rule resume,
+where more is left than the branch to close on ever left, or where the way back to it would be `STEEPEST` times as
+steep as it is; that needs overlapping strips, different slopes C_A and C_M, or a start in the middle of a loop.
+
+The memory is bounded. Where `DEPTH` branches of each direction are remembered already, the innermost loop is forgotten
+for a new one, and how far a branch moved by that is kept.
+
+Sources: Mayergoyz (1986), Phys. Rev. Lett. 56, for wiping-out; the straight branches are this package's.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.kernels.nested import NestedShape, flatten_numbers
+
+DEPTH = 8
+"""Interrupted branches that are remembered of each direction."""
+HAIR = 1e-12
+"""Difference of two L or of two fractions that is none."""
+STEEPEST = 10.0
+"""How much steeper than a branch the way back to it may be."""
+NOWHERE = 2.0 * DEPTH
+NONE, PASSED = -1.0, 2.0
+"""An L below and one above all others."""
+GONE = 1e-15
+"""What is left of a transformation that is complete."""
+
+
+class BranchLine(NamedTuple):
+    """What is left of one fraction on a branch: offset + scale · L."""
+
+    scale: Scalar
+    offset: Scalar
+
+    def at(self, share: Scalar) -> Scalar:
+        """What is left at L = share [-]."""
+        return self.offset + self.scale * share
+
+
+class Branch(NamedTuple):
+    """A branch, and how far it came."""
+
+    share: Scalar
+    """The lowest L on it [-]; less than 0 of one that does not count."""
+    lines: tuple[BranchLine, ...]
+    """One for every fraction, the martensite first."""
+
+
+class ReturnPoints(NamedTuple):
+    """All branches that a law remembers, interrupted ones with the outermost first."""
+
+    branch: Branch
+    """The one in progress."""
+    forward: tuple[Branch, ...]
+    reverse: tuple[Branch, ...]
+    forwards: Scalar
+    """How many of the interrupted ones count."""
+    reverses: Scalar
+    forgotten: Scalar
+    """Largest change of a fraction, anywhere on a branch, by what was forgotten [-]."""
+
+
+class BranchCourse(NamedTuple):
+    """The branch in progress, and those of its direction that it leads back to."""
+
+    branch: Branch
+    outer: tuple[Branch, ...]
+    met: Scalar
+    """How many of these there are."""
+
+
+Fits = Callable[[Sequence[Scalar]], Flag]
+"""Whether fractions may change by so much on the way to a target."""
+
+
+def start_branch(fractions: int) -> Branch:
+    """Completion, to which a branch without a target leads."""
+    return Branch(0.0, (BranchLine(0.0, 0.0),) * fractions)
+
+
+def start_points(fractions: int) -> ReturnPoints:
+    """Nothing is remembered of so many fractions."""
+    branch = start_branch(fractions)
+    return ReturnPoints(branch, (branch,) * DEPTH, (branch,) * DEPTH, 0.0, 0.0, 0.0)
+
+
+def choose_branch(xp: Namespace, flag: Flag, yes: Branch, no: Branch) -> Branch:
+    """One of two branches."""
+    pairs = zip(flatten_numbers(yes), flatten_numbers(no), strict=True)
+    return NestedShape(no).rebuild([xp.where(flag, a, b) for a, b in pairs])
+
+
+def draw_line(xp: Namespace, share: Scalar, rest: Scalar, target: Scalar, aim: Scalar) -> BranchLine:
+    """The line through (share, rest) and (target, aim)."""
+    apart = share - target
+    scale = xp.where(apart > 0.0, (rest - aim) / xp.where(apart > 0.0, apart, 1.0), 0.0)
+    return BranchLine(scale, aim - scale * target)
+
+
+def select_course(
+    xp: Namespace,
+    points: ReturnPoints,
+    ahead: Flag,
+    turns: Flag,
+    share: Scalar,
+    rest: Sequence[Scalar],
+    fits: Fits | None = None,
+) -> BranchCourse:
+    """The course of a direction: on along the branch in progress, or from (share, rest) on if it `turns`."""
+    stack = [choose_branch(xp, ahead, *both) for both in zip(points.forward, points.reverse, strict=True)]
+    count, complete = count_places(xp, points, ahead, turns), start_branch(len(rest))
+    above = xp.where(turns, share, PASSED)
+    met = [xp.both(count > float(k), above > one.share) for k, one in enumerate(stack)]
+    target, valid = complete, 0.0
+    for k, one in enumerate(stack):
+        target, valid = choose_branch(xp, met[k], one, target), xp.where(met[k], k + 1.0, valid)
+    closes = xp.either(xp.negate(turns), find_closing(xp, target, share, rest, fits))
+    target, valid = choose_branch(xp, closes, target, complete), xp.where(closes, valid, 0.0)
+    ends = [(target.share, line.at(target.share)) for line in target.lines]
+    lines = tuple(draw_line(xp, share, a, *end) for a, end in zip(rest, ends, strict=True))
+    outer = [one._replace(share=xp.where(valid > float(k), one.share, NONE)) for k, one in enumerate(stack)]
+    return BranchCourse(choose_branch(xp, turns, Branch(share, lines), points.branch), tuple(outer), valid)
+
+
+def count_places(xp: Namespace, points: ReturnPoints, ahead: Flag, turns: Flag) -> Scalar:
+    """How many branches of a direction count, less the one that is forgotten for the branch interrupted by a turn."""
+    own, other = (points.forwards, points.reverses), (points.reverses, points.forwards)
+    full = xp.both(turns, xp.where(ahead, *other) >= DEPTH)
+    return xp.where(ahead, *own) - xp.where(full, 1.0, 0.0)
+
+
+def find_closing(xp: Namespace, target: Branch, share: Scalar, rest: Sequence[Scalar], fits: Fits | None) -> Flag:
+    """Whether a branch from (share, rest) may lead back to its target."""
+    falls = [a - line.at(target.share) for a, line in zip(rest, target.lines, strict=True)]
+    line = target.lines[0]
+    gentle = falls[0] <= STEEPEST * line.scale * (share - target.share)
+    closes = xp.both(xp.both(falls[0] >= 0.0, gentle), rest[0] <= line.at(1.0) + HAIR)
+    return xp.both(closes, fits(falls)) if fits else closes
+
+
+def compute_rests(xp: Namespace, course: BranchCourse, share: Scalar, rest: Sequence[Scalar]) -> list[Scalar]:
+    """What is left of every fraction at L = share, of a `rest` before."""
+    lines = follow_lines(xp, course, share)
+    return [xp.minimum(line.at(share), one) for line, one in zip(lines, rest, strict=True)]
+
+
+def follow_lines(xp: Namespace, course: BranchCourse, share: Scalar) -> tuple[BranchLine, ...]:
+    """The lines of the outermost branch that is met above L = share, or of the one in progress."""
+    branch = course.branch
+    for one in reversed(course.outer):
+        branch = choose_branch(xp, share < one.share, one, branch)
+    return branch.lines
+
+
+def commit_course(
+    xp: Namespace,
+    points: ReturnPoints,
+    course: BranchCourse,
+    direction: Scalar,
+    interrupts: Flag,
+    share: Scalar,
+    left: Scalar,
+) -> ReturnPoints:
+    """What is remembered after a move.
+
+    Args:
+        xp: the namespace.
+        points: what was remembered before.
+        course: the one that was followed.
+        direction: +1 if forward acted, -1 if reverse did, 0 if neither.
+        interrupts: it interrupted a branch of the other direction that was not complete.
+        share: L at the end of the move [-].
+        left: what is left to transform there [-].
+    """
+    ahead, back = direction > 0.0, direction < 0.0
+    low = xp.minimum(course.branch.share, share)
+    lines = follow_lines(xp, course, low - HAIR)
+    branch = choose_branch(xp, xp.either(ahead, back), Branch(low, lines), points.branch)
+    count = course.met
+    for k, one in reversed(list(enumerate(course.outer))):
+        count = xp.where(low - HAIR < one.share, float(k), count)
+    own = xp.where(ahead, points.forwards, points.reverses)
+    others = xp.where(ahead, points.reverses, points.forwards)
+    full = xp.both(interrupts, others >= DEPTH)
+    stopped, lost = forget_loop(xp, points, course, ahead)
+    slot = xp.where(interrupts, xp.minimum(others, DEPTH - 1.0), NOWHERE)
+    # a loop consists of one branch of either direction: as many are wiped out of both
+    wiped = own - count - xp.where(full, 1.0, 0.0)
+    others = xp.maximum(xp.where(interrupts, slot + 1.0, others) - wiped, 0.0)
+    count, others = (xp.where(left > GONE, number, 0.0) for number in (count, others))
+    return ReturnPoints(
+        branch,
+        put_branch(xp, points.forward, xp.where(back, slot, NOWHERE), stopped),
+        put_branch(xp, points.reverse, xp.where(ahead, slot, NOWHERE), stopped),
+        xp.where(ahead, count, xp.where(back, others, points.forwards)),
+        xp.where(back, count, xp.where(ahead, others, points.reverses)),
+        xp.maximum(points.forgotten, xp.where(full, lost, 0.0)),
+    )
+
+
+def put_branch(xp: Namespace, stack: tuple[Branch, ...], slot: Scalar, branch: Branch) -> tuple[Branch, ...]:
+    """The branches with another one in a slot; those behind it do not count."""
+    return tuple(choose_branch(xp, slot <= float(k), branch, one) for k, one in enumerate(stack))
+
+
+def forget_loop(xp: Namespace, points: ReturnPoints, course: BranchCourse, ahead: Flag) -> tuple[Branch, Scalar]:
+    """The interrupted branch, without the innermost loop if all places are taken, and what that changes [-]."""
+    own, other = (points.forward, points.reverse), (points.reverse, points.forward)
+    last, facing = (choose_branch(xp, ahead, yes[-1], no[-1]) for yes, no in (own, other))
+    outer, stopped = choose_branch(xp, ahead, other[0][-2], other[1][-2]), points.branch
+    lines = tuple(
+        draw_line(xp, stopped.share, a.at(stopped.share), outer.share, b.at(outer.share))
+        for a, b in zip(stopped.lines, outer.lines, strict=True)
+    )
+    full = xp.where(ahead, points.reverses, points.forwards) >= DEPTH
+    after = choose_branch(xp, full, stopped._replace(lines=lines), stopped)
+    changes = (
+        xp.abs(new.lines[0].at(old.share) - old.lines[0].at(old.share))
+        for new, old in ((after, facing), (course.branch, last))
+    )
+    return after, xp.maximum(*changes)
+
+
+def scale_points(
+    xp: Namespace, points: ReturnPoints, ahead: Flag, forward: tuple[Scalar, Scalar], reverse: tuple[Scalar, Scalar]
+) -> ReturnPoints:
+    """All branches with L and what is left multiplied, by two numbers of either direction."""
+
+    def scaled(one: Branch, factors: tuple[Scalar, Scalar]) -> Branch:
+        share, rest = factors
+        lines = tuple(BranchLine(line.scale * rest / share, line.offset * rest) for line in one.lines)
+        return Branch(one.share * share, lines)
+
+    return points._replace(
+        branch=choose_branch(xp, ahead, scaled(points.branch, forward), scaled(points.branch, reverse)),
+        forward=tuple(scaled(one, forward) for one in points.forward),
+        reverse=tuple(scaled(one, reverse) for one in points.reverse),
+    )
+
+
+def find_next(xp: Namespace, stack: tuple[Branch, ...], count: Scalar, share: Scalar) -> Scalar:
+    """L less the one at which the innermost branch is met again; 1 if none counts."""
+    met = stack[0].share
+    for k, one in enumerate(stack[1:], 1):
+        met = xp.where(count > float(k), one.share, met)
+    return xp.where(count > 0.0, share - met, 1.0)
