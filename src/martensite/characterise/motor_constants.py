@@ -240,12 +240,9 @@ def estimate_motor_constants(
 
 
 def _constant_formulas(drop: float, centre: float, measured: bool) -> dict[str, Formula]:
-    """Every constant from what was measured: R, K at the best R, s, i₀, τ_e or L, and τ_m.
+    """Every constant from what was measured: R, K at the best R (`centre` [ohm]), s, i₀, τ_e or L, and τ_m.
 
-    Args:
-        drop: by how much K falls per ohm of R.
-        centre: the best R [ohm].
-        measured: the fifth number is τ_e, not L.
+    K falls by `drop` per ohm of R; `measured` says that the fifth number is τ_e, not L.
     """
 
     def constant(r: float, k: float, *_: float) -> float:

@@ -111,12 +111,7 @@ class BranchTangents:
 
 
 def branch_tangents(temperatures: Any, strains: Any, where: str) -> BranchTangents:
-    """Find the three lines of a branch.
-
-    Args:
-        temperatures: of the rows [K], in any order.
-        strains: of the rows [-].
-        where: what an error calls the branch, such as "`log` on heating".
+    """Find the three lines of a branch of temperatures [K], in any order, and strains [-].
 
     Raises:
         DataError: there is no transformation, or none that the branch holds as a whole.

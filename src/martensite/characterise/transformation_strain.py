@@ -91,11 +91,7 @@ def saturating_strain(low: float, high: float, rate: float, crit: float, stress:
 
 
 def fit_transformation_strain(stresses: Sequence[float], strains: Sequence[float]) -> StrainFit:
-    """Fit the transformation strain as a function of stress.
-
-    Args:
-        stresses: [Pa]
-        strains: transformation strain at each [-].
+    """Fit the transformation strain [-] as a function of stress [Pa].
 
     Raises:
         DataError: there are none, or not equally many.

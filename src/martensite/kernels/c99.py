@@ -148,15 +148,7 @@ def scalar_dialect(
     flag: str = _TYPES[FLAG],
     going: LoopCondition = LoopCondition(),
 ) -> Dialect:
-    """C of one run at a time, which may leave out what is not chosen.
-
-    Args:
-        number: the type of numbers, such as `double` or `float`.
-        templates: operations that look otherwise than in a batch.
-        constant: how a number is written.
-        flag: the type of what is true or false.
-        going: how loops end.
-    """
+    """C of one run at a time, which may leave out what is not chosen, in numbers of a type such as `double`."""
     types = {**_TYPES, NUMBER: number, FLAG: flag}
     return replace(
         C_DIALECT,

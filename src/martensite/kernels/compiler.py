@@ -75,16 +75,12 @@ def _find_zig() -> str | None:
 
 
 def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
-    """Compile C source to a shared library in the cache (by hash) and load it.
+    """Compile C source, with more flags, to a shared library in the cache (by hash) and load it.
 
-    One that is there already is loaded if it is whole, and of this machine; else it is made anew. Where
-    the cache cannot be written, a folder of this process takes its place.
+    One that is there already is loaded if it is whole, and of this machine; else it is made anew. Where the cache
+    cannot be written, a folder of this process takes its place.
 
     The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler.
-
-    Args:
-        source: the C.
-        more: further flags of the compiler.
 
     Raises:
         CompileError: there is no compiler, it failed, or there is no folder for what it makes.

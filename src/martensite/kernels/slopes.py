@@ -118,13 +118,7 @@ class TangentWalk:
     """Whether a root is read again; its derivatives are those of its Newton step anyway."""
 
     def __init__(self, graph: Graph, duals: _Slopes, moving: Mapping[int, Any]) -> None:
-        """Take a graph.
-
-        Args:
-            graph: what is read.
-            duals: the dual numbers that are made of it.
-            moving: nodes that have derivatives, as dual numbers.
-        """
+        """Take a graph, the dual numbers made of it, and of its nodes those that have derivatives."""
         self._graph, self._duals = graph, duals
         self._levels = [_Level(0, dict(moving))]
 

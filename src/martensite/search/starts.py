@@ -53,13 +53,9 @@ def draw_points(size: int, count: int, seed: int = 0) -> Numbers:
 
 
 def choose_apart(points: Numbers, order: Iterable[int], keep: int, apart: float = START_DISTANCE) -> list[int]:
-    """The first points of an order that lie apart from those before them.
+    """The first points (points, size) of an order, the best first, that lie apart from those before them.
 
-    Args:
-        points: (points, size).
-        order: from the best on.
-        keep: how many are wanted.
-        apart: least distance, as a share of the diagonal of the box.
+    The least distance is a share of the diagonal of the box.
     """
     least, chosen = apart * math.sqrt(points.shape[1]), list[int]()
     for k in order:

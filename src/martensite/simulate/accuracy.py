@@ -159,13 +159,7 @@ class RunEngine:
 
 
 def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, float]:
-    """The last run, and how far it may be off, as a share of the range of each judged output.
-
-    Args:
-        march: makes a run.
-        plan: its `tolerance` does not count.
-        tolerance: what accuracy is wanted.
-    """
+    """The last run to a tolerance, and how far it may be off, as a share of the range of each judged output."""
     compared = choose_samples(len(plan.times))
     local = LOCAL[plan.order] * tolerance
     some = replace(plan, times=[plan.times[k] for k in compared], recorded=False)

@@ -129,13 +129,10 @@ def beam_modes(beam: CantileverBeam, modes: int = 3, elements: int | None = None
 
 
 def exact_roots(count: int, mass_ratio: float = 0.0) -> tuple[float, ...]:
-    """The lowest roots β of the characteristic equation, by bisection to the last digit.
+    """The lowest `count` roots β of the characteristic equation, by bisection to the last digit.
 
-    Between (k - 1) π and k π the left-hand side changes its sign, whatever the tip mass.
-
-    Args:
-        count: how many roots.
-        mass_ratio: tip mass over mass of the beam; without one cos β cosh β = -1.
+    Between (k - 1) π and k π the left-hand side changes its sign, whatever the `mass_ratio` of tip and beam; without a
+    tip mass cos β cosh β = -1.
     """
     return tuple(_find_wave_number(k, mass_ratio) for k in range(1, count + 1))
 

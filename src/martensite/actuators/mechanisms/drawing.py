@@ -144,14 +144,7 @@ def draw_lifted(by: float) -> list[DrawingShape]:
 def draw_hanging(
     ports: Sequence[str], shortened: Sequence[float], turned: Sequence[float], reading: DrawingState
 ) -> list[DrawingShape]:
-    """What is drawn of a mechanism that says nothing: elements that hang side by side.
-
-    Args:
-        ports: of the mechanism.
-        shortened: of each element since it was assembled [m].
-        turned: angles [rad] of the mechanism, each drawn as a disc below.
-        reading: what is drawn.
-    """
+    """What is drawn of a mechanism that says nothing: elements side by side, `shortened` [m], discs `turned` [rad]."""
     longest = max(reading.lengths.values(), default=0.1)
     apart = 0.3 * longest
     wide = 0.5 * apart * max(len(ports), len(turned), 1)

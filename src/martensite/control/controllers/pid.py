@@ -94,14 +94,7 @@ GAINS_ARE = "per-sample", "in-seconds"
 
 
 def sample_gains(xp: Namespace, gains: Gains, kind: str, dt: Scalar) -> Gains:
-    """Gains per sample, of gains of a kind; the first sample, dt = 0, has nothing to integrate.
-
-    Args:
-        xp: namespace.
-        gains: as they were given.
-        kind: one of `GAINS_ARE`.
-        dt: time since the sample before [s]; 0 for the first one.
-    """
+    """Gains per sample, of gains of a kind of `GAINS_ARE`; the first sample, dt = 0 s, has nothing to integrate."""
     if kind == "per-sample":
         return gains
     some = dt > 0.0

@@ -110,14 +110,7 @@ class Planner:
         )
 
     def best(self, moment: Moment, guess: Numbers, dt: float, rng: np.random.Generator) -> tuple[Numbers, float]:
-        """The best plan that is found, shape (blocks,), and what it costs.
-
-        Args:
-            moment: what plans start from.
-            guess: the plan of the period before, moved on.
-            dt: step of the model [s].
-            rng: random numbers.
-        """
+        """The best plan, shape (blocks,), and its cost, from the last one, moved on; `dt` [s] is that of the model."""
         spread = np.full(len(guess), self.search.spread * self.range)
         plans = self._full([self._far(guess), self._sample_plans(guess, spread, rng)])
         best, least = guess, math.inf

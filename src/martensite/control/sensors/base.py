@@ -105,11 +105,8 @@ class Probe:
 def simulate_readings(sensor: AbstractSensor, truth: Numbers, interval: float, rng: np.random.Generator) -> Numbers:
     """What a sensor says of a whole record, from rest.
 
-    Args:
-        sensor: the sensor.
-        truth: true signals, shape (samples, signals), in the order of `sees`.
-        interval: sample time [s].
-        rng: where the noise comes from; it is drawn in portions of `DRAWN` numbers.
+    The truth, of shape (samples, signals), is in the order of `sees`, at an interval [s]; noise is drawn in portions of
+    `DRAWN` numbers.
 
     Raises:
         InputError: there are not as many signals as the sensor looks at.

@@ -77,15 +77,10 @@ class DesignEvaluator:
         also: Sequence[DesignAim] = (),
         native: bool | None = None,
     ) -> None:
-        """Prepare runs.
+        """Prepare runs of so many samples, both ends included, in steps [s] of at most `step`.
 
-        Args:
-            steering: the system, its waveforms and the length of a run.
-            question: what is free, and what designs are judged by.
-            samples: of every run, both ends included.
-            step: longest step [s].
-            also: what is told of designs besides, without derivatives.
-            native: whether to run in C; by default if there is a compiler.
+        Of the measures `also`, told besides, there are no derivatives; `native` runs in C, by default if there is a
+        compiler.
 
         Raises:
             ParameterError: a level of a waveform cannot be free.

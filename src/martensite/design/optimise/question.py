@@ -210,10 +210,7 @@ def build_life_constraints(
 ) -> list[Constraint]:
     """What keeps every element within its limits; nothing where none is declared and no margin asked for.
 
-    Args:
-        steering: the system.
-        freed: its free numbers.
-        margin: share of every limit that is left, 0 to below 1.
+    The margin is the share of every limit that is left, 0 to below 1.
 
     Raises:
         ParameterError: the margin is none, or one of limits that no element declares.

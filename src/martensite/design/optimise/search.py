@@ -140,13 +140,8 @@ ROUNDS = 3
 def round_design(hunt: BoxSearch, free: Sequence[FreeNumber], relaxed: BoxPoint) -> tuple[BoxPoint, Tried, BoxPoint]:
     """The best design whose whole numbers are whole, all that were tried, and the best relaxed one.
 
-    A whole design that is better than the relaxed one shows that this was not the best: it is
-    searched anew from there.
-
-    Args:
-        hunt: the search, which goes on counting.
-        free: numbers of a design.
-        relaxed: the best design found if they could be anything.
+    A whole design that is better than the relaxed one shows that this was not the best: it is searched anew from there.
+    The search goes on counting.
     """
     whole = np.array([one.whole for one in free])
     tried: Tried = {}

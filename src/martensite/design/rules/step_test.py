@@ -51,13 +51,7 @@ class Response(NamedTuple):
 
 
 def fit_first_order(reading: Numbers, before: int, period: float, step: float) -> Response:
-    """Models of one response.
-
-    Args:
-        reading: samples, the step being at number `before`.
-        before: samples before the step that say where it begins.
-        period: time between samples [s].
-        step: change of the signal.
+    """Models of one response to a `step` of the signal, whose samples begin `before` it, one a `period` [s].
 
     Raises:
         DataError: the output does not answer.

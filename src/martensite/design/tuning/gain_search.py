@@ -46,13 +46,10 @@ BOX_FACTOR = 100.0
 
 
 def build_free_gains(bench: Bench, texts: Sequence[str], starts: Sequence[Mapping[str, float]]) -> list[FreeNumber]:
-    """Free numbers of the controllers of a bench.
+    """Free numbers of the controllers of a bench, with the `starts` of searches.
 
-    Args:
-        bench: the bench.
-        texts: paths, or unique endings of paths among controllers, such as `drive.Kp` or `Kp`,
-            with bounds if they are not to be chosen.
-        starts: numbers by path where searches begin.
+    Texts are paths, or unique endings of paths among controllers, such as `drive.Kp` or `Kp`, with bounds if they are
+    not to be chosen.
 
     Raises:
         ParameterError: an unknown name, a number without a sign or bounds, bounds that are none.

@@ -66,13 +66,7 @@ def build_steps(levels: Sequence[tuple[float, float]], interval: float) -> Numbe
 
 
 def measure_steps(reference: Numbers, output: Numbers, interval: float) -> list[StepResponse]:
-    """How an output answers every step of a reference.
-
-    Args:
-        reference: levels, shape (samples,).
-        output: what follows it, of the same shape and unit.
-        interval: sample time [s].
-    """
+    """How an output answers every step of a reference of the same unit, both (samples,), at an interval [s]."""
     turns = np.flatnonzero(np.diff(reference)) + 1
     ends = [*turns[1:], len(reference)]
     return [

@@ -120,10 +120,7 @@ def linearise_chain(
 def linearise_around(chain: Chain, point: LinearisationPoint, pushed: Sequence[Numbers] | None = None) -> LinearSystem:
     """The linear system around any state and input: also one that does not rest.
 
-    Args:
-        chain: the model.
-        point: where.
-        pushed: what enters every block instead, where those with memory are concerned.
+    What enters blocks with memory may be `pushed` instead.
     """
     engine = chain.engine
     states, inputs = engine.plan.states, chain.inputs
@@ -203,13 +200,9 @@ def static_curve(
 def check_static_curve(chain: Chain, idle: float, targets: Sequence[float] = (), number: int = -1) -> None:
     """Raise `ParameterError` if a model is at rest where its records never were.
 
-    A controller that is designed on such a model is designed on what nothing was measured of.
-
-    Args:
-        chain: a model of one input; one that does not know the ranges of its records is not checked.
-        idle: its input before it is controlled.
-        targets: outputs that it is to reach, counted from the one that it has at rest under that input.
-        number: which output.
+    A controller that is designed on such a model is designed on what nothing was measured of. The idle input is that
+    before it is controlled, targets of the output are counted from where it rests then; a model of several inputs, or
+    one that does not know the ranges of its records, is not checked.
     """
     name, output = chain.input_names[0], chain.output_names[number]
     if chain.inputs != 1 or name not in chain.ranges or output not in chain.ranges:
