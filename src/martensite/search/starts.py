@@ -41,11 +41,7 @@ def start_sobol(size: int, seed: int = 0) -> Any:
 
 
 def draw_points(size: int, count: int, seed: int = 0) -> Numbers:
-    """Points spread evenly over the box, (count, size).
-
-    Raises:
-        ParameterError: no point is asked for.
-    """
+    """Points spread evenly over the box, (count, size); `ParameterError` if no point is asked for."""
     if count < 1:
         raise ParameterError(f"Argument `count` must be at least 1, but is {count}.")
     points = start_sobol(size, seed).random_base2(math.ceil(math.log2(count)))

@@ -72,11 +72,7 @@ class RunEngine:
     begin: float = field(default_factory=time.process_time)
 
     def __call__(self, plan: MarchPlan) -> Marched:
-        """Make a run.
-
-        Raises:
-            SolveError: the budget is spent.
-        """
+        """Make a run; `SolveError` if the budget is spent."""
         if self.runtime == "auto":
             return self._quickest(plan)
         return self._on_c(plan) if self.runtime == "c" else self._on_floats(plan, hasty=False)

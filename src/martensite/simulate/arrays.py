@@ -197,11 +197,7 @@ AHEAD = 2
 
 
 def devices_of(count: int | None = None) -> list[Any]:
-    """The first `count` devices of JAX, or all of them.
-
-    Raises:
-        ParameterError: there are not as many.
-    """
+    """The first `count` devices of JAX, or all of them; `ParameterError` if there are not as many."""
     found = list(jax_namespace().jax.devices())
     if count is None:
         return found

@@ -52,11 +52,7 @@ def register_path(
 
 
 def find_path(name: str) -> NamedPath:
-    """A named path.
-
-    Raises:
-        UnknownNameError: there is none of that name.
-    """
+    """A named path; `UnknownNameError` if there is none of that name."""
     if name not in PATHS:
         raise UnknownNameError("path", name, PATHS)
     return PATHS[name]

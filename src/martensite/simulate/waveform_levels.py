@@ -223,11 +223,7 @@ class WaveformLevels:
         return dict(zip(names, arrange_waveforms(self.system, self.waveforms), strict=True))
 
     def with_levels(self, levels: Sequence[Level]) -> WaveformLevels:
-        """With these levels as parameters.
-
-        Raises:
-            ParameterError: a signal is not affine in its levels.
-        """
+        """With these levels as parameters; `ParameterError` if a signal is not affine in its levels."""
         found = WaveformLevels(self.system, self.waveforms, self.duration, tuple(levels))
         for drive in found.own:
             found.require_affine(drive)
@@ -247,11 +243,7 @@ class WaveformLevels:
         return found
 
     def level(self, drive: str, name: str) -> Level:
-        """One of the levels that could be steered.
-
-        Raises:
-            ParameterError: there is none of that name.
-        """
+        """One of the levels that could be steered; `ParameterError` if there is none of that name."""
         known = {(level.drive, level.name): level for level in self.available()}
         if (drive, name) not in known:
             names = [level for owner, level in known if owner == drive]

@@ -114,11 +114,7 @@ class DrivenLanes:
 
 
 def require_positive(name: str, values: Any, unit: str) -> Numbers:
-    """Numbers above 0 as an array.
-
-    Raises:
-        InputError: there are none, or one is not above 0.
-    """
+    """Numbers above 0 as an array; `InputError` if there are none, or one is not above 0."""
     found = np.atleast_1d(np.asarray(values, float))
     if not found.size or not all(math.isfinite(x) and x > 0.0 for x in found.ravel()):
         raise InputError(f"`{name}` must be numbers above 0 {unit}.")

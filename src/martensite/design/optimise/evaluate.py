@@ -249,11 +249,7 @@ class DesignEvaluator:
 
 
 def apply_numbers(steering: WaveformLevels, question: DesignQuestion, numbers: Sequence[float]) -> WaveformLevels:
-    """System and waveforms of a design, checked.
-
-    Raises:
-        ParameterError: the system refuses the numbers together.
-    """
+    """System and waveforms of a design, checked; `ParameterError` if the system refuses the numbers together."""
     pairs = [(c, float(v)) for one, v in zip(question.free, numbers, strict=True) for c in one.targets]
     system = steering.system.with_values({c.path: v for c, v in pairs if c.level is None})
     waves = dict(steering.own)

@@ -80,11 +80,7 @@ def start_search(
 def search_designs(
     designs: DesignEvaluator, begin: Numbers, search: DesignSearch, watch: Tell | None = None, keep: Keep | None = None
 ) -> BoxSearch:
-    """Search the box from a sample of it and from one design.
-
-    Raises:
-        SolveError: no run of the sample can be made.
-    """
+    """Search the box from a sample of it and from one design; `SolveError` if no run of the sample can be made."""
     hunt = start_search(designs, search, watch, keep)
     starts = _choose_starts(_sample_box(hunt, designs, begin, search), search.descents)
     for k, start in enumerate(starts):

@@ -40,11 +40,7 @@ class LoopTests(NamedTuple):
 
 
 def find_pid(bench: Bench, drive: str | None = None) -> tuple[str, Pid]:
-    """The drive and the PID controller of a loop.
-
-    Raises:
-        ParameterError: its controller is another one.
-    """
+    """The drive and the PID controller of a loop; `ParameterError` if its controller is another one."""
     name = find_loop(bench, drive)
     controller = bench.controllers.members()[name]
     if not isinstance(controller, Pid):
