@@ -24,6 +24,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from martensite.base.confidence import LEVEL
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import MeasuredValue, propagate_errors
@@ -134,8 +136,6 @@ def _fit_extremes(found: Extremes) -> LogDecrement:
 
 def _fit_decay(found: Extremes) -> tuple[MeasuredValue, MeasuredValue, MeasuredValue]:
     """x₀, a and the ratio exp(-δ/2) of e_k = x₀ + s_k a ratio^k."""
-    import numpy as np
-
     count, values = len(found.values), np.asarray(found.values)
     middle, size = 0.5 * (values[0] + values[1]), 0.5 * abs(values[0] - values[1])
     last = 0.5 * abs(values[-1] - values[-2])
@@ -153,8 +153,6 @@ def _fit_decay(found: Extremes) -> tuple[MeasuredValue, MeasuredValue, MeasuredV
 
 def _fit_period(found: Extremes, ratio: float) -> MeasuredValue:
     """T_d from the line of times over half cycles; the smaller an extreme, the less it counts."""
-    import numpy as np
-
     times = np.asarray(found.times) - found.times[0]
     steps = np.arange(len(times))
 

@@ -25,6 +25,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from martensite.base.confidence import EVERYTHING, LEVEL, Interval, student_quantile, two_sided_probability
 from martensite.base.errors import DataError, ParameterError, SolveError
 from martensite.characterise.estimate import MeasuredValue, check_columns
@@ -105,8 +107,6 @@ def fit_powers(x: Sequence[float], y: Sequence[float], terms: Sequence[int]) -> 
         ParameterError: the terms are not distinct whole numbers from 0 on.
         DataError: the points are not finite, or do not determine the terms.
     """
-    import numpy as np
-
     check_columns("a polynomial", "points", 2, abscissae=x, ordinates=y)
     _check_terms(terms)
     scale = max(abs(number) for number in x) or 1.0
@@ -174,7 +174,6 @@ def fit_residuals(residuals: Callable[[tuple[float, ...]], Any], start: Sequence
     Raises:
         SolveError: the search has not settled, or a number makes no difference.
     """
-    import numpy as np
     from scipy.optimize import least_squares
 
     found = least_squares(
