@@ -47,14 +47,7 @@ class PidMemory(NamedTuple):
 
 
 def per_sample(Kp: float, Ki: float, Kd: float, interval: float) -> Gains:
-    """Gains per sample from those of K_p + K_i/s + K_d s.
-
-    Args:
-        Kp: proportional gain.
-        Ki: integral gain [1/s].
-        Kd: derivative gain [s].
-        interval: sample time [s].
-    """
+    """Gains per sample, an interval [s] apart, from those of K_p + K_i/s + K_d s, K_i in [1/s] and K_d in [s]."""
     return Gains(Kp, Ki * interval, Kd / interval)
 
 

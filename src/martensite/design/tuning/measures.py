@@ -50,11 +50,7 @@ class StepResponse(NamedTuple):
 
 
 def build_steps(levels: Sequence[tuple[float, float]], interval: float) -> Numbers:
-    """A reference that stands at levels, each for some time.
-
-    Args:
-        levels: pairs of level and time [s].
-        interval: sample time [s].
+    """A reference, sampled at an interval [s], that stands at levels, each for some time [s].
 
     Raises:
         InputError: a level lasts less than a sample.
