@@ -106,7 +106,10 @@ def log_decrement(
         ParameterError: `cycles`, `least` or `frequency` is not one.
         DataError: the rows are no vibration, or have fewer than three peaks.
     """
-    _check_options(cycles, least)
+    if cycles is not None and cycles < FEWEST_PEAKS - 1:
+        raise ParameterError(f"Argument `cycles` must be at least {FEWEST_PEAKS - 1}, but is {cycles}.")
+    if not 0.0 <= least < 1.0:
+        raise ParameterError(f"Argument `least` must be from 0 to below 1, but is {least:g}.")
     first = _fit_extremes(find_extremes(times, values, cycles=cycles, least=least, frequency=frequency))
     period = first.period.value
     again = find_extremes(
@@ -161,13 +164,6 @@ def _fit_period(found: Extremes, ratio: float) -> MeasuredValue:
         return (times / times[1] - first - half * steps) * ratio**steps
 
     return fit_residuals(residuals, (0.0, 1.0)).estimates[1].scaled(2.0 * times[1])
-
-
-def _check_options(cycles: int | None, least: float) -> None:
-    if cycles is not None and cycles < FEWEST_PEAKS - 1:
-        raise ParameterError(f"Argument `cycles` must be at least {FEWEST_PEAKS - 1}, but is {cycles}.")
-    if not 0.0 <= least < 1.0:
-        raise ParameterError(f"Argument `least` must be from 0 to below 1, but is {least:g}.")
 
 
 # ---------------------------------------------------------------- a mass on a spring

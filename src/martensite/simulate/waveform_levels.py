@@ -130,7 +130,8 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         """Those of the system, for what does not move, one for each level, and one for pairs."""
         own = self.system.drives()
         levels = zip(self.levels.declarations, self.layout(), strict=True)
-        pairs = zip(self.owners_of_pairs(), self.pairs(), strict=True)
+        # The drive of every pair.
+        pairs = zip([self.layout()[k] for _, k in self.pairs()], self.pairs(), strict=True)
         return [
             *own,
             *(own[place]._replace(name=name) for name, place in levels),
@@ -144,10 +145,6 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         found = [(-1, k) for k in range(len(layout))]
         found += [(j, k) for k in range(len(layout)) for j in range(k) if layout[j] == layout[k]]
         return [pair for pair in found if not own[layout[pair[1]]].at_end]
-
-    def owners_of_pairs(self) -> list[int]:
-        """The drive of every pair."""
-        return [self.layout()[k] for _, k in self.pairs()]
 
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
         """The system at rest under the signals put together."""
