@@ -15,9 +15,10 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import cache
+from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -72,6 +73,12 @@ def _find_zig() -> str | None:
                 path.chmod(0o755)
             return str(path)
     return None
+
+
+def read_source(room: str, name: str, constants: Mapping[str, Any]) -> str:
+    """The C of a file that lies in a room, below definitions of its constants."""
+    text = (files(f"martensite.{room}") / name).read_text(encoding="utf-8")
+    return "".join([*(f"#define {key} {value}\n" for key, value in constants.items()), text])
 
 
 def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
