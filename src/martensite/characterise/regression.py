@@ -165,11 +165,9 @@ def root_mean_square(numbers: Sequence[float]) -> float:
 
 
 def fit_residuals(residuals: Callable[[tuple[float, ...]], Any], start: Sequence[float]) -> NonlinearFit:
-    """Minimise the sum of squared residuals.
+    """Minimise the sum of squared residuals, at least as many as numbers.
 
-    Args:
-        residuals: residuals for a tuple of numbers; at least as many as numbers.
-        start: numbers to begin with, in the valley of the wanted minimum and of order 1.
+    The start is in the valley of the wanted minimum, its numbers of order 1.
 
     Raises:
         SolveError: the search has not settled, or a number makes no difference.

@@ -38,15 +38,11 @@ def slope_input(name: str) -> str:
 def differentiate_program(
     program: Program, wrt: Sequence[int], states: Mapping[str, int], shown: Sequence[int]
 ) -> Program:
-    """The functions of a program with their derivatives, over the same graph.
+    """The functions of a program (`init`, `step`, `observe`, …) with their derivatives, over the same graph.
 
-    Args:
-        program: functions `init`, `step`, `observe`, …
-        wrt: places of the parameters whose derivatives are given, as inputs `dp…`.
-        states: for each wanted function, how many of its first inputs have derivatives.
-        shown: which results of `observe` are wanted.
-
-    Every function then returns its values, and after them one derivative for each.
+    Derivatives of the parameters at the places `wrt` are given, as inputs `dp…`; `states` says for each wanted function
+    how many of its first inputs have derivatives, `shown` which results of `observe` are wanted. Every function then
+    returns its values, and after them one derivative for each.
     """
     twin = Program(program.graph, program.parameters)
     duals = _Slopes(program.xp, program.graph.input(ZERO, SLOPE))

@@ -67,13 +67,8 @@ def find_starts(
 ) -> tuple[Start, ...]:
     """Starts for descents, the best first; fewer than asked for if others are too near.
 
-    Args:
-        costs: of points.
-        size: how many numbers are free.
-        count: points tried; a power of 2 spreads best.
-        keep: starts wanted.
-        apart: least distance of two starts, as a share of the diagonal of the box.
-        seed: of the points.
+    A count of points tried that is a power of 2 spreads best; the least distance of two starts is a share of the
+    diagonal of the box.
 
     Raises:
         ParameterError: no point is asked for.
@@ -91,12 +86,7 @@ def find_starts(
 def evolve_start(costs: Costs, size: int, *, generations: int = 20, population: int = 8, seed: int = 0) -> Start:
     """The best point of differential evolution, not polished: follow it with a descent.
 
-    Args:
-        costs: of points.
-        size: how many numbers are free.
-        generations: how often the population is renewed, at most.
-        population: points for each number.
-        seed: of all chance.
+    The population has so many points for each number, and is renewed `generations` times at most.
 
     Raises:
         SolveError: no point has a finite cost.

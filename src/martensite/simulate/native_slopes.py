@@ -33,15 +33,10 @@ class OutputSlopes(NamedTuple):
 def march_slopes(
     compiled: CompiledMarch, values: Sequence[float], seeds: Any, grid: TimeGrid, outputs: Sequence[int]
 ) -> OutputSlopes:
-    """March one run with the derivatives of its outputs.
+    """March one run with the derivatives of its outputs, wanted by their places.
 
-    Args:
-        compiled: the traced system.
-        values: its parameters.
-        seeds: (parameters, directions): by how much each parameter moves in each direction.
-            Rows of zeros cost nothing, whatever the parameter.
-        grid: samples and steps.
-        outputs: which outputs are wanted, by their places.
+    Seeds, (parameters, directions), say by how much each parameter moves in each direction. Rows of zeros cost nothing,
+    whatever the parameter.
     """
     given = np.asarray(seeds, float)
     count = given.shape[1]

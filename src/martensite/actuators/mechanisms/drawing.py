@@ -86,13 +86,10 @@ def move_point(point: Point, direction: Point, way: float) -> Point:
 
 
 def lead_wire(port: str, path: Sequence[Point], rest: float, away: Point) -> list[DrawingShape]:
-    """A wire along a path whose fixed end is first, and a tether where it is too short.
+    """A wire along a path [m] whose fixed end is first, and a tether where it is too short.
 
-    Args:
-        port: of the element.
-        path: from the fixed end to the moving one, as it is now [m].
-        rest: length of the element as assembled less that of the path as assembled [m].
-        away: direction in which the wire runs on behind the fixed end.
+    `rest` is the length of the element less that of the path, both as assembled [m]; the wire runs on `away` behind the
+    fixed end.
     """
     if rest >= 0.0:
         points = (move_point(path[0], away, rest), *path)

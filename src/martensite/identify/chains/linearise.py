@@ -44,13 +44,10 @@ class LinearisationPoint(NamedTuple):
 
 
 def operating_point(chain: Chain, level: Any, history: Numbers | Sampled | None = None) -> LinearisationPoint:
-    """The state in which a chain rests under a constant input.
+    """The state in which a chain rests under a constant input, a number or one for each input.
 
-    Args:
-        chain: the model.
-        level: the input, a number, or one for each input.
-        history: inputs from rest before, of shape (samples, inputs); then the level is held until
-            nothing changes. Of a chain without hysteresis it changes nothing.
+    After a history of inputs from rest, shape (samples, inputs), the level is held until nothing changes. Of a chain
+    without hysteresis it changes nothing.
 
     Raises:
         InputError: the level or the history do not fit the inputs.
