@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from martensite.kernels.c99 import C_DIALECT, VECTOR_MATH, LoopCondition, c_number, scalar_dialect
+from martensite.kernels.c99 import C_DIALECT, LoopCondition, c_number, scalar_dialect
 from martensite.kernels.compiler import read_source
 from martensite.kernels.floats import LARGEST
 from martensite.kernels.kernel_printer import KernelPrinter, Statements
@@ -84,7 +84,7 @@ def _print_function(name: str, constants: str, inputs: Sequence[str], made: Stat
 def _write_prelude() -> str:
     centre = f"all({ERFCX_CENTRE!r})"
     return (
-        f"#include <math.h>\n#include <string.h>\n{VECTOR_MATH}{read_source('kernels', 'vectors.c', {})}"
+        f"{read_source('kernels', 'vector_math.c', {})}{read_source('kernels', 'vectors.c', {})}"
         "INLINE number power_of(number x, number y) {\n"
         "    const flags positive = above(x, all(0.0));\n"
         f"    const number z = least(pow_1(pick(positive, x, all(1.0)), y), all({LARGEST!r}));\n"
