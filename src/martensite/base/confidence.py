@@ -37,11 +37,7 @@ def student_quantile(level: float, freedom: int) -> float:
 
 
 def two_sided_probability(t: float, freedom: int) -> float:
-    """Probability of a value at least as far from zero as t.
-
-    Raises:
-        ParameterError: there is no degree of freedom.
-    """
+    """Probability of a value at least as far from zero as t; `ParameterError` if there is no degree of freedom."""
     stdtr: Any = import_module("scipy.special").stdtr
 
     _check_freedom(freedom)

@@ -92,11 +92,7 @@ def write_file(path: str | os.PathLike[str], content: str | bytes | memoryview) 
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder, with those that it is in, if it is not there.
-
-    Raises:
-        DataError: it cannot be made.
-    """
+    """Make a folder, with those that it is in, if it is not there; `DataError` if it cannot be made."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -218,11 +214,7 @@ def read_text_file(path: Path, what: str) -> str:
 
 
 def toml_document(text: str, name: str = "The scenario") -> dict[str, Any]:
-    """The document in a text; `name` is how an error calls it.
-
-    Raises:
-        DataError: it is not TOML.
-    """
+    """The document in a text; `name` is how an error calls it; `DataError` if it is not TOML."""
     try:
         return tomllib.loads(text)
     except RecursionError:

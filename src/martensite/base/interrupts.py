@@ -104,9 +104,8 @@ def handle_signals() -> Generator[None]:
 def rescue_answer(save: Callable[[], str]) -> Generator[None]:
     """Keep what there is where a block is interrupted.
 
-    Args:
-        save: keeps it and answers a sentence; called once, and from another thread where this one is in a
-            compiled run. An empty sentence leaves the interrupt to the blocks around.
+    `save` keeps it and answers a sentence; it is called once, and from another thread where this one is in a compiled
+    run. An empty sentence leaves the interrupt to the blocks around.
 
     Raises:
         InterruptError: the block was interrupted; it says the sentence.

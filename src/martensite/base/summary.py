@@ -125,12 +125,7 @@ class Summary:
     def format_lines(
         self, width: int = PAGE_WIDTH, paint: Callable[[str, Tone], str] = lambda text, _: text
     ) -> Iterator[str]:
-        """Lines of plain text; pictures and details are left out.
-
-        Args:
-            width: columns that tables keep to; sentences are never broken.
-            paint: how a text is coloured by its tone.
-        """
+        """Lines of plain text, its tables within a width; pictures and details are left out, sentences never broken."""
         if self.title:
             yield paint(self.title, "title")
         if self.lead:

@@ -52,15 +52,7 @@ def format_table(
     width: int,
     paint: Paint = lambda _, text: text,
 ) -> Iterator[str]:
-    """Lines of a table.
-
-    Args:
-        head: a heading per column.
-        rows: cells of each row.
-        right: columns of numbers, aligned to the right, whose cells are never wrapped.
-        width: columns of text that it may take.
-        paint: gives a padded text, of a cell, its colour.
-    """
+    """Lines of a table that takes at most `width` columns of text; cells below `right` headings are never wrapped."""
     columns = [_Column(name, [row[k] for row in rows], k in right) for k, name in enumerate(head)]
     for k, group in enumerate(_group_columns(columns, width)):
         if k:

@@ -23,14 +23,7 @@ from martensite.base.errors import DataError
 
 
 def check_columns(test: str, rows: str, fewest: int, **columns: Sequence[float]) -> None:
-    """Raise `DataError` unless columns are equally long, long enough and finite.
-
-    Args:
-        test: what is computed from them, as "a time constant".
-        rows: what a row is called, in the plural.
-        fewest: least number of rows.
-        columns: the columns by their names.
-    """
+    """Raise `DataError` unless columns are equally long, finite, and of at least `fewest` `rows` for a `test`."""
     lengths = [len(numbers) for numbers in columns.values()]
     names = " and ".join(columns).replace("_", " ")
     if len(set(lengths)) > 1:

@@ -15,6 +15,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.spectrum import natural_frequency, sampling_interval
 
@@ -76,8 +78,6 @@ def find_extremes(
         ParameterError: `frequency` is not above 0.
         DataError: the rows are no vibration, or are too far apart for one.
     """
-    import numpy as np
-
     step = sampling_interval(times, values)
     if frequency is None:
         frequency = natural_frequency(times, values).frequency
@@ -145,8 +145,6 @@ class _Scan:
         return vertex
 
     def _sinusoid(self, centre: float, sign: float) -> _Vertex | None:
-        import numpy as np
-
         rows = abs(self.times - centre) <= 0.5 * self.half
         angle = (self.times[rows] - centre) * math.pi / self.half
         fall = np.exp(-self.alpha * angle)

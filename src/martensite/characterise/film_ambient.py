@@ -30,6 +30,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
+
 from martensite.base.confidence import LEVEL, Interval, student_quantile
 from martensite.characterise.film_coefficient import ABSOLUTE_ZERO, FORMS, FilmFit, FilmPoints, fit_film
 from martensite.characterise.regression import LinearFit, fit_powers
@@ -58,14 +60,11 @@ class FreeAmbient:
     @property
     def ambient(self) -> float:
         """Ambient temperature [°C] of the best fit; NaN if the flux is zero nowhere below."""
-        import numpy as np
-
         below = [root for root in _real_roots(np.roots(self.flux.values[::-1])) if root < self.coldest]
         return max(below, default=math.nan)
 
     def ambient_interval(self, level: float = LEVEL) -> Interval:
         """Confidence interval of the ambient [°C], cut off at the coldest point and at 0 K."""
-        import numpy as np
         from numpy.polynomial import Polynomial
 
         if not self.flux.freedom:
@@ -199,8 +198,6 @@ class Confounding:
 
 def find_confounding(points: FilmPoints) -> Confounding:
     """Sensitivities of the flux to level and slope of h and to the ambient, at the line fitted."""
-    import numpy as np
-
     at = np.asarray(points.temperatures_degC)
     line = fit_film(points.temperatures_degC, points.h, FORMS["linear"])
     over = at - points.ambient

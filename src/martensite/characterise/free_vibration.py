@@ -24,6 +24,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from martensite.base.confidence import LEVEL
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import MeasuredValue, propagate_errors
@@ -104,7 +106,10 @@ def log_decrement(
         ParameterError: `cycles`, `least` or `frequency` is not one.
         DataError: the rows are no vibration, or have fewer than three peaks.
     """
-    _check_options(cycles, least)
+    if cycles is not None and cycles < FEWEST_PEAKS - 1:
+        raise ParameterError(f"Argument `cycles` must be at least {FEWEST_PEAKS - 1}, but is {cycles}.")
+    if not 0.0 <= least < 1.0:
+        raise ParameterError(f"Argument `least` must be from 0 to below 1, but is {least:g}.")
     first = _fit_extremes(find_extremes(times, values, cycles=cycles, least=least, frequency=frequency))
     period = first.period.value
     again = find_extremes(
@@ -134,8 +139,6 @@ def _fit_extremes(found: Extremes) -> LogDecrement:
 
 def _fit_decay(found: Extremes) -> tuple[MeasuredValue, MeasuredValue, MeasuredValue]:
     """x₀, a and the ratio exp(-δ/2) of e_k = x₀ + s_k a ratio^k."""
-    import numpy as np
-
     count, values = len(found.values), np.asarray(found.values)
     middle, size = 0.5 * (values[0] + values[1]), 0.5 * abs(values[0] - values[1])
     last = 0.5 * abs(values[-1] - values[-2])
@@ -153,8 +156,6 @@ def _fit_decay(found: Extremes) -> tuple[MeasuredValue, MeasuredValue, MeasuredV
 
 def _fit_period(found: Extremes, ratio: float) -> MeasuredValue:
     """T_d from the line of times over half cycles; the smaller an extreme, the less it counts."""
-    import numpy as np
-
     times = np.asarray(found.times) - found.times[0]
     steps = np.arange(len(times))
 
@@ -163,13 +164,6 @@ def _fit_period(found: Extremes, ratio: float) -> MeasuredValue:
         return (times / times[1] - first - half * steps) * ratio**steps
 
     return fit_residuals(residuals, (0.0, 1.0)).estimates[1].scaled(2.0 * times[1])
-
-
-def _check_options(cycles: int | None, least: float) -> None:
-    if cycles is not None and cycles < FEWEST_PEAKS - 1:
-        raise ParameterError(f"Argument `cycles` must be at least {FEWEST_PEAKS - 1}, but is {cycles}.")
-    if not 0.0 <= least < 1.0:
-        raise ParameterError(f"Argument `least` must be from 0 to below 1, but is {least:g}.")
 
 
 # ---------------------------------------------------------------- a mass on a spring

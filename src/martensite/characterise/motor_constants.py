@@ -92,11 +92,7 @@ class SteadyRunning:
 
 
 def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> Winding:
-    """Resistance from a rotor held still, at several currents and rotor positions.
-
-    Args:
-        voltages: [V]
-        currents: [A]
+    """Resistance from voltages [V] and currents [A] of a rotor held still, at several currents and rotor positions.
 
     Raises:
         DataError: the pairs are fewer than two, not finite, or do not give an R above 0.
@@ -116,12 +112,7 @@ def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> 
 
 
 def steady_running(voltages: Sequence[float], currents: Sequence[float], speeds: Sequence[float]) -> SteadyRunning:
-    """Steady states, those of backward rotation turned forward.
-
-    Args:
-        voltages: [V]
-        currents: [A]
-        speeds: [rad/s], at least two different ones, none of them zero.
+    """Steady states [V, A, rad/s], those of backward rotation turned forward; two speeds at least, none of them zero.
 
     Raises:
         DataError: the states are fewer than two, not finite, at rest, or all of one speed.
@@ -240,12 +231,9 @@ def estimate_motor_constants(
 
 
 def _constant_formulas(drop: float, centre: float, measured: bool) -> dict[str, Formula]:
-    """Every constant from what was measured: R, K at the best R, s, i₀, τ_e or L, and τ_m.
+    """Every constant from what was measured: R, K at the best R (`centre` [ohm]), s, i₀, τ_e or L, and τ_m.
 
-    Args:
-        drop: by how much K falls per ohm of R.
-        centre: the best R [ohm].
-        measured: the fifth number is τ_e, not L.
+    K falls by `drop` per ohm of R; `measured` says that the fifth number is τ_e, not L.
     """
 
     def constant(r: float, k: float, *_: float) -> float:

@@ -17,11 +17,7 @@ from martensite.base.errors import DataError, ParameterError
 
 
 def average_moving(values: Sequence[float], window: int) -> list[float]:
-    """Centred moving average, as long as the record, in its unit.
-
-    Args:
-        values: equally spaced rows.
-        window: number of rows averaged, odd.
+    """Centred average over an odd number of equally spaced rows, as long as the record, in its unit.
 
     Raises:
         ParameterError: the window is not an odd number above 0.
@@ -39,12 +35,9 @@ def average_moving(values: Sequence[float], window: int) -> list[float]:
 
 
 def moving_average_gain(frequency: float, window: int, interval: float) -> float:
-    """Factor on a vibration of some frequency, away from the ends [-].
+    """Factor on a vibration of some frequency [Hz], away from the ends [-].
 
-    Args:
-        frequency: of the vibration [Hz].
-        window: number of rows averaged, odd.
-        interval: time between rows [s].
+    The window is an odd number of rows, an interval [s] apart.
 
     Raises:
         ParameterError: the window is not an odd number above 0, or the interval not above 0.

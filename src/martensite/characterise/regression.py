@@ -25,6 +25,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from martensite.base.confidence import EVERYTHING, LEVEL, Interval, student_quantile, two_sided_probability
 from martensite.base.errors import DataError, ParameterError, SolveError
 from martensite.characterise.estimate import MeasuredValue, check_columns
@@ -105,8 +107,6 @@ def fit_powers(x: Sequence[float], y: Sequence[float], terms: Sequence[int]) -> 
         ParameterError: the terms are not distinct whole numbers from 0 on.
         DataError: the points are not finite, or do not determine the terms.
     """
-    import numpy as np
-
     check_columns("a polynomial", "points", 2, abscissae=x, ordinates=y)
     _check_terms(terms)
     scale = max(abs(number) for number in x) or 1.0
@@ -165,16 +165,13 @@ def root_mean_square(numbers: Sequence[float]) -> float:
 
 
 def fit_residuals(residuals: Callable[[tuple[float, ...]], Any], start: Sequence[float]) -> NonlinearFit:
-    """Minimise the sum of squared residuals.
+    """Minimise the sum of squared residuals, at least as many as numbers.
 
-    Args:
-        residuals: residuals for a tuple of numbers; at least as many as numbers.
-        start: numbers to begin with, in the valley of the wanted minimum and of order 1.
+    The start is in the valley of the wanted minimum, its numbers of order 1.
 
     Raises:
         SolveError: the search has not settled, or a number makes no difference.
     """
-    import numpy as np
     from scipy.optimize import least_squares
 
     found = least_squares(

@@ -18,6 +18,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
 from martensite.base.errors import DataError, ParameterError
 from martensite.characterise.estimate import check_columns
 
@@ -67,8 +69,6 @@ def natural_frequency(
         ParameterError: `low` and `high` do not leave a band.
         DataError: the rows are too few, not finite or not equally spaced, or no peak stands out.
     """
-    import numpy as np
-
     step = sampling_interval(times, values)
     count = len(values)
     window = np.hanning(count) if steady else np.hanning(2 * count)[count:]

@@ -13,6 +13,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 MOST_ROWS = 2000
 """Rows beyond which a branch is averaged in as many cells, of equal width in temperature."""
 FEWEST = 3
@@ -66,8 +68,6 @@ class StraightLine:
 
 def fit_line(temperatures: Any, strains: Any, rows: slice = slice(None)) -> StraightLine:
     """Least squares through some rows; of ten and more, outlying ones are left out."""
-    import numpy as np
-
     kelvin, strain = temperatures[rows], strains[rows]
     kept = np.ones(kelvin.size, dtype=bool)
     while True:
@@ -90,8 +90,6 @@ def fit_three_lines(kelvin: Any, strain: Any) -> tuple[StraightLine, StraightLin
 
     There must be three times `FEWEST` rows, in the order of temperature.
     """
-    import numpy as np
-
     x, y = kelvin - kelvin.mean(), strain - strain.mean()
     columns = (np.ones_like(x), x, y, x * x, x * y, y * y)
     sums = [np.concatenate([[0.0], np.cumsum(c)]) for c in columns]
@@ -114,8 +112,6 @@ def fit_three_lines(kelvin: Any, strain: Any) -> tuple[StraightLine, StraightLin
 
 def sort_by_temperature(temperatures: Any, strains: Any) -> tuple[Any, Any]:
     """Rows in the order of temperature, one per temperature, no more than `MOST_ROWS`."""
-    import numpy as np
-
     kelvin, place = np.unique(np.asarray(temperatures, np.float64), return_inverse=True)
     strain = np.bincount(place, np.asarray(strains, np.float64)) / np.bincount(place)
     return average_cells(kelvin, strain, MOST_ROWS) if kelvin.size > MOST_ROWS else (kelvin, strain)
@@ -123,8 +119,6 @@ def sort_by_temperature(temperatures: Any, strains: Any) -> tuple[Any, Any]:
 
 def average_cells(kelvin: Any, strain: Any, cells: int) -> tuple[Any, Any]:
     """Means over cells of equal width; the means of rows on a line are on it, too."""
-    import numpy as np
-
     place = ((kelvin - kelvin[0]) / (kelvin[-1] - kelvin[0]) * cells).astype(int)
     place = np.minimum(place, cells - 1)
     count = np.bincount(place, minlength=cells)
@@ -135,8 +129,6 @@ def average_cells(kelvin: Any, strain: Any, cells: int) -> tuple[Any, Any]:
 
 def smooth_median(values: Any) -> Any:
     """Running median of five; the first and the last number repeated beyond the ends."""
-    import numpy as np
-
     padded = np.pad(values, 2, mode="edge")
     return np.median(np.lib.stride_tricks.sliding_window_view(padded, 5), axis=1)
 

@@ -93,13 +93,7 @@ class Direction:
 
 
 def fit_direction(levels: Sequence[TangentPoints], names: tuple[str, str], half: str) -> Direction:
-    """Fit the temperatures of one direction over stress.
-
-    Args:
-        levels: cycles at two or more different stresses.
-        names: the start and the finish temperature, as `TangentPoints` calls them.
-        half: the half-way temperature.
-    """
+    """Fit start, finish (`names`) and half-way temperature of one direction over two or more different stresses."""
     stresses = [points.stress for points in levels]
     columns = {name: [getattr(p, name) for p in levels] for name in (*names, half)}
     own = {name: fit_powers(stresses, column, (0, 1)) for name, column in columns.items()}

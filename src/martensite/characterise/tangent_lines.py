@@ -26,6 +26,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from martensite.base.errors import DataError
 from martensite.characterise.straight_lines import (
     FEWEST,
@@ -111,12 +113,7 @@ class BranchTangents:
 
 
 def branch_tangents(temperatures: Any, strains: Any, where: str) -> BranchTangents:
-    """Find the three lines of a branch.
-
-    Args:
-        temperatures: of the rows [K], in any order.
-        strains: of the rows [-].
-        where: what an error calls the branch, such as "`log` on heating".
+    """Find the three lines of a branch of temperatures [K], in any order, and strains [-].
 
     Raises:
         DataError: there is no transformation, or none that the branch holds as a whole.
@@ -150,8 +147,6 @@ def _is_straight(kelvin: Any, strain: Any) -> bool:
 
 def _find_way(outer: tuple[StraightLine, StraightLine], middle: float, kelvin: Any, strain: Any, where: str) -> Any:
     """Share of the way from the cold to the hot line, growing from row to row."""
-    import numpy as np
-
     cold, hot = outer
     gap = hot.value(middle) - cold.value(middle)
     if abs(gap) < LEAST:
@@ -164,8 +159,6 @@ def _find_way(outer: tuple[StraightLine, StraightLine], middle: float, kelvin: A
 
 def _find_steepest(kelvin: Any, way: Any) -> slice:
     """Rows of the narrowest range of temperature in which `CORE` of the way is covered."""
-    import numpy as np
-
     begins = np.linspace(EDGE, 1.0 - EDGE - CORE, BEGINNINGS)
     low, high = np.interp(begins, way, kelvin), np.interp(begins + CORE, way, kelvin)
     best = int(np.argmin(high - low))
@@ -174,8 +167,6 @@ def _find_steepest(kelvin: Any, way: Any) -> slice:
 
 def _rows_between(kelvin: Any, low: float, high: float) -> slice:
     """Rows within a range of temperature, and neighbours if there are fewer than needed."""
-    import numpy as np
-
     first = int(np.searchsorted(kelvin, low, "left"))
     last = int(np.searchsorted(kelvin, high, "right"))
     while last - first < FEWEST_STEEP:
@@ -185,8 +176,6 @@ def _rows_between(kelvin: Any, low: float, high: float) -> slice:
 
 def _outer_rows(kelvin: Any, end: float, side: str, where: str) -> slice:
     """Rows of an outer line: the outer half of what lies beyond an end of the transformation."""
-    import numpy as np
-
     from_edge = kelvin - kelvin[0] if side == "cold" else kelvin[-1] - kelvin[::-1]
     beyond = end - float(kelvin[0]) if side == "cold" else float(kelvin[-1]) - end
     count = int(np.searchsorted(from_edge, FAR * beyond, "right"))
@@ -199,8 +188,6 @@ def _outer_rows(kelvin: Any, end: float, side: str, where: str) -> slice:
 
 def _find_half(outer: tuple[StraightLine, StraightLine], kelvin: Any, strain: Any) -> float:
     """Temperature at which the strain passes the middle of the outer lines."""
-    import numpy as np
-
     cold, hot = outer
     beyond = strain - 0.5 * (cold.value(kelvin) + hot.value(kelvin))
     sign = 1.0 if beyond[-1] > beyond[0] else -1.0

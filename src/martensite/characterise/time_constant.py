@@ -17,6 +17,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
+
 from martensite.base.confidence import LEVEL
 from martensite.base.errors import DataError, SolveError
 from martensite.characterise.estimate import MeasuredValue, check_columns
@@ -67,8 +69,6 @@ def fit_rise(times: Sequence[float], values: Sequence[float]) -> Rise:
         DataError: the rows are too few, not finite or not in order, do not change, or end
             before one time constant has passed.
     """
-    import numpy as np
-
     _check_record(times, values)
     span, last = times[-1] - times[0], values[-1]
     scale = max(values) - min(values)
@@ -107,7 +107,6 @@ def _guess_time(at: Any, values: Any) -> float:
 
     Noise biases it towards short times, but not out of the valley of the minimum.
     """
-    import numpy as np
     from scipy.integrate import cumulative_trapezoid
 
     columns = np.stack([np.ones_like(at), at, cumulative_trapezoid(values, at, initial=0.0)], 1)

@@ -22,6 +22,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from martensite.base.confidence import LEVEL, two_sided_probability
 from martensite.base.errors import DataError, SolveError
 from martensite.characterise.estimate import MeasuredValue
@@ -91,11 +93,7 @@ def saturating_strain(low: float, high: float, rate: float, crit: float, stress:
 
 
 def fit_transformation_strain(stresses: Sequence[float], strains: Sequence[float]) -> StrainFit:
-    """Fit the transformation strain as a function of stress.
-
-    Args:
-        stresses: [Pa]
-        strains: transformation strain at each [-].
+    """Fit the transformation strain [-] as a function of stress [Pa].
 
     Raises:
         DataError: there are none, or not equally many.
@@ -146,8 +144,6 @@ def _try_critical(stresses: Sequence[float], strains: Sequence[float], shape: _S
 
 def _search_grid(stresses: Sequence[float], strains: Sequence[float], places: Sequence[float]) -> _Shape:
     """The best of many values of k and σ_crit; H_min and H_sat follow by least squares."""
-    import numpy as np
-
     ratio = MOST_RATE / LEAST_RATE
     rates = LEAST_RATE * ratio ** np.linspace(0.0, 1.0, RATES) / max(stresses)
     beyond = np.maximum(np.asarray(stresses) - np.asarray(places)[:, None], 0.0)

@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
+from martensite.kernels.compiler import read_source
 from martensite.kernels.floats import LARGEST
 from martensite.kernels.kernel_printer import KernelPrinter, Statements
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE, QUARTER_SINE, evaluate_estrin
@@ -148,15 +149,7 @@ def scalar_dialect(
     flag: str = _TYPES[FLAG],
     going: LoopCondition = LoopCondition(),
 ) -> Dialect:
-    """C of one run at a time, which may leave out what is not chosen.
-
-    Args:
-        number: the type of numbers, such as `double` or `float`.
-        templates: operations that look otherwise than in a batch.
-        constant: how a number is written.
-        flag: the type of what is true or false.
-        going: how loops end.
-    """
+    """C of one run at a time, which may leave out what is not chosen, in numbers of a type such as `double`."""
     types = {**_TYPES, NUMBER: number, FLAG: flag}
     return replace(
         C_DIALECT,
@@ -192,31 +185,10 @@ def _print_function(name: str, constants: str, inputs: Sequence[str], made: Stat
     )
 
 
-VECTOR_MATH = """
-#if defined(__GLIBC__) && defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#pragma omp declare simd notinbranch
-double exp(double);
-#pragma omp declare simd notinbranch
-double log(double);
-#pragma omp declare simd notinbranch
-double pow(double, double);
-#pragma omp declare simd notinbranch
-double sin(double);
-#pragma omp declare simd notinbranch
-double cos(double);
-#if __GLIBC_PREREQ(2, 35)
-#pragma omp declare simd notinbranch
-double tanh(double);
-#endif
-#endif
-"""
-"""Declarations after which a loop over lanes calls functions of vectors, where glibc has them."""
-
-
 def write_prelude() -> str:
     """What every source begins with."""
     return (
-        f"#include <math.h>\n#include <string.h>\n{VECTOR_MATH}\n"
+        f"{read_source('kernels', 'vector_math.c', {})}\n"
         "static inline double power_of(double base, double exponent) {\n"
         "    const double y = pow(base > 0.0 ? base : 1.0, exponent);\n"
         f"    return base > 0.0 ? (y < {LARGEST!r} ? y : {LARGEST!r}) : 0.0;\n}}\n"

@@ -32,14 +32,7 @@ class CompiledProgram:
     """
 
     def __init__(self, program: Program, names: tuple[str, ...], table: Any, added: str = "") -> None:
-        """Compile functions, or take what was compiled of the same program.
-
-        Args:
-            program: the traced functions.
-            names: of those that are wanted.
-            table: values of the parameters, (parameters, lanes).
-            added: C behind the functions.
-        """
+        """Compile named functions, and C behind them, for a table (parameters, lanes), or take what was compiled."""
         self.lanes = table.shape[1]
         self.library = _load_program(program, names, added, self.lanes >= BLOCK)
         self.constants = np.empty((program.constants, self.lanes))

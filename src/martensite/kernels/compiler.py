@@ -15,9 +15,10 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import cache
+from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -74,17 +75,19 @@ def _find_zig() -> str | None:
     return None
 
 
-def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
-    """Compile C source to a shared library in the cache (by hash) and load it.
+def read_source(room: str, name: str, constants: Mapping[str, Any]) -> str:
+    """The C of a file that lies in a room, below definitions of its constants."""
+    text = (files(f"martensite.{room}") / name).read_text(encoding="utf-8")
+    return "".join([*(f"#define {key} {value}\n" for key, value in constants.items()), text])
 
-    One that is there already is loaded if it is whole, and of this machine; else it is made anew. Where
-    the cache cannot be written, a folder of this process takes its place.
+
+def load_library(source: str, more: tuple[str, ...] = ()) -> Any:
+    """Compile C source, with more flags, to a shared library in the cache (by hash) and load it.
+
+    One that is there already is loaded if it is whole, and of this machine; else it is made anew. Where the cache
+    cannot be written, a folder of this process takes its place.
 
     The environment variable `MARTENSITE_CFLAGS` has the last word on the flags of the compiler.
-
-    Args:
-        source: the C.
-        more: further flags of the compiler.
 
     Raises:
         CompileError: there is no compiler, it failed, or there is no folder for what it makes.

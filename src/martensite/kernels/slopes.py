@@ -38,15 +38,11 @@ def slope_input(name: str) -> str:
 def differentiate_program(
     program: Program, wrt: Sequence[int], states: Mapping[str, int], shown: Sequence[int]
 ) -> Program:
-    """The functions of a program with their derivatives, over the same graph.
+    """The functions of a program (`init`, `step`, `observe`, …) with their derivatives, over the same graph.
 
-    Args:
-        program: functions `init`, `step`, `observe`, …
-        wrt: places of the parameters whose derivatives are given, as inputs `dp…`.
-        states: for each wanted function, how many of its first inputs have derivatives.
-        shown: which results of `observe` are wanted.
-
-    Every function then returns its values, and after them one derivative for each.
+    Derivatives of the parameters at the places `wrt` are given, as inputs `dp…`; `states` says for each wanted function
+    how many of its first inputs have derivatives, `shown` which results of `observe` are wanted. Every function then
+    returns its values, and after them one derivative for each.
     """
     twin = Program(program.graph, program.parameters)
     duals = _Slopes(program.xp, program.graph.input(ZERO, SLOPE))
@@ -118,13 +114,7 @@ class TangentWalk:
     """Whether a root is read again; its derivatives are those of its Newton step anyway."""
 
     def __init__(self, graph: Graph, duals: _Slopes, moving: Mapping[int, Any]) -> None:
-        """Take a graph.
-
-        Args:
-            graph: what is read.
-            duals: the dual numbers that are made of it.
-            moving: nodes that have derivatives, as dual numbers.
-        """
+        """Take a graph, the dual numbers made of it, and of its nodes those that have derivatives."""
         self._graph, self._duals = graph, duals
         self._levels = [_Level(0, dict(moving))]
 

@@ -68,10 +68,8 @@ _STANDARD = str(Path(linecache.__file__).parent)
 def make_kernel_error(reason: str, instead: str = "", called: str = "") -> KernelError:
     """An error about what the kernel that is running just did.
 
-    Args:
-        reason: why that cannot be.
-        instead: what to write, unless a function is called that kernels have too.
-        called: name of that function, if it is not to be read from the source.
+    It says what to write instead, unless a function is called that kernels have too, whose name is read from the source
+    if it is not given.
     """
     place, text = _find_place()
     call = _CALL.match(text)

@@ -40,14 +40,9 @@ class BatchRunner:
         first: int = 0,
         native: bool | None = None,
     ) -> None:
-        """Prepare runs.
+        """Prepare runs of a system, or of a bench with its loops, whose outputs are looked at from sample `first` on.
 
-        Args:
-            system: what is run; a bench closes its loops.
-            grid: steps of every run.
-            outputs: what is looked at.
-            first: samples at the beginning that are left out.
-            native: whether to run in C; by default if there is a compiler.
+        `native` runs in C, by default if there is a compiler.
         """
         self.system, self.grid, self.first = system, grid, first
         self.native = find_compiler() is not None if native is None else native
@@ -96,12 +91,7 @@ class BatchRunner:
         return found if worst[0, 0] <= SOLVED and np.isfinite(found).all() else None
 
     def run_driven(self, values: Numbers, grid: LaneGrid) -> Numbers:
-        """Outputs (lanes, samples, outputs) of one set of numbers, each lane with signals of its own; NaN if it fails.
-
-        Args:
-            values: of the parameters.
-            grid: of `LANES` lanes, with the samples of the runner.
-        """
+        """Outputs (lanes, samples, outputs) of one set of numbers, each lane with its own signals; NaN if it fails."""
         if self.native:
             return self._judge_lanes(list(np.repeat(values[:, None], LANES, axis=1)), grid)
         found = [self._march_floats(values, grid.lane(lane)) for lane in range(grid.lengths.shape[1])]
@@ -113,12 +103,7 @@ class BatchRunner:
         return self._judge_lanes(list(table.T), grid)
 
     def run_slopes(self, values: Numbers, seeds: Numbers) -> tuple[Numbers, Numbers] | None:
-        """One run with its derivatives (samples, outputs, directions); None if it fails.
-
-        Args:
-            values: of the parameters.
-            seeds: change of every parameter along every direction, (parameters, directions).
-        """
+        """One run and its derivatives (samples, outputs, directions) along seeds (parameters, directions), or None."""
         if not self.native:
             return self._difference(values, seeds)
         from martensite.simulate.native_slopes import march_slopes

@@ -145,14 +145,10 @@ class BoxSearch:
     def __init__(
         self, objective: BoxObjective, *, iterations: int, clouds: int, seed: int = 0, watch: Tell | None = None
     ) -> None:
-        """Prepare a search.
+        """Prepare a search; `watch` is told a sentence and the share that is done.
 
-        Args:
-            objective: what is searched.
-            iterations: of each descent, and half of the runs with derivatives that it may make.
-            clouds: how often the neighbourhood of the best end is tried.
-            seed: of all chance.
-            watch: called with a sentence and the share that is done.
+        Each descent takes `iterations`, half of the runs with derivatives that it may make; the neighbourhood of the
+        best end is tried `clouds` times.
         """
         self.objective, self.iterations, self.cloud_count = objective, iterations, clouds
         self.watch = watch

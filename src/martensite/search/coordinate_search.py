@@ -69,14 +69,9 @@ class CoordinateSearch:
 def search_coordinates(
     cost: Cost, start: Sequence[float], *, step: float = 0.1, stop: float = 1e-3, limit: int = 3000
 ) -> tuple[CoordinateSearch, Literal["stalled", "cap"]]:
-    """Search for the least cost in the box, and why the search stopped.
+    """Search for the least cost in the box, of shares from 0 to 1, and why the search stopped.
 
-    Args:
-        cost: to be made small.
-        start: first point, of shares from 0 to 1.
-        step: first step.
-        stop: step below which the search has stalled.
-        limit: number of evaluations at most.
+    It has stalled when its steps fall below `stop`, and ends after `limit` evaluations.
 
     Raises:
         ParameterError: the start is not in the box, or steps are not above 0.

@@ -201,12 +201,7 @@ def parse_free(text: str) -> tuple[str, str | None, str | None, str | None]:
 
 
 def read_free(text: str, unit: str, read: Callable[[str], float]) -> SearchRange:
-    """A free number from its text.
-
-    Args:
-        text: as above.
-        unit: SI unit of the number.
-        read: what makes a number [SI] of a quantity.
+    """A free number in an SI unit from its text, written as above; `read` makes a number [SI] of a quantity.
 
     Raises:
         ParameterError: the text is no free number.
@@ -249,13 +244,7 @@ def is_bare(text: str) -> bool:
 
 
 def build_free(wanted: SearchRange, targets: Sequence[Target], name: str, record: str | None = None) -> FreeNumber:
-    """A free number with its bounds and scale.
-
-    Args:
-        wanted: what is asked for.
-        targets: what takes its value; the first gives start, unit and what is allowed.
-        name: what it is called.
-        record: the experiment that has it for itself.
+    """A free number with its bounds and scale; the first target gives start, unit and what is allowed.
 
     Raises:
         ParameterError: there are no bounds, or they are none.
@@ -294,13 +283,7 @@ def build_free(wanted: SearchRange, targets: Sequence[Target], name: str, record
 def choose_bounds(
     wanted: SearchRange, target: Target, starts: Sequence[float], factor: float = BOX_FACTOR
 ) -> tuple[float, float]:
-    """Bounds as asked for, and a box around starts where they are not.
-
-    Args:
-        wanted: what is asked for.
-        target: gives the unit and what is allowed.
-        starts: where searches begin [SI]; the last of them gives the sign.
-        factor: of the box of a number of one sign.
+    """Bounds as asked for, and a box around starts [SI] where they are not; the last of these gives the sign.
 
     Raises:
         ParameterError: all starts are 0, and the declaration sets no bounds.

@@ -64,13 +64,7 @@ def is_spread(values: Numbers) -> bool:
 
 
 def estimate_indices(x: Numbers, y: Numbers, seed: int = 0) -> tuple[dict[str, SensitivityIndex], list[str]]:
-    """Indices of a measure, and sentences on them.
-
-    Args:
-        x: varied numbers, (runs, axes).
-        y: the measure, (runs,).
-        seed: of the bootstrap.
-    """
+    """Indices of a measure (runs,) over varied numbers (runs, axes), and sentences on them."""
     width = x.shape[1]
     names = ("delta", "first", "rank slope", "slope")
     if not is_spread(y):
@@ -160,12 +154,7 @@ def rank_columns(values: Numbers) -> Numbers:
 
 
 def fit_slopes(x: Numbers, y: Numbers) -> tuple[SensitivityIndex, float]:
-    """Standardised coefficients of a linear regression, and the share of the variance explained.
-
-    Args:
-        x: (runs, axes).
-        y: (runs,).
-    """
+    """Standardised coefficients of a regression of y (runs,) on x (runs, axes), and the share of variance explained."""
     wide = np.std(x, axis=0)
     a = (x - np.mean(x, axis=0)) / np.where(wide > 0.0, wide, 1.0)
     b = (y - np.mean(y)) / np.std(y)

@@ -62,16 +62,10 @@ def minimise_cost(
     free: NDArray[np.bool_] | None = None,
     watch: Callable[[int, float, Numbers], None] | None = None,
 ) -> Found:
-    """The nearest minimum from a start.
+    """The nearest minimum from a start, in so many iterations at most.
 
-    Args:
-        cost: the sum of squares.
-        theta: where to start.
-        iterations: most steps.
-        tolerance: relative gain of a step that counts as little.
-        patience: how many such steps in a row end the search.
-        free: True for every number that may change; by default all.
-        watch: called after every step with its number, the value and θ.
+    So many steps in a row (`patience`) with less relative gain than the tolerance end it. `free` is True for every
+    number that may change, by default all; `watch` is called after every step with its number, the value and θ.
     """
     theta = np.array(theta, dtype=float)
     moving = np.flatnonzero(np.ones(len(theta), bool) if free is None else free)

@@ -71,16 +71,9 @@ class Score:
 def score_model(
     times: Any, measured: Any, modelled: Any, *, record: str, output: str, unit: str = "1", part: str = "training"
 ) -> Score:
-    """Compare a modelled output with the measured one.
+    """Compare a modelled output with the measured one, both in its SI unit, at the same times [s].
 
-    Args:
-        times: of the samples [s].
-        measured: the output as measured [unit].
-        modelled: the output of the model at the same times [unit].
-        record: name of the record.
-        output: name of the output.
-        unit: its SI unit.
-        part: `training` or `held-out`.
+    `part` is `training` or `held-out`.
 
     Raises:
         DataError: the three are not equally many, at least one, or not finite.

@@ -41,11 +41,7 @@ def start_sobol(size: int, seed: int = 0) -> Any:
 
 
 def draw_points(size: int, count: int, seed: int = 0) -> Numbers:
-    """Points spread evenly over the box, (count, size).
-
-    Raises:
-        ParameterError: no point is asked for.
-    """
+    """Points spread evenly over the box, (count, size); `ParameterError` if no point is asked for."""
     if count < 1:
         raise ParameterError(f"Argument `count` must be at least 1, but is {count}.")
     points = start_sobol(size, seed).random_base2(math.ceil(math.log2(count)))
@@ -53,13 +49,9 @@ def draw_points(size: int, count: int, seed: int = 0) -> Numbers:
 
 
 def choose_apart(points: Numbers, order: Iterable[int], keep: int, apart: float = START_DISTANCE) -> list[int]:
-    """The first points of an order that lie apart from those before them.
+    """The first points (points, size) of an order, the best first, that lie apart from those before them.
 
-    Args:
-        points: (points, size).
-        order: from the best on.
-        keep: how many are wanted.
-        apart: least distance, as a share of the diagonal of the box.
+    The least distance is a share of the diagonal of the box.
     """
     least, chosen = apart * math.sqrt(points.shape[1]), list[int]()
     for k in order:
@@ -75,13 +67,8 @@ def find_starts(
 ) -> tuple[Start, ...]:
     """Starts for descents, the best first; fewer than asked for if others are too near.
 
-    Args:
-        costs: of points.
-        size: how many numbers are free.
-        count: points tried; a power of 2 spreads best.
-        keep: starts wanted.
-        apart: least distance of two starts, as a share of the diagonal of the box.
-        seed: of the points.
+    A count of points tried that is a power of 2 spreads best; the least distance of two starts is a share of the
+    diagonal of the box.
 
     Raises:
         ParameterError: no point is asked for.
@@ -99,12 +86,7 @@ def find_starts(
 def evolve_start(costs: Costs, size: int, *, generations: int = 20, population: int = 8, seed: int = 0) -> Start:
     """The best point of differential evolution, not polished: follow it with a descent.
 
-    Args:
-        costs: of points.
-        size: how many numbers are free.
-        generations: how often the population is renewed, at most.
-        population: points for each number.
-        seed: of all chance.
+    The population has so many points for each number, and is renewed `generations` times at most.
 
     Raises:
         SolveError: no point has a finite cost.

@@ -123,13 +123,9 @@ def find_weak_directions(
     known: Sequence[Vector] = (),
     prefer: Callable[[Vector], bool] = lambda direction: False,
 ) -> list[Vector]:
-    """Independent unit vectors v of few components each with ‖J v‖ ≤ limit.
+    """Independent unit vectors v of few components each with ‖J v‖ ≤ limit, but for those known before.
 
-    Args:
-        jacobian: (rows, parameters).
-        limit: of ‖J v‖; as in `jacobian`.
-        known: directions found before; counted, but not returned.
-        prefer: which of two directions with equally many components to name first.
+    `prefer` says which of two directions with equally many components to name first.
     """
     square = reduce_rows(jacobian)
     wanted = int(np.sum(np.linalg.svd(square, compute_uv=False) <= limit))

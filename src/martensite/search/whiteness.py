@@ -94,13 +94,10 @@ class Whiteness:
 def assess_whiteness(
     residuals: Any, record: str = "record", *, lags: int | None = None, level: float = LEVEL
 ) -> Whiteness:
-    """Test the residuals of one record.
+    """Test the residuals (samples,) of one record, equally spaced in time.
 
-    Args:
-        residuals: (samples,), equally spaced in time.
-        record: its name, for the verdict.
-        lags: number L of lags; 20, or a fifth of a shorter record, if left out.
-        level: of the band and of the test.
+    The number L of lags is 20, or a fifth of a shorter record, if left out; the level is that of the band and of the
+    test.
 
     Raises:
         DataError: the residuals are fewer than 10, or not finite.
@@ -154,11 +151,7 @@ def compute_autocorrelation(residuals: Any, lengths: Sequence[int] | None = None
 
 
 def count_effective_samples(residuals: Any, lengths: Sequence[int] | None = None) -> float:
-    """Number of independent samples with as much to say; at most the number of samples.
-
-    Args:
-        residuals: (samples,), equally spaced in time within each record.
-        lengths: samples of each record.
+    """Number of independent samples with as much to say; at most the number of samples. See `compute_autocorrelation`.
 
     Raises:
         DataError: the residuals are none or not finite, or not as many as `lengths` say.

@@ -17,33 +17,13 @@ _CODE = re.compile(r"`([^`]+)`")
 _HASH = re.compile(r"<code>(?=[0-9a-f]{64}</code>)")
 LONG = 30
 """Characters of a cell from which on it may take several lines."""
-_PAGE = """<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="generator" content="{by}">
-<title>{title}</title>
-<style>
-{styles}</style>
-</head>
-<body>
-<main>
-<h1>{title}</h1>
-<p class="lead">{lead}</p>
-<nav>{links}</nav>
-{body}
-<footer>{by}</footer>
-</main>
-</body>
-</html>
-"""
+_PAGE = Path(__file__).parent / "page.html"
 
 
 def render_page(summary: Summary, by: str) -> str:
     """The whole page, and which program wrote it: nothing is fetched, light or dark."""
     sections = [block.title for block in summary.blocks if isinstance(block, Heading)]
-    return _PAGE.format(
+    return _PAGE.read_text(encoding="utf-8").format(
         title=escape(summary.title),
         lead=_render_inline(summary.lead),
         by=escape(by),

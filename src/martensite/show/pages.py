@@ -102,11 +102,7 @@ def list_page_files(summary: Summary, path: Path) -> list[Path]:
 
 
 def check_page_path(path: str | Path) -> Path:
-    """The path of a page.
-
-    Raises:
-        DataError: it ends in neither .html nor .md, or its folder does not exist.
-    """
+    """The path of a page; `DataError` if it ends in neither .html nor .md, or its folder does not exist."""
     path = Path(path)
     if path.suffix.lower() not in (*HTML, *MARKDOWN):
         raise DataError(f"A report ends in .html or .md, but this is `{path}`.")

@@ -25,13 +25,7 @@ _STYLES: dict[Tone, dict[str, Any]] = {
 
 
 def print_summary(summary: Summary, json: bool = False, files: Iterable[Path] | None = None) -> None:
-    """Print what there is to say of a result, or as JSON all its numbers.
-
-    Args:
-        summary: the result.
-        json: whether a program reads it.
-        files: what was written; None for a result that never writes any.
-    """
+    """Print what there is to say of a result, or as JSON all its numbers; `files` is None where none is written."""
     written = [str(path) for path in files or ()]
     if json:
         print_json(summary.data if files is None else summary.data | {"files": written})

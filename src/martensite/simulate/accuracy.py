@@ -72,11 +72,7 @@ class RunEngine:
     begin: float = field(default_factory=time.process_time)
 
     def __call__(self, plan: MarchPlan) -> Marched:
-        """Make a run.
-
-        Raises:
-            SolveError: the budget is spent.
-        """
+        """Make a run; `SolveError` if the budget is spent."""
         if self.runtime == "auto":
             return self._quickest(plan)
         return self._on_c(plan) if self.runtime == "c" else self._on_floats(plan, hasty=False)
@@ -159,13 +155,7 @@ class RunEngine:
 
 
 def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, float]:
-    """The last run, and how far it may be off, as a share of the range of each judged output.
-
-    Args:
-        march: makes a run.
-        plan: its `tolerance` does not count.
-        tolerance: what accuracy is wanted.
-    """
+    """The last run to a tolerance, and how far it may be off, as a share of the range of each judged output."""
     compared = choose_samples(len(plan.times))
     local = LOCAL[plan.order] * tolerance
     some = replace(plan, times=[plan.times[k] for k in compared], recorded=False)

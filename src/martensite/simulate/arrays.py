@@ -197,11 +197,7 @@ AHEAD = 2
 
 
 def devices_of(count: int | None = None) -> list[Any]:
-    """The first `count` devices of JAX, or all of them.
-
-    Raises:
-        ParameterError: there are not as many.
-    """
+    """The first `count` devices of JAX, or all of them; `ParameterError` if there are not as many."""
     found = list(jax_namespace().jax.devices())
     if count is None:
         return found
@@ -219,16 +215,9 @@ def chunk_for(devices: Sequence[Any]) -> int:
 def march_chunks(
     run: Callable[[Any, ArrayGrid], BatchRows], chunks: Iterable[Sequence[Any]], plan: ArrayGrid, devices: Sequence[Any]
 ) -> Iterator[BatchRows]:
-    """March chunk after chunk, each on the next device, and fetch what they give, in order.
+    """March chunk after chunk, each on the next device, and yield the rows of each as arrays of numpy, in order.
 
-    Args:
-        run: a jitted march, see `martensite.simulate.arrays.jitted_march`.
-        chunks: parameter values of each chunk, made when a device is about to take it.
-        plan: the steps.
-        devices: the devices that share the chunks.
-
-    Yields:
-        The rows of every chunk, as arrays of numpy.
+    The run is a `jitted_march`; values of a chunk are made when a device is about to take it.
     """
     jax = jax_namespace().jax
     plans = [jax.device_put(plan, device) for device in devices]

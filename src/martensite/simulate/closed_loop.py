@@ -74,11 +74,7 @@ class LoopPlan:
 
 
 def whole_periods(duration: float, period: float) -> int:
-    """The number of periods of a run.
-
-    Raises:
-        ParameterError: the duration is no whole number of periods.
-    """
+    """The number of periods of a run; `ParameterError` if the duration is no whole number of periods."""
     for name, value in (("duration", duration), ("period", period)):
         if not 0.0 < value < math.inf:
             raise ParameterError(f"Argument `{name}` must be above 0 s, but is {value}.")

@@ -54,9 +54,7 @@ class CompiledLaw:
 def compile_law(law: AbstractLaw, *, tension_only: bool = True) -> CompiledLaw:
     """Trace a law, or return the program of an earlier one of the same structure.
 
-    Args:
-        law: any law; its numbers do not matter.
-        tension_only: a strain-driven point goes slack instead of being compressed.
+    With `tension_only` a strain-driven point goes slack instead of being compressed.
     """
     return _compile_keyed(Keyed(law), tension_only)
 

@@ -66,8 +66,10 @@ def simulate_controlled(
     periods = whole_periods(duration, period)
     interval = system.sample_time()
     longest = min(interval or step or first_step(system, duration, 2), period)
-    if interval:
-        _check_period(period, interval)
+    if interval and (abs(round(period / interval) * interval - period) > 1e-6 * interval or period < interval):
+        raise ParameterError(
+            f"Argument `period` must be a whole number of samples of {interval:.6g} s, but is {period:.6g} s."
+        )
     if every < 1 or periods % every:
         raise ParameterError(f"Argument `every` must divide the {periods} periods of the run, but is {every}.")
     if duration / longest > MOST_STEPS:
@@ -76,14 +78,6 @@ def simulate_controlled(
     plan = _Plan(system, arrange_waveforms(system, drives), periods, period, pieces, every)
     walk = _ControlledWalk(plan)
     return walk.result(walk.run(watch).require())
-
-
-def _check_period(period: float, interval: float) -> None:
-    """Raise `ParameterError` unless a period is a whole number of samples of the system."""
-    if abs(round(period / interval) * interval - period) > 1e-6 * interval or period < interval:
-        raise ParameterError(
-            f"Argument `period` must be a whole number of samples of {interval:.6g} s, but is {period:.6g} s."
-        )
 
 
 @dataclass(frozen=True)

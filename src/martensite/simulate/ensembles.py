@@ -92,13 +92,7 @@ class Ensemble:
 
 
 def march_in_lanes(runs: Runs, names: Sequence[str], tolerance: float) -> Ensemble:
-    """Make runs in C, each to a tolerance.
-
-    Args:
-        runs: the runs; the tolerance of their plan does not count.
-        names: of their outputs.
-        tolerance: what accuracy is wanted, as a share of ranges.
-    """
+    """Make runs in C, each to a tolerance, as a share of ranges; that of their plan does not count."""
     plan, compiled = runs.plan, runs.plan.compiled
     judged = [compiled.outputs.index(name) for name, _ in compiled.convergence_scales]
     outputs = tuple(dict.fromkeys((*runs.outputs, *judged)))
@@ -155,15 +149,7 @@ def march_one_by_one(
     names: Sequence[str],
     tolerance: float,
 ) -> Ensemble:
-    """Make runs on plain floats, each to a tolerance.
-
-    Args:
-        plan: what they have in common.
-        systems: the system and the waveforms of every run.
-        count: number of runs.
-        names: of the outputs that are kept.
-        tolerance: what accuracy is wanted, as a share of ranges.
-    """
+    """Make runs on plain floats, each to a tolerance, as a share of ranges."""
     found = Ensemble.empty(names, count, len(plan.times), Status.NOT_FINITE)
     found.ended[:] = 0.0
     for run, (system, waveforms) in enumerate(systems):

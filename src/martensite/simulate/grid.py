@@ -225,11 +225,7 @@ def grid_at(waveforms: Sequence[AbstractWaveform], times: list[float], step: flo
 
 
 def cut_steps(edges: Iterable[float], times: Sequence[float], step: float) -> Steps:
-    """Steps of at most `step` [s] between samples and edges.
-
-    Raises:
-        InputError: there are too many.
-    """
+    """Steps of at most `step` [s] between samples and edges; `InputError` if there are too many."""
     duration, samples = times[-1], len(times)
     ahead = [*sorted(edges), math.inf]
     if duration / step + len(ahead) + samples > MOST_STEPS:

@@ -24,33 +24,12 @@ from martensite.base.errors import InputError, suggest_name
 from martensite.base.status import Status
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.kernels.compiled_program import CompiledProgram, get_address
-from martensite.kernels.compiler import find_compiler
+from martensite.kernels.compiler import find_compiler, read_source
 from martensite.simulate.compiled import Compiled, compile_system
 from martensite.simulate.march import classify_step
 
 Numbers: TypeAlias = NDArray[np.float64]
 
-_ADVANCE = """
-void advance(long n, long steps, const double *restrict c, double *restrict x,
-             double *restrict y, double *restrict worst,
-             const double *restrict drives, double *restrict rows) {{
-    for (long i = 0; i < steps; i++) {{
-        memcpy(x + {size} * n, drives, sizeof(double) * {drives} * n);
-        k_step(n, c, x, y);
-        memcpy(x, y, sizeof(double) * {size} * n);
-        for (long l = 0; l < n; l++) {{
-            const double r = y[{size} * n + l], s = y[({size} + 1) * n + l];
-            if (!(r <= worst[l]) && worst[l] == worst[l]) worst[l] = r;
-            if (!(s <= worst[n + l]) && worst[n + l] == worst[n + l]) worst[n + l] = s;
-        }}
-        if (rows) {{
-            k_observe(n, c, x, rows);
-            rows += {outputs} * n;
-        }}
-        drives += {drives} * n;
-    }}
-}}
-"""
 
 FUNCTIONS = ("init", "step", "observe")
 
@@ -61,13 +40,10 @@ class Lanes:
     def __init__(
         self, system: AbstractSystem, lanes: int, values: Mapping[str, Any] | None = None, native: bool | None = None
     ) -> None:
-        """Lanes of a system; `reset` puts them at rest.
+        """Lanes of a system or a bench; `reset` puts them at rest.
 
-        Args:
-            system: a system, or a bench.
-            lanes: how many.
-            values: parameters by path that differ from lane to lane, each of shape (lanes,).
-            native: whether to run in C; by default if there is a compiler.
+        Values are parameters by path that differ from lane to lane, each of shape (lanes,); `native` runs in C, by
+        default if there is a compiler.
         """
         compiled = compile_system(system)
         self._rows = {path: k for k, path in enumerate(compiled.paths)}
@@ -90,11 +66,8 @@ class Lanes:
     def set_values(self, values: Mapping[str, Any]) -> None:
         """Other parameters from now on, as if the lanes had been made with them.
 
-        States and worst reports stay: `reset` puts the lanes at the rest of their new parameters.
-
-        Args:
-            values: parameters by path, each a number or of shape (lanes,); what is not named
-                stays as it is.
+        States and worst reports stay: `reset` puts the lanes at the rest of their new parameters. Values are by path,
+        each a number or of shape (lanes,); what is not named stays as it is.
 
         Raises:
             InputError: there is no such parameter, or it has another shape.
@@ -190,7 +163,8 @@ class NativeLanes:
         size, outputs, self.n = compiled.size, len(compiled.outputs), table.shape[1]
         self._filled_to = n = self.n if self.n < BLOCK else -(-self.n // BLOCK) * BLOCK
         self._table = self._fill_block(table)
-        added = _ADVANCE.format(size=size, drives=compiled.drives, outputs=outputs)
+        constants = {"SIZE": size, "DRIVES": compiled.drives, "OUTPUTS": outputs}
+        added = read_source("simulate", "pushed_lanes.c", constants)
         self.program = CompiledProgram(compiled.program, FUNCTIONS, self._table, added)
         self.x = np.empty((size + compiled.drives + 1, n))
         self.y, self._worst = np.empty((size + len(compiled.report), n)), np.zeros((2, n))

@@ -11,7 +11,6 @@ import ctypes
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from importlib.resources import files
 from itertools import accumulate, islice, takewhile
 from typing import Any
 
@@ -22,7 +21,7 @@ from martensite.actuators.assembly.ledger import ACCOUNTS
 from martensite.base.status import Status
 from martensite.kernels.c99 import c_source
 from martensite.kernels.c99_lanes import lanes_source
-from martensite.kernels.compiler import is_compiled, load_library
+from martensite.kernels.compiler import is_compiled, load_library, read_source
 from martensite.kernels.compute_once import cache_answers
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.moments import Segment
@@ -389,8 +388,8 @@ class MarchKernel:
         )
         names = ("marching.c", *(("fixed.c",) if self.fixed else ("ledger.c", "adaptive.c")))
         names = ("lanes.c",) if self.lanes > 1 else names
-        texts = [_read_text("signals", "reader.c"), *(_read_text("simulate", name) for name in names)]
-        return "\n".join([kernels, *(f"#define {k} {v}" for k, v in constants.items()), *texts])
+        texts = [read_source("signals", "reader.c", constants), *(read_source("simulate", name, {}) for name in names)]
+        return "\n".join([kernels, *texts])
 
 
 _LOADED: set[MarchKernel] = set()
@@ -411,10 +410,6 @@ def tell_readiness(kernel: MarchKernel) -> str:
     if kernel in _LOADED:
         return "loaded"
     return "compiled" if is_compiled(kernel.source(), kernel.flags) else "new"
-
-
-def _read_text(room: str, name: str) -> str:
-    return (files(f"martensite.{room}") / name).read_text(encoding="utf-8")
 
 
 def _format_list(numbers: Sequence[float]) -> str:

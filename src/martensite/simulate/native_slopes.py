@@ -11,46 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from martensite.kernels.c99 import WIDTHS, slopes_source
-from martensite.kernels.compiler import call_compiled, load_library
+from martensite.kernels.compiler import call_compiled, load_library, read_source
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.slopes import differentiate_program
 from martensite.physics.laws.coupling import StepReport
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.grid import TimeGrid
-
-_MARCH = """
-void march(long intervals, const double *restrict p, const slopes *restrict dp,
-           const double *restrict first, const double *restrict sampled,
-           const long *restrict counts, const double *restrict drives,
-           const double *restrict lengths, double *restrict rows, slopes *restrict drows,
-           double *restrict worst) {{
-    double c[{constants}], x[{size} + {inputs} + 1], y[{results}];
-    slopes dc[{dconstants}], dx[{size}], dy[{results}];
-    k_prepare(p, dp, c, dc);
-    for (long j = 0; j < {reports}; j++) worst[j] = 0.0;
-    memcpy(x, first, sizeof(double) * {drives});
-    k_init(c, dc, x, dx, y, dy);
-    memcpy(x, y, sizeof(double) * {size});
-    memcpy(dx, dy, sizeof(slopes) * {size});
-    memcpy(x + {size}, first, sizeof(double) * {drives});
-    k_observe(c, dc, x, dx, rows, drows);
-    for (long i = 0; i < intervals; i++) {{
-        for (long k = 0; k < counts[i]; k++, drives += {inputs}, lengths++) {{
-            memcpy(x + {size}, drives, sizeof(double) * {inputs});
-            x[{size} + {inputs}] = *lengths;
-            k_step(c, dc, x, dx, y, dy);
-            memcpy(x, y, sizeof(double) * {size});
-            memcpy(dx, dy, sizeof(slopes) * {size});
-            for (long j = 0; j < {reports}; j++)
-                worst[j] = worst[j] >= y[{size} + j] ? worst[j] : y[{size} + j];
-        }}
-        memcpy(x + {size}, sampled + i * {drives}, sizeof(double) * {drives});
-        rows += {outputs};
-        drows += {outputs};
-        k_observe(c, dc, x, dx, rows, drows);
-    }}
-}}
-"""
 
 
 class OutputSlopes(NamedTuple):
@@ -67,15 +33,10 @@ class OutputSlopes(NamedTuple):
 def march_slopes(
     compiled: CompiledMarch, values: Sequence[float], seeds: Any, grid: TimeGrid, outputs: Sequence[int]
 ) -> OutputSlopes:
-    """March one run with the derivatives of its outputs.
+    """March one run with the derivatives of its outputs, wanted by their places.
 
-    Args:
-        compiled: the traced system.
-        values: its parameters.
-        seeds: (parameters, directions): by how much each parameter moves in each direction.
-            Rows of zeros cost nothing, whatever the parameter.
-        grid: samples and steps.
-        outputs: which outputs are wanted, by their places.
+    Seeds, (parameters, directions), say by how much each parameter moves in each direction. Rows of zeros cost nothing,
+    whatever the parameter.
     """
     given = np.asarray(seeds, float)
     count = given.shape[1]
@@ -109,15 +70,16 @@ def _load_library(compiled: CompiledMarch, moving: tuple[int, ...], outputs: tup
     size = compiled.size
     states = {"init": 0, "step": size, "observe": size}
     program = differentiate_program(compiled.program, moving, states, outputs)
-    loop = _MARCH.format(
-        constants=program.constants,
-        dconstants=program.constant_slopes,
-        size=size,
-        inputs=compiled.inputs,
-        results=size + len(compiled.report),
-        drives=compiled.drives,
-        outputs=len(outputs),
-        reports=len(compiled.report),
-    )
+    constants = {
+        "CONSTANTS": program.constants,
+        "CONSTANT_SLOPES": program.constant_slopes,
+        "SIZE": size,
+        "INPUTS": compiled.inputs,
+        "RESULTS": size + len(compiled.report),
+        "DRIVES": compiled.drives,
+        "OUTPUTS": len(outputs),
+        "REPORTS": len(compiled.report),
+    }
     functions = list(program.functions.values())
+    loop = read_source("simulate", "given_slopes.c", constants)
     return load_library(slopes_source(program, functions, moving, width) + loop)

@@ -52,23 +52,14 @@ def register_path(
 
 
 def find_path(name: str) -> NamedPath:
-    """A named path.
-
-    Raises:
-        UnknownNameError: there is none of that name.
-    """
+    """A named path; `UnknownNameError` if there is none of that name."""
     if name not in PATHS:
         raise UnknownNameError("path", name, PATHS)
     return PATHS[name]
 
 
 def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> list[ThermomechanicalPath]:
-    """The courses of a named path, sized by a law.
-
-    Args:
-        name: a name from `PATHS`.
-        law: the law that is to follow them.
-        choices: what is not to be taken from the law.
+    """The courses of a named path of `PATHS`, sized by a law but for what is chosen.
 
     Raises:
         UnknownNameError: there is no path of that name.

@@ -12,7 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple, cast
 
 from martensite.base.status import Status
-from martensite.kernels.compiler import call_compiled
+from martensite.kernels.compiler import call_compiled, read_source
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.simulate.compiled_law import ROW, CompiledLaw, compile_law
 from martensite.simulate.march import SOLVED, classify_step
@@ -24,31 +24,6 @@ if TYPE_CHECKING:
 SPLITS = 4
 """How often a step that stays unsolved is halved, on floats."""
 STRAIN, STRESS = ROW.index("strain"), ROW.index("stress")
-_RIDE = """
-void ride(long samples, long finer, const double *restrict c, const double *restrict ramp,
-          double *restrict memory, double *restrict rows, double *restrict worst,
-          long *restrict where) {{
-    double x[{inputs}], y[{results}];
-    const long n = samples * finer;
-    memcpy(x, memory, sizeof(double) * {size});
-    worst[0] = 0.0;
-    where[0] = 0;
-    for (long k = 1; k <= n; k++) {{
-        const double share = (double)k / (double)n;
-        x[{size}] = k == n ? ramp[1] : ramp[0] + share * (ramp[1] - ramp[0]);
-        x[{size} + 1] = k == n ? ramp[3] : ramp[2] + share * (ramp[3] - ramp[2]);
-        x[{size} + 2] = ramp[4];
-        k_{step}(1, c, x, y);
-        memcpy(x, y, sizeof(double) * {size});
-        if (!(y[{results} - 1] <= worst[0])) {{ worst[0] = y[{results} - 1]; where[0] = k - 1; }}
-        if (k % finer == 0) {{
-            memcpy(rows, y + {size}, sizeof(double) * {row});
-            rows += {row};
-        }}
-    }}
-    memcpy(memory, x, sizeof(double) * {size});
-}}
-"""
 
 
 class PathSection(NamedTuple):
@@ -223,7 +198,9 @@ class NativeRider:
         from martensite.kernels.compiled_program import CompiledProgram
 
         size = self._compiled.size
-        added = _RIDE.format(inputs=max(size + 3, 4), results=size + len(ROW), size=size, row=len(ROW), step=step)
+        row, results = len(ROW), size + len(ROW)
+        constants = {"INPUTS": max(size + 3, 4), "RESULTS": results, "SIZE": size, "ROW": row, "STEP": f"k_{step}"}
+        added = read_source("simulate", "ride.c", constants)
         made = CompiledProgram(self._compiled.program, ("init", step), self._table, added)
         return self._programs.setdefault(step, made)
 

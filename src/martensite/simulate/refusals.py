@@ -17,13 +17,7 @@ from martensite.base.parameters import Parametrised
 
 
 def find_refused(part: Parametrised, values: Mapping[str, Any], count: int) -> NDArray[np.bool_]:
-    """Runs that are refused.
-
-    Args:
-        part: what has the parameters.
-        values: path -> one number per run, (runs,), in SI.
-        count: number of runs.
-    """
+    """Which of `count` runs are refused; values are by path, (runs,), in SI."""
     leaves = {leaf.path: leaf for leaf in part.leaves()}
     found = np.zeros(count, np.bool_)
     for path, column in values.items():

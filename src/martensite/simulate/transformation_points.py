@@ -131,13 +131,7 @@ class Explorer:
 
 @lru_cache(maxsize=256)
 def find_isobar(law: AbstractLaw, stress: float = 0.0, level: float = LEVEL) -> Marks:
-    """Transformation temperatures at a constant stress [Pa].
-
-    Args:
-        law: any law.
-        stress: held during the thermal cycle [Pa].
-        level: share of the transformation at which it counts as begun.
-    """
+    """Temperatures at which the transformation, at a constant stress [Pa], counts as begun by a share `level`."""
     explorer = Explorer(law)
     hot, cold = PlanePoint(stress, HOTTEST), PlanePoint(stress, COLDEST)
     duration = (HOTTEST - COLDEST) / HEATING

@@ -97,14 +97,7 @@ class EqualStep(NamedTuple):
 def find_step(
     system: AbstractSystem, waveform: Waveforms, duration: float, tolerance: float, samples: int = 1001
 ) -> EqualStep:
-    """The longest step [s] of a row of halved ones with which a run is within a tolerance.
-
-    Args:
-        system: what is run.
-        waveform: its drive, or drives by name.
-        duration: length of the run [s].
-        tolerance: accepted difference, as a share of range.
-        samples: at which runs are compared.
+    """The longest step [s] of a row of halved ones with which a run is within a tolerance, as a share of range.
 
     Raises:
         SolveError: the run fails.

@@ -130,7 +130,8 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         """Those of the system, for what does not move, one for each level, and one for pairs."""
         own = self.system.drives()
         levels = zip(self.levels.declarations, self.layout(), strict=True)
-        pairs = zip(self.owners_of_pairs(), self.pairs(), strict=True)
+        # The drive of every pair.
+        pairs = zip([self.layout()[k] for _, k in self.pairs()], self.pairs(), strict=True)
         return [
             *own,
             *(own[place]._replace(name=name) for name, place in levels),
@@ -144,10 +145,6 @@ class WaveformLevelSystem(AbstractSystem, init=False):
         found = [(-1, k) for k in range(len(layout))]
         found += [(j, k) for k in range(len(layout)) for j in range(k) if layout[j] == layout[k]]
         return [pair for pair in found if not own[layout[pair[1]]].at_end]
-
-    def owners_of_pairs(self) -> list[int]:
-        """The drive of every pair."""
-        return [self.layout()[k] for _, k in self.pairs()]
 
     def init(self, xp: Namespace, *drives: Scalar) -> Any:
         """The system at rest under the signals put together."""
@@ -223,11 +220,7 @@ class WaveformLevels:
         return dict(zip(names, arrange_waveforms(self.system, self.waveforms), strict=True))
 
     def with_levels(self, levels: Sequence[Level]) -> WaveformLevels:
-        """With these levels as parameters.
-
-        Raises:
-            ParameterError: a signal is not affine in its levels.
-        """
+        """With these levels as parameters; `ParameterError` if a signal is not affine in its levels."""
         found = WaveformLevels(self.system, self.waveforms, self.duration, tuple(levels))
         for drive in found.own:
             found.require_affine(drive)
@@ -247,11 +240,7 @@ class WaveformLevels:
         return found
 
     def level(self, drive: str, name: str) -> Level:
-        """One of the levels that could be steered.
-
-        Raises:
-            ParameterError: there is none of that name.
-        """
+        """One of the levels that could be steered; `ParameterError` if there is none of that name."""
         known = {(level.drive, level.name): level for level in self.available()}
         if (drive, name) not in known:
             names = [level for owner, level in known if owner == drive]

@@ -111,10 +111,7 @@ def find_checks(kind: str, cls: type[Any]) -> list[Check]:
 def check_conformance(cls: type[Parametrised], kind: str, parts: Iterable[Parametrised] = ()) -> Conformance:
     """Run the suite of a kind on a part, and keep what is found for the results of later runs.
 
-    Args:
-        cls: its class.
-        kind: word for an entry of its registry, such as `law`.
-        parts: examples of it; by default made of typical values, one for every choice of options.
+    Examples of it are by default made of typical values, one for every choice of options.
 
     Raises:
         InputError: there is no suite for this kind.

@@ -24,11 +24,7 @@ LEVEL = {DRIVE: "V"}
 
 
 def build_example(cls: type[Some], /, **choices: Any) -> Some:
-    """An instance of a part.
-
-    Args:
-        cls: its class.
-        choices: values instead of the typical ones.
+    """An instance of a part, of typical values but for some choices.
 
     Raises:
         ParameterError: something is required of which no typical value is declared.

@@ -50,14 +50,9 @@ def _trace_kinetics(keyed: Keyed[Any]) -> Any:
 def follow_path(
     law: AbstractLaw, points: Sequence[Point], fraction: float, substeps: int = 1, dt: float = 1.0
 ) -> list[Any]:
-    """Memories of a law at points of (stress [Pa], temperature [K]).
+    """Memories of a law at points of (stress [Pa], temperature [K]), its martensite at the first all oriented.
 
-    Args:
-        law: the law.
-        points: straight legs lead from each to the next.
-        fraction: martensite at the first point, all of it oriented.
-        substeps: pieces of equal length into which every leg is cut.
-        dt: duration of a leg [s].
+    Straight legs of dt [s] lead from each to the next, each cut into `substeps` of equal length.
     """
     memory = law.init(floats, Fractions(fraction, fraction), *points[0])
     memories = [memory]

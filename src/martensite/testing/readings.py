@@ -59,11 +59,7 @@ def require_same_traced(
 ) -> None:
     """Raise unless a kernel means the same when it is traced, as it is for every run.
 
-    Args:
-        part: the part whose kernel it is.
-        kernel: function (part, namespace, *inputs) of numbers in nested tuples.
-        ranges: of its inputs, by name.
-        count: of random inputs that are tried.
+    It is a function (part, namespace, *inputs) of numbers in nested tuples, tried with random inputs of these ranges.
     """
     program = Program()
     twin = part.rebuilt({leaf.path: program.parameter(leaf.path) for leaf in part.leaves()})

@@ -106,22 +106,19 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
     def check(self) -> None:
         """Raise `ParameterError` if the coil cannot be wound, or the law not hold its state."""
         super().check()
-        self._check_index()
-        solid, steep = self.solid_length(), self.circumference() * self.turns
-        if not solid * (1.0 - 1e-9) <= self.free_length <= steep:
-            raise ParameterError(
-                f"Parameter `free_length` of `coil-spring` must be at least the solid length N d = "
-                f"{1e3 * solid:.6g} mm and at most pi N D = {1e3 * steep:.6g} mm (45 deg of "
-                f"pitch), but is {1e3 * self.free_length:.6g} mm."
-            )
-
-    def _check_index(self) -> None:
         exact = "exact" in (self.stress_factor, self.stiffness_factor)
         least, words = (coil_theory.LEAST_INDEX, "at least 3") if exact else (1.0, "above 1")
         if self.mean_diameter() <= self.diameter or self.index() < least:
             raise ParameterError(
                 f"The spring index D/d of `coil-spring`, from `coil_diameter` and `diameter`, "
                 f"must be {words} with these options, but is {self.index():.4g}."
+            )
+        solid, steep = self.solid_length(), self.circumference() * self.turns
+        if not solid * (1.0 - 1e-9) <= self.free_length <= steep:
+            raise ParameterError(
+                f"Parameter `free_length` of `coil-spring` must be at least the solid length N d = "
+                f"{1e3 * solid:.6g} mm and at most pi N D = {1e3 * steep:.6g} mm (45 deg of "
+                f"pitch), but is {1e3 * self.free_length:.6g} mm."
             )
 
     def cautions(self) -> list[str]:

@@ -96,12 +96,7 @@ class BeamModes:
 
 
 def beam_modes(beam: CantileverBeam, modes: int = 3, elements: int | None = None) -> BeamModes:
-    """Find the lowest modes by finite elements.
-
-    Args:
-        beam: the beam and its tip mass.
-        modes: how many.
-        elements: of equal length; `PER_MODE` for each mode if left out.
+    """Find so many of the lowest modes by finite elements of equal length, by default `PER_MODE` for each mode.
 
     Raises:
         ParameterError: no mode or no element is asked for, or more modes than 2 per element.
@@ -129,13 +124,10 @@ def beam_modes(beam: CantileverBeam, modes: int = 3, elements: int | None = None
 
 
 def exact_roots(count: int, mass_ratio: float = 0.0) -> tuple[float, ...]:
-    """The lowest roots β of the characteristic equation, by bisection to the last digit.
+    """The lowest `count` roots β of the characteristic equation, by bisection to the last digit.
 
-    Between (k - 1) π and k π the left-hand side changes its sign, whatever the tip mass.
-
-    Args:
-        count: how many roots.
-        mass_ratio: tip mass over mass of the beam; without one cos β cosh β = -1.
+    Between (k - 1) π and k π the left-hand side changes its sign, whatever the `mass_ratio` of tip and beam; without a
+    tip mass cos β cosh β = -1.
     """
     return tuple(_find_wave_number(k, mass_ratio) for k in range(1, count + 1))
 

@@ -144,15 +144,9 @@ def _multiply_dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
 
 
 def platform_lengths(plates: Plates, alpha: float, beta: float) -> tuple[float, float, float]:
-    """Lengths of the three legs of a platform: inverse kinematics.
+    """Lengths [m] of legs 0 (the one at +Y), 1 and 2 of a platform: inverse kinematics.
 
-    Args:
-        plates: geometry.
-        alpha: rotation about X [rad].
-        beta: rotation about Y [rad], made after that about X.
-
-    Returns:
-        Lengths [m] of legs 0, 1 and 2; leg 0 is the one at +Y.
+    It is turned about X by alpha [rad], then about Y by beta [rad].
 
     Raises:
         ParameterError: the geometry or an angle cannot be.

@@ -261,8 +261,7 @@ class BeamMotor(AbstractMultibody):
 def modal_numbers(modes: BeamModes) -> dict[str, Any]:
     """Arguments of `BeamMotor` that say how a beam bends: `modes`, masses and stiffnesses.
 
-    Args:
-        modes: up to four modes of a beam that carries the whole motor at its tip.
+    There are up to four modes, of a beam that carries the whole motor at its tip.
 
     Raises:
         ParameterError: there are more modes than four.

@@ -86,13 +86,10 @@ def move_point(point: Point, direction: Point, way: float) -> Point:
 
 
 def lead_wire(port: str, path: Sequence[Point], rest: float, away: Point) -> list[DrawingShape]:
-    """A wire along a path whose fixed end is first, and a tether where it is too short.
+    """A wire along a path [m] whose fixed end is first, and a tether where it is too short.
 
-    Args:
-        port: of the element.
-        path: from the fixed end to the moving one, as it is now [m].
-        rest: length of the element as assembled less that of the path as assembled [m].
-        away: direction in which the wire runs on behind the fixed end.
+    `rest` is the length of the element less that of the path, both as assembled [m]; the wire runs on `away` behind the
+    fixed end.
     """
     if rest >= 0.0:
         points = (move_point(path[0], away, rest), *path)
@@ -144,14 +141,7 @@ def draw_lifted(by: float) -> list[DrawingShape]:
 def draw_hanging(
     ports: Sequence[str], shortened: Sequence[float], turned: Sequence[float], reading: DrawingState
 ) -> list[DrawingShape]:
-    """What is drawn of a mechanism that says nothing: elements that hang side by side.
-
-    Args:
-        ports: of the mechanism.
-        shortened: of each element since it was assembled [m].
-        turned: angles [rad] of the mechanism, each drawn as a disc below.
-        reading: what is drawn.
-    """
+    """What is drawn of a mechanism that says nothing: elements side by side, `shortened` [m], discs `turned` [rad]."""
     longest = max(reading.lengths.values(), default=0.1)
     apart = 0.3 * longest
     wide = 0.5 * apart * max(len(ports), len(turned), 1)

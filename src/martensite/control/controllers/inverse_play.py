@@ -71,7 +71,10 @@ class InversePlay(AbstractController):
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
         """At rest under the idle signal: all plays there."""
         idle = self.feedback.limit_signal(xp, 0.0)
-        level = idle * _sum_weights(self.weights)
+        total: Scalar = 0.0
+        for weight in self.weights.numbers:
+            total = total + weight
+        level = idle * total
         correction = self.feedback.rest(xp, reference, readings[self.measured])
         return [*correction, *[level] * len(self.thresholds.numbers)]
 
@@ -97,13 +100,6 @@ class InversePlay(AbstractController):
             here = x[k] + (output - y[k]) * ((x[k + 1] - x[k]) / (y[k + 1] - y[k]))
             found = xp.where(way * (output - y[k]) > 0.0, here, found)
         return found
-
-
-def _sum_weights(weights: NumberedGains) -> Scalar:
-    total: Scalar = 0.0
-    for weight in weights.numbers:
-        total = total + weight
-    return total
 
 
 def _invert_plays(thresholds: NumberedGains, weights: NumberedGains) -> tuple[Scalar, list[tuple[Scalar, Scalar]]]:

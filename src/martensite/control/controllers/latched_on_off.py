@@ -90,13 +90,7 @@ class LatchedOnOff(AbstractController):
 def replay_controller(
     drive: AbstractDrive, times: Sequence[float], columns: Mapping[str, Sequence[float]]
 ) -> list[float]:
-    """Signal that a controller gives at every sample of a record.
-
-    Args:
-        drive: the controller.
-        times: sample times [s].
-        columns: readings by name, one value per sample, in SI.
-    """
+    """Signal that a controller gives at every sample [s] of a record, its readings in SI."""
     memory, signals = drive.init(), list[float]()
     for k, time in enumerate(times):
         row = {name: column[k] for name, column in columns.items()}

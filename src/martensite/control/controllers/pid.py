@@ -47,14 +47,7 @@ class PidMemory(NamedTuple):
 
 
 def per_sample(Kp: float, Ki: float, Kd: float, interval: float) -> Gains:
-    """Gains per sample from those of K_p + K_i/s + K_d s.
-
-    Args:
-        Kp: proportional gain.
-        Ki: integral gain [1/s].
-        Kd: derivative gain [s].
-        interval: sample time [s].
-    """
+    """Gains per sample, an interval [s] apart, from those of K_p + K_i/s + K_d s, K_i in [1/s] and K_d in [s]."""
     return Gains(Kp, Ki * interval, Kd / interval)
 
 
@@ -94,14 +87,7 @@ GAINS_ARE = "per-sample", "in-seconds"
 
 
 def sample_gains(xp: Namespace, gains: Gains, kind: str, dt: Scalar) -> Gains:
-    """Gains per sample, of gains of a kind; the first sample, dt = 0, has nothing to integrate.
-
-    Args:
-        xp: namespace.
-        gains: as they were given.
-        kind: one of `GAINS_ARE`.
-        dt: time since the sample before [s]; 0 for the first one.
-    """
+    """Gains per sample, of gains of a kind of `GAINS_ARE`; the first sample, dt = 0 s, has nothing to integrate."""
     if kind == "per-sample":
         return gains
     some = dt > 0.0

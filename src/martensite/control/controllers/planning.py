@@ -110,14 +110,7 @@ class Planner:
         )
 
     def best(self, moment: Moment, guess: Numbers, dt: float, rng: np.random.Generator) -> tuple[Numbers, float]:
-        """The best plan that is found, shape (blocks,), and what it costs.
-
-        Args:
-            moment: what plans start from.
-            guess: the plan of the period before, moved on.
-            dt: step of the model [s].
-            rng: random numbers.
-        """
+        """The best plan, shape (blocks,), and its cost, from the last one, moved on; `dt` [s] is that of the model."""
         spread = np.full(len(guess), self.search.spread * self.range)
         plans = self._full([self._far(guess), self._sample_plans(guess, spread, rng)])
         best, least = guess, math.inf
@@ -224,13 +217,7 @@ class TimeScales(NamedTuple):
 
 
 def measure_reach(system: AbstractSystem, output: str, low: float, high: float) -> TimeScales:
-    """How long full signal and none need.
-
-    Args:
-        system: a system with one drive.
-        output: what shall move.
-        low: least signal.
-        high: largest signal.
+    """How long full signal and none need to move an output of a system with one drive.
 
     Raises:
         ParameterError: full signal does not move the output.

@@ -109,11 +109,7 @@ def _convert_number(place: int) -> Declared:
 
 
 def as_row(owner: str, name: str, given: Any) -> NumberedGains:
-    """A row, of a sequence of numbers too.
-
-    Raises:
-        ParameterError: it is neither.
-    """
+    """A row, of a sequence of numbers too; `ParameterError` if it is neither."""
     if isinstance(given, NumberedGains):
         return given
     if isinstance(given, str) or not isinstance(given, Sequence):

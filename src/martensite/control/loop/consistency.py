@@ -54,7 +54,10 @@ class Consistency:
 
     def band(self, share: float = 0.95) -> tuple[float, float]:
         """Where the mean NEES of a sample over the runs lies, with that probability."""
-        return _compute_band(self.degrees, self.runs, share)
+        from scipy.stats import chi2
+
+        ends = chi2.ppf([0.5 - 0.5 * share, 0.5 + 0.5 * share], self.degrees * self.runs) / self.runs
+        return float(ends[0]), float(ends[1])
 
     def inside(self, share: float = 0.95) -> float:
         """Share of samples whose mean NEES lies in its band; `share` if all is well."""
@@ -124,10 +127,3 @@ def _collect_covariance(columns: Mapping[str, Any], unknown: list[str]) -> Numbe
             rows[i][j] = rows[i][j] * columns[f"{ESTIMATED}{CORRELATION}.{a}.{b}"]
             rows[j][i] = rows[i][j]
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-
-
-def _compute_band(degrees: int, runs: int, share: float) -> tuple[float, float]:
-    from scipy.stats import chi2
-
-    ends = chi2.ppf([0.5 - 0.5 * share, 0.5 + 0.5 * share], degrees * runs) / runs
-    return float(ends[0]), float(ends[1])

@@ -86,13 +86,7 @@ def simulate_bench(
 
 
 def warn_of_end(result: Result, duration: float, period: float) -> Result:
-    """The result, with a warning if it ends at another time than was asked for.
-
-    Args:
-        result: a run in periods.
-        duration: what was asked for [s].
-        period: time between two samples [s].
-    """
+    """The result in periods [s], with a warning if it ends at another time [s] than was asked for."""
     end = result.times[-1]
     if result.status.failed or abs(end - duration) <= ROUNDING * duration:
         return result

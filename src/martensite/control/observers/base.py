@@ -76,11 +76,7 @@ class ObserverPeriod(NamedTuple):
 
 
 def list_required(observer: AbstractObserver, signals: Named) -> list[Scalar]:
-    """Signals of the model of an observer, in their order.
-
-    Raises:
-        ParameterError: the plant has no signal of that name.
-    """
+    """Signals of the model of an observer, in their order; `ParameterError` if the plant has no signal of that name."""
     for drive in observer.model.drives():
         if drive.name not in signals:
             raise ParameterError(

@@ -61,12 +61,8 @@ class AbstractSensor(Parametrised):
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
         """The reading before rounding, and what is remembered.
 
-        Args:
-            xp: namespace.
-            state: what it remembered `dt` ago.
-            truth: true signals now, held since then.
-            noise: a standard normal number.
-            dt: time since the reading before [s]; 0 for the first one.
+        The state is what it remembered dt [s] ago, 0 for the first one; true signals are held since then, and noise is
+        a standard normal number.
         """
 
     def reading(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
@@ -105,11 +101,8 @@ class Probe:
 def simulate_readings(sensor: AbstractSensor, truth: Numbers, interval: float, rng: np.random.Generator) -> Numbers:
     """What a sensor says of a whole record, from rest.
 
-    Args:
-        sensor: the sensor.
-        truth: true signals, shape (samples, signals), in the order of `sees`.
-        interval: sample time [s].
-        rng: where the noise comes from; it is drawn in portions of `DRAWN` numbers.
+    The truth, of shape (samples, signals), is in the order of `sees`, at an interval [s]; noise is drawn in portions of
+    `DRAWN` numbers.
 
     Raises:
         InputError: there are not as many signals as the sensor looks at.

@@ -77,13 +77,7 @@ def guard_for(
 
 
 def worst_power(actuator: Actuator, hottest: float, full: float) -> float:
-    """Largest power [W] that a signal of either sign brings into an element, at any resistance.
-
-    Args:
-        actuator: element, environment and source.
-        hottest: highest temperature of the element [K].
-        full: the signal.
-    """
+    """Largest power [W] that a signal of either sign brings into an element up to `hottest` [K], at any resistance."""
     element, source = _require_lumped(actuator.element), actuator.source
     ohms = [
         element.ohms(floats, fraction, strain, temperature)

@@ -33,15 +33,10 @@ class DrivenLanes:
         values: Mapping[str, Any] | None = None,
         native: bool | None = None,
     ) -> None:
-        """Lanes at rest come with `reset`.
+        """Lanes at rest come with `reset`, of a plant, or a bench, whose controllers then close their loops.
 
-        Args:
-            system: a plant, or a bench, whose controllers then close their loops.
-            count: how many lanes.
-            drive: its signal is given, those of all others are 0; the first if not named.
-            output: what is looked at; the first coordinate of the mechanism if not named.
-            values: parameters by path that differ from lane to lane.
-            native: whether to run in C; by default if there is a compiler.
+        The signal of one drive is given, by default of the first, those of all others are 0; what is looked at is by
+        default the first coordinate of the mechanism. Values are parameters by path that differ from lane to lane.
 
         Raises:
             InputError: a name does not fit.
@@ -114,11 +109,7 @@ class DrivenLanes:
 
 
 def require_positive(name: str, values: Any, unit: str) -> Numbers:
-    """Numbers above 0 as an array.
-
-    Raises:
-        InputError: there are none, or one is not above 0.
-    """
+    """Numbers above 0 as an array; `InputError` if there are none, or one is not above 0."""
     found = np.atleast_1d(np.asarray(values, float))
     if not found.size or not all(math.isfinite(x) and x > 0.0 for x in found.ravel()):
         raise InputError(f"`{name}` must be numbers above 0 {unit}.")

@@ -102,9 +102,7 @@ def find_length(element: AbstractElement) -> float | None:
 def integrate_energies(result: Result, ways: Sequence[tuple[Numbers, Numbers]]) -> EnergyCourses:
     """Energies of a run over its samples.
 
-    Args:
-        result: a run, of a plant or of a bench.
-        ways: forces [N] with the coordinates [m] that grow as they pull, or torques with angles.
+    `ways` are forces [N] with the coordinates [m] that grow as they pull, or torques with angles.
     """
     times = np.asarray(result.times)
     power, lost = (_add_columns(result, name) for name in ("power", "heat_loss"))

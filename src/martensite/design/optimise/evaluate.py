@@ -77,15 +77,10 @@ class DesignEvaluator:
         also: Sequence[DesignAim] = (),
         native: bool | None = None,
     ) -> None:
-        """Prepare runs.
+        """Prepare runs of so many samples, both ends included, in steps [s] of at most `step`.
 
-        Args:
-            steering: the system, its waveforms and the length of a run.
-            question: what is free, and what designs are judged by.
-            samples: of every run, both ends included.
-            step: longest step [s].
-            also: what is told of designs besides, without derivatives.
-            native: whether to run in C; by default if there is a compiler.
+        Of the measures `also`, told besides, there are no derivatives; `native` runs in C, by default if there is a
+        compiler.
 
         Raises:
             ParameterError: a level of a waveform cannot be free.
@@ -254,11 +249,7 @@ class DesignEvaluator:
 
 
 def apply_numbers(steering: WaveformLevels, question: DesignQuestion, numbers: Sequence[float]) -> WaveformLevels:
-    """System and waveforms of a design, checked.
-
-    Raises:
-        ParameterError: the system refuses the numbers together.
-    """
+    """System and waveforms of a design, checked; `ParameterError` if the system refuses the numbers together."""
     pairs = [(c, float(v)) for one, v in zip(question.free, numbers, strict=True) for c in one.targets]
     system = steering.system.with_values({c.path: v for c, v in pairs if c.level is None})
     waves = dict(steering.own)

@@ -130,17 +130,13 @@ def read_question(
         raise ParameterError("Nothing is free: name what may change, such as `element.diameter=0.05..0.5 mm`.")
     known = list_targets(steering, written)
     freed = tuple(read_design_number(text, known, steering.system) for text in free)
-    _refuse_twice(freed)
-    aim = read_aim(goal, steering, freed)
-    limits = tuple(read_constraint(text, steering, freed) for text in subject)
-    return DesignQuestion(freed, aim, most, limits, ({}, *(_read_case(text, known, freed) for text in cases)))
-
-
-def _refuse_twice(freed: Sequence[FreeNumber]) -> None:
     paths = [target.path for one in freed for target in one.targets]
     twice = next((path for path in paths if paths.count(path) > 1), None)
     if twice is not None:
         raise ParameterError(f"`{twice}` is named as free more than once.")
+    aim = read_aim(goal, steering, freed)
+    limits = tuple(read_constraint(text, steering, freed) for text in subject)
+    return DesignQuestion(freed, aim, most, limits, ({}, *(_read_case(text, known, freed) for text in cases)))
 
 
 def read_aim(words: str, steering: WaveformLevels, freed: Sequence[FreeNumber]) -> DesignAim:
@@ -210,10 +206,7 @@ def build_life_constraints(
 ) -> list[Constraint]:
     """What keeps every element within its limits; nothing where none is declared and no margin asked for.
 
-    Args:
-        steering: the system.
-        freed: its free numbers.
-        margin: share of every limit that is left, 0 to below 1.
+    The margin is the share of every limit that is left, 0 to below 1.
 
     Raises:
         ParameterError: the margin is none, or one of limits that no element declares.

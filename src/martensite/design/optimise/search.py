@@ -80,11 +80,7 @@ def start_search(
 def search_designs(
     designs: DesignEvaluator, begin: Numbers, search: DesignSearch, watch: Tell | None = None, keep: Keep | None = None
 ) -> BoxSearch:
-    """Search the box from a sample of it and from one design.
-
-    Raises:
-        SolveError: no run of the sample can be made.
-    """
+    """Search the box from a sample of it and from one design; `SolveError` if no run of the sample can be made."""
     hunt = start_search(designs, search, watch, keep)
     starts = _choose_starts(_sample_box(hunt, designs, begin, search), search.descents)
     for k, start in enumerate(starts):
@@ -140,13 +136,8 @@ ROUNDS = 3
 def round_design(hunt: BoxSearch, free: Sequence[FreeNumber], relaxed: BoxPoint) -> tuple[BoxPoint, Tried, BoxPoint]:
     """The best design whose whole numbers are whole, all that were tried, and the best relaxed one.
 
-    A whole design that is better than the relaxed one shows that this was not the best: it is
-    searched anew from there.
-
-    Args:
-        hunt: the search, which goes on counting.
-        free: numbers of a design.
-        relaxed: the best design found if they could be anything.
+    A whole design that is better than the relaxed one shows that this was not the best: it is searched anew from there.
+    The search goes on counting.
     """
     whole = np.array([one.whole for one in free])
     tried: Tried = {}
@@ -246,12 +237,9 @@ class DesignScan:
 def scan_designs(
     designs: DesignEvaluator, points: int | Sequence[int], watch: Callable[[float], None] | None = None
 ) -> DesignScan:
-    """Judge all designs of a grid, even on the scale of each free number.
+    """Judge all designs of a grid, even on the scale of each free number; `watch` is told the share that is done.
 
-    Args:
-        designs: ready to be judged.
-        points: along each free number; of a whole one all its numbers if they are fewer.
-        watch: called with the share that is done.
+    Of a whole number all are taken if they are fewer than the points along it.
 
     Raises:
         ParameterError: there are too many, or fewer than two along a number.

@@ -18,12 +18,7 @@ from martensite.simulate.waveform_levels import PEAK, WaveformLevels
 
 
 def list_targets(steering: WaveformLevels, written: Mapping[str, str] | None = None) -> list[Target]:
-    """All numbers of a system and levels of its waveforms.
-
-    Args:
-        steering: the system and its waveforms.
-        written: path in the system -> path in the scenario, where they differ.
-    """
+    """All numbers of a system and levels of its waveforms; `written` has the paths that differ in the scenario."""
     spelled = written or {}
     leaves = steering.system.leaves()
     found = [Target.from_leaf(leaf, spelled.get(leaf.path, leaf.path)) for leaf in leaves]

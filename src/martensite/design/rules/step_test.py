@@ -51,13 +51,7 @@ class Response(NamedTuple):
 
 
 def fit_first_order(reading: Numbers, before: int, period: float, step: float) -> Response:
-    """Models of one response.
-
-    Args:
-        reading: samples, the step being at number `before`.
-        before: samples before the step that say where it begins.
-        period: time between samples [s].
-        step: change of the signal.
+    """Models of one response to a `step` of the signal, whose samples begin `before` it, one a `period` [s].
 
     Raises:
         DataError: the output does not answer.
@@ -225,16 +219,10 @@ def find_holding_signals(
     hold: float | None = None,
     waveforms: Waveforms | None = None,
 ) -> HoldingSignals:
-    """The signals that hold a reading at a level, by runs at constant signals.
+    """The signals that hold a reading at a level [SI], by runs at constant signals from low to high.
 
-    Args:
-        bench: with the controller whose reading is looked at.
-        level: of the reading, in SI.
-        low: least signal tried.
-        high: largest signal tried, with which cooling begins.
-        drive: whose loop is opened; needed if there are several.
-        hold: time until the output is looked at [s].
-        waveforms: of other drives of the plant.
+    The largest is that with which cooling begins; outputs are looked at after a time `hold` [s]. The drive whose loop
+    is opened is named if there are several, and other drives of the plant have waveforms.
 
     Raises:
         ParameterError: no signal between holds the reading there.

@@ -96,15 +96,10 @@ def check_catalogue(
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> list[CheckRow]:
-    """Predict every size of a catalogue, thin to thick, alloy by alloy.
+    """Predict every size of a catalogue (by default that of Flexinol), thin to thick, alloy by alloy.
 
-    Args:
-        catalogue: the maker's table; that of Flexinol if not given.
-        alloys: which of `70` and `90`.
-        stress: of the weight that the wire lifts [Pa].
-        ambient: room temperature [K].
-        progress: called with the number of rows done and their total.
-        stop: asked before each row; once it says so, those predicted so far are the answer.
+    A weight of some stress [Pa] is lifted in a room [K]. `progress` is called with the number of rows done and their
+    total; once `stop`, asked before each row, says so, those predicted so far are the answer.
 
     Raises:
         SolveError: no current contracts a wire in 1 s.

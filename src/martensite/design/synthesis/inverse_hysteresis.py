@@ -34,11 +34,7 @@ class IdentifiedHysteresis(NamedTuple):
     """How they were found."""
 
     def controller(self, **others: Any) -> InversePlay:
-        """The controller that inverts them.
-
-        Args:
-            others: `measured`, `reference` and `feedback` of the controller.
-        """
+        """The controller that inverts them, with its `measured`, `reference` and `feedback`."""
         return InversePlay(
             thresholds=self.operator.thresholds,
             weights=self.operator.weights,
@@ -92,15 +88,10 @@ def identify_hysteresis(
 
 
 def fit_rising_curve(knots: Numbers, levels: Numbers, outputs: Numbers) -> Numbers:
-    """Values at knots of the lines that come nearest to outputs and never turn back.
+    """Values at rising knots (knots,) of the lines that come nearest to outputs and never turn back.
 
-    Least squares with rises of one sign, that of the whole, and of a least size: a flat piece
-    has no inverse.
-
-    Args:
-        knots: rising, shape (knots,).
-        levels: where outputs are known, shape (samples,).
-        outputs: shape (samples,); missing ones are NaN.
+    Least squares with rises of one sign, that of the whole, and of a least size: a flat piece has no inverse. Levels
+    and outputs are of shape (samples,), missing outputs NaN.
     """
     known = np.isfinite(outputs)
     x, y = np.clip(levels[known], knots[0], knots[-1]), outputs[known]

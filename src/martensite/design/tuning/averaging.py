@@ -100,11 +100,7 @@ def compare_averaging(
 
 
 def switch_plant(system: System, waveform: AbstractWaveform) -> tuple[System, AbstractDrive]:
-    """The system with a bare switch, and the drive that makes its duty.
-
-    Raises:
-        InputError: the source is no switch.
-    """
+    """The system with a bare switch, and the drive that makes its duty; `InputError` if the source is no switch."""
     source = system.source
     if isinstance(source, PwmVoltage):
         return system, waveform

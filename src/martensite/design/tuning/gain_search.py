@@ -46,13 +46,10 @@ BOX_FACTOR = 100.0
 
 
 def build_free_gains(bench: Bench, texts: Sequence[str], starts: Sequence[Mapping[str, float]]) -> list[FreeNumber]:
-    """Free numbers of the controllers of a bench.
+    """Free numbers of the controllers of a bench, with the `starts` of searches.
 
-    Args:
-        bench: the bench.
-        texts: paths, or unique endings of paths among controllers, such as `drive.Kp` or `Kp`,
-            with bounds if they are not to be chosen.
-        starts: numbers by path where searches begin.
+    Texts are paths, or unique endings of paths among controllers, such as `drive.Kp` or `Kp`, with bounds if they are
+    not to be chosen.
 
     Raises:
         ParameterError: an unknown name, a number without a sign or bounds, bounds that are none.
@@ -62,7 +59,7 @@ def build_free_gains(bench: Bench, texts: Sequence[str], starts: Sequence[Mappin
     leaves = {leaf.path: leaf for leaf in bench.leaves()}
     found: list[FreeNumber] = []
     for text in texts:
-        path = find_gain(bench, parse_free(text)[0])
+        path = "controllers." + bench.controllers.resolve(parse_free(text)[0].removeprefix("controllers."))
         target = Target.from_leaf(leaves[path])
         wanted = replace(_read_gain(text, target.unit), name=path)
         begun = [target.value, *(start[path] for start in starts if path in start)]
@@ -76,11 +73,6 @@ def build_free_gains(bench: Bench, texts: Sequence[str], starts: Sequence[Mappin
 def _read_gain(text: str, unit: str) -> SearchRange:
     """Bounds may have no unit: they are in SI then."""
     return read_free(text, unit, lambda x: float(x) if is_bare(x) else units.parse_quantity(x, unit))
-
-
-def find_gain(bench: Bench, name: str) -> str:
-    """Path in a bench of a parameter of its controllers."""
-    return "controllers." + bench.controllers.resolve(name.removeprefix("controllers."))
 
 
 FAILED_COST = 1e3

@@ -71,11 +71,7 @@ class Course:
     """A reference and the scales of a first run: what costs are counted with."""
 
     def __init__(self, seen: Seen, period: float) -> None:
-        """Learn from a first run, arrays of shape (samples,).
-
-        Raises:
-            ParameterError: the reference asks for nothing.
-        """
+        """Learn from a first run, arrays of shape (samples,); `ParameterError` if the reference asks for nothing."""
         reference, start = seen.reference, float(seen.output[0])
         self.span = float(max(reference.max(), start) - min(reference.min(), start))
         if not self.span > 0.0:

@@ -50,11 +50,7 @@ class StepResponse(NamedTuple):
 
 
 def build_steps(levels: Sequence[tuple[float, float]], interval: float) -> Numbers:
-    """A reference that stands at levels, each for some time.
-
-    Args:
-        levels: pairs of level and time [s].
-        interval: sample time [s].
+    """A reference, sampled at an interval [s], that stands at levels, each for some time [s].
 
     Raises:
         InputError: a level lasts less than a sample.
@@ -66,13 +62,7 @@ def build_steps(levels: Sequence[tuple[float, float]], interval: float) -> Numbe
 
 
 def measure_steps(reference: Numbers, output: Numbers, interval: float) -> list[StepResponse]:
-    """How an output answers every step of a reference.
-
-    Args:
-        reference: levels, shape (samples,).
-        output: what follows it, of the same shape and unit.
-        interval: sample time [s].
-    """
+    """How an output answers every step of a reference of the same unit, both (samples,), at an interval [s]."""
     turns = np.flatnonzero(np.diff(reference)) + 1
     ends = [*turns[1:], len(reference)]
     return [

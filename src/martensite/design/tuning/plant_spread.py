@@ -102,11 +102,7 @@ def _draw_parameter(bench: Bench, name: str, spread: float, z: NDArray[np.float6
 
 
 def find_plant_leaf(bench: Bench, name: str) -> Leaf:
-    """The number of the plant that a path, or a unique ending of one, names.
-
-    Raises:
-        ParameterError: there is none.
-    """
+    """The number of the plant that a path, or a unique ending of one, names; `ParameterError` if there is none."""
     path = bench.plant.resolve(name.removeprefix(PLANT))
     return next(leaf for leaf in bench.plant.leaves() if leaf.path == path)
 
@@ -149,11 +145,7 @@ class OverPlants:
         return min(self.itae, key=lambda name: float(np.median(self.itae[name])))
 
     def ratio(self, one: str, other: str) -> Ratio:
-        """How one set does beside another.
-
-        Raises:
-            ParameterError: there is no such set.
-        """
+        """How one set does beside another; `ParameterError` if there is no such set."""
         for name in (one, other):
             if name not in self.itae:
                 raise ParameterError(f"There is no set `{name}`. {suggest_name(name, self.itae)}")

@@ -94,10 +94,7 @@ class AbstractBlock(Parametrised):
     def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
         """The block whose nonlinear terms go no further than in records; itself if they are bounded as they are.
 
-        Args:
-            theta: its free numbers.
-            states: those that it had in the records, shape (samples, states).
-            dt: sample time [s].
+        States are those that it had in the records, shape (samples, states), at a sample time of dt [s].
         """
         return self
 
@@ -117,13 +114,9 @@ class AbstractBlock(Parametrised):
         return None
 
     def as_linear(self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float) -> tuple[Self, Numbers]:
-        """The block, and free numbers with which it runs as a linear one, nonlinear terms 0.
+        """The block, and free numbers with which it runs as a linear one, that `twin` gives, nonlinear terms 0.
 
-        Args:
-            linear: what `twin` gives.
-            theta: its free numbers.
-            x: what enters, shape (samples, inputs): fixed numbers may suit it.
-            dt: sample time [s].
+        What enters is of shape (samples, inputs), every dt [s]: fixed numbers may suit it.
         """
         return self, theta
 

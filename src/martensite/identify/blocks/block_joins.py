@@ -36,11 +36,7 @@ class Series(AbstractComposite):
     sign = "|"
 
     def check(self) -> None:
-        """Every block takes what the one before gives.
-
-        Raises:
-            ParameterError: one does not.
-        """
+        """Every block takes what the one before gives; `ParameterError` if one does not."""
         super().check()
         for before, after in zip(self.blocks, self.blocks[1:], strict=False):
             if before.outputs != after.inputs:
@@ -92,11 +88,7 @@ class SummedBlocks(AbstractComposite):
     sign = "+"
 
     def check(self) -> None:
-        """All take as many signals, and give one.
-
-        Raises:
-            ParameterError: they do not.
-        """
+        """All take as many signals, and give one; `ParameterError` if they do not."""
         super().check()
         if len({block.inputs for block in self.blocks}) > 1 or any(block.outputs != 1 for block in self.blocks):
             raise ParameterError(f"The blocks of `{self.text()}` must take the same signals and give one each.")
@@ -140,11 +132,7 @@ class FeedbackLoop(AbstractComposite):
     fence_high: float = param("1", "greatest output that is fed back", default=WIDE)
 
     def check(self) -> None:
-        """Two blocks of one input and one output.
-
-        Raises:
-            ParameterError: they are not.
-        """
+        """Two blocks of one input and one output; `ParameterError` if they are not."""
         if len(self.blocks) != 2 or any((block.inputs, block.outputs) != (1, 1) for block in self.blocks):
             raise ParameterError(
                 f"A loop such as `[oe(2,2,1) < boucwen]` is made of two blocks of one input and one output, not of "

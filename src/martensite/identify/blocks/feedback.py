@@ -180,10 +180,7 @@ class Feedback(AbstractRanged):
     def like(self, linear: TransferFunction, theta: Numbers, dt: float) -> Numbers:
         """Free numbers with which it is a transfer function, nothing fed back: a start for a fit.
 
-        Args:
-            linear: of the same order, with as many numerator coefficients or fewer.
-            theta: its free numbers.
-            dt: sample time [s].
+        That is of the same order, with as many numerator coefficients or fewer, at a sample time of dt [s].
 
         Raises:
             ParameterError: it has another order, or a delay or numerator that this has not.

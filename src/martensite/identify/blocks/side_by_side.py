@@ -27,11 +27,7 @@ class AbstractComposite(AbstractBlock):
     blocks: tuple[AbstractBlock, ...] = part("the blocks", default=(UnitGain(), UnitGain()))
 
     def check(self) -> None:
-        """There are blocks.
-
-        Raises:
-            ParameterError: there is none.
-        """
+        """There are blocks; `ParameterError` if there is none."""
         if not self.blocks:
             raise ParameterError(f"A block `{self.registered_name}` needs at least one block inside.")
 

@@ -136,13 +136,9 @@ Linear: TypeAlias = TransferFunction | StateSpace
 def linear_start(
     block: AbstractBlock, w: Numbers | Sequence[Numbers], y: Numbers | Sequence[Numbers], dt: float
 ) -> LinearStart:
-    """Numbers of an `oe` or `ss` block that reproduce y from w as well as its orders allow.
+    """Numbers of an `oe` or `ss` block that reproduce y from w as well as its orders allow, sampled every dt [s].
 
-    Args:
-        block: the block.
-        w: what enters it, shape (samples,) or (samples, inputs); several records as a list.
-        y: what leaves it, NaN where it is missing.
-        dt: sample time [s].
+    Signals are of shape (samples,) or (samples, columns), several records as a list; y is NaN where it is missing.
 
     Raises:
         InputError: the block is neither an `oe` nor an `ss`.
@@ -186,14 +182,10 @@ def best_linear(
 def polish_linear(
     block: Linear, records: Sequence[Sampled], start: str = "rest", skip: int = 0, iterations: int = 60
 ) -> Chain:
-    """A linear block, with the line that its gain and offset need, refined from its start.
+    """An `oe` or `ss`, with the line that its gain and offset need, refined from its start.
 
-    Args:
-        block: an `oe` or `ss`.
-        records: one or several, of one sample time.
-        start: state at the first sample: `rest`, `zero`, `estimate`.
-        skip: samples at the start of every record that do not count.
-        iterations: most steps of the search; 0 leaves the start.
+    `start` is the state at the first sample, `rest`, `zero` or `estimate`; samples before `skip` do not count; with 0
+    iterations the start is left.
 
     Raises:
         DataError: too few samples are known.

@@ -141,11 +141,7 @@ class Chain:
         return ChainEngine(self.blocks[:block], self.interval).simulate(theta, u)
 
     def then(self, other: Chain) -> Chain:
-        """This model in series with another, whose input is its output.
-
-        Raises:
-            InputError: the sample times differ.
-        """
+        """This model in series with another, whose input is its output; `InputError` if the sample times differ."""
         if abs(other.interval / self.interval - 1.0) > 1e-6:
             raise InputError(
                 f"Models in series need one sample time, but `{self.name}` has "

@@ -116,14 +116,8 @@ def correlate_residuals(
 ) -> Crossed | None:
     """Correlate the residuals of one output with a signal; None if either does not vary.
 
-    Args:
-        residuals: (samples,), NaN where they are not known.
-        signal: (samples,).
-        interval: sample time [s].
-        output: name of the output.
-        name: what the signal is called.
-        lags: in samples; see `spread_lags` if left out.
-        level: of the verdict.
+    Both are of shape (samples,), every interval [s], residuals NaN where they are not known; lags are in samples, see
+    `spread_lags` if left out.
 
     Raises:
         DataError: the two are not equally many, or a lag is beyond the record.

@@ -45,7 +45,7 @@ class FloatChain:
                         ds[state + e.row] += found[e.place] * dw[e.column]
                     else:
                         ds[state + e.row, own[e.column - inputs]] += found[e.place]
-            y, dy, _, _ = _step_block(piece, functions, w, dw, s[rows], ds[rows], 0)
+            y, dy, _, _ = step_block(piece, functions, w, dw, s[rows], ds[rows], 0)
             w, dw, state = y, dy, state + block.states()
 
     def run(self, p: Numbers, u: Numbers, s: Numbers, y: Numbers) -> None:
@@ -70,7 +70,7 @@ class FloatChain:
             x, dx, state = row, np.zeros((len(row), m)), 0
             for k, piece in enumerate(self._plan.pieces):
                 rows = slice(state, state + piece.block.states())
-                x, dx, s[rows], ds[rows] = _step_block(piece, functions, x, dx, s[rows], ds[rows], extra)
+                x, dx, s[rows], ds[rows] = step_block(piece, functions, x, dx, s[rows], ds[rows], extra)
                 state = rows.stop
                 for place, (number, channel) in enumerate(self._taps):
                     if number == k:
@@ -80,7 +80,7 @@ class FloatChain:
         return self._plan.program.bind_floats(*map(float, p))
 
 
-def _step_block(
+def step_block(
     piece: ChainPiece, functions: Functions, x: Numbers, dx: Numbers, s: Numbers, ds: Numbers, extra: int
 ) -> tuple[Numbers, Numbers, Numbers, Numbers]:
     """One block in one sample: outputs, their columns, the next state, its columns."""

@@ -72,13 +72,7 @@ class StateWatch(AbstractBlock):
 
 
 def fence_chain(chain: Chain, records: Sequence[Sampled], states: Sequence[Numbers]) -> Chain:
-    """The chain whose nonlinear terms go no further than along its records.
-
-    Args:
-        chain: the chain.
-        records: those that it was fitted to.
-        states: at the first sample of each.
-    """
+    """The chain whose nonlinear terms go no further than along its records, which begin in these states."""
     blocks, parts = list(chain.blocks), chain.split()
     last = max((k for k, block in enumerate(blocks) if block.fenced), default=-1)
     reaching = [record.inputs for record in records]

@@ -210,11 +210,9 @@ TURNS = 3
 
 
 def noise_model(residuals: Sequence[Numbers], order: int) -> Numbers:
-    """Coefficients 1, l_1 … l_n of L(q).
+    """Coefficients 1, l_1 … l_n of L(q), of order n.
 
-    Args:
-        residuals: of records, shape (samples, outputs), NaN where unknown; outputs count alike.
-        order: n.
+    Residuals are those of records, shape (samples, outputs), NaN where unknown; outputs count alike.
 
     Raises:
         DataError: too few samples in a row are known.

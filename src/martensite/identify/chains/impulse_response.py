@@ -52,10 +52,7 @@ class _Sums(NamedTuple):
 def impulse_response(pairs: Sequence[Pair], length: int, nk: int = 0) -> Numbers:
     """Responses g at lags nk … nk + length - 1, shape (length, outputs, inputs).
 
-    Args:
-        pairs: inputs and outputs of records; samples with a missing output do not count.
-        length: number of lags.
-        nk: first lag.
+    Samples with a missing output do not count.
 
     Raises:
         DataError: too few samples are known.
@@ -201,15 +198,10 @@ def _describe_pair(s: Numbers, pair: tuple[int, int]) -> tuple[float, float]:
 
 
 def find_entering(found: Realised, z: Numbers, cascade: Realised, own: Numbers) -> Numbers:
-    """B of a realisation in the state of a cascade.
+    """B of a realisation with poles z in the state of a cascade with poles `own`, in the same order.
 
-    Mode by mode: the modes of both are scaled so that the sum of the inputs excites them alike.
-
-    Args:
-        found: the realisation, its last input the sum of the others that drives the cascade.
-        z: its poles, in the order of the cascade's.
-        cascade: the cascade with its input.
-        own: poles of the cascade.
+    Mode by mode: the modes of both are scaled so that the sum of the inputs excites them alike. The last input of the
+    realisation is that sum, which drives the cascade.
     """
     excited = _find_modes(found, z)[1]
     modes, wanted = _find_modes(cascade, own)

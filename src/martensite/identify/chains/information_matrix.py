@@ -134,16 +134,10 @@ def list_rows(
     undetermined: Numbers,
     moved: Numbers,
 ) -> list[PrintedNumber]:
-    """The rows of one block.
+    """The rows of one block, numbered from 1 on, from the covariance of its free numbers.
 
-    Args:
-        number: of the block, from 1 on.
-        block: the block.
-        theta: its free numbers.
-        slopes: derivatives of what is shown, shape (rows, numbers).
-        covariance: of the free numbers.
-        undetermined: whether a row depends on directions that are not determined.
-        moved: how much a row changes with numbers that are not determined.
+    `slopes` are derivatives of what is shown, shape (rows, numbers); `undetermined` says which rows depend on
+    directions that are not determined, `moved` how much each changes with them.
     """
     rows = block.describe_numbers(theta)
     errors = np.sqrt(np.maximum(np.einsum("ij,jk,ik->i", slopes, covariance, slopes), 0.0))
@@ -228,13 +222,7 @@ class Inverse:
 
 
 def invert_normal(square: Numbers, names: Sequence[str], cut: float = CUT) -> Inverse:
-    """Invert JᵀJ where it can be inverted.
-
-    Args:
-        square: JᵀJ.
-        names: of the free numbers.
-        cut: share of the largest eigenvalue, columns scaled, that is not determined.
-    """
+    """Invert JᵀJ where it can be inverted: above a share `cut` of the largest eigenvalue, columns scaled."""
     norms = np.sqrt(np.diag(square))
     seen = norms > NOTHING * np.max(norms, initial=0.0)
     square = np.where(np.outer(seen, seen), square, 0.0)

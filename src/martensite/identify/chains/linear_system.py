@@ -95,10 +95,7 @@ class LinearSystem:
         return self.d + slim.c @ np.linalg.solve(np.eye(len(slim.a)) - slim.a, slim.b)
 
     def frequency_response(self, frequencies: Any) -> Numbers:
-        """C (z I - A)⁻¹ B + D at z = exp(2πi f T_s), shape (frequencies, outputs, inputs).
-
-        Args:
-            frequencies: f [Hz], up to half the sample rate.
+        """C (z I - A)⁻¹ B + D at z = exp(2πi f T_s), f [Hz]; shape (frequencies, outputs, inputs).
 
         Raises:
             ParameterError: a frequency is not between 0 and 1/(2 T_s).

@@ -21,6 +21,7 @@ import numpy as np
 from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.identify.blocks.base import Numbers
 from martensite.identify.chains.chain import Chain
+from martensite.identify.chains.engine import step_block
 from martensite.identify.chains.linear_system import LinearSystem
 from martensite.signals.sampling.sampled import Sampled
 
@@ -43,13 +44,10 @@ class LinearisationPoint(NamedTuple):
 
 
 def operating_point(chain: Chain, level: Any, history: Numbers | Sampled | None = None) -> LinearisationPoint:
-    """The state in which a chain rests under a constant input.
+    """The state in which a chain rests under a constant input, a number or one for each input.
 
-    Args:
-        chain: the model.
-        level: the input, a number, or one for each input.
-        history: inputs from rest before, of shape (samples, inputs); then the level is held until
-            nothing changes. Of a chain without hysteresis it changes nothing.
+    After a history of inputs from rest, shape (samples, inputs), the level is held until nothing changes. Of a chain
+    without hysteresis it changes nothing.
 
     Raises:
         InputError: the level or the history do not fit the inputs.
@@ -61,20 +59,15 @@ def operating_point(chain: Chain, level: Any, history: Numbers | Sampled | None 
     if history is None:
         state = chain.engine.rest(chain.theta, u).state
     else:
-        rows = _convert_history(chain, history)
+        rows = history.inputs if isinstance(history, Sampled) else np.asarray(history, dtype=float)
+        rows = rows[:, None] if rows.ndim == 1 else rows
+        if rows.ndim != 2 or rows.shape[1] != chain.inputs or not len(rows):
+            raise InputError(f"The history of model `{chain.name}` needs {chain.inputs} inputs.")
         state = chain.engine.rest(chain.theta, rows[0]).state
         chain.engine.simulate(chain.theta, rows, state)
         _settle_state(chain, u, state)
     y = chain.engine.simulate(chain.theta, u[None], state.copy())[0]
     return LinearisationPoint(u, state, y)
-
-
-def _convert_history(chain: Chain, history: Numbers | Sampled) -> Numbers:
-    rows = history.inputs if isinstance(history, Sampled) else np.asarray(history, dtype=float)
-    rows = rows[:, None] if rows.ndim == 1 else rows
-    if rows.ndim != 2 or rows.shape[1] != chain.inputs or not len(rows):
-        raise InputError(f"The history of model `{chain.name}` needs {chain.inputs} inputs.")
-    return rows
 
 
 def _settle_state(chain: Chain, u: Numbers, state: Numbers) -> None:
@@ -120,35 +113,27 @@ def linearise_chain(
 def linearise_around(chain: Chain, point: LinearisationPoint, pushed: Sequence[Numbers] | None = None) -> LinearSystem:
     """The linear system around any state and input: also one that does not rest.
 
-    Args:
-        chain: the model.
-        point: where.
-        pushed: what enters every block instead, where those with memory are concerned.
+    What enters blocks with memory may be `pushed` instead.
     """
     engine = chain.engine
     states, inputs = engine.plan.states, chain.inputs
+    moving = states + inputs  # columns; those of the free numbers behind them do not matter
     functions = _bind_blocks(chain)
     entering = _find_entering(chain, point.inputs, point.state)
     a, b = np.zeros((states, states)), np.zeros((states, inputs))
-    reach = np.hstack([np.zeros((inputs, states)), np.eye(inputs)])
-    seen = np.zeros((len(engine.taps), states + inputs))
+    own = np.eye(states, moving + engine.plan.columns)
+    reach = np.hstack([np.zeros((inputs, states)), np.eye(inputs, inputs + engine.plan.columns)])
+    seen = np.zeros((len(engine.taps), moving))
     first = 0
     for k, piece in enumerate(engine.plan.pieces):
         rows = slice(first, first + piece.block.states())
-        own = np.eye(states, states + inputs)[rows]
         remembers = pushed is not None and piece.block.states() > 0
         x = pushed[k] if pushed is not None and remembers else entering[k]
-        found = functions[piece.step.name](*map(float, x), *map(float, point.state[rows]))
-        moved = np.vstack([reach[: piece.block.inputs], own])
-        after = np.zeros((piece.step.rows, states + inputs))
-        for e in piece.step.entries:
-            if e.column < len(moved):
-                after[e.row] += found[e.place] * moved[e.column]
-        reach = after[: piece.block.outputs]
-        a[rows], b[rows] = np.split(after[piece.block.outputs :], [states], axis=1)
+        _, reach, _, after = step_block(piece, functions, x, reach, point.state[rows], own[rows], moving)
+        a[rows], b[rows] = np.split(after[:, :moving], [states], axis=1)
         for place, (number, channel) in enumerate(engine.taps):
             if number == k:
-                seen[place] = reach[channel]
+                seen[place] = reach[channel, :moving]
         first = rows.stop
     c, d = np.split(seen, [states], axis=1)
     return LinearSystem(
@@ -179,8 +164,7 @@ def static_curve(
 ) -> tuple[Numbers, Numbers]:
     """Levels of one input, and the outputs (points, outputs) of the chain at rest under them.
 
-    Of a chain with hysteresis this is the curve of first rest at each level, without a history;
-    see `static_loop`.
+    Of a chain with hysteresis this is the curve of first rest at each level, without a history.
 
     Args:
         chain: the model.
@@ -193,7 +177,9 @@ def static_curve(
     Raises:
         InputError: a number of points below 2, or levels that do not fit.
     """
-    levels = _list_levels(low, high, points)
+    if points < 2 or not np.isfinite(low) or not np.isfinite(high):
+        raise InputError("A static curve needs at least 2 points between finite levels.")
+    levels = np.linspace(low, high, points)
     base = np.zeros(chain.inputs) if others is None else np.asarray(others, dtype=float)
     rows = np.tile(base, (points, 1))
     rows[:, number] = levels
@@ -203,13 +189,9 @@ def static_curve(
 def check_static_curve(chain: Chain, idle: float, targets: Sequence[float] = (), number: int = -1) -> None:
     """Raise `ParameterError` if a model is at rest where its records never were.
 
-    A controller that is designed on such a model is designed on what nothing was measured of.
-
-    Args:
-        chain: a model of one input; one that does not know the ranges of its records is not checked.
-        idle: its input before it is controlled.
-        targets: outputs that it is to reach, counted from the one that it has at rest under that input.
-        number: which output.
+    A controller that is designed on such a model is designed on what nothing was measured of. The idle input is that
+    before it is controlled, targets of the output are counted from where it rests then; a model of several inputs, or
+    one that does not know the ranges of its records, is not checked.
     """
     name, output = chain.input_names[0], chain.output_names[number]
     if chain.inputs != 1 or name not in chain.ranges or output not in chain.ranges:
@@ -238,32 +220,3 @@ def check_static_curve(chain: Chain, idle: float, targets: Sequence[float] = (),
                 f"Model `{chain.name}` is to reach {output} = {rest + target:.4g}, but its records hold {output} "
                 f"from {least:.4g} to {most:.4g} alone."
             )
-
-
-def static_loop(chain: Chain, low: float, high: float, hold: float, points: int = 41) -> tuple[Numbers, Numbers]:
-    """Levels up and down again, and the outputs (2 points - 1, outputs) at the end of each.
-
-    Every level is held for some time, so a hold of several time constants gives the hysteresis
-    that is left when nothing lags.
-
-    Args:
-        chain: a model of one input.
-        low: first and last level.
-        high: the turning point.
-        hold: time at every level [s].
-        points: levels from low to high.
-
-    Raises:
-        InputError: a number of points below 2, or a model of several inputs.
-    """
-    levels = _list_levels(low, high, points)
-    path = np.concatenate([levels, levels[-2::-1]])
-    count = max(round(hold / chain.interval), 1)
-    y = chain.simulate(np.repeat(path, count))
-    return path, y[count - 1 :: count]
-
-
-def _list_levels(low: float, high: float, points: int) -> Numbers:
-    if points < 2 or not np.isfinite(low) or not np.isfinite(high):
-        raise InputError("A static curve needs at least 2 points between finite levels.")
-    return np.linspace(low, high, points)

@@ -30,9 +30,7 @@ Masks = Mapping[str, Any]
 def find_rising(signal: Any, reversal: float = REVERSAL) -> Numbers:
     """True where a signal of shape (samples,) rises, or holds after it has risen.
 
-    Args:
-        signal: finite numbers.
-        reversal: share of its range by which it must come back to have turned.
+    It has turned when it comes back by the share `reversal` of its range.
 
     Raises:
         ParameterError: the reversal is not between 0 and 1.
@@ -59,13 +57,7 @@ def find_rising(signal: Any, reversal: float = REVERSAL) -> Numbers:
 def split_by_direction(
     record: Sampled, masks: Masks | None = None, number: int = 0, reversal: float = REVERSAL
 ) -> dict[str, Numbers]:
-    """Samples by name: those of a rising and of a falling input, or those that are given.
-
-    Args:
-        record: the record.
-        masks: truth values of shape (samples,) by name, instead of the direction of the input.
-        number: which input.
-        reversal: see `rising`.
+    """Samples by name: those of a rising and of a falling input, see `find_rising`, or those of given masks (samples,).
 
     Raises:
         DataError: a mask does not have one value per sample.

@@ -100,15 +100,9 @@ class ResidualSquares:
         priors: Numbers | None = None,
         halt: Event | None = None,
     ) -> None:
-        """Take a chain and records.
+        """Take a chain and records, the pull ρ per sample towards θ_ref of the chain, and 1/σ of priors around it.
 
-        Args:
-            engine: the chain.
-            aims: the records.
-            ridge: ρ, the pull towards the reference per sample.
-            reference: θ_ref, of the chain alone.
-            priors: 1/σ of every free number around the reference, in units of one residual.
-            halt: once it is set, computing ends with `HaltedSearchError` within some thousand samples.
+        Once `halt` is set, computing ends with `HaltedSearchError` within some thousand samples.
         """
         self.engine, self.aims, self._halt = engine, tuple(aims), halt or Event()
         self.columns, self.states = engine.plan.columns, engine.plan.states

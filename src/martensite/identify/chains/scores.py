@@ -54,14 +54,7 @@ def compute_rms(measured: Numbers, computed: Numbers, skip: int = 0) -> Numbers:
 
 
 def free_run(chain: Chain, record: Sampled, start: str = AUTO, skip: int = 0) -> Numbers:
-    """Outputs of a free run over a record, shape (samples, outputs).
-
-    Args:
-        chain: the model.
-        record: its inputs are what the model is given.
-        start: state at the first sample: `rest` under the first input, `zero`, `estimate` or `auto`;
-            see `record_starts.find_start`.
-        skip: samples at the start that do not count for that.
+    """Outputs of a free run over the inputs of a record, shape (samples, outputs); see `record_starts.find_start`.
 
     Raises:
         InputError: record and model do not fit.

@@ -119,14 +119,9 @@ POLISH = 40
 def list_informed_starts(
     chain: Chain, records: Sequence[Sampled], rng: np.random.Generator, count: int, state: str = "rest"
 ) -> list[Chain]:
-    """Chains to start from: one the plainest, some from linear models, others at random.
+    """So many chains to start from: one the plainest, some from linear models, others at random.
 
-    Args:
-        chain: the structure, adapted to a record.
-        records: one or several, of its sample time.
-        rng: what draws.
-        count: how many.
-        state: at the first sample of the records: `rest`, `zero`, `estimate`.
+    The chain is adapted to a record; `state` is that at the first sample of the records, `rest`, `zero` or `estimate`.
     """
     if count < 1:
         return []

@@ -118,12 +118,9 @@ class ChainUncertainty:
         return found
 
     def band(self, record: Sampled, level: float = LEVEL, start: ChainStart | None = None) -> OutputBand:
-        """Outputs along the inputs of a record, with their band.
+        """Outputs along the inputs of a record, with the band that should hold a share `level` of samples.
 
-        Args:
-            record: the inputs; from rest under the first of them if no start is given.
-            level: share of samples that the band should hold.
-            start: state at the first sample, with its derivatives.
+        They run from rest under the first of the inputs if no start, with its derivatives, is given.
 
         Raises:
             ParameterError: the level is not between 0 and 1.
@@ -163,13 +160,10 @@ class ChainUncertainty:
 def estimate_chain_uncertainty(
     chain: Chain, squares: ResidualSquares, blocks: Sequence[int] | int | None = None
 ) -> ChainUncertainty:
-    """The covariance of an estimated chain.
+    """The covariance of a chain, where a fit of these squares, such as `estimate.squares()`, ended.
 
-    Args:
-        chain: the chain, where a fit ended.
-        squares: the sum of squares that was minimised, such as `estimate.squares()`.
-        blocks: samples of a block, for all records or for each; by default three times the time
-            for which the residuals are alike. 1 takes them as independent.
+    Blocks are of so many samples, for all records or for each; by default three times the time for which the residuals
+    are alike. 1 takes them as independent.
 
     Raises:
         DataError: no sample counts, or a residual is not finite.

@@ -72,11 +72,7 @@ class Validation:
         return found
 
     def score(self, output: str | None = None, part: str = WHOLE) -> Score:
-        """The score of an output (the first, if left out) in a part.
-
-        Raises:
-            DataError: there is none.
-        """
+        """The score of an output (the first, if left out) in a part; `DataError` if there is none."""
         name = self.record.output_names[0] if output is None else output
         for one in self.scores:
             if one.output == name and one.part == part:
@@ -278,11 +274,7 @@ def _test_correlation(record: Sampled, residuals: Numbers, level: float) -> Iter
 
 
 def compare_validations(validations: Iterable[Validation]) -> str:
-    """Best and worst of several records, in a sentence.
-
-    Raises:
-        DataError: there are none.
-    """
+    """Best and worst of several records, in a sentence; `DataError` if there are none."""
     ranked = sorted(validations, key=lambda one: one.fit)
     if not ranked:
         raise DataError("There are no validations to compare.")

@@ -62,14 +62,9 @@ def is_wiener_hammerstein(blocks: Sequence[AbstractBlock]) -> bool:
 
 
 def wiener_hammerstein_starts(chain: Chain, record: Sampled, most: int = 24) -> list[Chain]:
-    """Chains to start from, best first, of the blocks of one `linear | static | linear`.
+    """Chains to start from, best first, of the blocks of one `linear | static | linear` of one input and output.
 
     The static block of each is adapted to what reaches it.
-
-    Args:
-        chain: the chain.
-        record: a record of one input and one output.
-        most: how many.
     """
     first, last = find_orders(chain.blocks[0]), find_orders(chain.blocks[2])
     if first is None or last is None or not is_wiener_hammerstein(chain.blocks):

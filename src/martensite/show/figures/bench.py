@@ -78,7 +78,13 @@ def plot_bench(result: Result, records: Records = None, title: str | None = None
     find_bench(result)
     measured = check_records(result, records)
     with use_style():
-        return _make_figure(result, _list_panels(result, measured, outside), title)
+        found = find_loops(result, outside)
+        panels = [_show_response(result, loop, measured) for loop in found] or _show_outputs(result, measured)
+        panels += [_show_errors(result, group) for group in _group_by_unit(result, found)]
+        panels += _show_signals(result, found)
+        panels += _show_temperatures(result, found, measured)
+        panels += [_show_estimate(result, name) for name in list_estimates(result, found)]
+        return _make_figure(result, panels, title)
 
 
 def _make_figure(result: Result, panels: Sequence[BenchPanel], title: str | None) -> Figure:
@@ -105,16 +111,6 @@ def _finish_panel(axes: Any, result: Result, title: str) -> None:
         label = "alarm" if k == 0 else "_nolegend_"
         axes.axvspan(begin, end, color=HEATING, alpha=0.12, linewidth=0.0, label=label)
     add_legend_above(axes)
-
-
-def _list_panels(result: Result, records: Sequence[MeasuredRecord], outside: Outside) -> list[BenchPanel]:
-    found = find_loops(result, outside)
-    panels = [_show_response(result, loop, records) for loop in found] or _show_outputs(result, records)
-    panels += [_show_errors(result, group) for group in _group_by_unit(result, found)]
-    panels += _show_signals(result, found)
-    panels += _show_temperatures(result, found, records)
-    panels += [_show_estimate(result, name) for name in list_estimates(result, found)]
-    return panels
 
 
 def _show_response(result: Result, loop: Loop, records: Sequence[MeasuredRecord]) -> BenchPanel:

@@ -57,11 +57,7 @@ class StripMark:
 
 
 def find_senses(temperature: Sequence[float]) -> Any:
-    """+1 (heating), -1 (cooling) or 0 (isothermal) for every segment of a path.
-
-    Args:
-        temperature: temperatures [K] along the path; a path of n points has n - 1 segments.
-    """
+    """+1 (heating), -1 (cooling) or 0 (isothermal) for every of the n - 1 segments of a path of temperatures [K]."""
     ripple = max(RIPPLE * (max(temperature) - min(temperature)), STILL)
     found = np.zeros(len(temperature) - 1, dtype=int)
     sense, turn, low, high = 0, 0, 0, 0

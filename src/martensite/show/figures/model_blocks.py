@@ -35,11 +35,7 @@ DECADES = 3.5
 
 
 def plot_static_blocks(chain: Chain, record: Sampled, title: str = "") -> Figure:
-    """Draw every static block over what reaches it in a record.
-
-    Raises:
-        InputError: the chain has no static block.
-    """
+    """Draw every static block over what reaches it in a record; `InputError` if the chain has no static block."""
     places = [k for k, block in enumerate(chain.blocks) if isinstance(block, AbstractStatic)]
     if not places:
         raise InputError(f"Model `{chain.text()}` has no static block.")
@@ -54,11 +50,7 @@ def plot_static_blocks(chain: Chain, record: Sampled, title: str = "") -> Figure
 
 
 def plot_linear_blocks(chain: Chain, title: str = "") -> Figure:
-    """Draw step and frequency responses of every linear block.
-
-    Raises:
-        InputError: the chain has no linear block.
-    """
+    """Draw step and frequency responses of every linear block; `InputError` if the chain has no linear block."""
     places = [k for k, block in enumerate(chain.blocks) if block.linear]
     if not places:
         raise InputError(f"Model `{chain.text()}` has no linear block.")

@@ -36,13 +36,8 @@ def add_panels(
 ) -> Any:
     """Panels of a figure at fixed distances from its edges, an array (rows, columns).
 
-    Args:
-        figure: where they are put.
-        rows: below one another.
-        columns: beside one another.
-        room: from the edges of the figure to the panels: left, right, above, below [inch].
-        gaps: between columns and between rows [inch].
-        how: `width_ratios`, `height_ratios`, and what `subplots` takes.
+    Room [inch] is left of, right of, above and below them, gaps [inch] are between columns and between rows; `how` has
+    `width_ratios`, `height_ratios`, and what `subplots` takes.
     """
     (width, height), (left, right, above, below) = figure.get_size_inches(), room
     across = (width - left - right - gaps[0] * (columns - 1)) / columns

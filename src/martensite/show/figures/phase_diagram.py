@@ -150,14 +150,7 @@ def _find_orientation(law: AbstractLaw, coldest: float, warmest: float) -> list[
 def draw_phase_diagram(
     axes: Any, law: AbstractLaw, results: Sequence[PointResult], colours: Sequence[Sequence[str]]
 ) -> None:
-    """Draw the bands of a law, and paths through them with their direction.
-
-    Args:
-        axes: matplotlib axes.
-        law: the law of all results.
-        results: paths; the diagram is cut to show them and the bands around them.
-        colours: one per leg of each result.
-    """
+    """Draw the bands of a law, cut to show paths through them with their direction; a colour per leg of each."""
     highest = max(LEAST_STRESS, 1.12 * max(max(r.stress) for r in results))
     coldest = min(min(r.temperature) for r in results) - 8.0
     hottest = max(max(r.temperature) for r in results) + 8.0

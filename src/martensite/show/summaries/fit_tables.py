@@ -173,13 +173,9 @@ def tabulate_errors(fit: Fit) -> DataTable:
 def _write_error(score: Score, raw: float | None) -> tuple[str, ...]:
     fit = "–" if math.isnan(score.fit_percent) else f"{score.fit_percent:.1f} %"
     rms, largest = (format_error(score.output, v, score.unit) for v in (score.rms, score.maximum))
-    bias = format_error(score.output, _round_small(score.bias, score.rms), score.unit)
+    bias = format_error(score.output, 0.0 if abs(score.bias) < 1e-6 * score.rms else score.bias, score.unit)
     bare = () if raw is None else ("" if math.isnan(raw) else format_error(score.output, raw, score.unit),)
     return score.record, f"`{score.output}`", rms, *bare, fit, largest, score.where, bias, str(score.samples)
-
-
-def _round_small(value: float, beside: float) -> float:
-    return 0.0 if abs(value) < 1e-6 * beside else value
 
 
 def tabulate_all_digits(fit: Fit) -> DataTable:

@@ -17,7 +17,7 @@ from martensite.show.figures.model_blocks import plot_linear_blocks, plot_static
 
 if TYPE_CHECKING:
     from martensite.identify.chains.chain import Chain
-    from martensite.identify.chains.search import Searched, StructureCandidate
+    from martensite.identify.chains.search import Searched
     from martensite.identify.chains.stages import Identified
     from martensite.signals.sampling.sampled import Sampled
 
@@ -29,6 +29,8 @@ MOST_NUMBERS = 12
 """Numbers of a chain that are shown."""
 SCORES = ("model", "used for", "record", "output", "fit [%]", "RMS error", "largest error")
 STRUCTURES = ("structure", "numbers", "estimation [%]", "chosen by [%]", "agreeing", "s", "fault")
+CANDIDATE = ("structure", "numbers", "estimation", "validation", "agreeing", "searches", "seconds", "fault")
+"""What programs are told of a candidate."""
 RECORD_SCORES = ("record", "output", "part", "fit [%]", "rms error", "largest error", "bias")
 
 
@@ -179,20 +181,7 @@ def _collect_search(searched: Searched) -> dict[str, Any]:
         "by": searched.by,
         "chosen": searched.chosen.structure,
         "complete": searched.complete,
-        "candidates": [_collect_candidate(c) for c in searched.candidates],
-    }
-
-
-def _collect_candidate(one: StructureCandidate) -> dict[str, Any]:
-    return {
-        "structure": one.structure,
-        "numbers": one.numbers,
-        "estimation": one.estimation,
-        "validation": one.validation,
-        "agreeing": int(one.agreeing),
-        "searches": one.searches,
-        "seconds": one.seconds,
-        "fault": one.fault,
+        "candidates": [{name: getattr(one, name) for name in CANDIDATE} for one in searched.candidates],
     }
 
 

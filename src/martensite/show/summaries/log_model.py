@@ -17,6 +17,9 @@ from martensite.fit.log_models import LogModel, TriedModel
 from martensite.search.quantity_text import format_number, format_quantity, join_phrases
 from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops
 
+HELD_OUT = ("record", "output", "rms", "raw_rms", "own_zero", "whole", "fit_percent")
+"""What programs are told of an error in what was held out."""
+
 
 def summarise_log_model(model: LogModel, command: str = "") -> Summary:
     """One page about what was made of logs; `command` is what fits the scenario again."""
@@ -187,17 +190,7 @@ def _collect_numbers(model: LogModel) -> dict[str, Any]:
         "predicts": model.predicts,
         "model": model.chosen.proposal.name,
         "held_out": [
-            {
-                "record": one.record,
-                "output": one.output,
-                "rms": one.rms,
-                "raw_rms": one.raw_rms,
-                "own_zero": one.own_zero,
-                "whole": one.whole,
-                "fit_percent": one.fit_percent,
-                "naive": dict(one.naive),
-            }
-            for one in model.chosen.errors
+            {name: getattr(one, name) for name in HELD_OUT} | {"naive": dict(one.naive)} for one in model.chosen.errors
         ],
         "tried": [{"model": one.proposal.name, "rms": one.pooled[0].rms} for one in model.tried],
         "numbers": fit.numbers,

@@ -52,13 +52,7 @@ DOUBT = "No number is fitted to a size. ! recalled: the original was not seen"
 
 
 def summarise_sizing(sizing: Sizing, chosen: int | None, *, every: bool = False) -> Summary:
-    """Everything about wires for a request.
-
-    Args:
-        sizing: the wires.
-        chosen: place of the one that is described; None for none.
-        every: whether those that do not do are shown as well.
-    """
+    """Everything about wires for a request, one described by its place; with `every` also those that do not do."""
     request = sizing.request
     one = [] if chosen is None else _describe_one(request, sizing.candidates[chosen])
     data = {

@@ -48,13 +48,9 @@ class Trend:
 
 
 def find_trend(record: Sampled, kind: str = "mean", rest: float | None = None) -> Trend:
-    """The trend of a record.
+    """The trend of a record, of the kind `mean`, `line` or `rest`.
 
-    Args:
-        record: where it is found.
-        kind: `mean`, `line` or `rest`.
-        rest: how long [s] the record is at rest at its beginning; by default until an input
-            changes for the first time. For the kind `rest` alone.
+    For the last, `rest` says how long [s] the record is at rest at its beginning; by default until an input changes.
 
     Raises:
         DataError: there is no such kind, or a signal is not known where its level is sought.
