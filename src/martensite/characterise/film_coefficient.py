@@ -95,7 +95,14 @@ class FilmPoints:
 def points_from_power(
     temperatures_degC: Sequence[float], powers: Sequence[float], *, diameter: float, length: float, ambient_degC: float
 ) -> FilmPoints:
-    """Film coefficients of a wire [m] from steady temperatures [°C], powers [W] and an ambient temperature [°C].
+    """Film coefficients of a wire from steady temperatures and heating powers.
+
+    Args:
+        temperatures_degC: steady temperatures [°C].
+        powers: heating powers [W].
+        diameter: diameter of the wire [m].
+        length: length of the wire [m].
+        ambient_degC: ambient temperature [°C].
 
     Raises:
         ParameterError: the diameter or the length is not above 0.

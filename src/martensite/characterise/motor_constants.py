@@ -92,7 +92,11 @@ class SteadyRunning:
 
 
 def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> Winding:
-    """Resistance from voltages [V] and currents [A] of a rotor held still, at several currents and rotor positions.
+    """Resistance from a rotor held still, at several currents and rotor positions.
+
+    Args:
+        voltages: [V]
+        currents: [A]
 
     Raises:
         DataError: the pairs are fewer than two, not finite, or do not give an R above 0.
@@ -112,7 +116,12 @@ def winding_resistance(voltages: Sequence[float], currents: Sequence[float]) -> 
 
 
 def steady_running(voltages: Sequence[float], currents: Sequence[float], speeds: Sequence[float]) -> SteadyRunning:
-    """Steady states [V, A, rad/s], those of backward rotation turned forward; two speeds at least, none of them zero.
+    """Steady states, those of backward rotation turned forward.
+
+    Args:
+        voltages: [V]
+        currents: [A]
+        speeds: [rad/s], at least two different ones, none of them zero.
 
     Raises:
         DataError: the states are fewer than two, not finite, at rest, or all of one speed.

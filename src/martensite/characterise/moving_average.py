@@ -17,7 +17,11 @@ from martensite.base.errors import DataError, ParameterError
 
 
 def average_moving(values: Sequence[float], window: int) -> list[float]:
-    """Centred average over an odd number of equally spaced rows, as long as the record, in its unit.
+    """Centred moving average, as long as the record, in its unit.
+
+    Args:
+        values: equally spaced rows.
+        window: number of rows averaged, odd.
 
     Raises:
         ParameterError: the window is not an odd number above 0.
@@ -35,9 +39,12 @@ def average_moving(values: Sequence[float], window: int) -> list[float]:
 
 
 def moving_average_gain(frequency: float, window: int, interval: float) -> float:
-    """Factor on a vibration of some frequency [Hz], away from the ends [-].
+    """Factor on a vibration of some frequency, away from the ends [-].
 
-    The window is an odd number of rows, an interval [s] apart.
+    Args:
+        frequency: of the vibration [Hz].
+        window: number of rows averaged, odd.
+        interval: time between rows [s].
 
     Raises:
         ParameterError: the window is not an odd number above 0, or the interval not above 0.

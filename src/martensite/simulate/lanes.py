@@ -40,10 +40,13 @@ class Lanes:
     def __init__(
         self, system: AbstractSystem, lanes: int, values: Mapping[str, Any] | None = None, native: bool | None = None
     ) -> None:
-        """Lanes of a system or a bench; `reset` puts them at rest.
+        """Lanes of a system; `reset` puts them at rest.
 
-        Values are parameters by path that differ from lane to lane, each of shape (lanes,); `native` runs in C, by
-        default if there is a compiler.
+        Args:
+            system: a system, or a bench.
+            lanes: how many.
+            values: parameters by path that differ from lane to lane, each of shape (lanes,).
+            native: whether to run in C; by default if there is a compiler.
         """
         compiled = compile_system(system)
         self._rows = {path: k for k, path in enumerate(compiled.paths)}
@@ -66,8 +69,11 @@ class Lanes:
     def set_values(self, values: Mapping[str, Any]) -> None:
         """Other parameters from now on, as if the lanes had been made with them.
 
-        States and worst reports stay: `reset` puts the lanes at the rest of their new parameters. Values are by path,
-        each a number or of shape (lanes,); what is not named stays as it is.
+        States and worst reports stay: `reset` puts the lanes at the rest of their new parameters.
+
+        Args:
+            values: parameters by path, each a number or of shape (lanes,); what is not named
+                stays as it is.
 
         Raises:
             InputError: there is no such parameter, or it has another shape.

@@ -59,7 +59,12 @@ def find_path(name: str) -> NamedPath:
 
 
 def named_path(name: str, law: AbstractLaw, choices: Choices | None = None) -> list[ThermomechanicalPath]:
-    """The courses of a named path of `PATHS`, sized by a law but for what is chosen.
+    """The courses of a named path, sized by a law.
+
+    Args:
+        name: a name from `PATHS`.
+        law: the law that is to follow them.
+        choices: what is not to be taken from the law.
 
     Raises:
         UnknownNameError: there is no path of that name.

@@ -101,9 +101,14 @@ class VariantSetup:
             raise ParameterError("A batch on JAX runs on equal steps; give the longest one as `step`, or take `auto`.")
 
     def run(self, values: Values, signals: Mapping[str, Values] | None = None) -> Ensemble:
-        """Run variants, in order.
+        """Run variants.
 
-        Values are parameters of the system by path, signals those of waveforms by drive and path, (runs,) each, in SI.
+        Args:
+            values: parameters of the system by path, (runs,) each, in SI.
+            signals: parameters of waveforms by drive and path, (runs,) each, in SI.
+
+        Returns:
+            The outputs of every run, in order.
         """
         if self.runtime == "jax" and varied_stops(values):
             raise ParameterError(f"`{varied_stops(values)[0]}` cannot be varied on JAX.")

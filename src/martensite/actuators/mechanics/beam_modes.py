@@ -96,7 +96,12 @@ class BeamModes:
 
 
 def beam_modes(beam: CantileverBeam, modes: int = 3, elements: int | None = None) -> BeamModes:
-    """Find so many of the lowest modes by finite elements of equal length, by default `PER_MODE` for each mode.
+    """Find the lowest modes by finite elements.
+
+    Args:
+        beam: the beam and its tip mass.
+        modes: how many.
+        elements: of equal length; `PER_MODE` for each mode if left out.
 
     Raises:
         ParameterError: no mode or no element is asked for, or more modes than 2 per element.

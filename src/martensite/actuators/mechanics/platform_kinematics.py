@@ -144,9 +144,15 @@ def _multiply_dot(a: Sequence[Scalar], b: Sequence[Scalar]) -> Scalar:
 
 
 def platform_lengths(plates: Plates, alpha: float, beta: float) -> tuple[float, float, float]:
-    """Lengths [m] of legs 0 (the one at +Y), 1 and 2 of a platform: inverse kinematics.
+    """Lengths of the three legs of a platform: inverse kinematics.
 
-    It is turned about X by alpha [rad], then about Y by beta [rad].
+    Args:
+        plates: geometry.
+        alpha: rotation about X [rad].
+        beta: rotation about Y [rad], made after that about X.
+
+    Returns:
+        Lengths [m] of legs 0, 1 and 2; leg 0 is the one at +Y.
 
     Raises:
         ParameterError: the geometry or an angle cannot be.

@@ -261,7 +261,8 @@ class BeamMotor(AbstractMultibody):
 def modal_numbers(modes: BeamModes) -> dict[str, Any]:
     """Arguments of `BeamMotor` that say how a beam bends: `modes`, masses and stiffnesses.
 
-    There are up to four modes, of a beam that carries the whole motor at its tip.
+    Args:
+        modes: up to four modes of a beam that carries the whole motor at its tip.
 
     Raises:
         ParameterError: there are more modes than four.

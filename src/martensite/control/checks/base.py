@@ -71,10 +71,14 @@ class AbstractCheck(Parametrised):
 
     @abstractmethod
     def look(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> Looked:
-        """What it finds in a period of dt [s].
+        """What it finds.
 
-        Memory is that of the sample before, or of `rest`; wanted signals are by the name of the drive, readings by
-        name, with the age of each, `NAME.age` [s].
+        Args:
+            xp: namespace.
+            memory: of the sample before, or of `rest`.
+            wanted: signals by the name of the drive.
+            readings: by name, and the age of each, `NAME.age` [s].
+            dt: length of a period [s].
         """
 
     def remember_allowed(self, xp: Namespace, memory: Column, allowed: Named, dt: Scalar) -> Column:

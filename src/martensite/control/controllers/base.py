@@ -55,7 +55,12 @@ class AbstractController(AbstractDrive):
         return (self.measured,)
 
     def reference_unit(self, readings: Mapping[str, str], signal: str) -> str:
-        """SI unit of the reference: that of the reading that shall follow it, from those of readings and signal."""
+        """SI unit of the reference: that of the reading that shall follow it.
+
+        Args:
+            readings: SI units of all readings, by name.
+            signal: SI unit of the signal.
+        """
         return readings[self.measured]
 
     def rest(self, xp: Namespace, reference: Scalar, readings: Readings) -> Column:
@@ -66,8 +71,12 @@ class AbstractController(AbstractDrive):
     def answer(self, xp: Namespace, memory: Column, reference: Scalar, readings: Readings, dt: Scalar) -> Answer:
         """The signal of this sample, and what is remembered for the next.
 
-        Memory is that of the sample before, or of `rest`; reference and readings are in SI, and dt [s] is 0 for the
-        first sample.
+        Args:
+            xp: namespace.
+            memory: from the sample before, or from `rest`.
+            reference: what the reading shall be now, in SI.
+            readings: by name, in SI.
+            dt: time since the sample before [s]; 0 for the first one.
         """
         raise make_missing_error(type(self), ["answer"])
 

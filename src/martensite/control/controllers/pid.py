@@ -47,7 +47,14 @@ class PidMemory(NamedTuple):
 
 
 def per_sample(Kp: float, Ki: float, Kd: float, interval: float) -> Gains:
-    """Gains per sample, an interval [s] apart, from those of K_p + K_i/s + K_d s, K_i in [1/s] and K_d in [s]."""
+    """Gains per sample from those of K_p + K_i/s + K_d s.
+
+    Args:
+        Kp: proportional gain.
+        Ki: integral gain [1/s].
+        Kd: derivative gain [s].
+        interval: sample time [s].
+    """
     return Gains(Kp, Ki * interval, Kd / interval)
 
 

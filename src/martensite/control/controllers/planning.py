@@ -217,7 +217,13 @@ class TimeScales(NamedTuple):
 
 
 def measure_reach(system: AbstractSystem, output: str, low: float, high: float) -> TimeScales:
-    """How long full signal and none need to move an output of a system with one drive.
+    """How long full signal and none need.
+
+    Args:
+        system: a system with one drive.
+        output: what shall move.
+        low: least signal.
+        high: largest signal.
 
     Raises:
         ParameterError: full signal does not move the output.

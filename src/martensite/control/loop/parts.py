@@ -183,10 +183,14 @@ class AbstractSupervisor(Parametrised):
 
     @abstractmethod
     def judge(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> SupervisorVerdict:
-        """What is allowed for the next period of dt [s].
+        """What is allowed for the next period.
 
-        Memory is that of the period before, or of `rest`; wanted signals are by the name of the drive, readings by name
-        in SI, with the age of each, `NAME.age` [s].
+        Args:
+            xp: namespace.
+            memory: from the period before, or from `rest`.
+            wanted: signals by the name of the drive.
+            readings: by name, in SI, and the age of each, `NAME.age` [s].
+            dt: length of the period [s].
         """
 
 

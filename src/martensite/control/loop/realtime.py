@@ -36,9 +36,11 @@ class RealtimeStep:
     """Controllers, observers and supervisor of a bench, one sample at a time."""
 
     def __init__(self, bench: Bench, native: bool | None = None) -> None:
-        """The loop of a bench, before its first sample, without plant, sensors and faults.
+        """The loop of a bench, before its first sample.
 
-        `native` runs in C, by default if there is a compiler.
+        Args:
+            bench: the bench; its plant, its sensors and its faults are left out.
+            native: whether to run in C; by default if there is a compiler.
         """
         self.bench, self.count = bench, 0
         self.readings = list_reads(bench)

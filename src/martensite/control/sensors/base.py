@@ -61,8 +61,12 @@ class AbstractSensor(Parametrised):
     def step(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:
         """The reading before rounding, and what is remembered.
 
-        The state is what it remembered dt [s] ago, 0 for the first one; true signals are held since then, and noise is
-        a standard normal number.
+        Args:
+            xp: namespace.
+            state: what it remembered `dt` ago.
+            truth: true signals now, held since then.
+            noise: a standard normal number.
+            dt: time since the reading before [s]; 0 for the first one.
         """
 
     def reading(self, xp: Namespace, state: Column, truth: Column, noise: Scalar, dt: Scalar) -> tuple[Scalar, Column]:

@@ -237,9 +237,12 @@ class DesignScan:
 def scan_designs(
     designs: DesignEvaluator, points: int | Sequence[int], watch: Callable[[float], None] | None = None
 ) -> DesignScan:
-    """Judge all designs of a grid, even on the scale of each free number; `watch` is told the share that is done.
+    """Judge all designs of a grid, even on the scale of each free number.
 
-    Of a whole number all are taken if they are fewer than the points along it.
+    Args:
+        designs: ready to be judged.
+        points: along each free number; of a whole one all its numbers if they are fewer.
+        watch: called with the share that is done.
 
     Raises:
         ParameterError: there are too many, or fewer than two along a number.

@@ -111,7 +111,12 @@ def _test_relay(
 
 
 def gains_by_tests(found: LoopTests, period: float) -> Mapping[str, IdealGains]:
-    """Gains of a controller [s] by all rules, by name, such as `simc pid (heating)` or `relay tyreus-luyben pi`."""
+    """Gains by all rules, by name, such as `simc pid (heating)` or `relay tyreus-luyben pi`.
+
+    Args:
+        found: step and relay test.
+        period: of the controller [s].
+    """
     models = {which: found.step.model(which) for which in ("heating", "cooling", "mean")}
     gains = {
         f"{rule} {form} ({which})": gains_by_rule(model, rule, form, period=period)
@@ -127,7 +132,13 @@ def gains_by_tests(found: LoopTests, period: float) -> Mapping[str, IdealGains]:
 
 
 def choose_best_rules(runs: LoopRuns, found: LoopTests, count: int) -> list[Mapping[str, float]]:
-    """So many of the gains by rules with the least ITAE on the nominal plant, as numbers by path."""
+    """The gains by rules with the least ITAE on the nominal plant, as numbers by path.
+
+    Args:
+        runs: of the loop.
+        found: its step and relay test.
+        count: how many are wanted.
+    """
     gains = gains_by_tests(found, runs.bench.period).values()
     tried = [convert_to_pid(runs.bench, one, runs.drive) for one in gains]
     table = runs.table({p: [numbers[p] for numbers in tried] for p in tried[0]}, len(tried))

@@ -165,7 +165,11 @@ class WireRatings:
 
 
 def rate_wire(wire: WireInHand, catalogue: WireCatalogue | None = None) -> WireRatings:
-    """What a piece of wire, or a coil, with its supply and load, needs and does, by default from the table of Flexinol.
+    """What a piece of wire, or a coil, needs and does.
+
+    Args:
+        wire: the wire or coil, its supply and its load.
+        catalogue: the maker's table; that of Flexinol if not given.
 
     Raises:
         ParameterError: the catalogue has no such wire, a coil contradicts itself, or the load leaves no stroke.

@@ -34,7 +34,11 @@ class IdentifiedHysteresis(NamedTuple):
     """How they were found."""
 
     def controller(self, **others: Any) -> InversePlay:
-        """The controller that inverts them, with its `measured`, `reference` and `feedback`."""
+        """The controller that inverts them.
+
+        Args:
+            others: `measured`, `reference` and `feedback` of the controller.
+        """
         return InversePlay(
             thresholds=self.operator.thresholds,
             weights=self.operator.weights,
@@ -88,10 +92,15 @@ def identify_hysteresis(
 
 
 def fit_rising_curve(knots: Numbers, levels: Numbers, outputs: Numbers) -> Numbers:
-    """Values at rising knots (knots,) of the lines that come nearest to outputs and never turn back.
+    """Values at knots of the lines that come nearest to outputs and never turn back.
 
-    Least squares with rises of one sign, that of the whole, and of a least size: a flat piece has no inverse. Levels
-    and outputs are of shape (samples,), missing outputs NaN.
+    Least squares with rises of one sign, that of the whole, and of a least size: a flat piece
+    has no inverse.
+
+    Args:
+        knots: rising, shape (knots,).
+        levels: where outputs are known, shape (samples,).
+        outputs: shape (samples,); missing ones are NaN.
     """
     known = np.isfinite(outputs)
     x, y = np.clip(levels[known], knots[0], knots[-1]), outputs[known]

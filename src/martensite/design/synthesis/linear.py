@@ -110,9 +110,11 @@ class Readings:
 
 
 def realise_readings(linear: LinearSystem, states: Sequence[str]) -> Readings:
-    """A linear system, from `linearise_plant`, whose states are some of its outputs.
+    """A linear system whose states are some of its outputs.
 
-    Such as only repeat each other do no harm.
+    Args:
+        linear: from `linearise_plant`.
+        states: names of outputs. Such as only repeat each other do no harm.
 
     Raises:
         InputError: there is no such output, or it jumps with the signal.

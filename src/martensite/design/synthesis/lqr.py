@@ -123,8 +123,10 @@ def augment_plant(linear: LinearSystem, measured: str) -> tuple[Numbers, Numbers
 def design_regulator(readings: Readings, measured: str, sizes: LqrSizes) -> Regulator:
     """The regulator that minimises the cost of a linear plant with one input.
 
-    Readings are those of `realise_readings`, or the mean of both branches; the state `measured` shall follow a
-    reference.
+    Args:
+        readings: from `realise_readings`, or the mean of both branches.
+        measured: which of its states shall follow a reference.
+        sizes: of the cost.
 
     Raises:
         ParameterError: a name or the sizes do not fit.

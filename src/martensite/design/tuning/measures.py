@@ -50,7 +50,11 @@ class StepResponse(NamedTuple):
 
 
 def build_steps(levels: Sequence[tuple[float, float]], interval: float) -> Numbers:
-    """A reference, sampled at an interval [s], that stands at levels, each for some time [s].
+    """A reference that stands at levels, each for some time.
+
+    Args:
+        levels: pairs of level and time [s].
+        interval: sample time [s].
 
     Raises:
         InputError: a level lasts less than a sample.

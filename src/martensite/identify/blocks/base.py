@@ -94,7 +94,10 @@ class AbstractBlock(Parametrised):
     def fence_in(self, theta: Numbers, states: Numbers, dt: float) -> Self:
         """The block whose nonlinear terms go no further than in records; itself if they are bounded as they are.
 
-        States are those that it had in the records, shape (samples, states), at a sample time of dt [s].
+        Args:
+            theta: its free numbers.
+            states: those that it had in the records, shape (samples, states).
+            dt: sample time [s].
         """
         return self
 
@@ -114,9 +117,13 @@ class AbstractBlock(Parametrised):
         return None
 
     def as_linear(self, linear: AbstractBlock, theta: Numbers, x: Numbers, dt: float) -> tuple[Self, Numbers]:
-        """The block, and free numbers with which it runs as a linear one, that `twin` gives, nonlinear terms 0.
+        """The block, and free numbers with which it runs as a linear one, nonlinear terms 0.
 
-        What enters is of shape (samples, inputs), every dt [s]: fixed numbers may suit it.
+        Args:
+            linear: what `twin` gives.
+            theta: its free numbers.
+            x: what enters, shape (samples, inputs): fixed numbers may suit it.
+            dt: sample time [s].
         """
         return self, theta
 

@@ -206,7 +206,12 @@ def _draw_direction(axes: Any, names: Sequence[str], moves: Sequence[float]) -> 
 
 
 def plot_likelihood(profiles: Sequence[Profile], fit: Fit | None = None, title: str = "") -> Figure:
-    """Draw profile likelihoods, one panel for each parameter, beside the parabola of the fit that they start from.
+    """Draw profile likelihoods, one panel for each parameter.
+
+    Args:
+        profiles: at least one.
+        fit: the fit that they start from; its parabola is drawn beside each.
+        title: headline.
 
     Raises:
         InputError: there is no profile.

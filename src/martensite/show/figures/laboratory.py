@@ -173,7 +173,13 @@ def _draw_strain(axes: Any, found: TangentFit) -> None:
 
 
 def plot_film(report: FilmReport, forms: Sequence[str] | None = None, title: str = "") -> Figure:
-    """Draw fits of a film coefficient in the forms named, or all, and its dependence on the ambient temperature."""
+    """Draw fits of a film coefficient, and its dependence on the ambient temperature.
+
+    Args:
+        report: what `judge_film` found.
+        forms: names of the forms to draw; all if left out.
+        title: headline.
+    """
     shown = [form for form in report.fits if forms is None or form in forms]
     ambient = report.ambient
     with use_style():

@@ -60,9 +60,12 @@ ROOM, GAPS = (0.75, 0.2, HEAD, 0.5), (0.8, 0.65)
 def plot_point(
     results: PointResult | Sequence[PointResult], *, title: str | None = None, plane: tuple[str, str] = LOOP
 ) -> Figure:
-    """The figure of a material-point study: one path, several of one law, or paths of several laws.
+    """The figure of a material-point study.
 
-    Where laws stand side by side, `plane` has the columns (horizontal, vertical) of the first row.
+    Args:
+        results: one path, several paths of one law, or paths of several laws.
+        title: first line of the figure; the names of the laws by default.
+        plane: columns (horizontal, vertical) of the first row where laws stand side by side.
 
     Raises:
         InputError: there is nothing to draw.

@@ -62,7 +62,13 @@ MOST_POINTS = 4000
 
 
 def plot_model(validation: Validation, band: OutputBand | None = None, title: str = "") -> Figure:
-    """Draw inputs, then measured and computed outputs with their errors and a band, over time."""
+    """Draw inputs, then measured and computed outputs with their errors, over time.
+
+    Args:
+        validation: a chain on a record.
+        band: around the outputs, of the same record.
+        title: headline.
+    """
     record = validation.record
     inputs, outputs = len(record.input_names), len(record.output_names)
     heights = [0.6] * inputs + [1.7, 0.8] * outputs
@@ -83,7 +89,13 @@ def plot_model(validation: Validation, band: OutputBand | None = None, title: st
 
 
 def plot_model_loop(validation: Validation, number: int = 0, title: str = "") -> Figure:
-    """Draw every output over one input, measured and computed, rising and falling in two colours."""
+    """Draw every output over an input, measured and computed, rising and falling in two colours.
+
+    Args:
+        validation: a chain on a record.
+        number: which input.
+        title: headline.
+    """
     record = validation.record
     outputs = len(record.output_names)
     with use_style():
