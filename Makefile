@@ -1,5 +1,6 @@
 # make demo and make test need Python >= 3.11 and make, nothing else: the environment is made on
-# the way, by uv from uv.lock where uv is on the PATH, otherwise by venv and pip.
+# the way, by uv from uv.lock. Where uv is not on the PATH, pip brings it into the environment; where
+# that fails, pip does it all, which takes four times as long.
 #
 #   make test PYTEST_ARGS="-x -k wire"     other arguments for pytest (default: in parallel)
 #   make distclean test PYTHON=python3.13  another interpreter, in a new environment
@@ -20,8 +21,11 @@ VENV := .venv
 BIN := $(VENV)/bin
 UV := $(shell command -v uv 2>/dev/null)
 # uv finds (or fetches) an interpreter by itself; it is told which only if the user says so.
-UV_SYNC := UV_PROJECT_ENVIRONMENT=$(VENV) $(UV) sync --frozen --inexact \
-	$(if $(filter file,$(origin PYTHON)),,--python $(PYTHON))
+UV_PYTHON_WISH := $(if $(filter file,$(origin PYTHON)),,--python $(PYTHON))
+# $(call sync,UV,PYTHON): what uv.lock holds, for the extras of a stamp
+sync = UV_PROJECT_ENVIRONMENT=$(VENV) $(1) sync --frozen --inexact $(2) --extra studies $(if $(extra),--extra $(extra))
+# Quieter than --quiet, which warns of every package that an index of this machine lacks.
+PIP_INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check --no-compile
 
 .DEFAULT_GOAL := help
 .PHONY: help env demo test test-all lint docs web bench format lock clean distclean
@@ -87,13 +91,13 @@ $(VENV)/.stamp-dev: extra = dev
 $(VENV)/.stamp-bench: extra = bench
 $(VENV)/.stamp-%: pyproject.toml $(wildcard */pyproject.toml) uv.lock
 ifneq ($(UV),)
-	$(UV_SYNC) --extra studies $(if $(extra),--extra $(extra))
+	$(call sync,$(UV),$(UV_PYTHON_WISH))
 else
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo \
 		"martensite needs Python 3.11 or newer, but $(PYTHON) is not; try: make PYTHON=python3.13" >&2; \
 		exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile \
+	{ $(PIP_INSTALL) uv && $(call sync,$(BIN)/uv,--quiet --python $(BIN)/python); } || $(PIP_INSTALL) \
 		-e '.$(if $(extra),[$(extra)])' -e ./studies $(if $(extra),-e ./app -e ./export -e ./sweep)
 endif
 	@touch $(VENV)/.stamp-core $@
