@@ -8,8 +8,8 @@
 PYTHON ?= python3
 PYTEST_ARGS ?= -m "not slow" -n auto --maxprocesses 4 --dist worksteal
 
-# What JAX and the C compiler make runs once in a test: made quickly, not optimised. test-all
-# compiles as users do.
+# What JAX and the C compiler make runs once in a test or on a page: made quickly, not optimised, and
+# kept for both. test-all compiles as users do.
 XLA_QUICK ?= --xla_backend_optimization_level=0
 C_QUICK ?= -O0
 # Many processes share the cores: each computes on one thread.
@@ -52,7 +52,7 @@ lint: $(VENV)/.stamp-dev ## style, format, types, import contracts
 	$(BIN)/lint-imports --no-cache
 
 docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
-	$(BIN)/python -m sphinx -b html -W --keep-going docs docs/_build/html
+	XLA_FLAGS="$(XLA_QUICK)" MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python -m sphinx -b html -W --keep-going docs docs/_build/html
 
 # Node.js of this machine, or the one that pyright brings; packages come from the registry once.
 web: $(VENV)/.stamp-dev ## types and tests of the web page, and whether its bundle is the newest
