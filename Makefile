@@ -26,6 +26,9 @@ UV_PYTHON_WISH := $(if $(filter file,$(origin PYTHON)),,--python $(PYTHON))
 sync = UV_PROJECT_ENVIRONMENT=$(VENV) $(1) sync --frozen --inexact $(2) --extra studies $(if $(extra),--extra $(extra))
 # Quieter than --quiet, which warns of every package that an index of this machine lacks.
 PIP_INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check --no-compile
+PYRIGHT := NODE_OPTIONS="--max-semi-space-size=64" $(BIN)/pyright
+# Types of tests are half of the work, and tests are run: test-all checks them.
+SHIPPED := src app/src export/src studies/src sweep/src
 
 .DEFAULT_GOAL := help
 .PHONY: help env demo test test-all lint docs web bench format lock clean distclean
@@ -42,13 +45,14 @@ demo: $(VENV)/.stamp-core ## run the demonstration (core dependencies only)
 test: $(VENV)/.stamp-dev ## run the tests that are not marked slow
 	XLA_FLAGS="$(XLA_QUICK)" MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python -m pytest $(PYTEST_ARGS)
 
-test-all: $(VENV)/.stamp-dev ## run every test
+test-all: $(VENV)/.stamp-dev ## run every test, and check the types of tests, too
+	$(PYRIGHT)
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
-lint: $(VENV)/.stamp-dev ## style, format, types, import contracts
+lint: $(VENV)/.stamp-dev ## style, format, types of what ships, import contracts
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	NODE_OPTIONS="--max-semi-space-size=64" $(BIN)/pyright
+	$(PYRIGHT) $(SHIPPED)
 	$(BIN)/lint-imports --no-cache
 
 docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
