@@ -1,5 +1,6 @@
 # make demo and make test need Python >= 3.11 and make, nothing else: the environment is made on
-# the way, by uv from uv.lock where uv is on the PATH, otherwise by venv and pip.
+# the way, by uv from uv.lock. Where uv is not on the PATH, pip brings it into the environment; where
+# that fails, pip does it all, which takes four times as long.
 #
 #   make test PYTEST_ARGS="-x -k wire"     other arguments for pytest (default: in parallel)
 #   make distclean test PYTHON=python3.13  another interpreter, in a new environment
@@ -7,8 +8,8 @@
 PYTHON ?= python3
 PYTEST_ARGS ?= -m "not slow" -n auto --maxprocesses 4 --dist worksteal
 
-# What JAX and the C compiler make runs once in a test: made quickly, not optimised. test-all
-# compiles as users do.
+# What JAX and the C compiler make runs once in a test or on a page: made quickly, not optimised, and
+# kept for both. test-all compiles as users do.
 XLA_QUICK ?= --xla_backend_optimization_level=0
 C_QUICK ?= -O0
 # Many processes share the cores: each computes on one thread.
@@ -20,8 +21,14 @@ VENV := .venv
 BIN := $(VENV)/bin
 UV := $(shell command -v uv 2>/dev/null)
 # uv finds (or fetches) an interpreter by itself; it is told which only if the user says so.
-UV_SYNC := UV_PROJECT_ENVIRONMENT=$(VENV) $(UV) sync --frozen --inexact \
-	$(if $(filter file,$(origin PYTHON)),,--python $(PYTHON))
+UV_PYTHON_WISH := $(if $(filter file,$(origin PYTHON)),,--python $(PYTHON))
+# $(call sync,UV,PYTHON): what uv.lock holds, for the extras of a stamp
+sync = UV_PROJECT_ENVIRONMENT=$(VENV) $(1) sync --frozen --inexact $(2) --extra studies $(if $(extra),--extra $(extra))
+# Quieter than --quiet, which warns of every package that an index of this machine lacks.
+PIP_INSTALL := $(BIN)/python -m pip install -qq --disable-pip-version-check --no-compile
+PYRIGHT := NODE_OPTIONS="--max-semi-space-size=64" $(BIN)/pyright
+# Types of tests are half of the work, and tests are run: test-all checks them.
+SHIPPED := src app/src export/src studies/src sweep/src
 
 .DEFAULT_GOAL := help
 .PHONY: help env demo test test-all lint docs web bench format lock clean distclean
@@ -38,17 +45,18 @@ demo: $(VENV)/.stamp-core ## run the demonstration (core dependencies only)
 test: $(VENV)/.stamp-dev ## run the tests that are not marked slow
 	XLA_FLAGS="$(XLA_QUICK)" MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python -m pytest $(PYTEST_ARGS)
 
-test-all: $(VENV)/.stamp-dev ## run every test
+test-all: $(VENV)/.stamp-dev ## run every test, and check the types of tests, too
+	$(PYRIGHT)
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
-lint: $(VENV)/.stamp-dev ## style, format, types, import contracts
+lint: $(VENV)/.stamp-dev ## style, format, types of what ships, import contracts
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	NODE_OPTIONS="--max-semi-space-size=64" $(BIN)/pyright
+	$(PYRIGHT) $(SHIPPED)
 	$(BIN)/lint-imports --no-cache
 
 docs: $(VENV)/.stamp-dev ## build the documentation into docs/_build/html
-	$(BIN)/python -m sphinx -b html -W --keep-going docs docs/_build/html
+	XLA_FLAGS="$(XLA_QUICK)" MARTENSITE_CFLAGS="$(C_QUICK)" $(BIN)/python -m sphinx -b html -W --keep-going docs docs/_build/html
 
 # Node.js of this machine, or the one that pyright brings; packages come from the registry once.
 web: $(VENV)/.stamp-dev ## types and tests of the web page, and whether its bundle is the newest
@@ -87,13 +95,13 @@ $(VENV)/.stamp-dev: extra = dev
 $(VENV)/.stamp-bench: extra = bench
 $(VENV)/.stamp-%: pyproject.toml $(wildcard */pyproject.toml) uv.lock
 ifneq ($(UV),)
-	$(UV_SYNC) --extra studies $(if $(extra),--extra $(extra))
+	$(call sync,$(UV),$(UV_PYTHON_WISH))
 else
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo \
 		"martensite needs Python 3.11 or newer, but $(PYTHON) is not; try: make PYTHON=python3.13" >&2; \
 		exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile \
+	{ $(PIP_INSTALL) uv && $(call sync,$(BIN)/uv,--quiet --python $(BIN)/python); } || $(PIP_INSTALL) \
 		-e '.$(if $(extra),[$(extra)])' -e ./studies $(if $(extra),-e ./app -e ./export -e ./sweep)
 endif
 	@touch $(VENV)/.stamp-core $@

@@ -32,6 +32,7 @@ extensions = [
     "executed",
     "shown",
     "gallery",
+    "navigation",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",

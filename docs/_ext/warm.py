@@ -20,18 +20,19 @@ import processes  # noqa: F401
 import scipy.optimize
 import scipy.signal  # noqa: F401
 import xarray  # noqa: F401
+import zarr  # noqa: F401
 from typer.testing import CliRunner
 
-import martensite
 from martensite.cli import app
 
-OTHERS = ("control", "dask", "fmu", "gymnasium", "mujoco", "numpyro", "zarr")
+PACKAGES = ("martensite", "martensite_export", "martensite_studies", "martensite_sweep")
+OTHERS = ("control", "dask", "fmu", "gymnasium", "mujoco", "numpyro")
 """What only some pages need; they import it themselves."""
 
 
-def _import_all() -> None:
-    """Import every module of the package but those that need one of the others."""
-    for module in pkgutil.walk_packages(martensite.__path__, "martensite."):
+def _import_all(package: str) -> None:
+    """Import every module of a package but those that need one of the others."""
+    for module in pkgutil.walk_packages(importlib.import_module(package).__path__, f"{package}."):
         if not module.name.endswith(("__main__", *OTHERS)):
             with suppress(ImportError):  # of an extra that is not installed
                 importlib.import_module(module.name)
@@ -46,7 +47,8 @@ def _draw() -> None:
     plt.close(figure)
 
 
-_import_all()
+for name in PACKAGES:
+    _import_all(name)
 CliRunner().invoke(app, ["materials", "copaci-2019"])
 _draw()
 gc.freeze()

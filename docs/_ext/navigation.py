@@ -1,0 +1,52 @@
+"""Sphinx extension: the tree of pages beside each page is made of what it shows, the titles.
+
+Sphinx copies all headings of all pages and every name of the reference, for each page anew, and then drops
+what is no title: a third of what it does besides running the cells. Here they are dropped once.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from docutils import nodes
+from sphinx import addnodes
+
+BEFORE_THEME = 400
+"""Listeners run in the order of such numbers; that of a theme is 500."""
+
+
+def keep_titles(contents: nodes.bullet_list) -> nodes.bullet_list:
+    """The contents of a page without its headings; its lists of further pages remain."""
+    kept = contents.deepcopy()
+    for item in kept.children:
+        if len(item.children) > 1:
+            lists = list(item.findall(addnodes.toctree))
+            item[1:] = [nodes.bullet_list("", *lists)] if lists else []  # type: ignore[index]
+    return kept
+
+
+def _prepare_titles(app: Any, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:
+    make_tree, env, short = context["toctree"], app.env, _shorten_once(app)
+
+    def make_short_tree(**options: Any) -> str:
+        full = env.tocs
+        env.tocs = short if options.get("titles_only") else full
+        try:
+            return make_tree(**options)
+        finally:
+            env.tocs = full
+
+    context["toctree"] = make_short_tree
+
+
+def _shorten_once(app: Any) -> dict[str, nodes.bullet_list]:
+    """The contents of all pages, by titles alone; no page is read any more."""
+    if not hasattr(app, "short_contents"):
+        app.short_contents = {page: keep_titles(found) for page, found in app.env.tocs.items()}
+    return app.short_contents
+
+
+def setup(app: Any) -> dict[str, Any]:
+    """Entry point of the extension."""
+    app.connect("html-page-context", _prepare_titles, priority=BEFORE_THEME)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
