@@ -1,11 +1,13 @@
 """Shared fixtures; the plain constructors live in `builders.py` and `kernels.py`."""
 
+import functools
 import gc
 import os
 import signal
 from pathlib import Path
 
 import pytest
+import typer.testing
 from hypothesis import settings
 
 from martensite.kernels.compiler import find_compiler
@@ -21,6 +23,9 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 # traced graphs are full of cycles: looked for as often as usual, they take an eighth of the time
 gc.set_threshold(20_000, 20, 25)
+
+# the tree of commands is always the same, and building it takes longer than most calls of one
+typer.testing._get_command = functools.cache(typer.testing._get_command)
 
 settings.register_profile("reproducible", deadline=None, derandomize=True, database=None)
 settings.load_profile("reproducible")
