@@ -207,7 +207,8 @@ def check_stiffness(law: AbstractLaw) -> None:
     lanes = [np.repeat(numbers, 2 * count) for numbers in zip(*map(flatten_numbers, ends), strict=True)]
     xp, memory = ArrayNamespace(np), NestedShape(ends[0]).rebuild(lanes)
     _, after = law.kinetics(xp, memory, stresses, kelvins, 1.0)
-    falls = np.diff(law.strain(xp, after, stresses, kelvins).reshape(-1, count)) < -1e-14
+    strains: Any = law.strain(xp, after, stresses, kelvins)
+    falls = np.diff(strains.reshape(-1, count)) < -1e-14
     row, place = divmod(int(np.argmax(falls)), count - 1)
     require_condition(
         not falls.any(),
