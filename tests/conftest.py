@@ -1,14 +1,18 @@
 """Shared fixtures; the plain constructors live in `builders.py` and `kernels.py`."""
 
+import functools
 import gc
 import os
 import signal
 from pathlib import Path
 
 import pytest
+import typer.main
+import typer.testing
 from hypothesis import settings
 
 from martensite.kernels.compiler import find_compiler
+from martensite.scenario import binary_files, container_files, netcdf
 
 # measured data may lie in a folder `shared/data` beside the checkout; else such tests skip
 BESIDE = Path(__file__).resolve().parents[2] / "shared" / "data"
@@ -22,8 +26,25 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 # traced graphs are full of cycles: looked for as often as usual, they take an eighth of the time
 gc.set_threshold(20_000, 20, 25)
 
+# the tree of commands is always the same, and building it takes longer than most calls of one
+PATCH = pytest.MonkeyPatch()
+PATCH.setattr(typer.testing, "_get_command", functools.cache(typer.main.get_command))
+
+# a process of its own for every binary file takes half a second, of which most tests want nothing
+READERS = (binary_files, container_files, netcdf)
+READ_APART = binary_files.read_apart
+for module in READERS:
+    PATCH.setattr(module, "read_apart", lambda path, reader, size: binary_files._read_columns(reader, path))
+
 settings.register_profile("reproducible", deadline=None, derandomize=True, database=None)
 settings.load_profile("reproducible")
+
+
+@pytest.fixture
+def apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read binary files in a process of their own, as users do."""
+    for module in READERS:
+        monkeypatch.setattr(module, "read_apart", READ_APART)
 
 
 @pytest.fixture(scope="session")

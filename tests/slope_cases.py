@@ -187,9 +187,13 @@ def exchanged(thing: Any) -> Case:
 
 HEAVY = ("axial-wire", "ribbon", "hand", "parallel-platform", "mas-polycrystal")
 """Parts of which a case takes many seconds."""
-SIMPLE = ("current", "power", "voltage", "constant", "polynomial", "morgan", "lefevre-ede")
+SIMPLE = (
+    *("current", "power", "voltage", "linear-amplifier", "temperature", "mosfet", "power-pwm"),
+    *("constant", "polynomial", "morgan", "lefevre-ede", "churchill-bernstein", "radiation"),
+    *("liang-rogers", "elahinia", "bundle", "chain", "lever", "dead-weight", "testing-machine"),
+)
 """Parts that others of their kind cover."""
-PULLED = ("brinson", "mas")
+PULLED = ("brinson",)
 """Laws that are always tried in a testing machine too."""
 
 

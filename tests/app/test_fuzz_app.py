@@ -51,7 +51,7 @@ VALUES = st.sampled_from(HOSTILE) | st.recursive(
     max_leaves=10,
 )
 NAMES = st.sampled_from(ENTRIES) | st.text(max_size=8)
-FUZZED = settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
+FUZZED = settings(max_examples=10, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])
 
 
 def outcome(call: str, request: Any, folder: Path) -> str:

@@ -317,6 +317,7 @@ def test_cancelled_it_keeps_what_was_made_and_leaves_no_process(bench: Bench) ->
     assert not list((bench.folder / "sweeps").glob(f"*{note['key']}*"))
 
 
+@pytest.mark.slow
 def test_resumed_on_another_server_it_has_the_same_bits(tmp_path: Path) -> None:
     wanted = {**GRID, "over": ["diameter=0.08..0.15 mm:40", "high=0.3..0.6 W:48"]}
     folder = tmp_path / "kept"

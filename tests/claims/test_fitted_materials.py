@@ -93,6 +93,7 @@ def test_materials_say_with_which_law_they_hold() -> None:
     assert load_material(NITIHF).law == waisted | {"surfaces": "curved"}
 
 
+@pytest.mark.slow
 def test_the_fit_gives_the_shipped_numbers_again(c_compiler: str) -> None:
     record("flexinol-isobaric", 172)
     found = fit_logs(EXAMPLES / "fit_flexinol_trained.toml")

@@ -43,15 +43,14 @@ def example(name: str) -> Any:
 
 
 UNBOUNDED = {name for name in BLOCKS.names() if not BLOCKS[name].bounded}
-SIMPLE = {"transfer-function", "prandtl-ishlinskii"}
-"""Blocks with memory that JAX is quick with."""
+SIMPLE = {"transfer-function", "prandtl-ishlinskii", "polynomial", "sigmoid-network"}
+"""Blocks of every sort that JAX is quick with."""
 
 
 SMOOTH = pytest.mark.parametrize("name", [n for n in BLOCKS.names() if n not in KINKED])
-QUICK = [n for n in BLOCKS.names() if n in SIMPLE or not example(n).states()]
 IN_JAX = pytest.mark.parametrize(
     "name",
-    [pytest.param(n, marks=[] if n in QUICK else pytest.mark.slow) for n in BLOCKS.names() if example(n).numbers()],
+    [pytest.param(n, marks=[] if n in SIMPLE else pytest.mark.slow) for n in BLOCKS.names() if example(n).numbers()],
 )
 
 

@@ -56,7 +56,9 @@ def check_run(
         assert apart <= (SURELY * found.accuracy[row] + FINE) * max(exact.range(name), least)
 
 
-@pytest.mark.parametrize("name", ["antagonistic_wires", "tensile-test", "pwm_bias_spring"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("antagonistic_wires", marks=pytest.mark.slow), "tensile-test", "pwm_bias_spring"]
+)
 def test_examples_in_lanes(name: str, c_compiler: str) -> None:
     """Several drives, a prescribed one, pulses."""
     scenario = load(EXAMPLES / f"{name}.toml")
@@ -69,9 +71,10 @@ def test_examples_in_lanes(name: str, c_compiler: str) -> None:
     check_run(found, 17, whole, waves, duration)
 
 
-@pytest.mark.parametrize("law", ["mas", "mas-hybrid"])
 @pytest.mark.parametrize(
-    "wave", [waveform(), ms.signals.PulseWidthModulation(high=4.0, frequency=1.0, duty=0.4)], ids=["ramps", "pulses"]
+    ("law", "wave"),
+    [("mas", ms.signals.PulseWidthModulation(high=4.0, frequency=1.0, duty=0.4)), ("mas-hybrid", waveform())],
+    ids=["mas-pulses", "mas-hybrid-ramps"],
 )
 def test_laws_of_layers_in_lanes(law: str, wave: AbstractWaveform, c_compiler: str) -> None:
     whole = system(Wire(), law)

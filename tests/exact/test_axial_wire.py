@@ -60,9 +60,9 @@ FINS: dict[str, dict[str, float]] = {
 @pytest.fixture(
     scope="module",
     params=[
-        "long, ideal",
         "short, finite",
         "three spans",
+        pytest.param("long, ideal", marks=HEAVY),
         pytest.param("short, ideal", marks=HEAVY),
         pytest.param("long, finite", marks=HEAVY),
     ],

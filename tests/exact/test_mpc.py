@@ -278,7 +278,9 @@ def at(numbers: np.ndarray) -> list[tuple[str, Any]]:
 
 
 @in_c
-@pytest.mark.parametrize("plant", [SYSTEM, OTHER], ids=["true model", "another plant"])
+@pytest.mark.parametrize(
+    "plant", [pytest.param(SYSTEM, marks=pytest.mark.slow), OTHER], ids=["true model", "another plant"]
+)
 def test_it_beats_a_pid_whose_gains_were_searched(plant: AbstractSystem) -> None:
     """On noise that neither has seen; with a wrong model it still does."""
     loop = searched_pid().with_parts(plant=plant)

@@ -111,7 +111,7 @@ def stiffening(u: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.usefixtures("c_compiler")
-@pytest.mark.parametrize("text", ["nlss(2,3,1,0)", "fb(2,3) | poly1"])
+@pytest.mark.parametrize("text", [pytest.param("nlss(2,3,1,0)", marks=pytest.mark.slow), "fb(2,3) | poly1"])
 def test_an_oscillator_is_found_by_itself(text: str) -> None:
     rng = np.random.default_rng(0)
     levels = np.repeat(rng.uniform(-1.5, 1.5, 250), 6)

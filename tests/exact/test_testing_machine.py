@@ -330,7 +330,11 @@ def test_a_command_taken_too_early_is_noticed() -> None:
 
 @pytest.mark.parametrize(
     ("control", "runtime"),
-    [("stress", "c"), ("strain", "c"), ("strain", "jax"), pytest.param("stress", "jax", marks=pytest.mark.slow)],
+    [
+        ("stress", "c"),
+        ("strain", "c"),
+        *(pytest.param(one, "jax", marks=pytest.mark.slow) for one in ("strain", "stress")),
+    ],
 )
 def test_a_rigid_machine_is_the_same_on_all_runtimes(
     control: str, runtime: str, request: pytest.FixtureRequest

@@ -22,6 +22,8 @@ from martensite.base.files import read_bounded
 from martensite.scenario import binary_files
 from martensite.scenario.binary_files import read_arrays
 
+pytestmark = pytest.mark.usefixtures("apart")
+
 
 @pytest.mark.parametrize("name", ["plain.mat", "packed.mat", "log.nc"])
 def test_a_whole_log_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:

@@ -135,7 +135,7 @@ def test_killed_processes_go_on_to_the_same_bits(tmp_path: Path) -> None:
     assert dict(arrays(tmp_path / "s.zarr")) == expected
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_an_interrupted_command_ends_with_a_sentence(tmp_path: Path, number: signal.Signals) -> None:
     """A terminal sends Ctrl-C to the whole group, others their signal to the command alone."""
     running = command(tmp_path, *LONG, "--workers", "2")

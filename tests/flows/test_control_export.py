@@ -74,7 +74,9 @@ def test_a_bench_answers_as_in_simulate():
     assert away(r, "temperature") > 1e-3
 
 
-@pytest.mark.parametrize(("direction", "push"), [("heating", 1.001), ("cooling", 0.999)])
+@pytest.mark.parametrize(
+    ("direction", "push"), [pytest.param("heating", 1.001, marks=pytest.mark.slow), ("cooling", 0.999)]
+)
 def test_a_linear_plant_is_that_of_python_control(direction, push, c_compiler):
     """Exact derivatives against its differences, with the signal that says the direction."""
     point = find_operating_level(PLANT, 3e-3, "position", 0.0, 3.0, direction=direction)

@@ -209,6 +209,7 @@ def test_tensile_test_in_a_soft_machine_looks_soft(stiffness: str, modulus: floa
     assert result["stress"][20] / result["strain"][20] == pytest.approx(55e9, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_isobaric_fit_predicts_the_cycle_that_it_does_not_see() -> None:
     """Seven numbers, found in a stroke of 4.5 %; its comments promise no more than to judge it."""
     isobaric(172)  # skips where the measurements are missing

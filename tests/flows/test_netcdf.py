@@ -179,7 +179,7 @@ except DataError as error:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="limits the size of files as POSIX does")
-@pytest.mark.parametrize("limit", [1, 4096, 30_000, 10_000_000])
+@pytest.mark.parametrize("limit", [1, 30_000, 10_000_000])
 def test_a_disk_that_fills_is_a_sentence(tmp_path: Path, limit: int) -> None:
     """HDF5 would end the process with a segmentation fault when it cannot finish its file."""
     path, file = [str(Path(__file__).parent), *sys.path], str(tmp_path / "a.nc")

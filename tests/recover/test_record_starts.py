@@ -71,7 +71,11 @@ def errors(structure: str, record: Sampled) -> dict[str, float]:
 
 @pytest.mark.parametrize(
     ("structure", "record"),
-    [(CURVED, curved(1, 14.0)), (CURVED, curved(2, 11.0)), ("poly1 | oe(2,2,1)", swinging(1))],
+    [
+        pytest.param(CURVED, curved(1, 14.0), marks=pytest.mark.slow),
+        (CURVED, curved(2, 11.0)),
+        ("poly1 | oe(2,2,1)", swinging(1)),
+    ],
     ids=["hot", "warm", "swinging"],
 )
 def test_the_default_is_as_good_as_the_best_choice(structure: str, record: Sampled) -> None:
@@ -123,14 +127,14 @@ def test_stages_in_series_keep_how_records_begin(tmp_path: Path) -> None:
 
 
 def test_a_record_with_a_gap_is_as_good_as_one_split_by_hand(tmp_path: Path) -> None:
-    record = curved(4, 3.0, 0.03)
+    record = curved(4, 3.0, 0.03, 1000)
     write_sampled(record, tmp_path / "whole.csv")
     lines = (tmp_path / "whole.csv").read_text("utf-8").splitlines(keepends=True)
-    (tmp_path / "gap.csv").write_text("".join(lines[:801] + lines[851:]), "utf-8")
+    (tmp_path / "gap.csv").write_text("".join(lines[:401] + lines[451:]), "utf-8")
     pieces = read_pieces(tmp_path / "gap.csv", ["duty"], ["position"])
-    assert [len(piece) for piece in pieces] == [800, 1150]
+    assert [len(piece) for piece in pieces] == [400, 550]
     assert "in a gap; the record is split there into 2" in pieces[0].remarks[0]
-    hand = [record.rows(0, 800), record.rows(850)]
+    hand = [record.rows(0, 400), record.rows(450)]
     fits = [mean_fit(score_chain(estimate_chain(CURVED, r, FEW).chain, r, "estimation")) for r in (pieces, hand)]
     assert fits[0] == pytest.approx(fits[1], abs=2.0)
     assert fits[0] > 97.0

@@ -28,8 +28,8 @@ from martensite.signals.records import Record
 SAMPLE = Bent()
 STRESS = 100e6
 STRESSES = (50e6, 100e6, 150e6, 200e6)
-REPETITIONS = 200
-ALLOWED = stats.binom.interval(0.9999, REPETITIONS, 0.95)
+REPETITIONS = 120
+ALLOWED = stats.binom.interval(0.995, REPETITIONS, 0.95)
 TEMPERATURES = ("A_s", "A_f", "M_s", "M_f")
 
 

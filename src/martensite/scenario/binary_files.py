@@ -82,22 +82,30 @@ def read_apart(path: Path, reader: str, size: int) -> Columns:
 
 def _answer_apart(reader: str, path: Path) -> None:
     """Write the columns of a file to the standard output, or why there are none as an error."""
-    module, _, function = reader.partition(":")
     with suppress(ImportError, ValueError):  # there is no such limit elsewhere
         import resource
 
         resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
     try:
-        found = getattr(import_module(module), function)(path)
-        if not found:
-            raise DataError(f"`{path.name}` holds no columns of numbers over time.")
-    except Exception as error:  # readers of binary files let errors of any kind pass
-        words = f"`{path.name}` cannot be read as {path.suffix}: {error!r}."
-        words = str(error) if isinstance(error, DataError) else words
-        os.write(sys.stderr.fileno(), words.encode())
+        found = _read_columns(reader, path)
+    except DataError as error:
+        os.write(sys.stderr.fileno(), str(error).encode())
         os._exit(DataError.exit_code)  # nothing that a reader left half open may speak
     columns = {f"column_{k}": column for k, column in enumerate(found.values())}
     np.savez(sys.stdout.buffer, names=np.array(list(found), dtype=str), **columns)
+
+
+def _read_columns(reader: str, path: Path) -> Columns:
+    module, _, function = reader.partition(":")
+    try:
+        found = getattr(import_module(module), function)(path)
+    except DataError:
+        raise
+    except Exception as error:  # readers of binary files let errors of any kind pass
+        raise DataError(f"`{path.name}` cannot be read as {path.suffix}: {error!r}.") from None
+    if not found:
+        raise DataError(f"`{path.name}` holds no columns of numbers over time.")
+    return found
 
 
 # ---------------------------------------------------------------- kinds of files

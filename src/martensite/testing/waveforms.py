@@ -38,7 +38,7 @@ def check_edges(wave: AbstractWaveform) -> None:
 def check_kinks(wave: AbstractWaveform) -> None:
     """Every jump and bend is an edge: between edges the second difference falls as it should."""
     for a, b in pairwise([0.0, *wave.edges(DURATION), DURATION]):
-        inner = np.linspace(a, b, 1003)[1:-1]
+        inner = np.linspace(a, b, 403)[1:-1]
         levels = np.array([wave.value(t) for t in inner.tolist()])
         fine = np.abs(np.diff(levels, 2))
         coarse = np.abs(np.diff(levels[::2], 2)).max()
