@@ -19,6 +19,7 @@ from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.physics.kinetics import history
 from martensite.physics.kinetics.return_points import DEPTH
 from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.brinson import Brinson
 from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.signals.moments import Tone
 from martensite.simulate.api import simulate
@@ -147,6 +148,74 @@ def test_return_points_go_along_with_a_correction(name):
     moved = law.relocate(floats, memory, Fractions(there, there), 0.0, 71 + ZERO)
     first, second = (law.kinetics(floats, m, 0.0, 74 + ZERO, 0.0)[1].martensite for m in (memory, moved))
     assert second == pytest.approx(0.9 * first, abs=1e-12)
+
+
+# ---------------------------------------------------------------- two fractions
+
+
+def brinson():
+    changes = {"A_s": 48.0, "A_f": 58.0, "M_s": 32.0, "M_f": 22.0}
+    numbers = {name: value for name, value in NUMBERS.items() if name in Brinson.declarations}
+    lines = {name: celsius + ZERO for name, celsius in changes.items()}
+    return Brinson(**numbers | lines, sigma_s=80e6, sigma_f=150e6, history="return-point")
+
+
+def walk(law, points):
+    """Martensite and oriented fraction along a path from austenite."""
+    first, *others = points
+    advance, memory = trace_kinetics(law), law.init(floats, Fractions(0.0, 0.0), first[0], first[1])
+    found = [law.fractions(memory)]
+    for stress, kelvin in others:
+        memory = advance(memory, stress, kelvin, 0.0)
+        found.append(law.fractions(memory))
+    return np.array(found)
+
+
+@pytest.mark.parametrize("isothermal", [True, False])
+def test_stress_alone_makes_brinson_the_law_of_one_fraction(isothermal):
+    """Above M_s, at constant temperature or stress: the strips of S and reverse are those of Liang and Rogers."""
+    two = brinson()
+    shared: dict[str, Any] = {name: getattr(two, name) for name in LiangRogers.declarations if name in two.declarations}
+    strip = {"M_s": two.M_s - two.sigma_s / two.C_M, "M_f": two.M_s - two.sigma_f / two.C_M}
+    numbers: dict[str, Any] = shared | strip
+    one, rng = LiangRogers(**numbers), np.random.default_rng(0)
+    if isothermal:
+        points = [(0.0, 70 + ZERO), *((x, 70 + ZERO) for x in rng.uniform(130e6, 445e6, 300).tolist())]
+    else:
+        points = [(250e6, 150 + ZERO), *((250e6, x + ZERO) for x in rng.uniform(45.5, 82, 300).tolist())]
+    wanted, found = walk(one, points), walk(two, points)
+    assert np.abs(found - wanted).max() < 1e-12
+    assert np.mean((found[:, 0] > 0.01) & (found[:, 0] < 0.99)) > 0.8
+
+
+def test_loops_of_twins_close():
+    """Without stress T and reverse make loops within loops, and ξ_S stays 0."""
+    turns = (0, 55, 28, 53, 29, 52, 30, 53, 28, 55)
+    found = walk(brinson(), [(0.0, c + ZERO) for c in (90, *turns)])[1:]
+    pairs = ((3, 7), (2, 8), (1, 9))
+    assert [found[b] for _, b in pairs] == [pytest.approx(found[a], abs=1e-12) for a, _ in pairs]
+    assert found[:, 1].max() == 0.0
+    assert 0.1 < found[1, 0] < found[2, 0] < 0.9
+
+
+def test_both_processes_and_steps_of_any_length():
+    """S, T and reverse in any order: fractions in their bounds, the same however a leg is cut."""
+    law, rng = brinson(), np.random.default_rng(4)
+    x: Any
+    advance = trace_kinetics(law)
+    for start in ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)) * 25:
+        stresses, celsius = rng.uniform(0.0, 250e6, 8), rng.uniform(5.0, 70.0, 8)
+        points = np.column_stack([stresses, celsius + ZERO])
+        ends = []
+        for cuts in (1, 5):
+            memory = law.init(floats, Fractions(*start), *points[0].tolist())
+            for a, b in pairwise(points):
+                for share in np.linspace(0.0, 1.0, cuts + 1)[1:]:
+                    x = b if share == 1.0 else a + share * (b - a)
+                    memory = advance(memory, float(x[0]), float(x[1]), 0.0)
+                assert 0.0 <= memory.oriented <= memory.martensite + 1e-14 <= 1.0 + 2e-14
+            ends.append((memory.martensite, memory.oriented))
+        assert ends[1] == pytest.approx(ends[0], abs=1e-11)
 
 
 # ---------------------------------------------------------------- relays

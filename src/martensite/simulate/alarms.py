@@ -286,7 +286,7 @@ def _describe_doubts(result: Result, columns: Columns) -> list[str]:
         law, name = one.element.law, result.system.label(port, "stress")
         if not isinstance(law, AbstractLaw) or name not in columns:
             continue
-        path = (columns[result.system.label(port, one)] for one in ("stress", "temperature", FRACTIONS[0]))
+        path = (columns[result.system.label(port, one)] for one in ("stress", "temperature", *FRACTIONS))
         found += describe_forgotten_loops(law, *path)
         doubt = law.doubt()
         if doubt is None:

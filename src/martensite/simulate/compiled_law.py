@@ -110,7 +110,11 @@ def _strain_step(law: AbstractLaw, shape: NestedShape, tension_only: bool) -> Ca
 
 
 def describe_forgotten_loops(
-    law: AbstractLaw, stress: Sequence[float], temperature: Sequence[float], martensite: Sequence[float]
+    law: AbstractLaw,
+    stress: Sequence[float],
+    temperature: Sequence[float],
+    martensite: Sequence[float],
+    oriented: Sequence[float],
 ) -> list[str]:
     """Whether a law of bounded memory forgot loops on a sampled path, in a sentence.
 
@@ -121,8 +125,9 @@ def describe_forgotten_loops(
         stress: along the path [Pa].
         temperature: along the path [K].
         martensite: the fraction that was found [-].
+        oriented: the net oriented one [-].
     """
-    start = Fractions(martensite[0], martensite[0])
+    start = Fractions(martensite[0], oriented[0])
     memory = law.init(floats, start, stress[0], temperature[0])
     if law.forgotten(memory) is None:
         return []

@@ -176,7 +176,7 @@ def material_point(
             f"{_SENTENCES.get(track.status, track.status.sentence)}"
         )
     result = _build_result(law, legs, drive, track, accuracy, label)
-    path = result.stress, result.temperature, result.martensite
+    path = result.stress, result.temperature, result.martensite, result.oriented
     result.warnings.extend(describe_forgotten_loops(law, *path))
     if tolerance is not None and accuracy is not None and accuracy > tolerance:
         result.warnings.append(

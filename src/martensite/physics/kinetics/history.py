@@ -320,6 +320,12 @@ def relocate_memory(
     return OneFractionMemory(fraction, memory.branch, scale, stress, temperature)
 
 
+def compare_parts(xp: Namespace, before: Scalar, now: Scalar, least: float) -> Scalar:
+    """By how much a part has grown, if there was and is more than a least one of it; else 1."""
+    some = xp.both(before > least, now > least)
+    return xp.where(some, now / xp.where(some, before, 1.0), 1.0)
+
+
 def relocate_points(
     xp: Namespace, left: Left, strips: tuple[Strip, Strip], memory: OneFractionMemory, after: OneFractionMemory
 ) -> OneFractionMemory:
@@ -327,16 +333,13 @@ def relocate_points(
     if not memory.points:
         return after
 
-    def compare(before: Scalar, now: Scalar, least: float) -> Scalar:
-        some = xp.both(before > least, now > least)
-        return xp.where(some, now / xp.where(some, before, 1.0), 1.0)
-
     def grow(strip: Strip, was: Scalar, now: Scalar) -> tuple[Scalar, Scalar]:
         before, there = (
             left(xp, limit_distance(xp, strip.distance(at.stress, at.temperature), strip.endless))
             for at in (memory, after)
         )
-        return compare(before, there, 0.0 if strip.endless else LEAST), compare(was, now, LEAST)
+        least = 0.0 if strip.endless else LEAST
+        return compare_parts(xp, before, there, least), compare_parts(xp, was, now, LEAST)
 
     forward = grow(strips[0], 1.0 - memory.fraction, 1.0 - after.fraction)
     reverse = grow(strips[1], memory.fraction, after.fraction)

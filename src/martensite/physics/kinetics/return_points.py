@@ -235,14 +235,16 @@ def forget_loop(xp: Namespace, points: ReturnPoints, course: BranchCourse, ahead
 
 
 def scale_points(
-    xp: Namespace, points: ReturnPoints, ahead: Flag, forward: tuple[Scalar, Scalar], reverse: tuple[Scalar, Scalar]
+    xp: Namespace, points: ReturnPoints, ahead: Flag, forward: Sequence[Scalar], reverse: Sequence[Scalar]
 ) -> ReturnPoints:
-    """All branches with L and what is left multiplied, by two numbers of either direction."""
+    """All branches with L and what is left of every fraction multiplied by the numbers of their direction."""
 
-    def scaled(one: Branch, factors: tuple[Scalar, Scalar]) -> Branch:
-        share, rest = factors
-        lines = tuple(BranchLine(line.scale * rest / share, line.offset * rest) for line in one.lines)
-        return Branch(one.share * share, lines)
+    def scaled(one: Branch, factors: Sequence[Scalar]) -> Branch:
+        share, *rests = factors
+        pairs = zip(one.lines, rests, strict=True)
+        return Branch(
+            one.share * share, tuple(BranchLine(a.scale * rest / share, a.offset * rest) for a, rest in pairs)
+        )
 
     return points._replace(
         branch=choose_branch(xp, ahead, scaled(points.branch, forward), scaled(points.branch, reverse)),

@@ -9,12 +9,44 @@ act together and do not depend on their order (product law): with r = (1 - P₁)
     reverse   ξ_S = ξ_S0 r,               ξ = ξ₀ r
 
 The memory holds how near its finish line each process has come since the branch was opened.
+
+Under the rule return-point (`return_points`) both fractions are straight in L of the process that acts, 1 - ξ and
+1 - ξ_S forward, ξ and ξ_S in reverse, from where a branch begins to its target. Forward the points remembered are those
+of one process, S or T, the first one to act (S if both do). While there are any the other one goes by resume: it
+multiplies what is left, also at these points. A target is given up as well if on the way to it reverse would make more
+of a fraction, or S more twins.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from martensite.kernels.namespace import Flag, Namespace, Scalar
-from martensite.physics.kinetics.history import RESUME, Strip, StripLeg, follow_strip, round_off, turning_point
+from martensite.physics.kinetics.history import (
+    LEAST,
+    RESTART,
+    RETURN_POINT,
+    Strip,
+    StripLeg,
+    compare_parts,
+    follow_strip,
+    round_off,
+    turning_point,
+)
+from martensite.physics.kinetics.return_points import (
+    GONE,
+    HAIR,
+    Branch,
+    BranchCourse,
+    BranchLine,
+    ReturnPoints,
+    choose_branch,
+    commit_course,
+    compute_rests,
+    draw_line,
+    scale_points,
+    select_course,
+    start_points,
+)
 from martensite.physics.laws.base import Fractions
 
 UNSET = 1.0
@@ -33,6 +65,14 @@ class Diagram(NamedTuple):
     """M_s [K], below which the lines of S are horizontal."""
 
 
+class TwinPoints(NamedTuple):
+    """Return points; those of the forward direction are of T or of S."""
+
+    points: ReturnPoints
+    twinned: Scalar
+    """1 if they are of T."""
+
+
 class TwoFractionMemory(NamedTuple):
     """All that a law with two fractions remembers; a reach is a distance in [0, 1]."""
 
@@ -48,6 +88,8 @@ class TwoFractionMemory(NamedTuple):
     """Reach of the reverse process on this branch [-]."""
     stress: Scalar
     temperature: Scalar
+    recalled: TwinPoints | tuple[()] = ()
+    """Under the rule return-point."""
 
 
 class PathPoint(NamedTuple):
@@ -76,6 +118,10 @@ class TwoFractionDirection(NamedTuple):
     """Distance that S or reverse has to fall below before anything transforms."""
     cooling: Scalar
     """The same for T."""
+    course: BranchCourse | tuple[()] = ()
+    """Under the rule return-point."""
+    twinned: Scalar = 0.0
+    """1 if it is one of T."""
 
     def strip(self) -> Strip:
         """The strip of S or of the reverse process, whichever acts."""
@@ -94,10 +140,10 @@ class Courses(NamedTuple):
     """Reverse acts first."""
 
 
-def start_memory(fractions: Fractions, stress: Scalar, temperature: Scalar) -> TwoFractionMemory:
+def start_memory(rule: str, fractions: Fractions, stress: Scalar, temperature: Scalar) -> TwoFractionMemory:
     """Memory of a wire that has no history."""
-    reaches = UNSET, UNSET, UNSET
-    return TwoFractionMemory(fractions.martensite, fractions.oriented, 0.0, *reaches, stress, temperature)
+    reaches, points = (UNSET, UNSET, UNSET), TwinPoints(start_points(2), 0.0) if rule == RETURN_POINT else ()
+    return TwoFractionMemory(fractions.martensite, fractions.oriented, 0.0, *reaches, stress, temperature, points)
 
 
 def relocate_memory(
@@ -123,7 +169,22 @@ def relocate_memory(
         shifted(diagram.cooling, memory.cooling, 0.0),
         shifted(diagram.reverse, memory.reverse, 0.0),
     )
-    return TwoFractionMemory(*fractions, memory.branch, *reaches, stress, temperature)
+    if not memory.recalled:
+        return TwoFractionMemory(*fractions, memory.branch, *reaches, stress, temperature)
+    of_twins, origin = memory.recalled.twinned > 0.5, (memory.stress, memory.temperature)
+
+    def grow(main: Strip, bend: Scalar) -> Scalar:
+        distances = (main.distance(s, xp.maximum(t, bend)) for s, t in (origin, (stress, temperature)))
+        before, after = (compute_left(xp, xp.clip(v, 0.0, 1.0)) for v in distances)
+        return compare_parts(xp, before, after, LEAST)
+
+    changes = list(zip((memory.martensite, memory.oriented), fractions, strict=True))
+    forth = xp.where(of_twins, grow(diagram.cooling, 0.0), grow(diagram.loading, diagram.bend))
+    forward = [forth, *(compare_parts(xp, 1.0 - a, 1.0 - b, LEAST) for a, b in changes)]
+    reverse = [grow(diagram.reverse, 0.0), *(compare_parts(xp, a, b, LEAST) for a, b in changes)]
+    points = scale_points(xp, memory.recalled.points, memory.branch > 0.0, forward, reverse)
+    recalled = memory.recalled._replace(points=points)
+    return TwoFractionMemory(*fractions, memory.branch, *reaches, stress, temperature, recalled)
 
 
 def find_kink(
@@ -199,9 +260,10 @@ def select_direction(
     xp: Namespace, rule: str, diagram: Diagram, memory: TwoFractionMemory, found: Courses
 ) -> TwoFractionDirection:
     """The direction that a leg sets off first, and from where."""
+    course, twinned = select_points(xp, memory, found)
     whole = found.loading, found.cooling, found.reverse
     s, t, r = (xp.where(one.ahead, one.begin, 0.0) for one in whole)
-    if rule == RESUME:
+    if rule != RESTART:
         s, t = xp.minimum(memory.loading, s), xp.minimum(memory.cooling, t)
         r = xp.minimum(memory.reverse, r)
     ahead = found.ahead
@@ -218,7 +280,48 @@ def select_direction(
         bend=xp.store(xp.where(ahead, diagram.bend, 0.0)),
         reach=xp.store(xp.where(ahead, s, r)),
         cooling=xp.store(t),
+        course=course,
+        twinned=twinned,
     )
+
+
+def turn_points(
+    xp: Namespace, memory: TwoFractionMemory, recalled: TwinPoints, direction: Scalar
+) -> tuple[ReturnPoints, Flag]:
+    """What is remembered as a move begins, nothing after a complete branch; and whether it interrupts one.
+
+    S is complete where all is detwinned, T where no austenite is left.
+    """
+    points, turned = recalled.points, memory.branch * direction < 0.0
+    forward = 1.0 - xp.where(recalled.twinned > 0.5, memory.martensite, memory.oriented)
+    goes_on = xp.where(direction > 0.0, memory.martensite, forward) > GONE
+    forget = xp.both(turned, xp.negate(goes_on))
+    forwards, reverses = (xp.where(forget, 0.0, one) for one in (points.forwards, points.reverses))
+    return points._replace(forwards=forwards, reverses=reverses), xp.both(turned, goes_on)
+
+
+def select_points(xp: Namespace, memory: TwoFractionMemory, found: Courses) -> tuple[BranchCourse | tuple[()], Scalar]:
+    """The course back to return points, and whether it is one of T (1)."""
+    if not memory.recalled:
+        return (), 0.0
+    before = memory.recalled.twinned
+    points, _ = turn_points(xp, memory, memory.recalled, xp.where(found.ahead, 1.0, xp.where(found.back, -1.0, 0.0)))
+    s, t, r = found.loading, found.cooling, found.reverse
+    ahead, acts = found.ahead, xp.either(found.ahead, found.back)
+    turns = xp.both(acts, memory.branch * xp.where(ahead, 1.0, -1.0) <= 0.0)
+    free = xp.both(xp.both(ahead, turns), points.forwards < 0.5)
+    alone = xp.where(xp.both(t.acts, xp.negate(s.acts)), 1.0, 0.0)
+    twinned = xp.store(xp.where(free, alone, before))
+    begin = xp.where(ahead, xp.where(twinned > 0.5, t.begin, s.begin), r.begin)
+
+    def fits(falls: Sequence[Scalar]) -> Flag:
+        all_of_it, oriented = falls
+        forth = xp.either(twinned > 0.5, all_of_it <= oriented + HAIR)
+        back = xp.both(oriented >= -HAIR, oriented <= all_of_it + HAIR)
+        return xp.either(xp.both(ahead, forth), xp.both(found.back, back))
+
+    rest = [xp.where(ahead, 1.0 - one, one) for one in (memory.martensite, memory.oriented)]
+    return select_course(xp, points, ahead, turns, compute_left(xp, begin), rest, fits), twinned
 
 
 def compute_distances(
@@ -231,6 +334,12 @@ def compute_distances(
     least = xp.where(crosses, xp.minimum(end, strip.distance(turn, move.bend)), end)
     cooling = diagram.cooling.distance(stress, temperature)
     return xp.clip(least, 0.0, 1.0), xp.clip(cooling, 0.0, 1.0)
+
+
+def compute_left(xp: Namespace, distance: Scalar) -> Scalar:
+    """What a cosine process leaves at a distance from its finish line [-]."""
+    sine = xp.quarter_sine(distance)
+    return sine * sine
 
 
 def compute_rest_ratio(xp: Namespace, reach: Scalar, distance: Scalar) -> Scalar:
@@ -252,6 +361,17 @@ def follow_direction(
     martensite = xp.maximum(martensite, oriented)
     ahead, back = move.direction > 0.0, move.direction < 0.0
     rest = xp.where(back, first, 1.0)
+    if move.course:
+        twinned, left = move.twinned > 0.5, [xp.where(ahead, 1.0 - x, x) for x in (move.martensite, move.oriented)]
+        share = compute_left(xp, xp.where(xp.both(ahead, twinned), cooled, distance))
+        whole, part = compute_rests(xp, move.course, share, left)
+        forward = 1.0 - whole * xp.where(twinned, first, second)
+        oriented = xp.where(twinned, oriented, 1.0 - part)
+        reduced = Fractions(xp.where(back, whole, move.martensite), xp.where(back, part, move.oriented))
+        return Fractions(
+            xp.where(ahead, xp.maximum(forward, oriented), reduced.martensite),
+            xp.where(ahead, oriented, xp.minimum(reduced.oriented, reduced.martensite)),
+        )
     return Fractions(
         xp.where(ahead, martensite, move.martensite * rest), xp.where(ahead, oriented, move.oriented * rest)
     )
@@ -271,7 +391,8 @@ def commit_move(
     ahead, back = move.direction > 0.0, move.direction < 0.0
     branch = xp.where(xp.either(ahead, back), move.direction, memory.branch)
     reaches = memory.loading, memory.cooling, memory.reverse
-    if rule == RESUME:
+    recalled = memory.recalled
+    if rule != RESTART:
         first, cooled = compute_distances(xp, diagram, move, stress, temperature)
         hair = round_off(xp, move.strip(), memory, stress, temperature)
         falls = move.reach - first > hair
@@ -284,7 +405,53 @@ def commit_move(
             xp.where(ahead, cooling, xp.where(back, UNSET, memory.cooling)),
             xp.where(back, reverse, xp.where(ahead, UNSET, memory.reverse)),
         )
-    return TwoFractionMemory(*fractions, branch, *reaches, stress, temperature)
+        if memory.recalled and move.course:
+            of_twins = xp.both(ahead, move.twinned > 0.5)
+            ratios = compute_rest_ratio(xp, move.reach, first), compute_rest_ratio(xp, move.cooling, cooled)
+            ends = xp.where(of_twins, cooled, first), reaches[0]
+            recalled = remember_points(xp, memory, move, fractions, ends, ratios)
+    return TwoFractionMemory(*fractions, branch, *reaches, stress, temperature, recalled)
+
+
+def remember_points(
+    xp: Namespace,
+    memory: TwoFractionMemory,
+    move: TwoFractionDirection,
+    fractions: Fractions,
+    ends: tuple[Scalar, Scalar],
+    ratios: tuple[Scalar, Scalar],
+) -> TwinPoints | tuple[()]:
+    """The return points after a move.
+
+    Args:
+        xp: the namespace.
+        memory: the one before the move.
+        move: the one that was made.
+        fractions: at its end.
+        ends: distance at its end of the process whose points are remembered, and reach of S.
+        ratios: what S and what T left of what there was before the move.
+    """
+    if not memory.recalled or not move.course:
+        return ()
+    ahead, of_twins = move.direction > 0.0, move.twinned > 0.5
+    points, interrupts = turn_points(xp, memory, memory.recalled, move.direction)
+    rest = [xp.where(ahead, 1.0 - one, one) for one in fractions]
+    end, left = compute_left(xp, ends[0]), xp.where(ahead, rest[1], rest[0])
+    points = commit_course(xp, points, move.course, move.direction, interrupts, end, left)
+    # what the other process did multiplies all that is left, so that the order of the two does not matter
+    ratio = xp.where(ahead, xp.where(of_twins, *ratios), 1.0)
+    branch, *forward = (scale_martensite(one, ratio) for one in (points.branch, *points.forward))
+    turns_to_s = xp.both(xp.both(of_twins, ratios[0] < 1.0), xp.both(ahead, points.forwards < 0.5))
+    share = compute_left(xp, ends[1])
+    anew = Branch(share, tuple(draw_line(xp, share, one, 0.0, 0.0) for one in rest))
+    points = points._replace(branch=choose_branch(xp, turns_to_s, anew, branch), forward=tuple(forward))
+    return TwinPoints(points, xp.where(turns_to_s, 0.0, move.twinned))
+
+
+def scale_martensite(branch: Branch, ratio: Scalar) -> Branch:
+    """The branch with what is left of all martensite multiplied by a ratio."""
+    whole, oriented = branch.lines
+    return branch._replace(lines=(BranchLine(whole.scale * ratio, whole.offset * ratio), oriented))
 
 
 def compute_crossing(

@@ -19,7 +19,7 @@ positive; Θ > 0 means that a free bar shrinks on heating.
 """
 
 from martensite.base.errors import ParameterError
-from martensite.base.parameters import option, param
+from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import two_fractions
 from martensite.physics.kinetics.diagram import WIDTHS, AbstractPhaseDiagram
@@ -42,8 +42,6 @@ class Brinson(AbstractPhaseDiagram):
 
     sigma_s: Scalar = param("Pa", "start stress of detwinning below M_s", above=0.0, high=1e10, typical="80 MPa")
     sigma_f: Scalar = param("Pa", "finish stress of detwinning below M_s", above=0.0, high=1e10, typical="150 MPa")
-
-    history: str = option("what happens to an interrupted transformation", "resume", "restart", default="resume")
 
     def check(self) -> None:
         """Raise `ParameterError` if a strip has no width."""
@@ -94,13 +92,17 @@ class Brinson(AbstractPhaseDiagram):
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> TwoFractionMemory:
         """Memory of a wire that has no history; needs 0 ≤ ξ_S ≤ ξ ≤ 1."""
-        return two_fractions.start_memory(fractions, stress, temperature)
+        return two_fractions.start_memory(self.history, fractions, stress, temperature)
 
     def relocate(
         self, xp: Namespace, memory: TwoFractionMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
     ) -> TwoFractionMemory:
         """The branch in progress goes on from other fractions at another point."""
         return two_fractions.relocate_memory(xp, self.diagram(), memory, fractions, stress, temperature)
+
+    def forgotten(self, memory: TwoFractionMemory) -> Scalar | None:
+        """By return points that found no place any more [-]."""
+        return memory.recalled.points.forgotten if memory.recalled else None
 
     def fractions(self, memory: TwoFractionMemory) -> Fractions:
         """ξ and ξ_S."""
