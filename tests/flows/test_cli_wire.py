@@ -154,6 +154,14 @@ def test_the_coil_that_is_saved_runs(tmp_path: Path) -> None:
     assert max(run["resistance"]) == pytest.approx(3.0)
 
 
+def test_the_stop_of_a_saved_coil_is_in_the_coil_or_named_as_missing(tmp_path: Path) -> None:
+    file = tmp_path / "bag.toml"
+    WIRE(*BAG, "--pulse", "5 s", "--stretched", "100 mm", "--save", str(file))
+    (coil,) = (one.element for one in load(file).system.actuators().values())
+    assert coil.turns * coil.diameter == pytest.approx(0.025)  # type: ignore[attr-defined]
+    assert "# It closes at 25 mm" in file.read_text() and "holds it at 100 mm" in file.read_text()
+
+
 def test_the_time_of_a_weak_supply_is_one_that_does() -> None:
     weak = rate_wire(CoilInHand(**(COIL | {"supply": 5.0, "pulse": 1.0})))  # type: ignore[arg-type]
     assert weak.supply_time is not None and any('--pulse "' in fault for fault in weak.faults)

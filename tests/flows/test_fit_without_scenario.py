@@ -183,12 +183,14 @@ def test_logs_alone_become_a_scenario_that_is_accepted_again(rig_logs: list[str]
 def test_printed_command_fits_the_kept_scenario_again(tmp_path: Path, stressed: bool) -> None:
     """Below title lines: the raw file where it holds what the scenario follows, else the record as understood."""
     loop, more = RECORDS["isobaric"], ";100" if stressed else ""
-    pairs = enumerate(zip(loop["temperature"] - 273.15, 100.0 * loop["strain"], strict=True))
+    noise = 0.3 * np.random.default_rng(2).standard_normal(80)
+    pairs = enumerate(zip(loop["temperature"] + noise - 273.15, 100.0 * loop["strain"], strict=True))
     head = "Time;Chamber;Strain;Tension\ns;degC;%;MPa" if stressed else "Time;Chamber;Strain\ns;degC;%"
     path, kept = tmp_path / "wire_100MPa.csv", tmp_path / "kept.toml"
     rows = [f"{k};{kelvin:.2f};{strain:.4f}{more}" for k, (kelvin, strain) in pairs]
     path.write_text("\n".join(["Report;7", "", head, *rows]))
     told = json.loads(FIT(str(path), "--json", "--save-scenario", str(kept)).stdout)
+    assert told["uncounted_noise"]["temperature"] == pytest.approx(0.3, rel=0.4)
     command = split(told["again"])
     assert command[:3] == ["martensite", "fit", str(path if stressed else tmp_path / "kept_wire_100MPa.csv")]
     command[command.index("--free") + 1] = "A_f"

@@ -169,7 +169,13 @@ def format_ratings(found: WireRatings, catalogue: WireCatalogue) -> str:
         current, heating = cycle.current, cycle.heating
     period = 1.1 * heating + max(1.5 * (cycle.cooling or 0.0) if cycle else 0.0, 6.0 * strand.time_constant())
     wave = f'kind = "pwm", high = "{current:.6g} A", frequency = "{1.0 / period:.6g} Hz", duty = {heating / period:.6g}'
-    held = f"# Held at {1e3 * found.drawn.length:.4g} mm by a stop, which is not in the file.\n" if found.drawn else ""
+    held = ""
+    if found.drawn and isinstance(strand, CoilStrand):
+        held = (
+            f"# It closes at {1e3 * strand.solid:.4g} mm, turns times diameter, which is in the coil itself. The stop "
+            f"that holds it at {1e3 * found.drawn.length:.4g} mm when cold is in no mechanism: a run begins where "
+            "the load draws it to.\n"
+        )
     notes = [f"# Does not do: {fault}." for fault in found.faults]
     notes += [f"# {COIL_DOUBT}"] * isinstance(strand, CoilStrand)
     return "\n".join(

@@ -13,8 +13,9 @@ from martensite.fit.cross_validation import BETTER, EXPLAINED, HeldOutError, Poo
 from martensite.fit.experiment_kinds import KINDS
 from martensite.fit.fit import list_compared
 from martensite.fit.fit_verdicts import format_error
+from martensite.fit.input_noise import find_input_noise
 from martensite.fit.log_models import LogModel, TriedModel
-from martensite.search.quantity_text import format_number, format_quantity, join_phrases
+from martensite.search.quantity_text import format_change, format_number, format_quantity, join_phrases
 from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops
 
 HELD_OUT = ("record", "output", "rms", "raw_rms", "own_zero", "whole", "fit_percent")
@@ -36,6 +37,7 @@ def summarise_log_model(model: LogModel, command: str = "") -> Summary:
         Sentence(_describe_choice(model)),
         _tabulate_numbers(model),
         Sentence(f"{len(fit.problem.free)} numbers, {samples} measured values. Search: {fit.reason}."),
+        *_list_input_noise(model),
         Heading("Assumed and done"),
         BulletList(model.notes or ("Nothing.",)),
         Heading("What to record next"),
@@ -122,6 +124,20 @@ def _tabulate_numbers(model: LogModel) -> DataTable:
     return DataTable(("number", "value", "95 % interval", "determined"), rows, right=(1,), note=note)
 
 
+def _list_input_noise(model: LogModel) -> Iterator[Sentence]:
+    """That noise of what drives is in no interval, and how much of it there is."""
+    problem = model.fit.problem
+    units = {name: one.record.units[name] for one in problem.experiments for name in one.follows.values()}
+    found, notes = find_input_noise(problem)
+    sizes = [f"{format_change(one.sigma, units[one.column], 2)} in `{one.column}`" for one in found]
+    if sizes:
+        yield Sentence(
+            f"The intervals take what drives as exact. By their rows there is noise of {join_phrases(sizes)}: a fit of "
+            "the kept scenario (--scenario) counts it."
+        )
+    yield from map(Sentence, notes)
+
+
 def _write(value: float, free: Any) -> str:
     """A number, or a difference of temperatures in kelvin."""
     difference = free.unit == "K" and (free.base or free.record is not None)
@@ -196,6 +212,7 @@ def _collect_numbers(model: LogModel) -> dict[str, Any]:
         "numbers": fit.numbers,
         "time_constant": model.time_constant,
         "undetermined": fit.undetermined,
+        "uncounted_noise": {one.column: one.sigma for one in find_input_noise(fit.problem)[0]},
         "notes": list(model.notes),
         "next": list_next_records(model),
         "scenario": model.write_scenario(),
