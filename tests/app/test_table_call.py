@@ -13,6 +13,7 @@ from martensite.base.errors import InputError
 from martensite.scenario.datasets import describe_dataset
 from martensite_app.calls.logs import describe_records as records
 from martensite_app.calls.logs import describe_table as table
+from martensite_app.calls.logs import place_sample
 from martensite_app.uploads import UploadFolder
 from martensite_app.worker import Desk
 
@@ -44,6 +45,20 @@ def put(desk: Desk, data: bytes | str, name: str = "log.csv") -> str:
 
 def columns(*named: tuple[int, str, str]) -> list[dict[str, Any]]:
     return [{"at": at, "name": name, "unit": unit} for at, name, unit in named]
+
+
+def test_a_reader_without_a_log_takes_the_measured_one(desk: Desk) -> None:
+    """Temperature, strain and stress of a loop without headings, known by their values; it can be fitted."""
+    given = place_sample({}, desk)
+    found = table({"key": given["key"]}, desk)
+    assert (given["name"], found["rows"]) == ("isobaric_172MPa.txt", 499)
+    assert [(one["name"], one["unit"]) for one in found["columns"]] == [
+        ("temperature", "degC"),
+        ("strain", "1"),
+        ("stress", "MPa"),
+    ]
+    named = [{"at": at, "name": one["name"], "unit": one["unit"]} for at, one in enumerate(found["columns"])]
+    assert records({"key": given["key"], "columns": named, "interval": 1.0, "cuts": []}, desk)["rows"] == 499
 
 
 def test_columns_are_guessed_and_counted(desk: Desk) -> None:

@@ -25,6 +25,7 @@ ROUTES: Mapping[str, tuple[str, str]] = {
     "differences": ("scenarios", "compare_documents"),
     "export": ("scenarios", "export_scenario"),
     # fits
+    "sample_log": ("logs", "place_sample"),
     "table": ("logs", "describe_table"),
     "fit_records": ("logs", "describe_records"),
     "fit_starts": ("logs", "list_followers"),

@@ -6,7 +6,7 @@ import { ColumnRows } from "./columns.tsx";
 import { NumberField, SECONDS } from "./number.tsx";
 import { goTo, put, readTable, state, table, takeFile } from "./state.ts";
 
-const KINDS = ".csv,.txt,.tsv,.dat,.mat,.nc,.parquet";
+const KINDS = ".csv,.txt,.tsv,.dat,.asc,.lvm,.xlsx,.mat,.nc,.parquet,.tdms,.mcap,.gz";
 const SEPARATORS = ["auto", "comma", "semicolon", "tab", "whitespace"];
 
 function Drop() {
@@ -24,7 +24,7 @@ function Drop() {
     >
       <label>
         <strong>Drop a log here, or choose a file</strong>
-        <span class="small soft">A table over time: CSV, TXT, TSV, MAT, netCDF or Parquet, up to 64 MiB. It stays on this machine.</span>
+        <span class="small soft">A table over time, or loops without one: text of any layout, Excel, MAT, netCDF, Parquet, TDMS or MCAP, up to 64 MiB. It stays on this machine.</span>
         <input type="file" accept={KINDS} onChange={(event) => take(event.currentTarget.files)} />
       </label>
     </div>
@@ -98,6 +98,15 @@ export function FileStep() {
   return (
     <div class="stack">
       <Drop />
+      {!file && (
+        <p>
+          None at hand?{" "}
+          <button type="button" onClick={() => void takeFile("sample")}>
+            Take a measured one
+          </button>{" "}
+          <span class="soft small">Flexinol of 0.38 mm under 172 MPa, heated and cooled once.</span>
+        </p>
+      )}
       {file && found && (
         <>
           <h2>

@@ -1,7 +1,7 @@
 // What the reader has chosen on the way to a fit; kept in this tab, so that a reload finds it again.
 
 import { computed, effect, signal } from "@preact/signals";
-import { call, sentence, superseded, upload } from "../lib/api.ts";
+import { call, sentence, superseded, type Uploaded, upload } from "../lib/api.ts";
 import { watched } from "../state/jobs.ts";
 import type { Note, Outcome, RecordsView, ScenarioView, TableView } from "./types.ts";
 
@@ -152,13 +152,16 @@ export async function readTable(fresh: boolean): Promise<void> {
   }
 }
 
-export async function takeFile(file: File): Promise<void> {
+/** Begin with a file of the reader, or with the measured log that comes with the package. */
+export async function takeFile(file: File | "sample"): Promise<void> {
   busy.value = "Uploading …";
   try {
-    const found = await upload(file);
+    const found = file === "sample" ? await call<Uploaded>("sample_log", {}) : await upload(file);
     reading.request = "";
     table.value = records.value = scenario.value = null;
-    put({ file: found, separator: "auto", drop: false, interval: null, columns: [], cuts: [], step: 0 });
+    // the measured one is a slow loop without times: any will do
+    const interval = file === "sample" ? 1 : null;
+    put({ file: found, separator: "auto", drop: false, interval, columns: [], cuts: [], step: 0 });
     await readTable(true);
   } catch (error) {
     refused.value = sentence(error);

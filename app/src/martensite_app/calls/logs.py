@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from martensite.base import units
 from martensite.base.errors import MartensiteError, ParameterError
-from martensite.base.files import toml_document
+from martensite.base.files import MOST_LOG, read_unpacked, toml_document
 from martensite.base.parameters import Leaf
 from martensite.fit.column_matching import list_echoes, match_columns
 from martensite.fit.free_parameters import build_free_numbers
@@ -15,6 +15,7 @@ from martensite.fit.losses import LOSSES
 from martensite.fit.solve import METHODS
 from martensite.scenario.assemble import waveform_path
 from martensite.scenario.column_meanings import Meaning, guess_meanings
+from martensite.scenario.datasets import locate_file
 from martensite.scenario.heading_guess import usual_units
 from martensite.scenario.lab_files import choose_time, read_raw
 from martensite.scenario.layout import CANONICAL
@@ -32,10 +33,23 @@ from martensite_app.uploads import UploadFolder
 from martensite_app.views.columns import describe_conversion, describe_difference, describe_display, find_envelope
 from martensite_app.worker import Desk
 
+SAMPLE = "flexinol-isobaric/isobaric_172MPa.txt"
+"""The log that a reader without one begins with."""
 SMALL = 120
 """Points of the small curve of a column."""
 LONG = 100_000
 """Rows from which on it is advised to thin out."""
+
+
+def place_sample(request: Request, desk: Desk) -> JsonTable:
+    """A measured log that comes with the package, as if it had been uploaded.
+
+    {} -> {"key", "name", "bytes"}
+    """
+    content = read_unpacked(locate_file(SAMPLE), MOST_LOG)
+    key, path = UploadFolder(desk.folder).place(SAMPLE.rpartition("/")[2])
+    path.write_bytes(content)
+    return {"key": key, "name": path.name, "bytes": len(content)}
 
 
 def describe_table(request: Request, desk: Desk) -> JsonTable:
