@@ -38,8 +38,8 @@ GROUPS = 4
 """Directions in which differences are taken; every parameter moves in one of them."""
 KELVINS = 10.0
 """Size of a temperature parameter [K]: the width of a strip, not the distance from 0 K."""
-INSIDE = {"initial_fraction": 0.7, "initial_oriented": 0.4}
-"""At the ends of its range a fraction has a derivative on one side only."""
+INSIDE = {"initial_fraction": 0.7, "initial_oriented": 0.4, "H_min": 0.04}
+"""At the ends of its range a number has a derivative on one side only."""
 WHOLE = ("heated", "passes")
 """Whole numbers."""
 LEVELS = {"V": 4.0, "A": 0.9, "W": 3.2, "1": 1.0, "N": 5.0, "Pa": 100e6, "m": 1e-3}
@@ -145,7 +145,7 @@ def spans(rows: np.ndarray) -> np.ndarray:
 
 
 def inside(system: AbstractSystem) -> AbstractSystem:
-    """A twin whose phases at the start are inside their ranges, where its law allows it."""
+    """A twin whose phases at the start and strains are inside their ranges, where its law allows it."""
     for ending, value in INSIDE.items():
         paths = [leaf.path for leaf in system.leaves() if leaf.path.endswith(ending)]
         one_way = ending == "initial_oriented" and any(getattr(part, "one_way", False) for part in system.tree())

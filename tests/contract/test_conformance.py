@@ -29,7 +29,7 @@ from martensite.scenario.catalogue import list_registries
 from martensite.testing import check_conformance, check_material, observers
 from martensite.testing.conformance import SUITES, check_part, find_checks
 
-SLOW = {"lagoudas-waisted", "mas-polycrystal-constant-15-internal-stress"}
+SLOW = {"lagoudas-waisted-work", "lagoudas-smooth-curved", "mas-polycrystal-constant-15-internal-stress"}
 """Second forms of the laws that take longest."""
 REGISTRIES = list_registries(blocks=True)
 CASES = [

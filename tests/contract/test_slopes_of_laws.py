@@ -9,8 +9,10 @@ from martensite.kernels.dual import value_and_slope
 
 LAWS = examples("law")
 LONG = (
-    "lagoudas-smooth",
-    "lagoudas-waisted",
+    "lagoudas-smooth-work",
+    "lagoudas-waisted-work",
+    "lagoudas-smooth-curved",
+    "brinson-return-point",
     "mas-polycrystal-constant-15-barriers",
     "mas-polycrystal-constant-15-internal-stress",
 )

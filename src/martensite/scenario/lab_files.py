@@ -74,11 +74,6 @@ class LabFile:
     start: float | None = None
     """Absolute time of the record's zero [s] since the first day of the calendar; below 86 400 it is that of a day."""
 
-    @property
-    def is_given(self) -> bool:
-        """Whether nothing in it was guessed, left out or put right."""
-        return not (self.notes or self.dropped or any(one.si and one.known != "given" for one in self.columns))
-
     def with_interval(self, interval: float) -> LabFile:
         """With rows so far apart [s], where the file has no times."""
         times = [k * interval for k in range(len(self.record))]

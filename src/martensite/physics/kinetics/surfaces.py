@@ -137,7 +137,7 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
     C_A: Scalar = param("Pa/K", "slope of the reverse surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K")
     C_M: Scalar = param("Pa/K", "slope of the forward surface at sigma_cal", low=1e5, high=1e9, typical="8 MPa/K")
     sigma_cal: Scalar = param("Pa", "stress at which both slopes hold", low=0.0, high=2e9, typical="150 MPa")
-    H_min: Scalar = param("1", "transformation strain up to sigma_crit", low=0.0, high=0.2, typical=0.04)
+    H_min: Scalar = param("1", "transformation strain up to sigma_crit", low=0.0, high=0.2, typical=0.05)
     H_sat: Scalar = param("1", "transformation strain at high stress", above=0.0, high=0.2, typical=0.05)
     H_k: Scalar = param("1/Pa", "rate at which H approaches H_sat", low=0.0, high=1e-5, typical="2e-8 1/Pa")
     sigma_crit: Scalar = param("Pa", "stress at which H begins to grow", low=0.0, high=1e9, default=0.0)
