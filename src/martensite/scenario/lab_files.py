@@ -73,6 +73,14 @@ class LabFile:
     has_time: bool
     start: float | None = None
     """Absolute time of the record's zero [s] since the first day of the calendar; below 86 400 it is that of a day."""
+    titled: bool = False
+    """Whether lines stand above the table."""
+
+    @property
+    def is_given(self) -> bool:
+        """Whether nothing in it was guessed, left out or put right."""
+        guessed = any(one.si and one.known != "given" for one in self.columns)
+        return not (self.notes or self.dropped or self.titled or guessed)
 
     def with_interval(self, interval: float) -> LabFile:
         """With rows so far apart [s], where the file has no times."""
@@ -160,7 +168,12 @@ def interpret_table(raw: RawTable, path: Path, named: Mapping[str, str]) -> LabF
     assumed = None if times is not None or interval else 1.0
     record = Record(path.stem, columns, si_units, path, count, assumed)
     known = times is not None or interval is not None
-    return LabFile(path, raw.form, record, tuple(listed), left, tuple(notes), known, times.start if times else None)
+    start = times.start if times else None
+    return LabFile(path, raw.form, record, tuple(listed), left, tuple(notes), known, start, _is_titled(raw))
+
+
+def _is_titled(raw: RawTable) -> bool:
+    return len(raw.numbers) > 0 and int(raw.numbers[0]) > 1 + int(raw.headed)
 
 
 def _drop_empty(columns: Mapping[str, list[float]]) -> list[int]:

@@ -35,7 +35,7 @@ def read_log_table(source: str | Path, interval: float | None = None, named: Map
         DataError: it cannot be read.
     """
     record, file = read_log(source, interval, named)
-    if file is not None:
+    if file is not None and not file.is_given:
         listed = "; ".join(f"{c.name} in {c.unit} is column {c.number}" for c in file.columns if c.si)
         tell_once(f"{file.path.name}: {file.format}; {listed}. {' '.join(file.notes)}".strip())
     return record
