@@ -204,8 +204,12 @@ def _build_difference(wanted: SearchRange, known: Sequence[Target], record: str 
         )
     shown = wanted.name if record is None else f"{wanted.name}@{record}"
     doc = f"how far {name} lies above {base}"
-    unit = units.DEGREES if one.unit == "K" else one.unit
-    return FreeNumber(shown, one.path, unit, start, low, high, record=record, doc=doc, base=other.path)
+    return FreeNumber(shown, one.path, _unshift(one.unit), start, low, high, record=record, doc=doc, base=other.path)
+
+
+def _unshift(unit: str) -> str:
+    """The unit of a difference: that of temperatures has no zero that readers would have shifted."""
+    return units.DEGREES if unit == "K" else unit
 
 
 def _build_one(wanted: SearchRange, known: Sequence[Target], record: str | None) -> FreeNumber:
@@ -286,7 +290,7 @@ def _build_offset(wanted: SearchRange, output: str, experiment: Experiment, reco
     require_known("compared output", output, experiment.outputs)
     column = experiment.measured[:, experiment.outputs.index(output)]
     reach = LARGEST_OFFSET * float(np.nanmax(column) - np.nanmin(column))
-    unit = experiment.describe_outputs()[output].unit
+    unit = _unshift(experiment.describe_outputs()[output].unit)
     return _build_own(wanted, f"{OFFSET}.{output}", unit, reach, record, f"zero of {output}")
 
 

@@ -21,6 +21,7 @@ from martensite.fit.column_matching import read_columns
 from martensite.fit.cross_validation import HeldOutError, PooledError, cross_validate, pool_errors, with_start
 from martensite.fit.experiment_kinds import ExperimentKind, recognise_experiment
 from martensite.fit.fit import Fit
+from martensite.fit.input_noise import FollowedNoise, find_input_noise
 from martensite.fit.logs import Source
 from martensite.fit.problem import Problem
 from martensite.fit.scenario_proposals import Proposal, add_waist, propose_scenarios
@@ -96,6 +97,11 @@ class LogModel:
             for own, one in zip(self.records, self.chosen.proposal.rows, strict=False)
         )
         return whole and same and self.named is not None
+
+    @cached_property
+    def input_noise(self) -> tuple[list[FollowedNoise], list[str]]:
+        """Noise of what drives, which no interval counts, and sentences about it."""
+        return find_input_noise(self.fit.problem)
 
     @property
     def time_constant(self) -> tuple[float, float, float] | None:

@@ -68,10 +68,16 @@ length = "{length}"
 density = "{density:.5g} kg/m^3"
 heat_capacity = "{c:.5g} J/kg/K"
 latent_heat = "{latent:.5g} J/kg"
-law = {{ kind = "liang-rogers", modulus = "mixture", E_A = "70 GPa", E_M = "28 GPa", eps_L = 0.04, C_A = "7.5 MPa/K", \
-C_M = "7.5 MPa/K", A_f = "77 degC", A_s = "65 degC", M_s = "59 degC", M_f = "47 degC" }}
-""".replace("\\\n", "")
+[element.law]
+kind = "liang-rogers"
+modulus = "mixture"
+E_A = "70 GPa"
+E_M = "28 GPa"
+"""
 """An element that is heated by what a log holds."""
+FILM = "environment.cooling.h={:.4g}..{:.4g} W/m^2/K log"
+ORDER = ("A_s-A_f=-60..-1 K", "M_s-A_f=-70..-1 K", "M_f-M_s=-60..-1 K")
+"""Temperatures of a driven element, from the one that sets their scale."""
 LAGOUDAS = {"kind": "lagoudas", "sigma_crit": "0 MPa"} | dict.fromkeys(("n_1", "n_2", "n_3", "n_4"), 0.45)
 ROUNDNESS = tuple(f"n_{k}=0.1..1" for k in (1, 2, 3, 4))
 WAIST = ("waist_f=0.1..0.98", "waist_r=0.1..0.98")
@@ -255,7 +261,7 @@ def _vary_loop_laws(
     common = SLOPES if levels > 1 else ()
     common += ("E_A=15..200 GPa", "E_M=5..150 GPa") if levels > 2 and not zeroed else ()
 
-    def build(name: str, law: Document, free: Sequence[str], widen: float) -> Proposal:
+    def build_proposal(name: str, law: Document, free: Sequence[str], widen: float) -> Proposal:
         above, below = (widen * w for w in wide)
         low = top - apart - max(below, above - apart + 5.0)
         places = _write_values("K", A_f=top, A_s=top - above, M_s=top - apart, M_f=low)
@@ -277,14 +283,14 @@ def _vary_loop_laws(
     strain += ("alpha_A=-2e-5..4e-5 1/K", "alpha_M=-2e-5..4e-5 1/K")
     strain += () if zeroed else (f"T_ref={min(kelvin):.5g}..{max(kelvin):.5g} K",)
     waist = {"hardening": "waisted", "waist_f": 0.8, "waist_r": 0.8, "n_1": 0.4, "n_2": 0.5, "n_3": 0.4, "n_4": 0.5}
-    yield build("lagoudas with a waist", surface | waist, (*strain, *WAIST), 2.0)
+    yield build_proposal("lagoudas with a waist", surface | waist, (*strain, *WAIST), 2.0)
     if levels > 2:
         curved = surface | waist | {"surfaces": "curved", "widening_f": "0.05 K/MPa", "widening_r": "0.05 K/MPa"}
-        yield build("lagoudas with a waist and curved surfaces", curved, (*strain, *WAIST, *CURVES), 1.0)
-    yield build("lagoudas", surface, (*strain, *ROUNDNESS), 1.3)
+        yield build_proposal("lagoudas with a waist and curved surfaces", curved, (*strain, *WAIST, *CURVES), 1.0)
+    yield build_proposal("lagoudas", surface, (*strain, *ROUNDNESS), 1.3)
     if zeroed:
         simple = {"kind": "liang-rogers", "modulus": "mixture", "eps_L": 0.8 * stroke, "Theta": "0 Pa/K"}
-        yield build("liang-rogers", simple, ("eps_L=0.001..0.19",), 1.0)
+        yield build_proposal("liang-rogers", simple, ("eps_L=0.001..0.19",), 1.0)
 
 
 def propose_isothermal(kind: ExperimentKind, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
@@ -339,7 +345,9 @@ def _vary_plateau_laws(rows: Sequence[Record], base: Document, stays: bool) -> I
     slopes = SLOPES if warm else ()
     ends = {"M_s-A_f": places["M_s"] - places["A_f"], "A_s-A_f": -3.0, "M_f-M_s": -3.0}
 
-    def build(law: Document, free: Sequence[str], others: tuple[Mapping[str, float], ...] = (ends,)) -> Proposal:
+    def build_proposal(
+        law: Document, free: Sequence[str], others: tuple[Mapping[str, float], ...] = (ends,)
+    ) -> Proposal:
         document = base | {"element": base["element"] | {"law": shared | law}}
         return Proposal(str(law["kind"]), document, tuple(free), ("stress",), rows, ("offset.stress",), others)
 
@@ -348,14 +356,14 @@ def _vary_plateau_laws(rows: Sequence[Record], base: Document, stays: bool) -> I
         law = {"kind": "brinson", "eps_L": eps} | _write_values("Pa", sigma_s=0.7 * high, sigma_f=1.4 * high)
         law |= _write_values("K", M_f=kelvin + 5.0, M_s=kelvin + 15.0, A_s=kelvin + 30.0, A_f=kelvin + 40.0)
         free = f"sigma_s=1..{3e-6 * high:.4g} MPa", f"sigma_f-sigma_s=1..{6e-6 * high:.4g} MPa"
-        yield build(law, (*moduli, "eps_L=0.002..0.19", *free), ())
+        yield build_proposal(law, (*moduli, "eps_L=0.002..0.19", *free), ())
         return
     cold = _write_values("K", **places)
     simple = {"kind": "liang-rogers", "modulus": "mixture", "eps_L": eps}
-    yield build(cold | simple, (*order, *moduli, "eps_L=0.002..0.19", *slopes))
+    yield build_proposal(cold | simple, (*order, *moduli, "eps_L=0.002..0.19", *slopes))
     surface = {"kind": "lagoudas", "sigma_cal": write_value(high, "Pa"), "H_min": 0.0, "H_sat": eps, "H_k": "0.1 1/MPa"}
     surface |= dict.fromkeys(("n_1", "n_2", "n_3", "n_4"), 0.5)
-    yield build(cold | surface, (*order, *moduli, "H_sat=0.002..0.19", *slopes, *ROUNDNESS))
+    yield build_proposal(cold | surface, (*order, *moduli, "H_sat=0.002..0.19", *slopes, *ROUNDNESS))
 
 
 def _find_first_slope(rows: Sequence[Record]) -> float:
@@ -386,11 +394,11 @@ class DrivenElement:
     free: tuple[str, ...]
 
     @property
-    def weight(self) -> Document:
+    def dead_weight(self) -> Document:
         """A mechanism that makes the stress that is assumed."""
         return {"mechanism": {"kind": "dead-weight", "mass": f"{SIGMA * self.section / 9.80665:.5g} kg"}}
 
-    def propose(
+    def make_proposal(
         self, name: str, document: Document, free: Sequence[str], columns: Sequence[str], zero: str = ""
     ) -> Proposal:
         """A proposal with its records, and with an output that has a zero of its own."""
@@ -423,22 +431,34 @@ def _start_driven(
     per_volume = 0.6 * 4.0 * h * tau / width
     density = min(max(6450.0, per_volume / 2000.0), 29000.0)
     h, c = min(max(h, 1e-2), 9e4), min(max(per_volume / density, 1.0), 9e3)
-    sizes = _write_values("m", diameter=width, length=length) | {"ambient": write_value(ambient, "K")}
-    document = tomllib.loads(ELEMENT.format(density=density, c=c, latent=25.0 * c, h=h, drive=kind.drive, **sizes))
+    document = _describe_element(kind.drive, (width, length), ambient, (h, density, c, 25.0 * c))
     if kind.drive == "duty":
         document["drive"] |= {"kind": "pwm-voltage", "supply": "5 V"}
     if _begins_hot(kind.measured[0], records, lag.gain):
         document["run"]["lead"] = f"{max(6.0 * lag.time_constant, 1.0):.3g} s"
     top = min(8.0 * c, 9.9e3)
     free = (
-        f"environment.cooling.h={h / 6.0:.4g}..{h * 6.0:.4g} W/m^2/K log",
+        FILM.format(h / 6.0, h * 6.0),
         f"heat_capacity={c / 12.0:.4g}..{top:.4g} J/kg/K log",
         f"latent_heat={c * 0.3:.4g}..{min(top * 60.0, 9.9e5):.4g} J/kg log",
-        *("A_s-A_f=-60..-1 K", "M_s-A_f=-70..-1 K", "M_f-M_s=-60..-1 K"),
+        *ORDER,
     )
     ohmic = kind.drive != "power" and kind.name != "resistance"
     free += ("rho_M=5.5e-7..1.4e-6 ohm*m",) if ohmic else ()
     return DrivenElement(list(records), lag, math.pi / 4.0 * width**2, document, free)
+
+
+def _describe_element(
+    drive: str, sizes: tuple[float, float], ambient: float, heat: tuple[float, float, float, float]
+) -> Document:
+    """An element of some diameter and length [m], with its film coefficient, density, heat capacity and latent heat."""
+    numbers = dict(zip(("h", "density", "c", "latent"), heat, strict=True))
+    numbers |= dict(zip(("diameter", "length"), (write_value(x, "m") for x in sizes), strict=True))
+    document = tomllib.loads(ELEMENT.format(drive=drive, ambient=write_value(ambient, "K"), **numbers))
+    top = A_F + 273.15
+    document["element"]["law"] |= {"eps_L": EPS} | _write_values("Pa/K", C_A=SLOPE, C_M=SLOPE)
+    document["element"]["law"] |= _write_values("K", A_f=top, A_s=top - 12.0, M_s=top - 18.0, M_f=top - 30.0)
+    return document
 
 
 def _begins_hot(column: str, records: Sequence[Record], gain: float) -> bool:
@@ -466,7 +486,7 @@ def propose_stroke(kind: ExperimentKind, records: Sequence[Record], known: Assum
     if len(kind.measured) > 1:
         spring, more = _read_spring(kind, records, begun.section, known)
         columns.append(kind.measured[1])
-        yield begun.propose("a bias spring", {"mechanism": spring}, (*free, *more), columns, output)
+        yield begun.make_proposal("a bias spring", {"mechanism": spring}, (*free, *more), columns, output)
         return
     rate = 0.6 * force / (stroke if output == "position" else 0.03 * length)
     spring = {"kind": "bias-spring", "stiffness": f"{rate:.5g} N/m", "preload": f"{0.6 * force:.5g} N"}
@@ -476,10 +496,10 @@ def propose_stroke(kind: ExperimentKind, records: Sequence[Record], known: Assum
             f"The load is not on record: a weight and a spring are tried, at a stress of some {SIGMA / 1e6:g} MPa; "
             "temperatures absorb what it is (`mechanism.mass`, `mechanism.stiffness`)."
         )
-        yield begun.propose("a weight", begun.weight, free, columns, output)
+        yield begun.make_proposal("a weight", begun.dead_weight, free, columns, output)
     if "mass" not in wanted:
         rates = () if "stiffness" in wanted else (f"stiffness={rate / 20.0:.4g}..{rate * 10.0:.4g} N/m log",)
-        yield begun.propose("a bias spring", {"mechanism": spring}, (*free, *rates), columns, output)
+        yield begun.make_proposal("a bias spring", {"mechanism": spring}, (*free, *rates), columns, output)
 
 
 def _read_spring(
@@ -511,16 +531,18 @@ def propose_blocked_force(kind: ExperimentKind, records: Sequence[Record], known
     machine = {"kind": "testing-machine", "control": "elongation", "preload": f"{preload:.5g} N"}
     document = {"mechanism": machine, "signals": {"command": {"kind": "constant", "level": "0 mm"}}}
     more = ("E_A=5..250 GPa", "E_M=2..200 GPa", "C_A=1..40 MPa/K", "C_M=1..40 MPa/K")
-    yield begun.propose("fixed ends", document, (*begun.free, *more), (column,), column)
+    yield begun.make_proposal("fixed ends", document, (*begun.free, *more), (column,), column)
 
 
 def propose_heating(kind: ExperimentKind, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
     """A driven element under a constant load, whose temperature is measured."""
     length = known.take("element.length", "m", 0.1, "film coefficient and heat capacity absorb it")
     begun, column = _start_driven(kind, records, known, length), "temperature"
-    yield begun.propose("with transformation", begun.weight, ("A_f=30..140 degC", *begun.free), (column,), column)
-    plain = change_document(begun.document | begun.weight, {"element.latent_heat": "0 J/kg"})
-    yield begun.propose("heat alone", plain, begun.free[:2], (column,), column)
+    yield begun.make_proposal(
+        "with transformation", begun.dead_weight, ("A_f=30..140 degC", *begun.free), (column,), column
+    )
+    plain = change_document(begun.document | begun.dead_weight, {"element.latent_heat": "0 J/kg"})
+    yield begun.make_proposal("heat alone", plain, begun.free[:2], (column,), column)
 
 
 def propose_resistance(kind: ExperimentKind, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
@@ -534,9 +556,9 @@ def propose_resistance(kind: ExperimentKind, records: Sequence[Record], known: A
         ohms = [float(np.nanpercentile(np.concatenate(pairs), q)) for q in (5.0, 95.0)]
     rho = {name: x * begun.section / length for name, x in zip(("rho_A", "rho_M"), ohms, strict=True)}
     mixture = {"kind": "mixture"} | {name: f"{x:.5g} ohm*m" for name, x in rho.items()}
-    document = {"element": begun.document["element"] | {"resistance": mixture}} | begun.weight
+    document = {"element": begun.document["element"] | {"resistance": mixture}} | begun.dead_weight
     more = tuple(f"{name}={0.3 * x:.5g}..{3.0 * x:.5g} ohm*m" for name, x in rho.items())
-    yield begun.propose("under a weight", document, (*begun.free, *more), (column,))
+    yield begun.make_proposal("under a weight", document, (*begun.free, *more), (column,))
 
 
 def propose_cooling(kind: ExperimentKind, records: Sequence[Record], known: Assumptions) -> Iterator[Proposal]:
@@ -550,20 +572,18 @@ def propose_cooling(kind: ExperimentKind, records: Sequence[Record], known: Assu
     h, hot = density * c * width / (4.0 * tau), max(one["temperature"][0] for one in rows)
     area, fall = math.pi / 4.0 * width**2, max(float(np.ptp(one["temperature"])) for one in rows)
     volts = math.sqrt(h * math.pi * width * length * fall * 9e-7 * length / area)
-    sizes = _write_values("m", diameter=width, length=length) | {"ambient": write_value(room, "K")}
-    document = tomllib.loads(ELEMENT.format(density=density, c=c, latent=0.0, h=h, drive="pwm-voltage", **sizes))
+    document = _describe_element("pwm-voltage", (width, length), room, (h, density, c, 0.0))
     lead, span = f"{10.0 * tau:.4g} s", max(one.times[-1] for one in rows)
     document["run"] |= {"lead": lead, "duration": f"{10.0 * tau + span:.4g} s"}
     document["drive"] |= {"supply": f"{volts:.4g} V", "waveform": {"kind": "step", "high": 1, "until": lead}}
     begun = DrivenElement(rows, DriveLag(tau, 0.0, room, 0.0), area, document, ())
     low, high = max(room - fall, 200.0), min(room + 0.5 * fall, hot)
-    free = f"environment.cooling.h={h / 6.0:.4g}..{h * 6.0:.4g} W/m^2/K log", f"environment.temperature={low}..{high} K"
+    free = FILM.format(h / 6.0, h * 6.0), f"environment.temperature={low}..{high} K"
     each, column = (f"drive.supply={0.3 * volts:.4g}..{3.0 * volts:.4g} V",), ("temperature",)
-    yield replace(begun.propose("heat alone", begun.weight, free, column), each=each)
-    places = ("A_s-A_f=-60..-1 K", "M_s-A_f=-70..-1 K", "M_f-M_s=-60..-1 K")
-    more = ("A_f=30..140 degC", f"latent_heat={0.3 * c:.4g}..{60.0 * c:.4g} J/kg log", *places)
-    warm = change_document(document | begun.weight, {"element.latent_heat": f"{10.0 * c:.4g} J/kg"})
-    yield replace(begun.propose("with transformation", warm, (*free, *more), column), each=each)
+    yield replace(begun.make_proposal("heat alone", begun.dead_weight, free, column), each=each)
+    more = ("A_f=30..140 degC", f"latent_heat={0.3 * c:.4g}..{60.0 * c:.4g} J/kg log", *ORDER)
+    warm = change_document(document | begun.dead_weight, {"element.latent_heat": f"{10.0 * c:.4g} J/kg"})
+    yield replace(begun.make_proposal("with transformation", warm, (*free, *more), column), each=each)
 
 
 def _cut_hot(record: Record) -> Record:

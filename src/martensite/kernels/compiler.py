@@ -18,7 +18,6 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from functools import cache
-from importlib.resources import files
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -77,7 +76,7 @@ def _find_zig() -> str | None:
 
 def read_source(room: str, name: str, constants: Mapping[str, Any]) -> str:
     """The C of a file that lies in a room, below definitions of its constants."""
-    text = (files(f"martensite.{room}") / name).read_text(encoding="utf-8")
+    text = (Path(__file__).parents[1] / room / name).read_text(encoding="utf-8")
     return "".join([*(f"#define {key} {value}\n" for key, value in constants.items()), text])
 
 

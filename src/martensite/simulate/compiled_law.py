@@ -129,7 +129,7 @@ def describe_forgotten_loops(
     """
     start = Fractions(martensite[0], oriented[0])
     memory = law.init(floats, start, stress[0], temperature[0])
-    if law.forgotten(memory) is None:
+    if law.find_forgotten_change(memory) is None:
         return []
     steps = [(k, after - before) for k, (before, after) in enumerate(pairwise(martensite)) if after != before]
     turns = [k + 1 for (k, before), (_, after) in pairwise(steps) if before * after < 0.0]
@@ -138,7 +138,7 @@ def describe_forgotten_loops(
     numbers = flatten_numbers(memory)
     for k in (*turns, len(martensite) - 1):
         numbers = step(*numbers, stress[k], temperature[k], 0.0)[: compiled.size]
-    lost = law.forgotten(shape.rebuild(numbers))
+    lost = law.find_forgotten_change(shape.rebuild(numbers))
     if lost is None or not lost > FORGOTTEN:
         return []
     return [

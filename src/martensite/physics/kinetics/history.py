@@ -102,6 +102,12 @@ class OneFractionProcess(NamedTuple):
         return strip.distance(stress, temperature)
 
 
+def compute_cosine_rest(xp: Namespace, distance: Scalar) -> Scalar:
+    """What a cosine process leaves to transform at a distance from its finish line."""
+    sine = xp.quarter_sine(distance)
+    return sine * sine
+
+
 class StripLeg(NamedTuple):
     """One strip along one straight leg."""
 
@@ -333,7 +339,7 @@ def relocate_points(
     if not memory.points:
         return after
 
-    def grow(strip: Strip, was: Scalar, now: Scalar) -> tuple[Scalar, Scalar]:
+    def compare_rests(strip: Strip, was: Scalar, now: Scalar) -> tuple[Scalar, Scalar]:
         before, there = (
             left(xp, limit_distance(xp, strip.distance(at.stress, at.temperature), strip.endless))
             for at in (memory, after)
@@ -341,8 +347,8 @@ def relocate_points(
         least = 0.0 if strip.endless else LEAST
         return compare_parts(xp, before, there, least), compare_parts(xp, was, now, LEAST)
 
-    forward = grow(strips[0], 1.0 - memory.fraction, 1.0 - after.fraction)
-    reverse = grow(strips[1], memory.fraction, after.fraction)
+    forward = compare_rests(strips[0], 1.0 - memory.fraction, 1.0 - after.fraction)
+    reverse = compare_rests(strips[1], memory.fraction, after.fraction)
     return after._replace(points=scale_points(xp, memory.points, memory.branch > 0.0, forward, reverse))
 
 

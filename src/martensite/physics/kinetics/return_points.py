@@ -82,7 +82,7 @@ class BranchCourse(NamedTuple):
     """How many of these there are."""
 
 
-Fits = Callable[[Sequence[Scalar]], Flag]
+FallTest = Callable[[Sequence[Scalar]], Flag]
 """Whether fractions may change by so much on the way to a target."""
 
 
@@ -117,7 +117,7 @@ def select_course(
     turns: Flag,
     share: Scalar,
     rest: Sequence[Scalar],
-    fits: Fits | None = None,
+    admits: FallTest | None = None,
 ) -> BranchCourse:
     """The course of a direction: on along the branch in progress, or from (share, rest) on if it `turns`."""
     stack = [choose_branch(xp, ahead, *both) for both in zip(points.forward, points.reverse, strict=True)]
@@ -127,7 +127,7 @@ def select_course(
     target, valid = complete, 0.0
     for k, one in enumerate(stack):
         target, valid = choose_branch(xp, met[k], one, target), xp.where(met[k], k + 1.0, valid)
-    closes = xp.either(xp.negate(turns), find_closing(xp, target, share, rest, fits))
+    closes = xp.either(xp.negate(turns), find_closing(xp, target, share, rest, admits))
     target, valid = choose_branch(xp, closes, target, complete), xp.where(closes, valid, 0.0)
     ends = [(target.share, line.at(target.share)) for line in target.lines]
     lines = tuple(draw_line(xp, share, a, *end) for a, end in zip(rest, ends, strict=True))
@@ -142,13 +142,13 @@ def count_places(xp: Namespace, points: ReturnPoints, ahead: Flag, turns: Flag) 
     return xp.where(ahead, *own) - xp.where(full, 1.0, 0.0)
 
 
-def find_closing(xp: Namespace, target: Branch, share: Scalar, rest: Sequence[Scalar], fits: Fits | None) -> Flag:
+def find_closing(xp: Namespace, target: Branch, share: Scalar, rest: Sequence[Scalar], admits: FallTest | None) -> Flag:
     """Whether a branch from (share, rest) may lead back to its target."""
     falls = [a - line.at(target.share) for a, line in zip(rest, target.lines, strict=True)]
     line = target.lines[0]
     gentle = falls[0] <= STEEPEST * line.scale * (share - target.share)
     closes = xp.both(xp.both(falls[0] >= 0.0, gentle), rest[0] <= line.at(1.0) + HAIR)
-    return xp.both(closes, fits(falls)) if fits else closes
+    return xp.both(closes, admits(falls)) if admits else closes
 
 
 def compute_rests(xp: Namespace, course: BranchCourse, share: Scalar, rest: Sequence[Scalar]) -> list[Scalar]:
@@ -239,7 +239,7 @@ def scale_points(
 ) -> ReturnPoints:
     """All branches with L and what is left of every fraction multiplied by the numbers of their direction."""
 
-    def scaled(one: Branch, factors: Sequence[Scalar]) -> Branch:
+    def scale_branch(one: Branch, factors: Sequence[Scalar]) -> Branch:
         share, *rests = factors
         pairs = zip(one.lines, rests, strict=True)
         return Branch(
@@ -247,9 +247,9 @@ def scale_points(
         )
 
     return points._replace(
-        branch=choose_branch(xp, ahead, scaled(points.branch, forward), scaled(points.branch, reverse)),
-        forward=tuple(scaled(one, forward) for one in points.forward),
-        reverse=tuple(scaled(one, reverse) for one in points.reverse),
+        branch=choose_branch(xp, ahead, scale_branch(points.branch, forward), scale_branch(points.branch, reverse)),
+        forward=tuple(scale_branch(one, forward) for one in points.forward),
+        reverse=tuple(scale_branch(one, reverse) for one in points.reverse),
     )
 
 

@@ -11,15 +11,9 @@ from typing import ClassVar
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import history
 from martensite.physics.kinetics.diagram import AbstractPhaseDiagram
-from martensite.physics.kinetics.history import RESTART, RETURN_POINT, OneFractionMemory, OneFractionProcess, Strip
+from martensite.physics.kinetics.history import RESUME, RETURN_POINT, OneFractionMemory, OneFractionProcess, Strip
 from martensite.physics.kinetics.return_points import start_points
 from martensite.physics.laws.base import Doubt, Fractions
-
-
-def compute_cosine_rest(xp: Namespace, distance: Scalar) -> Scalar:
-    """What a cosine process leaves to transform at a distance from its finish line."""
-    sine = xp.quarter_sine(distance)
-    return sine * sine
 
 
 class AbstractStripLaw(AbstractPhaseDiagram):
@@ -78,7 +72,7 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         """All martensite counts as oriented."""
         return Fractions(memory.fraction, memory.fraction)
 
-    def forgotten(self, memory: OneFractionMemory) -> Scalar | None:
+    def find_forgotten_change(self, memory: OneFractionMemory) -> Scalar | None:
         """By return points that found no place any more [-]."""
         return memory.points.forgotten if memory.points else None
 
@@ -139,7 +133,7 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         else:
             left = xp.where(memory.branch > 0.0, 1.0 - memory.fraction, memory.fraction)
             wait = memory.scale * self.left(xp, xp.clip(own, 0.0, 1.0)) - left
-        if self.history != RESTART:
+        if self.history == RESUME:
             lines.append(xp.where(xp.abs(memory.branch) > 0.0, wait, 1.0))
         return lines
 

@@ -43,6 +43,7 @@ options `hardening = "waisted"` (`martensite.physics.kinetics.hardening`) and `s
 package's extensions.
 """
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from martensite.base.errors import ParameterError
@@ -189,16 +190,19 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
                 f"forward surface at every fraction, but let them cross by {-self.gap():.3g} K."
             )
 
-    def gap(self, stress: float = 0.0) -> float:
-        """The least distance from the forward to the reverse surface under a stress [Pa] of cycles at it [K]."""
-        scale, strain = self.scale(floats), self.current(floats, stress)
-        forward, reverse = self._forward_line(floats, scale, stress), self._reverse_line(floats, scale, strain, stress)
-        least = float("inf")
-        for i in range(SAMPLES):
-            xi = i / (SAMPLES - 1)
-            cooler = forward.temperature(self.forward_hardening(floats, xi))
-            least = min(least, reverse.temperature(self.reverse_hardening(floats, xi)) - cooler)
-        return least
+    def gap(self) -> float:
+        """The least distance from the forward to the reverse surface at zero stress [K]."""
+        return next(self._find_gaps(0.0))
+
+    def _find_gaps(self, *stresses: float) -> Iterator[float]:
+        """The least distance under each of some stresses [Pa], of cycles at it [K]."""
+        parts = [i / (SAMPLES - 1) for i in range(SAMPLES)]
+        shares = [(self.forward_hardening(floats, xi), self.reverse_hardening(floats, xi)) for xi in parts]
+        scale = self.scale(floats)
+        for stress in stresses:
+            forward = self._forward_line(floats, scale, stress)
+            reverse = self._reverse_line(floats, scale, self.current(floats, stress), stress)
+            yield min(reverse.temperature(back) - forward.temperature(forth) for forth, back in shares)
 
     def cautions(self) -> list[str]:
         """A martensite that is stiffer than austenite, a waist without effect."""
@@ -232,7 +236,9 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
     def doubt(self) -> Doubt | None:
         """Where the surfaces meet under stress."""
         if self.surfaces == "curved":
-            limit = next((k * SOUGHT for k in range(1, STEPS + 1) if self.gap(k * SOUGHT) <= 0.0), 0.0)
+            stresses = [k * SOUGHT for k in range(1, STEPS + 1)]
+            pairs = zip(stresses, self._find_gaps(*stresses), strict=True)
+            limit = next((stress for stress, gap in pairs if gap <= 0.0), 0.0)
             text = f"forward and reverse surface meet at about {limit / 1e6:.4g} MPa, where loops lose their width."
             return Doubt(limit, text) if limit else None
         constants = self.constants(floats)

@@ -28,6 +28,7 @@ from martensite.physics.kinetics.history import (
     Strip,
     StripLeg,
     compare_parts,
+    compute_cosine_rest,
     follow_strip,
     round_off,
     turning_point,
@@ -173,15 +174,15 @@ def relocate_memory(
         return TwoFractionMemory(*fractions, memory.branch, *reaches, stress, temperature)
     of_twins, origin = memory.recalled.twinned > 0.5, (memory.stress, memory.temperature)
 
-    def grow(main: Strip, bend: Scalar) -> Scalar:
+    def compare_shares(main: Strip, bend: Scalar) -> Scalar:
         distances = (main.distance(s, xp.maximum(t, bend)) for s, t in (origin, (stress, temperature)))
-        before, after = (compute_left(xp, xp.clip(v, 0.0, 1.0)) for v in distances)
+        before, after = (compute_cosine_rest(xp, xp.clip(v, 0.0, 1.0)) for v in distances)
         return compare_parts(xp, before, after, LEAST)
 
     changes = list(zip((memory.martensite, memory.oriented), fractions, strict=True))
-    forth = xp.where(of_twins, grow(diagram.cooling, 0.0), grow(diagram.loading, diagram.bend))
+    forth = xp.where(of_twins, compare_shares(diagram.cooling, 0.0), compare_shares(diagram.loading, diagram.bend))
     forward = [forth, *(compare_parts(xp, 1.0 - a, 1.0 - b, LEAST) for a, b in changes)]
-    reverse = [grow(diagram.reverse, 0.0), *(compare_parts(xp, a, b, LEAST) for a, b in changes)]
+    reverse = [compare_shares(diagram.reverse, 0.0), *(compare_parts(xp, a, b, LEAST) for a, b in changes)]
     points = scale_points(xp, memory.recalled.points, memory.branch > 0.0, forward, reverse)
     recalled = memory.recalled._replace(points=points)
     return TwoFractionMemory(*fractions, memory.branch, *reaches, stress, temperature, recalled)
@@ -314,14 +315,14 @@ def select_points(xp: Namespace, memory: TwoFractionMemory, found: Courses) -> t
     twinned = xp.store(xp.where(free, alone, before))
     begin = xp.where(ahead, xp.where(twinned > 0.5, t.begin, s.begin), r.begin)
 
-    def fits(falls: Sequence[Scalar]) -> Flag:
+    def admits_falls(falls: Sequence[Scalar]) -> Flag:
         all_of_it, oriented = falls
         forth = xp.either(twinned > 0.5, all_of_it <= oriented + HAIR)
         back = xp.both(oriented >= -HAIR, oriented <= all_of_it + HAIR)
         return xp.either(xp.both(ahead, forth), xp.both(found.back, back))
 
     rest = [xp.where(ahead, 1.0 - one, one) for one in (memory.martensite, memory.oriented)]
-    return select_course(xp, points, ahead, turns, compute_left(xp, begin), rest, fits), twinned
+    return select_course(xp, points, ahead, turns, compute_cosine_rest(xp, begin), rest, admits_falls), twinned
 
 
 def compute_distances(
@@ -334,12 +335,6 @@ def compute_distances(
     least = xp.where(crosses, xp.minimum(end, strip.distance(turn, move.bend)), end)
     cooling = diagram.cooling.distance(stress, temperature)
     return xp.clip(least, 0.0, 1.0), xp.clip(cooling, 0.0, 1.0)
-
-
-def compute_left(xp: Namespace, distance: Scalar) -> Scalar:
-    """What a cosine process leaves at a distance from its finish line [-]."""
-    sine = xp.quarter_sine(distance)
-    return sine * sine
 
 
 def compute_rest_ratio(xp: Namespace, reach: Scalar, distance: Scalar) -> Scalar:
@@ -363,7 +358,7 @@ def follow_direction(
     rest = xp.where(back, first, 1.0)
     if move.course:
         twinned, left = move.twinned > 0.5, [xp.where(ahead, 1.0 - x, x) for x in (move.martensite, move.oriented)]
-        share = compute_left(xp, xp.where(xp.both(ahead, twinned), cooled, distance))
+        share = compute_cosine_rest(xp, xp.where(xp.both(ahead, twinned), cooled, distance))
         whole, part = compute_rests(xp, move.course, share, left)
         forward = 1.0 - whole * xp.where(twinned, first, second)
         oriented = xp.where(twinned, oriented, 1.0 - part)
@@ -405,11 +400,7 @@ def commit_move(
             xp.where(ahead, cooling, xp.where(back, UNSET, memory.cooling)),
             xp.where(back, reverse, xp.where(ahead, UNSET, memory.reverse)),
         )
-        if memory.recalled and move.course:
-            of_twins = xp.both(ahead, move.twinned > 0.5)
-            ratios = compute_rest_ratio(xp, move.reach, first), compute_rest_ratio(xp, move.cooling, cooled)
-            ends = xp.where(of_twins, cooled, first), reaches[0]
-            recalled = remember_points(xp, memory, move, fractions, ends, ratios)
+        recalled = remember_points(xp, memory, move, fractions, (first, cooled), reaches[0])
     return TwoFractionMemory(*fractions, branch, *reaches, stress, temperature, recalled)
 
 
@@ -418,8 +409,8 @@ def remember_points(
     memory: TwoFractionMemory,
     move: TwoFractionDirection,
     fractions: Fractions,
-    ends: tuple[Scalar, Scalar],
-    ratios: tuple[Scalar, Scalar],
+    distances: tuple[Scalar, Scalar],
+    loading: Scalar,
 ) -> TwinPoints | tuple[()]:
     """The return points after a move.
 
@@ -428,21 +419,24 @@ def remember_points(
         memory: the one before the move.
         move: the one that was made.
         fractions: at its end.
-        ends: distance at its end of the process whose points are remembered, and reach of S.
-        ratios: what S and what T left of what there was before the move.
+        distances: of S or reverse and of T to their finish lines, as `compute_distances` gives them.
+        loading: reach of S at its end.
     """
     if not memory.recalled or not move.course:
         return ()
-    ahead, of_twins = move.direction > 0.0, move.twinned > 0.5
+    ahead = move.direction > 0.0
+    of_twins = xp.both(ahead, move.twinned > 0.5)
     points, interrupts = turn_points(xp, memory, memory.recalled, move.direction)
     rest = [xp.where(ahead, 1.0 - one, one) for one in fractions]
-    end, left = compute_left(xp, ends[0]), xp.where(ahead, rest[1], rest[0])
+    first, cooled = distances
+    ratios = compute_rest_ratio(xp, move.reach, first), compute_rest_ratio(xp, move.cooling, cooled)
+    end, left = compute_cosine_rest(xp, xp.where(of_twins, cooled, first)), xp.where(ahead, rest[1], rest[0])
     points = commit_course(xp, points, move.course, move.direction, interrupts, end, left)
     # what the other process did multiplies all that is left, so that the order of the two does not matter
     ratio = xp.where(ahead, xp.where(of_twins, *ratios), 1.0)
     branch, *forward = (scale_martensite(one, ratio) for one in (points.branch, *points.forward))
-    turns_to_s = xp.both(xp.both(of_twins, ratios[0] < 1.0), xp.both(ahead, points.forwards < 0.5))
-    share = compute_left(xp, ends[1])
+    turns_to_s = xp.both(xp.both(of_twins, ratios[0] < 1.0), points.forwards < 0.5)
+    share = compute_cosine_rest(xp, loading)
     anew = Branch(share, tuple(draw_line(xp, share, one, 0.0, 0.0) for one in rest))
     points = points._replace(branch=choose_branch(xp, turns_to_s, anew, branch), forward=tuple(forward))
     return TwinPoints(points, xp.where(turns_to_s, 0.0, move.twinned))

@@ -65,7 +65,7 @@ class AbstractLaw(Parametrised):
         """A stress beyond which the law is doubtful, if there is one: a run near it says so."""
         return None
 
-    def forgotten(self, memory: Any) -> Scalar | None:
+    def find_forgotten_change(self, memory: Any) -> Scalar | None:
         """Largest change [-] of a fraction because a memory of bounded size forgot a loop; None if it never does."""
         return None
 

@@ -100,7 +100,7 @@ class Brinson(AbstractPhaseDiagram):
         """The branch in progress goes on from other fractions at another point."""
         return two_fractions.relocate_memory(xp, self.diagram(), memory, fractions, stress, temperature)
 
-    def forgotten(self, memory: TwoFractionMemory) -> Scalar | None:
+    def find_forgotten_change(self, memory: TwoFractionMemory) -> Scalar | None:
         """By return points that found no place any more [-]."""
         return memory.recalled.points.forgotten if memory.recalled else None
 

@@ -20,7 +20,8 @@ import math
 
 from martensite.base.parameters import option
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics.strips import AbstractStripLaw, compute_cosine_rest
+from martensite.physics.kinetics.history import compute_cosine_rest
+from martensite.physics.kinetics.strips import AbstractStripLaw
 from martensite.physics.laws.base import LAWS, Fractions
 
 

@@ -13,7 +13,6 @@ from martensite.fit.cross_validation import BETTER, EXPLAINED, HeldOutError, Poo
 from martensite.fit.experiment_kinds import KINDS
 from martensite.fit.fit import list_compared
 from martensite.fit.fit_verdicts import format_error
-from martensite.fit.input_noise import find_input_noise
 from martensite.fit.log_models import LogModel, TriedModel
 from martensite.search.quantity_text import format_change, format_number, format_quantity, join_phrases
 from martensite.show.figures.fit import has_loops, plot_fit, plot_fit_loops
@@ -115,8 +114,8 @@ def _tabulate_numbers(model: LogModel) -> DataTable:
         if not why and free.name in weak:
             why = "not apart from others"
         known = math.isfinite(high - low)
-        shown = f"{_write(low, free)} to {_write(high, free)}" if known else ""
-        rows.append((free.name, _write(fit[free.name], free), shown, f"no: {why}" if why else "yes"))
+        shown = f"{format_quantity(low, free.unit)} to {format_quantity(high, free.unit)}" if known else ""
+        rows.append((free.name, format_quantity(fit[free.name], free.unit), shown, f"no: {why}" if why else "yes"))
     if model.time_constant is not None:
         tau, low, high = (f"{x:.4g} s" for x in model.time_constant)
         rows.insert(0, ("time constant", tau, f"{low} to {high}", "yes"))
@@ -128,7 +127,7 @@ def _list_input_noise(model: LogModel) -> Iterator[Sentence]:
     """That noise of what drives is in no interval, and how much of it there is."""
     problem = model.fit.problem
     units = {name: one.record.units[name] for one in problem.experiments for name in one.follows.values()}
-    found, notes = find_input_noise(problem)
+    found, notes = model.input_noise
     sizes = [f"{format_change(one.sigma, units[one.column], 2)} in `{one.column}`" for one in found]
     if sizes:
         yield Sentence(
@@ -136,12 +135,6 @@ def _list_input_noise(model: LogModel) -> Iterator[Sentence]:
             "the kept scenario (--scenario) counts it."
         )
     yield from map(Sentence, notes)
-
-
-def _write(value: float, free: Any) -> str:
-    """A number, or a difference of temperatures in kelvin."""
-    difference = free.unit == "K" and (free.base or free.record is not None)
-    return f"{value:.4g} K" if difference else format_quantity(value, free.unit)
 
 
 def list_next_records(model: LogModel) -> list[str]:
@@ -212,7 +205,7 @@ def _collect_numbers(model: LogModel) -> dict[str, Any]:
         "numbers": fit.numbers,
         "time_constant": model.time_constant,
         "undetermined": fit.undetermined,
-        "uncounted_noise": {one.column: one.sigma for one in find_input_noise(fit.problem)[0]},
+        "uncounted_noise": {one.column: one.sigma for one in model.input_noise[0]},
         "notes": list(model.notes),
         "next": list_next_records(model),
         "scenario": model.write_scenario(),
