@@ -36,6 +36,7 @@ from martensite.actuators.elements.base import (
 )
 from martensite.kernels.dual import compute_jacobian, value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import sum_column
 from martensite.physics.kinetics.exchange import AbstractExchange
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.coupling import StepReport, advance_memory
@@ -102,6 +103,11 @@ def compute_lateness(xp: Namespace, z: Scalar) -> Scalar:
 
 class AbstractLumped(AbstractElement, init=False):
     """An element that is the same all over; a subclass answers for its shape."""
+
+    @property
+    def uniform(self) -> bool:
+        """Whether one phase state stands for all of it."""
+        return True
 
     @abstractmethod
     def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
@@ -280,26 +286,38 @@ class AbstractLumped(AbstractElement, init=False):
         spring = self.spring(xp, fractions, temperature, force)
         return self.strain(xp, spring.free + spring.compliance * force)
 
-    def points(self, xp: Namespace, state: Lumped) -> list[MaterialPoint]:
-        """The whole element, unless its law has rates."""
-        return points_of(xp, self.law, [state.memory])
+    def parts(self, xp: Namespace, state: Any) -> list[tuple[Scalar, Any]]:
+        """Shares of the volume, and what the law remembers there: of all, in the same state."""
+        return [(1.0, state.memory)]
 
-    def heat_content(self, xp: Namespace, state: Lumped) -> Scalar | None:
+    def mean_fractions(self, xp: Namespace, state: Any) -> Fractions:
+        """Phase state, by volume."""
+        rows = [[share * x for x in self.law.fractions(memory)] for share, memory in self.parts(xp, state)]
+        return Fractions(*map(sum_column, zip(*rows, strict=True)))
+
+    def points(self, xp: Namespace, state: Any) -> list[MaterialPoint]:
+        """The whole element, or all its parts, unless its law has rates."""
+        return points_of(xp, self.law, [memory for _, memory in self.parts(xp, state)])
+
+    def latent_heats(self, xp: Namespace, state: Any) -> list[tuple[Scalar, Scalar]]:
+        """Heat of the whole transformation [J], and the martensite fraction, of every part."""
+        parts = self.parts(xp, state)
+        latent = [share * self.latent_heat_total(xp, m.stress, m.temperature) for share, m in parts]
+        return [(heat, self.law.fractions(m).martensite) for heat, (_, m) in zip(latent, parts, strict=True)]
+
+    def heat_content(self, xp: Namespace, state: Any) -> Scalar | None:
         """C T - λ ξ [J], if the latent heat λ is a number."""
         if not self.law.constant_heat:
             return None
-        memory = state.memory
-        latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
-        fraction = self.law.fractions(memory).martensite
-        return self.heat_capacity_total() * memory.temperature - latent * fraction
+        given = sum_column([heat * fraction for heat, fraction in self.latent_heats(xp, state)])
+        return self.stored_heat(xp, state).sensible - given
 
-    def stored_heat(self, xp: Namespace, state: Lumped) -> StoredHeat:
+    def stored_heat(self, xp: Namespace, state: Any) -> StoredHeat:
         """C T, and λ along the martensite fraction."""
-        memory = state.memory
-        latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
-        fraction = self.law.fractions(memory).martensite
-        sensible = self.heat_capacity_total() * memory.temperature
-        return StoredHeat(sensible, (Effort(-latent, fraction),))
+        latent = [Effort(-heat, fraction) for heat, fraction in self.latent_heats(xp, state)]
+        if self.law.constant_heat and len(latent) > 1:  # then the energy itself is known, which takes one number
+            latent = [Effort(1.0, sum_column([heat * fraction for heat, fraction in latent]))]
+        return StoredHeat(self.heat_capacity_total() * self.parts(xp, state)[-1][1].temperature, tuple(latent))
 
     def elastic_energy(self, xp: Namespace, state: Lumped) -> Scalar | None:
         """Energy [J] that unloading at frozen fractions and temperature would give back."""
@@ -315,10 +333,9 @@ class AbstractLumped(AbstractElement, init=False):
         spring = self.spring(xp, fractions, temperature, force)
         return 0.5 * spring.compliance * force * force
 
-    def condition(self, xp: Namespace, state: Lumped, force: Scalar, environment: Environment) -> Condition:
+    def condition(self, xp: Namespace, state: Any, force: Scalar, environment: Environment) -> Condition:
         """Everything that can be measured on the element under a force [N]."""
-        memory = state.memory
-        fractions, temperature = self.law.fractions(memory), memory.temperature
+        fractions, temperature = self.mean_fractions(xp, state), self.parts(xp, state)[-1][1].temperature
         strain = self.strain(xp, self.elongation(xp, state, force))
         return Condition(
             temperature=temperature,

@@ -1,0 +1,216 @@
+"""Elements whose strain differs over the section: twisted, bent, or wound into a coil.
+
+Plane sections stay plane: where the strain is ℓ_i per elongation e, a fibre that stands for a volume V_i has
+
+    ε_i = ℓ_i e,        F = Σ V_i ℓ_i σ_i
+
+by virtual work. Every fibre has a memory of the law, all have one temperature; at frozen fractions they are springs side
+by side. With `section_model = "surface"` the fibre at the surface stands for all: F = σ Σ V_i ℓ_i²/ℓ_n, exact while the
+section is elastic. Torsion enters by its equivalent, σ = √3 τ and ε = γ/√3.
+
+Sections and laws are symmetric: fibres under compression do as those on the other side, mirrored, and are not computed.
+A fibre may still come under stress of the other sign, as the surface does where a bar that has yielded is let go: the
+law then answers for that stress.
+
+Points are those of an interpolating rule at x_k = cos(2πk/(2n - 1)), k = 0 … n - 1: one lies on the surface, all weights
+are above zero, and polynomials of degree n - 1 are integrated exactly.
+"""
+
+import math
+from abc import abstractmethod
+from functools import cache
+from typing import Any, NamedTuple
+
+from martensite.actuators.elements.base import AbstractElement, Condition, Heating, MaterialPoint, Pull, Spring
+from martensite.actuators.elements.lumped import AbstractLumped
+from martensite.actuators.elements.section_step import Column, Point, advance_section
+from martensite.actuators.elements.wire import AbstractRoundWire
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import sum_column
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.coupling import StepReport
+from martensite.physics.thermal.base import Environment
+
+
+class Section(NamedTuple):
+    """State of a section of fibres."""
+
+    memories: tuple[Any, ...]
+    """Of the law, one per fibre, the surface last."""
+    force: Scalar
+    """[N]"""
+    rate: Scalar = 0.0
+
+
+@cache
+def find_section_points(count: int) -> tuple[tuple[float, float], ...]:
+    """Places in (0, 1], rising, and weights; these add up to 1."""
+    whole, rows = 2 * count - 1, list[tuple[float, float]]()
+    for k in range(count - 1, -1, -1):
+        angle = 2.0 * math.pi * k / whole
+        weight = 1.0 + 2.0 * sum(math.cos(j * angle) / (1 - j * j) for j in range(2, count, 2))
+        rows.append((0.5 + 0.5 * math.cos(angle), (2.0 if k else 1.0) * weight / whole))
+    return tuple(rows)
+
+
+class AbstractSection(AbstractRoundWire, AbstractLumped):
+    """A section of fibres; a subclass says where they are."""
+
+    section_model: str = option(
+        "what stands for the section: its surface, or fibres all over it", "surface", "fibres", default="fibres"
+    )
+    fibres: str = option("number of fibres, from the core to the surface", "5", "10", "20", "40", "80", default="20")
+
+    @abstractmethod
+    def fibre_columns(self, xp: Namespace) -> tuple[Column, Column]:
+        """Strain per elongation [1/m] and volume [m³] of every fibre, the surface last."""
+
+    def cut_rings(self, inner: Scalar, per_radius: Scalar) -> tuple[Column, Column]:
+        """Those of rings outside of an inner diameter [m], at a strain per elongation and radius [1/m²]."""
+        wall, length = 0.5 * (self.diameter - inner), self.wire_length()
+        rings = [(0.5 * inner + wall * s, wall * w) for s, w in find_section_points(int(self.fibres))]
+        return [per_radius * r for r, _ in rings], [2.0 * math.pi * length * r * w for r, w in rings]
+
+    def surround(self, xp: Namespace, open: Spring, force: Scalar) -> Spring:
+        """The element near a force [N], of its fibres as a spring."""
+        return open
+
+    @property
+    def uniform(self) -> bool:
+        """Whether one phase state stands for all of it."""
+        return self.section_model == "surface"
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the law cannot hold the initial state, or not be asked by fibres."""
+        super().check()
+        if not self.uniform and (self.law.rate_dependent or self.law.grouped):
+            raise ParameterError(
+                f"Law `{self.law.registered_name}` gives rates, which fibres of a `{self.registered_name}` do not take; "
+                'try law `brinson`, or `section_model = "surface"`.'
+            )
+
+    def cautions(self) -> list[str]:
+        """A law that strains the core of a section as much as its surface."""
+        if self.uniform or self.law.twins:
+            return super().cautions()
+        words = f"All martensite of law `{self.law.registered_name}` is strained, also in the core, where a section is not"
+        return [*super().cautions(), f"{words}: what forms on cooling bears stress of both signs; prefer law `brinson`."]
+
+    def compute_moments(self, xp: Namespace) -> tuple[Scalar, Scalar, Scalar]:
+        """Σ V ℓ, Σ V ℓ² and the lever of the surface."""
+        levers, volumes = self.fibre_columns(xp)
+        grips = [v * w for w, v in zip(levers, volumes, strict=True)]
+        return sum_column(grips), sum_column([g * w for g, w in zip(grips, levers, strict=True)]), levers[-1]
+
+    def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
+        """Tangent at `force` [N] with the same frozen fractions all over, and temperature [K]."""
+        first, second, lever = self.compute_moments(xp)
+        per_strain = 1.0 / lever if self.uniform else first / second
+        free = self.law.free_strain(xp, fractions, temperature) * per_strain
+        return self.surround(xp, Spring(free, self.law.compliance(xp, fractions) / second), force)
+
+    def stress(self, xp: Namespace, force: Scalar) -> Scalar:
+        """Stress at the surface of an elastic section [Pa]; of torsion √3 τ."""
+        _, second, lever = self.compute_moments(xp)
+        return force * (lever / second)
+
+    def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
+        """Strain at the surface [-]; of torsion γ/√3."""
+        return elongation * self.compute_moments(xp)[2]
+
+    def bear(self, xp: Namespace, fractions: Fractions, strain: Scalar, temperature: Scalar) -> Scalar:
+        """Stress [Pa] of a fibre at frozen fractions."""
+        return (strain - self.law.free_strain(xp, fractions, temperature)) / self.law.compliance(xp, fractions)
+
+    def combine(self, xp: Namespace, martensite: Column, oriented: Column, temperature: Scalar) -> Spring:
+        """Fibres at frozen fractions as one spring."""
+
+        def one(m: Scalar, o: Scalar, lever: Scalar, volume: Scalar) -> tuple[Scalar, Scalar]:
+            grip = volume * lever / self.law.compliance(xp, Fractions(m, o))
+            return grip * lever, grip * self.law.free_strain(xp, Fractions(m, o), temperature)
+
+        stiffness, pull = xp.each(one, martensite, oriented, *self.fibre_columns(xp))
+        soft = 1.0 / sum_column(stiffness)
+        return Spring(soft * sum_column(pull), soft)
+
+    def freeze(self, xp: Namespace, state: Section, temperature: Scalar) -> Spring:
+        """Fibres of a state as one spring, at a temperature [K]."""
+        martensite, oriented = zip(*(self.law.fractions(memory) for memory in state.memories), strict=True)
+        return self.combine(xp, martensite, oriented, temperature)
+
+    def locate(self, xp: Namespace, state: Section) -> Point:
+        """Elongation [m] and temperature [K] at the end of the last step, by the surface."""
+        last = state.memories[-1]
+        strain = self.law.strain(xp, self.law.fractions(last), last.stress, last.temperature)
+        return Point(strain / self.fibre_columns(xp)[0][-1], last.temperature)
+
+    def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Any:
+        """The state at the start, under `force` [N] and at `temperature` [K].
+
+        As strained as a section is: what is oriented falls to nothing towards the core, and all martensite with it if
+        the law knows no other.
+        """
+        if self.uniform:
+            return super().init(xp, force, temperature)
+        levers, fractions = self.fibre_columns(xp)[0], list[Fractions]()
+        for share in [lever / levers[-1] for lever in levers]:
+            m, o = self.initial_fractions(xp, self.stress(xp, force) * share)
+            fractions.append(Fractions(m if self.law.twins else m * share, o * share))
+        whole = self.surround(xp, self.combine(xp, *zip(*fractions, strict=True), temperature), force)
+        e = whole.free + whole.compliance * force
+        rows = [(f, self.bear(xp, f, w * e, temperature)) for f, w in zip(fractions, levers, strict=True)]
+        return Section(tuple(self.law.init(xp, f, stress, temperature) for f, stress in rows), force)
+
+    def in_state(self, xp: Namespace, state: Any, fractions: Fractions, temperature: Scalar, force: Scalar) -> Any:
+        """A state put elsewhere, if one stands for all."""
+        if self.uniform:
+            return super().in_state(xp, state, fractions, temperature, force)
+        return AbstractElement.in_state(self, xp, state, fractions, temperature, force)
+
+    def tangent(self, xp: Namespace, state: Any, force: Scalar) -> Spring:
+        """The element as a spring in a state, near a force [N]."""
+        if self.uniform:
+            return super().tangent(xp, state, force)
+        return self.surround(xp, self.freeze(xp, state, state.memories[-1].temperature), force)
+
+    def advance(self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar) -> tuple[Any, StepReport]:
+        """The state after a step of dt [s], and how well the step was solved."""
+        if self.uniform:
+            return super().advance(xp, state, heating, pull, dt)
+        return advance_section(xp, self, state, heating, pull, dt)
+
+    @property
+    def exchanges(self) -> bool:
+        """True if the law is an exchange of layers, and one state stands for all."""
+        return self.uniform and super().exchanges
+
+    def parts(self, xp: Namespace, state: Any) -> list[tuple[Scalar, Any]]:
+        """Shares of the volume, and what the law remembers there."""
+        if self.uniform:
+            return super().parts(xp, state)
+        volumes = self.fibre_columns(xp)[1]
+        return [(v / sum_column(volumes), memory) for v, memory in zip(volumes, state.memories, strict=True)]
+
+    def points(self, xp: Namespace, state: Any) -> list[MaterialPoint]:
+        """The surface: what one of many fibres begins or ends bends the answer of all little."""
+        return super().points(xp, state)[-1:]
+
+    def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
+        """Energy [J] that unloading, fibre by fibre, at frozen fractions and temperature would give back."""
+        if self.uniform:
+            return super().elastic_energy(xp, state)
+        rows = zip(self.fibre_columns(xp)[1], state.memories, strict=True)
+        return sum_column([0.5 * v * self.law.compliance(xp, self.law.fractions(m)) * m.stress**2 for v, m in rows])
+
+    def condition(self, xp: Namespace, state: Any, force: Scalar, environment: Environment) -> Condition:
+        """Everything that can be measured under a force [N]; the stress is the one of largest size anywhere."""
+        found = super().condition(xp, state, force, environment)
+        if self.uniform:
+            return found
+        e, largest = self.elongation(xp, state, force), 0.0
+        for lever, memory in zip(self.fibre_columns(xp)[0], state.memories, strict=True):
+            stress = self.bear(xp, self.law.fractions(memory), lever * e, found.temperature)
+            largest = xp.where(xp.abs(stress) > xp.abs(largest), stress, largest)
+        return found._replace(stress=largest)
