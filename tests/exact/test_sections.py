@@ -108,7 +108,9 @@ def test_a_thin_tube_is_one_fibre() -> None:
     around = Environment(temperature=295.0, cooling=ConstantCooling(h=1e-12))
     found, cold = [], example(Brinson, Theta=0.0)
     for model in ("fibres", "surface"):
-        tube = bar("tube", inner_diameter=1e-3 * (1 - 1e-10), initial_fraction=1.0, section_model=model, fibres="5", law=cold)
+        tube = bar(
+            "tube", inner_diameter=1e-3 * (1 - 1e-10), initial_fraction=1.0, section_model=model, fibres="5", law=cold
+        )
         force = 60e6 * tube.compute_moments(floats)[1] / tube.fibre_columns(floats)[0][-1]
         state, rows = tube.init(floats, force, 295.0), []
         start = tube.elongation(floats, state, force)
@@ -192,7 +194,9 @@ def test_coarse_steps_are_solved(law: Any) -> None:
                 return (load + stiff * (place - s.free)) / (1.0 + stiff * s.compliance)
 
             wanted = draw.uniform(270.0, 420.0) - state.memories[-1].temperature
-            state, report = element.advance(floats, state, Heating(around, PowerSource(), 0.0, wanted * heat), pull, 1.0)
+            state, report = element.advance(
+                floats, state, Heating(around, PowerSource(), 0.0, wanted * heat), pull, 1.0
+            )
             assert report.residual < 1e-9
             assert all(0.0 <= element.law.fractions(m).martensite <= 1.0 for m in state.memories)
 

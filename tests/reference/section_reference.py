@@ -1,13 +1,14 @@
 """A coil spring whose section is integrated, by SciPy alone: no code of the package.
 
-Brinson's law at constant temperature, loaded from zero: the strain of a fibre is inverted by `brentq`, and the torque is
-the integral over the radius by `quad`, cut where fibres begin and end to transform.
+Brinson's law at constant temperature, loaded from zero: the strain of a fibre is inverted by `brentq`, the torque is
+an integral over the radius by `quad`, cut where fibres begin and end to transform.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 from scipy.integrate import quad
 from scipy.optimize import brentq
@@ -55,5 +56,5 @@ def find_coil_force(fibre: BrinsonFibre, wire: float, coil: float, turns: float,
     def torque(radius: float) -> float:
         return fibre.stress(per_radius * radius) / math.sqrt(3.0) * 2.0 * math.pi * radius**2
 
-    pieces = (quad(torque, a, b, epsabs=0.0, epsrel=1e-9)[0] for a, b in zip(ends, ends[1:], strict=False))
+    pieces = (quad(torque, a, b, epsabs=0.0, epsrel=1e-9)[0] for a, b in pairwise(ends))
     return sum(pieces) * 2.0 / coil

@@ -17,14 +17,15 @@ from martensite.physics.laws.brinson import Brinson
 def test_force_over_elongation_is_the_integral_over_the_section(temperature: float, cold: bool) -> None:
     """Austenite that transforms under load, and twinned martensite that is detwinned, up to 6 % at the surface.
 
-    Within 2e-4 with 20 fibres and 1e-4 with 40. Beyond, where the surface hardens again, it is 2.6e-3 and 3e-4.
+    Within 2e-4 with 20 fibres and 1e-4 with 40 (tried on the cold coil). Beyond, where the surface hardens again, it is
+    2.6e-3 and 3e-4.
     """
     law = example(Brinson, Theta=0.0)
     numbers = {name: getattr(law, name) for name in ("E_A", "E_M", "eps_L", "C_M", "M_s", "sigma_s", "sigma_f")}
     fibre = BrinsonFibre(**numbers, temperature=temperature, cold=cold)
-    lengths = [0.045, 0.09, 0.18, 0.27, 0.36]
+    lengths = [0.045, 0.18, 0.27, 0.36]
     forces = np.array([find_coil_force(fibre, WIRE, COIL, TURNS, y) for y in lengths])
-    for fibres, bound, last in (("20", 2e-4, 4e-3), ("40", 1e-4, 5e-4)):
+    for fibres, bound, last in [("20", 2e-4, 4e-3), ("40", 1e-4, 5e-4)][: 1 + cold]:
         choices = {"initial_fraction": float(cold), "initial_oriented": 0.0, "free_length": 20e-3}
         spring = platform_spring(section_model="fibres", fibres=fibres, law=law, **choices)
         state, found = spring.init(floats, 0.0, temperature), []

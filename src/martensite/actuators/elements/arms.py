@@ -6,10 +6,10 @@ With twist or angle φ between the ends, length l, radius r, and height y over t
     bending    ε = y φ/l,   M = ∫ σ y dA.
 
 To a mechanism an element has a length and a force. An arm or a drum of radius a makes them, e = a φ and F = M/a; with
-`arm` = 1 m they are an angle [rad] and a moment [N m]. A moment is the same all along, as a pair of forces makes it.
+`arm` = 1 m they are an angle [rad] and a moment [N m], which is the same all along, as a pair of forces makes it.
 
-Fibres of a bent wire lie at equal angles, y = R sin α, those of a tube too, with three through its wall (Simpson's rule):
-both are exact for ∫ y² dA. The neutral axis is in the middle: half is computed, and counts twice.
+Fibres of a bent wire lie at equal angles, y = R sin α, those of a tube too, with three through its wall (Simpson's
+rule): both are exact for ∫ y² dA. The neutral axis is in the middle: half is computed, and counts twice.
 """
 
 import math
@@ -78,7 +78,7 @@ class BendingBeam(AbstractArm, init=False):
         """Raise `ParameterError` if only a tube could be hollow, or fibres cannot ask the law."""
         super().check()
         if self.inner_diameter > 0.0 and self.shape != "tube":
-            raise ParameterError(f"Parameter `inner_diameter` of `bending-beam` must be 0 unless `shape` is `tube`.")
+            raise ParameterError("Parameter `inner_diameter` of `bending-beam` must be 0 unless `shape` is `tube`.")
 
     def section(self) -> Scalar:
         """Cross-section [m²]."""

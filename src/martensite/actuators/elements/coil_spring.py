@@ -103,7 +103,10 @@ class CoilSpring(AbstractSection, init=False):
     stiffness_factor: str = option("what curvature adds to the spring rate", *STIFFNESS_FACTORS, default="none")
     contact: Scalar = param("1", "stiffness of closed turns per spring rate", low=1.0, high=1e6, default=1e3)
     section_model: str = option(
-        "what stands for the section of its wire: the surface, or fibres all over it", "surface", "fibres", default="surface"
+        "what stands for the section of its wire: the surface, or fibres all over it",
+        "surface",
+        "fibres",
+        default="surface",
     )
 
     def check(self) -> None:
@@ -134,8 +137,8 @@ class CoilSpring(AbstractSection, init=False):
         """Coils too steep for the theory of flat ones."""
         pitch = math.atan(self.free_length / (self.circumference() * self.turns))
         if self.deflection == "large" or pitch <= STEEPEST:
-            return []
-        return [f'Pitch angle {math.degrees(pitch):.3g} deg: prefer `deflection = "large"`.']
+            return super().cautions()
+        return [*super().cautions(), f'Pitch angle {math.degrees(pitch):.3g} deg: prefer `deflection = "large"`.']
 
     def mean_diameter(self) -> Scalar:
         """Between centres of the wire [m]."""

@@ -4,16 +4,13 @@ Plane sections stay plane: where the strain is ℓ_i per elongation e, a fibre t
 
     ε_i = ℓ_i e,        F = Σ V_i ℓ_i σ_i
 
-by virtual work. Every fibre has a memory of the law, all have one temperature; at frozen fractions they are springs side
-by side. With `section_model = "surface"` the fibre at the surface stands for all: F = σ Σ V_i ℓ_i²/ℓ_n, exact while the
-section is elastic. Torsion enters by its equivalent, σ = √3 τ and ε = γ/√3.
+by virtual work. Every fibre has a memory of the law, all have one temperature; at frozen fractions they are springs
+side by side. With `section_model = "surface"` the fibre at the surface stands for all: F = σ Σ V_i ℓ_i²/ℓ_n, exact
+while the section is elastic. Torsion enters by its equivalent, σ = √3 τ and ε = γ/√3.
 
-Sections and laws are symmetric: fibres under compression do as those on the other side, mirrored, and are not computed.
-A fibre may still come under stress of the other sign, as the surface does where a bar that has yielded is let go: the
-law then answers for that stress.
-
-Points are those of an interpolating rule at x_k = cos(2πk/(2n - 1)), k = 0 … n - 1: one lies on the surface, all weights
-are above zero, and polynomials of degree n - 1 are integrated exactly.
+Sections and laws are symmetric: fibres under compression do as those on the other side, mirrored, and are not
+computed. A fibre may still come under stress of the other sign, as the surface does where a bar that has yielded is
+let go: the law then answers for that stress.
 """
 
 import math
@@ -27,6 +24,7 @@ from martensite.actuators.elements.section_step import Column, Point, advance_se
 from martensite.actuators.elements.wire import AbstractRoundWire
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option
+from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
 from martensite.physics.laws.base import Fractions
@@ -46,7 +44,10 @@ class Section(NamedTuple):
 
 @cache
 def find_section_points(count: int) -> tuple[tuple[float, float], ...]:
-    """Places in (0, 1], rising, and weights; these add up to 1."""
+    """Places in (0, 1], rising, and weights, of the interpolating rule at cos(2πk/(2n - 1)), k = 0 … n - 1.
+
+    One lies on the surface; weights are above zero and add up to 1, and polynomials of degree n - 1 are exact.
+    """
     whole, rows = 2 * count - 1, list[tuple[float, float]]()
     for k in range(count - 1, -1, -1):
         angle = 2.0 * math.pi * k / whole
@@ -92,11 +93,17 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
             )
 
     def cautions(self) -> list[str]:
-        """A law that strains the core of a section as much as its surface."""
-        if self.uniform or self.law.twins:
-            return super().cautions()
-        words = f"All martensite of law `{self.law.registered_name}` is strained, also in the core, where a section is not"
-        return [*super().cautions(), f"{words}: what forms on cooling bears stress of both signs; prefer law `brinson`."]
+        """Laws that strain a section where it has no strain."""
+        law, found = self.law, super().cautions()
+        cold, hot = (law.free_strain(floats, Fractions(0.0, 0.0), kelvin) for kelvin in (300.0, 400.0))
+        if not self.uniform and cold != hot:
+            found.append("Thermal strain counts as a strain of the section, which expansion neither twists nor bends.")
+        if not self.uniform and not law.twins:
+            words = (
+                f"All martensite of law `{law.registered_name}` is strained, in the core too, where a section is not"
+            )
+            found.append(f"{words}: what forms on cooling bears stress of both signs; prefer law `brinson`.")
+        return found
 
     def compute_moments(self, xp: Namespace) -> tuple[Scalar, Scalar, Scalar]:
         """Σ V ℓ, Σ V ℓ² and the lever of the surface."""
@@ -158,7 +165,8 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         for share in [lever / levers[-1] for lever in levers]:
             m, o = self.initial_fractions(xp, self.stress(xp, force) * share)
             fractions.append(Fractions(m if self.law.twins else m * share, o * share))
-        whole = self.surround(xp, self.combine(xp, *zip(*fractions, strict=True), temperature), force)
+        martensite, oriented = zip(*fractions, strict=True)
+        whole = self.surround(xp, self.combine(xp, martensite, oriented, temperature), force)
         e = whole.free + whole.compliance * force
         rows = [(f, self.bear(xp, f, w * e, temperature)) for f, w in zip(fractions, levers, strict=True)]
         return Section(tuple(self.law.init(xp, f, stress, temperature) for f, stress in rows), force)

@@ -1,15 +1,14 @@
 """One step of an element whose section is integrated by fibres.
 
-The unknowns are the stress σ_i of every fibre, the elongation e and the temperature T, which all share. A law is explicit
-in stress and temperature, so that plane sections, heat and force read
+The unknowns are the stress σ_i of every fibre, the elongation e and the temperature T, which all share. A law is
+explicit in stress and temperature, so that plane sections, heat and force read
 
     ε_i(σ_i, T) = ℓ_i e,      T = T_b + share · Σ V_i h_i (ξ_i - ξ_i0) + …,      F = Σ V_i ℓ_i σ_i,
 
-where ε_i holds the fractions that the law answers with. Linearised, fibres are condensed into sums: F and the heat are
-linear in e and T, T is eliminated, and the mechanism meets a spring. That is Newton's method for all unknowns at once,
-at one answer of the law per fibre and turn.
+where ε_i holds the fractions that the law answers with. Linearised, F and heat are sums, linear in e and T, T is
+eliminated, and the mechanism meets a spring: Newton's method for all at once, at one answer of the law per fibre.
 
-ε_i rises with σ_i; with the fibres solved for, the mismatch of the heat rises with T, and then F with e. So where a
+ε_i rises with σ_i; with the fibres solved for, the mismatch of the heat rises with T, and then F with e. Where a
 correction is more than a quarter of the least before, a turn steps one level down: fibres at given e and T, T at given
 e, or e, each in a bracket that halves. A law chooses its process at the start of a move. Fibres that transform put load
 on those that do not: where there are both, all are asked again at the elongation found.
@@ -244,7 +243,9 @@ class SectionStep:
         change = end.martensite - element.law.fractions(memory).martensite
         return volume * (latent + self.heat.by_martensite) * change
 
-    def ask(self, xp: Namespace, point: Point, stresses: Column, moves: Sequence[Column]) -> tuple[Column, list[Column]]:
+    def ask(
+        self, xp: Namespace, point: Point, stresses: Column, moves: Sequence[Column]
+    ) -> tuple[Column, list[Column]]:
         """What the law answers: sums over the section; per fibre strain, slopes, compliance, change and fractions.
 
         The sums are ∂F/∂e, F at no elongation, and -∂F/∂T, and the same of the heat of transformation but with its own
