@@ -27,7 +27,7 @@ from martensite.base.errors import ParameterError, require_known
 from martensite.base.status import Status
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.api import first_step
+from martensite.simulate.api import first_step, inertial_step
 from martensite.simulate.arrays import count_block, march_on_jax
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import arrange_waveforms, grid_of
@@ -178,6 +178,7 @@ class VariantSetup:
             self.tolerance,
             first_step(self.system, self.duration, self.samples),
             envelope_of(self.system),
+            inertial=inertial_step(self.system),
         )
 
     def _order_waveforms(self, signals: Mapping[str, Values], row: int) -> Sequence[AbstractWaveform]:
