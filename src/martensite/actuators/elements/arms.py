@@ -33,9 +33,10 @@ class AbstractArm(AbstractSection):
 
     straight: ClassVar[bool] = False
 
+    diameter: Scalar = param("m", "outer diameter", above=0.0, high=0.02, typical="0.8 mm")
     inner_diameter: Scalar = param("m", "inner diameter of a tube, else 0", low=0.0, high=0.02, default=0.0)
     length: Scalar = param("m", "length that is deformed", above=0.0, high=1e3, typical="100 mm")
-    arm: Scalar = param("m", "radius of the arm or drum at its end", above=0.0, high=10.0, typical="10 mm")
+    arm: Scalar = param("m", "radius of the arm or drum at its end", above=0.0, high=10.0, typical="5 mm")
 
     def check(self) -> None:
         """Raise `ParameterError` if a tube has no wall, or fibres cannot ask the law."""
@@ -70,7 +71,7 @@ class BendingBeam(AbstractArm, init=False):
 
     shape: str = option("its section", "ribbon", "wire", "tube", default="ribbon")
     diameter: Scalar = param(
-        "m", "outer diameter of a wire or tube, thickness of a ribbon", above=0.0, high=0.02, typical="0.6 mm"
+        "m", "outer diameter of a wire or tube, thickness of a ribbon", above=0.0, high=0.02, typical="0.8 mm"
     )
     width: Scalar = param("m", "width of a ribbon", above=0.0, high=0.1, default=2e-3)
 

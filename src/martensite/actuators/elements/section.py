@@ -33,12 +33,10 @@ from martensite.physics.thermal.base import Environment
 
 
 class Section(NamedTuple):
-    """State of a section of fibres."""
+    """State of a section of fibres: what each remembers, the surface last, and the force [N]."""
 
     memories: tuple[Any, ...]
-    """Of the law, one per fibre, the surface last."""
     force: Scalar
-    """[N]"""
     rate: Scalar = 0.0
 
 
@@ -88,8 +86,8 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         super().check()
         if not self.uniform and (self.law.rate_dependent or self.law.grouped):
             raise ParameterError(
-                f"Law `{self.law.registered_name}` gives rates, which fibres of a `{self.registered_name}` do not take; "
-                'try law `brinson`, or `section_model = "surface"`.'
+                f"Law `{self.law.registered_name}` gives rates, which fibres of `{self.registered_name}` cannot take; "
+                "try law `brinson`, or `section_model` = `surface`."
             )
 
     def cautions(self) -> list[str]:

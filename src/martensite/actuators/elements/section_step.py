@@ -55,16 +55,15 @@ class Point(NamedTuple):
 
 
 class SectionHeat(NamedTuple):
-    """Heat balance of a step, but for what transforms."""
+    """Temperature at the end of a step if nothing transforms [K], and per heat [K/J].
+
+    What another resistance takes up, by the martensite at its end [J/m³] and the elongation [J/m].
+    """
 
     base: Scalar
-    """Temperature at its end if nothing does [K]."""
     share: Scalar
-    """Temperature per heat [K/J]."""
     by_martensite: Scalar
-    """What another resistance takes up, per volume of martensite at its end [J/m³]."""
     by_elongation: Scalar
-    """And per elongation [J/m]."""
     ripple: Scalar
 
 
@@ -92,7 +91,10 @@ class Bracket(NamedTuple):
 
 
 class Turn(NamedTuple):
-    """A turn of a solve: corrections, where numbers lie, and whether some fibres transform while others do not."""
+    """A turn of a solve: the least and the last correction, and whether some fibres transform and others do not.
+
+    Then the brackets of elongation and temperature, and how far off fibres were that were moved alone.
+    """
 
     going: Scalar
     point: Point
@@ -100,11 +102,8 @@ class Turn(NamedTuple):
     last: Scalar
     mixed: Scalar
     outer: Bracket
-    """Of the elongation."""
     middle: Bracket
-    """Of the temperature."""
     off: Scalar
-    """Of the strain of fibres that were moved alone."""
     stress: tuple[Scalar, ...]
     low: tuple[Scalar, ...]
     high: tuple[Scalar, ...]
