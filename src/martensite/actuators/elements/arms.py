@@ -74,6 +74,7 @@ class BendingBeam(AbstractArm, init=False):
         "m", "outer diameter of a wire or tube, thickness of a ribbon", above=0.0, high=0.02, typical="0.8 mm"
     )
     width: Scalar = param("m", "width of a ribbon", above=0.0, high=0.1, default=2e-3)
+    arm: Scalar = param("m", "radius of the arm at its end", above=0.0, high=10.0, typical="10 mm")
 
     def check(self) -> None:
         """Raise `ParameterError` if only a tube could be hollow, or fibres cannot ask the law."""
