@@ -147,6 +147,8 @@ class AbstractLumped(AbstractElement, init=False):
         self, xp: Namespace, state: Lumped, fractions: Fractions, temperature: Scalar, force: Scalar
     ) -> Lumped:
         """A state put elsewhere, with its history, under a force [N]."""
+        if not self.uniform:
+            return super().in_state(xp, state, fractions, temperature, force)
         stress = self.stress(xp, force)
         moved = self.law.relocate(xp, state.memory, fractions, stress, temperature)
         return Lumped(moved, force, state.rate)
@@ -184,8 +186,8 @@ class AbstractLumped(AbstractElement, init=False):
 
     @property
     def exchanges(self) -> bool:
-        """True if the law is an exchange of layers."""
-        return isinstance(self.law, AbstractExchange)
+        """True if the law is an exchange of layers, in one phase state."""
+        return self.uniform and isinstance(self.law, AbstractExchange)
 
     def advance_rosenbrock(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
@@ -296,8 +298,8 @@ class AbstractLumped(AbstractElement, init=False):
         return Fractions(*map(sum_column, zip(*rows, strict=True)))
 
     def points(self, xp: Namespace, state: Any) -> list[MaterialPoint]:
-        """The whole element, or all its parts, unless its law has rates."""
-        return points_of(xp, self.law, [memory for _, memory in self.parts(xp, state)])
+        """The whole element, of several parts the last; what one of many begins or ends bends the whole little."""
+        return points_of(xp, self.law, [self.parts(xp, state)[-1][1]])
 
     def latent_heats(self, xp: Namespace, state: Any) -> list[tuple[Scalar, Scalar]]:
         """Heat of the whole transformation [J], and the martensite fraction, of every part."""

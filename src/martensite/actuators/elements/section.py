@@ -18,7 +18,7 @@ from abc import abstractmethod
 from functools import cache
 from typing import Any, NamedTuple
 
-from martensite.actuators.elements.base import AbstractElement, Condition, Heating, MaterialPoint, Pull, Spring
+from martensite.actuators.elements.base import Condition, Heating, Pull, Spring
 from martensite.actuators.elements.lumped import AbstractLumped
 from martensite.actuators.elements.section_step import Column, Point, advance_section
 from martensite.actuators.elements.wire import AbstractRoundWire
@@ -169,12 +169,6 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
         rows = [(f, self.bear(xp, f, w * e, temperature)) for f, w in zip(fractions, levers, strict=True)]
         return Section(tuple(self.law.init(xp, f, stress, temperature) for f, stress in rows), force)
 
-    def in_state(self, xp: Namespace, state: Any, fractions: Fractions, temperature: Scalar, force: Scalar) -> Any:
-        """A state put elsewhere, if one stands for all."""
-        if self.uniform:
-            return super().in_state(xp, state, fractions, temperature, force)
-        return AbstractElement.in_state(self, xp, state, fractions, temperature, force)
-
     def tangent(self, xp: Namespace, state: Any, force: Scalar) -> Spring:
         """The element as a spring in a state, near a force [N]."""
         if self.uniform:
@@ -187,21 +181,12 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
             return super().advance(xp, state, heating, pull, dt)
         return advance_section(xp, self, state, heating, pull, dt)
 
-    @property
-    def exchanges(self) -> bool:
-        """True if the law is an exchange of layers, and one state stands for all."""
-        return self.uniform and super().exchanges
-
     def parts(self, xp: Namespace, state: Any) -> list[tuple[Scalar, Any]]:
         """Shares of the volume, and what the law remembers there."""
         if self.uniform:
             return super().parts(xp, state)
         volumes = self.fibre_columns(xp)[1]
         return [(v / sum_column(volumes), memory) for v, memory in zip(volumes, state.memories, strict=True)]
-
-    def points(self, xp: Namespace, state: Any) -> list[MaterialPoint]:
-        """The surface: what one of many fibres begins or ends bends the answer of all little."""
-        return super().points(xp, state)[-1:]
 
     def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
         """Energy [J] that unloading, fibre by fibre, at frozen fractions and temperature would give back."""

@@ -154,9 +154,6 @@ def _balance_heat(
     """The heat balance, linearised at the start of the step."""
     capacity = element.heat_capacity_total()
 
-    def loss(xp: Namespace, temperature: Scalar) -> Scalar:
-        return element.heat_loss(xp, temperature, heating.environment)
-
     def resist(xp: Namespace, at: Column) -> Scalar:
         return element.ohms(xp, at[0], element.strain(xp, at[1]), at[2])
 
@@ -167,7 +164,7 @@ def _balance_heat(
     ripple = heating.ripple(xp, resist(xp, at), capacity, dt)
     if heating.temperature is not None:
         return SectionHeat(heating.temperature, 0.0, 0.0, 0.0, ripple)
-    lost, slope = value_and_slope(xp, loss, start.temperature)
+    lost, slope = value_and_slope(xp, lambda xp, t: element.heat_loss(xp, t, heating.environment), start.temperature)
     (given, change), (by_point, _) = compute_jacobian(xp, power, at)
     z = dt * (slope - by_point[2]) / capacity
     share = 1.0 / (capacity * compute_relaxation(xp, z))
