@@ -16,8 +16,8 @@ import math
 from typing import ClassVar
 
 from martensite.actuators.elements.base import ELEMENTS
+from martensite.actuators.elements.network import Column
 from martensite.actuators.elements.section import AbstractSection, find_section_points
-from martensite.actuators.elements.section_step import Column
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar

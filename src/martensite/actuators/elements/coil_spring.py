@@ -31,8 +31,8 @@ from typing import Any, ClassVar, NamedTuple
 
 from martensite.actuators.elements import coil_theory, helix
 from martensite.actuators.elements.base import ELEMENTS, Spring
+from martensite.actuators.elements.network import Column
 from martensite.actuators.elements.section import AbstractSection
-from martensite.actuators.elements.section_step import Column
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar

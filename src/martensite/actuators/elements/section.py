@@ -19,8 +19,10 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from martensite.actuators.elements.base import Condition, Heating, Pull, Spring
+from martensite.actuators.elements.columns import Point
 from martensite.actuators.elements.lumped import AbstractLumped
-from martensite.actuators.elements.section_step import Column, Point, advance_section
+from martensite.actuators.elements.network import Column
+from martensite.actuators.elements.section_step import advance_section
 from martensite.actuators.elements.wire import AbstractRoundWire
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option

@@ -18,12 +18,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.elements.base import Heating, Pull, Spring, equilibrium_force
+from martensite.actuators.elements.columns import LARGE, Bracket, Point, Round, SectionHeat, Turn
 from martensite.actuators.elements.lumped import compute_lateness, compute_relaxation
+from martensite.actuators.elements.network import Column
 from martensite.kernels.dual import compute_jacobian, value_and_slope, values_and_slopes
-from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers, sum_column
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.coupling import StepReport
@@ -31,7 +33,6 @@ from martensite.physics.laws.coupling import StepReport
 if TYPE_CHECKING:
     from martensite.actuators.elements.section import AbstractSection, Section
 
-Column = Sequence[Scalar]
 TURNS, ROUNDS = 80, 4
 """Most turns of the solve, and most rounds in which processes are chosen."""
 QUARTER = 0.25
@@ -44,84 +45,7 @@ MOVED = 1e-13
 """Change of a fraction [-] from which on it is one."""
 WIDER = 1.01
 """Of what bounds a root, which may lie on it."""
-LARGE, LEAST = 1e300, 1e-300
-
-
-class Point(NamedTuple):
-    """What all fibres share [m, K]."""
-
-    elongation: Scalar
-    temperature: Scalar
-
-
-class SectionHeat(NamedTuple):
-    """Temperature at the end of a step if nothing transforms [K], and per heat [K/J].
-
-    What another resistance takes up, by the martensite at its end [J/m³] and the elongation [J/m].
-    """
-
-    base: Scalar
-    share: Scalar
-    by_martensite: Scalar
-    by_elongation: Scalar
-    ripple: Scalar
-
-
-class Bracket(NamedTuple):
-    """Where a number that is sought lies, and how far off it was at the last step within."""
-
-    low: Scalar = -LARGE
-    high: Scalar = LARGE
-    last: Scalar = LARGE
-
-    def narrow(self, xp: Namespace, at: Scalar, up: Flag, bound: Scalar) -> Bracket:
-        """By a number above or below which the root lies, but not beyond a bound."""
-        low, high = xp.where(up, at, bound), xp.where(up, bound, at)
-        return Bracket(xp.maximum(self.low, low), xp.minimum(self.high, high), self.last)
-
-    def limit(self, xp: Namespace, wanted: Scalar, off: Scalar) -> Scalar:
-        """What is wanted; the middle where that lies outside, or `off` is above half of the last."""
-        good = xp.both(xp.both(self.low < wanted, wanted < self.high), off <= 0.5 * self.last)
-        closed = xp.both(self.low > -LARGE, self.high < LARGE)
-        return xp.where(xp.either(good, xp.negate(closed)), wanted, 0.5 * self.low + 0.5 * self.high)
-
-    def choose(self, xp: Namespace, flag: Flag, other: Bracket) -> Bracket:
-        """Another one where the flag holds."""
-        return Bracket(*(xp.where(flag, b, a) for a, b in zip(self, other, strict=True)))
-
-
-class Turn(NamedTuple):
-    """A turn of a solve: the least and the last correction, and whether some fibres transform and others do not.
-
-    Then the brackets of elongation and temperature, and how far off fibres were that were moved alone.
-    """
-
-    going: Scalar
-    point: Point
-    least: Scalar
-    last: Scalar
-    mixed: Scalar
-    outer: Bracket
-    middle: Bracket
-    off: Scalar
-    stress: tuple[Scalar, ...]
-    low: tuple[Scalar, ...]
-    high: tuple[Scalar, ...]
-    martensite: tuple[Scalar, ...]
-    oriented: tuple[Scalar, ...]
-
-
-class Round(NamedTuple):
-    """A solve with one choice of processes, which are columns of numbers."""
-
-    going: Scalar
-    first: Scalar
-    point: Point
-    crossing: Scalar
-    stress: tuple[Scalar, ...]
-    martensite: tuple[Scalar, ...]
-    oriented: tuple[Scalar, ...]
-    moves: tuple[tuple[Scalar, ...], ...]
+LEAST = 1e-300
 
 
 def advance_section(
@@ -158,7 +82,8 @@ def _balance_heat(
         return element.ohms(xp, at[0], element.strain(xp, at[1]), at[2])
 
     def power(xp: Namespace, at: Column) -> Column:
-        return heating.heat(xp, resist(xp, at))[:2]
+        heat = heating.heat(xp, resist(xp, at))
+        return [heat.mean, heat.slope]
 
     at = [element.mean_fractions(xp, state).martensite, *start]
     ripple = heating.ripple(xp, resist(xp, at), capacity, dt)
