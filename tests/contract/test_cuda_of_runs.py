@@ -22,6 +22,7 @@ from cuda_on_host import HostMemory, HostProgram
 from martensite.base.errors import InputError
 from martensite.base.status import Status
 from martensite.scenario.scenario import load
+from martensite.simulate.batch import simulate_batch
 from martensite.simulate.ensembles import Ensemble
 from martensite.simulate.marching_native import kernel_of
 from martensite.simulate.variants import VariantSetup
@@ -110,6 +111,16 @@ def test_single_precision_is_said_to_be_what_it_is(machine: str) -> None:
     compare(exact, found, exact.run(values), 2e-4)
     doubled = course_of("pwm_bias_spring", "cuda").run(values)
     assert np.abs(found.columns["stress"] - doubled.columns["stress"]).max() > 0.0
+
+
+def test_a_batch_takes_its_chunk(machine: str) -> None:
+    """What `ms.run` and `simulate_batch` return, made two runs at a time."""
+    course = course_of("pwm_bias_spring", "c")
+    (wave,) = course.waveforms.values()
+    given = (course.system, wave, 2.0, vary(course, 5))
+    found, exact = (simulate_batch(*given, step=STEP, samples=11, runtime=name, chunk=2) for name in ("cuda", "c"))
+    assert found.runtime == "CUDA"
+    assert np.abs(found["position"] - exact["position"]).max() <= 1e-9 * np.ptp(exact["position"])
 
 
 def test_runs_with_signals_and_limits_of_their_own(machine: str, monkeypatch: pytest.MonkeyPatch) -> None:

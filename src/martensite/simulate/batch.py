@@ -107,6 +107,8 @@ def simulate_batch(
     if chosen == "jax":
         count = len(next(iter(varied.values())))
         course = replace(course, lanes=count, chunk=chunk or chunk_for(devices_of(devices)))
+    elif chosen == "cuda":
+        course = replace(course, chunk=chunk)
     try:
         ran = course.run(varied)
     except CompileError as error:
