@@ -20,6 +20,7 @@ import parts
 
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.control.loop.parts import MountedSensor
+from martensite.physics.laws.base import LAWS
 from martensite.physics.thermal.base import Environment
 from martensite.scenario.bench import BenchSettings
 from martensite.scenario.guard import FromPlant
@@ -39,6 +40,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "commands": commands.all_commands,
     "bibliography": bibtex.bibliography,
     **{f"figure-{name}": partial(parts.figure, name) for name in DRAWN},
+    **{f"law-{name}": partial(parts.parameters_of, LAWS[name]) for name in LAWS.names()},
     "studies": parts.all_studies,
     "run": lambda: parts.parameters_of(Run),
     "bench": lambda: parts.parameters_of(BenchSettings),

@@ -13,6 +13,7 @@ from martensite.simulate.path_stages import PathStage, list_stages, residual_str
 if TYPE_CHECKING:
     from martensite.design.tuning.averaging import Averaging
     from martensite.scenario.compare import Agreement
+    from martensite.scenario.law_logs import LawComparison
     from martensite.scenario.laws import ConfiguredLaw
     from martensite.scenario.scenario import Scenario
     from martensite.simulate.point import PointResult
@@ -216,3 +217,39 @@ def _write_spot(stage: PathStage, i: int) -> str:
     if "stress" in stage.varies:
         parts.append(f"{spot.stress / 1e6:.1f} MPa")
     return ", ".join(parts)
+
+
+def summarise_law_logs(comparisons: Sequence[LawComparison]) -> Summary:
+    """How far laws are from logs."""
+    rows = [
+        (
+            one.configured.law.registered_name,
+            "" if one.configured.material is None else one.configured.material.name,
+            one.path.name,
+            one.path.compared,
+            *(f"{100.0 * share:.3g} %" for share in one.misfit),
+            f"{100.0 * one.shift:+.3f} %",
+        )
+        for one in comparisons
+    ]
+    said = ("law", "numbers of", "log", "compared", "RMS", "largest", "strain shifted")
+    cautions = [words for one in comparisons for words in (*one.configured.cautions, *one.result.warnings)]
+    blocks: list[Block] = [
+        DataTable(said, rows, right=(4, 5, 6)),
+        Sentence("Differences are shares of the recorded range; where strain is zero is a matter of the log."),
+        *(Sentence(f"Caution: {words}", "caution") for words in dict.fromkeys(cautions)),
+    ]
+    data = [
+        {
+            "law": one.configured.law.registered_name,
+            "material": None if one.configured.material is None else one.configured.material.name,
+            "log": one.path.name,
+            "compared": one.path.compared,
+            **one.misfit._asdict(),
+            "shift": one.shift,
+            "cautions": one.configured.cautions,
+            "warnings": one.result.warnings,
+        }
+        for one in comparisons
+    ]
+    return Summary("Laws beside a log", blocks, {"laws": data})
