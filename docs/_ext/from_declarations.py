@@ -21,6 +21,7 @@ import parts
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.control.loop.parts import MountedSensor
 from martensite.physics.laws.base import LAWS
+from martensite.physics.laws.wear import Wear
 from martensite.physics.thermal.base import Environment
 from martensite.scenario.bench import BenchSettings
 from martensite.scenario.guard import FromPlant
@@ -48,6 +49,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "mounted": lambda: parts.parameters_of(MountedSensor),
     "environment": lambda: parts.parameters_of(Environment),
     "limits": lambda: parts.parameters_of(ElementLimits),
+    "wear": lambda: parts.parameters_of(Wear),
     "public-names": parts.public_names,
     "app-addresses": bench.addresses,
     "app-calls": bench.calls,

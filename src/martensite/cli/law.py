@@ -78,8 +78,8 @@ def law(
     if log:
         for option, given in {"--path": path, "--strain": strain, "--rate": rate}.items():
             refuse_idle(option, given is not None, "laws follow the log")
-        how = {"settings": read_settings(settings or []), "tolerance": tolerance, "runtime": runtime}
-        _follow_logs(names, log, parse_named(named or []), chosen, {"material": material, **how}, outputs, answer.json)
+        how = {"material": material, "settings": read_settings(settings or []), "named": parse_named(named or [])}
+        _follow_logs(names, log, chosen, outputs, answer.json, **how, tolerance=tolerance, runtime=runtime)
         return
     refuse_idle("--as", named is not None, "there is no --log")
     path = path or "superelastic"
@@ -100,15 +100,7 @@ def law(
     print_summary(summarise_laws(path, dressed, results), answer.json, outputs.paths())
 
 
-def _follow_logs(
-    names: list[str],
-    logs: list[str],
-    named: dict[str, str],
-    chosen: Choices,
-    how: dict[str, Any],
-    outputs: Outputs,
-    json: bool,
-) -> None:
+def _follow_logs(names: list[str], logs: list[str], chosen: Choices, outputs: Outputs, json: bool, **how: Any) -> None:
     from martensite.scenario.csv_files import write_points
     from martensite.scenario.law_logs import compare_laws_with_log
     from martensite.show.figures.law_logs import plot_law_log
@@ -118,7 +110,7 @@ def _follow_logs(
         if len(values) > 1:
             raise ParameterError(f"Option `{option}` takes one value with --log, but has {len(values)}.")
     (stress,), (temperature,) = chosen.stresses or (None,), chosen.temperatures or (None,)
-    how |= {"named": named, "stress": stress, "temperature": temperature, "fractions": chosen.fractions}
+    how |= {"stress": stress, "temperature": temperature, "fractions": chosen.fractions}
     found = [one for log in logs for one in compare_laws_with_log(names, log, **how)]
     if outputs.data is not None:
         write_points([one.result for one in found], outputs.data)

@@ -13,66 +13,26 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import DataError
 from martensite.kernels import floats
-from martensite.physics.laws.base import AbstractLaw, Fractions
+from martensite.physics.laws.base import Fractions
 from martensite.scenario.laws import ConfiguredLaw, configure_laws
 from martensite.scenario.log_tables import read_log_table
 from martensite.signals.records import Record
 from martensite.simulate.compiled_law import AUSTENITE
 from martensite.simulate.path_layout import Choices, Guide
-from martensite.simulate.point import PathLeg, PointResult, material_point
+from martensite.simulate.point import COLUMNS, PathLeg, PointResult, material_point
 
 RESTS = 0.5
 """Range of a stress over its largest value below which it rests."""
 ROWS = 400
 """Most rows of a log that are followed."""
-ABOVE = 10.0
-"""How far above A_f a law begins, or the hottest row [K]."""
 Column = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class RecordedPath:
-    """Rows of a log that a law follows; SI."""
-
-    name: str
-    compared: str
-    """`strain` or `stress`: what is not followed."""
-    time: Column
-    temperature: Column
-    stress: Column
-    strain: Column
-
-    @property
-    def measured(self) -> Column:
-        """What is compared."""
-        return getattr(self, self.compared)
-
-    @property
-    def range(self) -> float:
-        """Between the smallest and the largest of it."""
-        return float(np.ptp(self.measured))
-
-    def list_legs(self, shift: float) -> list[PathLeg]:
-        """From row to row; recorded strains count from those of the law, by a shift [-]."""
-        times = np.maximum(np.diff(self.time), 1e-9).tolist()
-        followed = self.stress if self.compared == "strain" else self.strain + shift
-        name = "stress" if self.compared == "strain" else "strain"
-        rows = zip(self.temperature[1:].tolist(), followed[1:].tolist(), times, strict=True)
-        return [PathLeg(temperature=T, **{name: x}, duration=dt) for T, x, dt in rows]
-
-
-class Misfit(NamedTuple):
-    """Difference of law and log, as shares of the recorded range."""
-
-    rms: float
-    largest: float
 
 
 @dataclass(frozen=True)
@@ -80,23 +40,30 @@ class LawComparison:
     """What a law says along a log."""
 
     configured: ConfiguredLaw
-    path: RecordedPath
+    log: str
+    compared: str
+    """`strain` or `stress`: what is not followed."""
+    recorded: dict[str, Column]
+    """Rows that the law follows: time, temperature, stress and strain, in SI."""
     result: PointResult
-    """At the rows of the path; its strains are those of the law."""
+    """At these rows; its strains are those of the law."""
     shift: float
     """What is added to strains of the law to compare them with those of the log [-]."""
 
     @property
     def computed(self) -> Column:
         """What is compared, as the log counts it."""
-        found = self.result[self.path.compared]
-        return found + self.shift if self.path.compared == "strain" else found
+        return self.result[self.compared] + (self.shift if self.compared == "strain" else 0.0)
 
     @property
-    def misfit(self) -> Misfit:
-        """How far the two are apart."""
-        apart = np.abs(self.computed - self.path.measured) / self.path.range
-        return Misfit(float(np.sqrt(np.mean(apart**2))), float(apart.max()))
+    def misfit(self) -> Column:
+        """Difference of law and log, as a share of the recorded range."""
+        return (self.computed - self.recorded[self.compared]) / np.ptp(self.recorded[self.compared])
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the misfit."""
+        return float(np.sqrt(np.mean(self.misfit**2)))
 
 
 def compare_laws_with_log(
@@ -132,80 +99,59 @@ def compare_laws_with_log(
         SolveError: a law cannot be driven along the path.
     """
     record = log if isinstance(log, Record) else read_log_table(log, 1.0, named)
-    path = cut_path(record, stress, temperature)
-    how = {"steps": 1, "tolerance": tolerance, "runtime": runtime}
+    rows = _pick_rows(record, {"stress": stress, "temperature": temperature})
+    pull = np.abs(rows["stress"])
+    compared = "strain" if np.ptp(rows["stress"]) <= RESTS * pull.max() else "stress"
+    how = {"steps": 1, "tolerance": tolerance, "runtime": runtime, "label": record.name}
     configured = configure_laws(list(dict.fromkeys(names)), material, settings or {})
-    return [_follow_path(one, path, fractions, how) for one in configured]
+    return [_follow_rows(one, rows, compared, fractions, how) for one in configured]
 
 
-def cut_path(record: Record, stress: float | None = None, temperature: float | None = None) -> RecordedPath:
-    """The rows of a record that a law follows: complete ones, equally far apart.
-
-    Raises:
-        DataError: a column is missing or given twice, or nothing moves.
-    """
-    columns = {name: np.asarray(record[name], float) for name in ("time", "strain") if name in record.columns}
-    for name, given, option in (("stress", stress, "--stress"), ("temperature", temperature, "--at")):
-        if (name in record.columns) == (given is not None):
-            missing = f"has no column `{name}`; name it (`--as`), or give a constant one (`{option}`)"
-            twice = f"has a column `{name}`, so that `{option}` has no effect"
-            raise DataError(f"Record `{record.name}` {missing if given is None else twice}.")
-        columns[name] = np.asarray(record[name], float) if given is None else np.full(len(record), given)
-    if "strain" not in columns:
-        raise DataError(f"Record `{record.name}` has no column `strain`; name it (`--as`).")
+def _pick_rows(record: Record, constant: Mapping[str, float | None]) -> dict[str, Column]:
+    """Complete rows of a record, at most `ROWS`, equally far apart on the way that they go."""
+    columns = {n: np.asarray(record[n], float) for n in ("time", "strain", *constant) if n in record.columns}
+    given = {name: value for name, value in constant.items() if value is not None}
+    for name in constant:
+        if name in columns and name in given:
+            raise DataError(f"Record `{record.name}` has a column `{name}`: a constant one has no effect.")
+    columns |= {name: np.full(len(record), value) for name, value in given.items()}
+    missing = next((name for name in ("strain", *constant) if name not in columns), None)
+    if missing is not None:
+        words = "" if missing == "strain" else ", or give a constant one (`--stress`, `--at`)"
+        raise DataError(f"Record `{record.name}` has no column `{missing}`; name it (`--as`){words}.")
     whole = np.all([np.isfinite(column) for column in columns.values()], axis=0)
     columns = {name: column[whole] for name, column in columns.items()}
     if not whole.any() or np.ptp(columns["strain"]) == 0.0:
         raise DataError(f"In record `{record.name}` no strain moves.")
-    pull = columns["stress"]
-    compared = "strain" if np.ptp(pull) <= RESTS * np.abs(pull).max() else "stress"
-    rows = _pick_rows([columns[name] for name in ("temperature", "stress", "strain")])
-    return RecordedPath(record.name, compared, **{name: column[rows] for name, column in columns.items()})
-
-
-def _pick_rows(columns: Sequence[Column]) -> NDArray[np.int_]:
-    """Indices of at most `ROWS` rows, equally far apart on the way that they go, both ends included."""
-    moving = [column / np.ptp(column) for column in columns if np.ptp(column) > 0.0]
+    moving = [column / np.ptp(column) for name, column in columns.items() if name != "time" and np.ptp(column) > 0.0]
     way = np.concatenate([[0.0], np.cumsum(np.sum([np.abs(np.diff(column)) for column in moving], axis=0))])
-    wanted = np.searchsorted(way, np.linspace(0.0, way[-1], ROWS))
-    return np.unique(np.append(wanted, way.size - 1))
+    chosen = np.unique(np.append(np.searchsorted(way, np.linspace(0.0, way[-1], ROWS)), way.size - 1))
+    return {name: column[chosen] for name, column in columns.items()}
 
 
-def _follow_path(
-    one: ConfiguredLaw, path: RecordedPath, fractions: Fractions | None, how: dict[str, Any]
+def _follow_rows(
+    one: ConfiguredLaw, rows: dict[str, Column], compared: str, fractions: Fractions | None, how: dict[str, Any]
 ) -> LawComparison:
-    law, first = one.law, (float(path.stress[0]), float(path.temperature[0]))
-    if path.compared == "stress":
-        first = max(first[0], 0.0), first[1]
-    cooling = _cool_down(law, first, float(path.temperature.max())) if fractions is None else None
-    start = first if cooling is None else (first[0], cooling[0])
-    before = [] if cooling is None else [cooling[1]]
-    phases = AUSTENITE if fractions is None else fractions
-    shift = 0.0
-    if path.compared == "stress":
-        rest = law.strain(floats, phases, *first)
-        if before:
-            rest = material_point(law, before, start=start, **how).strain[-1]
-        shift = rest - float(path.strain[0])
-    legs = [*before, *path.list_legs(shift)]
-    found = material_point(law, legs, start=start, fractions=phases, label=path.name, **how)
-    found = _cut_result(found, len(before))
-    if path.compared == "strain":
-        shift = float(np.mean(path.strain - found["strain"]))
-    return LawComparison(one, path, found, shift)
-
-
-def _cool_down(law: AbstractLaw, end: tuple[float, float], hottest: float) -> tuple[float, PathLeg]:
-    """Where austenite is under the first stress [K], and the leg from there to the first row."""
-    hot = max(Guide(law, Choices()).marks_at(end[0]).A_f, hottest) + ABOVE
-    return hot, PathLeg(temperature=end[1], hold="stress", duration=hot - end[1], steps=50)
-
-
-def _cut_result(found: PointResult, before: int) -> PointResult:
-    """From the first row of a log on, as one leg."""
-    begin = found.ends[before]
-    names = ("time", "stress", "strain", "temperature", "martensite", "oriented")
-    columns: dict[str, Any] = {name: getattr(found, name)[begin:] for name in names}
-    begun = columns["time"][0]
-    columns["time"] = [time - begun for time in columns["time"]]
-    return replace(found, legs=found.legs[-1:], ends=[0, len(columns["time"]) - 1], **columns)
+    """One law, cooled from 10 K above A_f (or the hottest row) where no phase state is given."""
+    law, cold, shift = one.law, float(rows["temperature"][0]), 0.0
+    pull = float(rows["stress"][0]) if compared == "strain" else max(float(rows["stress"][0]), 0.0)
+    start, before = (pull, cold), list[PathLeg]()
+    if fractions is None:
+        hot = max(Guide(law, Choices()).marks_at(pull).A_f, float(rows["temperature"].max())) + 10.0
+        start, before = (pull, hot), [PathLeg(temperature=cold, hold="stress", duration=hot - cold, steps=50)]
+    how = how | {"start": start, "fractions": fractions or AUSTENITE}
+    followed, name = rows["stress"], "stress"
+    if compared == "stress":
+        rest = material_point(law, before, **how).strain[-1] if before else law.strain(floats, how["fractions"], *start)
+        shift = rest - float(rows["strain"][0])
+        followed, name = rows["strain"] + shift, "strain"
+    times = np.maximum(np.diff(rows["time"]), 1e-9).tolist()
+    moves = zip(rows["temperature"][1:].tolist(), followed[1:].tolist(), times, strict=True)
+    legs = [PathLeg(temperature=T, **{name: x}, duration=dt) for T, x, dt in moves]
+    found = material_point(law, [*before, *legs], **how)
+    columns: dict[str, Any] = {c: getattr(found, c)[found.ends[len(before)] :] for c in COLUMNS}
+    columns["time"] = (rows["time"] - rows["time"][0]).tolist()
+    found = replace(found, legs=found.legs[-1:], ends=[0, len(followed) - 1], **columns)
+    if compared == "strain":
+        shift = float(np.mean(rows["strain"] - found["strain"]))
+    return LawComparison(one, how["label"], compared, rows, found, shift)

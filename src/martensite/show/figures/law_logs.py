@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from martensite.base.errors import InputError
 from martensite.scenario.law_logs import LawComparison
-from martensite.show.figures.labels import STRAIN, STRESS, TEMPERATURE, enclose_values
+from martensite.show.figures.labels import STRAIN, STRESS, TEMPERATURE
 from martensite.show.figures.law_paths import CASES
 from martensite.show.figures.panels import add_colour_key, make_grid
 from martensite.show.figures.phase_diagram import draw_phase_diagram
@@ -18,37 +18,29 @@ if TYPE_CHECKING:
 
 
 def plot_law_log(comparisons: Sequence[LawComparison], *, title: str | None = None) -> Figure:
-    """The figure of laws beside a log, or beside several of one kind.
-
-    Args:
-        comparisons: from `compare_laws_with_log`.
-        title: first line of the figure; laws and logs by default.
+    """The figure of laws beside a log, or beside several of one kind; from `compare_laws_with_log`.
 
     Raises:
         InputError: there is nothing to draw, or stress rests in one log and moves in another.
     """
-    if len({one.path.compared for one in comparisons}) != 1:
+    if len({one.compared for one in comparisons}) != 1:
         raise InputError("Draw logs of one kind together: with a stress that rests, or with one that moves.")
     by_law: dict[str, list[LawComparison]] = {}
     for one in comparisons:
         by_law.setdefault(one.configured.law.registered_name, []).append(one)
-    logs = dict.fromkeys(one.path.name for one in comparisons)
-    isobaric = comparisons[0].path.compared == "strain"
-    across, up = (TEMPERATURE, STRAIN) if isobaric else (STRAIN, STRESS)
+    logs = ", ".join(dict.fromkeys(one.log for one in comparisons))
+    across, up = (TEMPERATURE, STRAIN) if comparisons[0].compared == "strain" else (STRAIN, STRESS)
     with use_style():
-        figure, panels = make_grid(1 + len(by_law), title or f"{', '.join(by_law)} beside {', '.join(logs)}")
-        look = {"color": MEASURED[0], "linewidth": 2.4, "alpha": 0.55}
-        for one in next(iter(by_law.values())):
-            panels[0].plot(across.values(getattr(one.path, across.name)), up.values(one.path.measured), **look)
+        figure, (loops, *diagrams) = make_grid(1 + len(by_law), title or f"{', '.join(by_law)} beside {logs}")
         keys = {"recorded": MEASURED[0]}
-        for (name, own), colour, axes in zip(by_law.items(), CASES * 9, panels[1:], strict=False):
+        for (name, own), colour, axes in zip(by_law.items(), CASES * 9, diagrams, strict=False):
             for one in own:
-                panels[0].plot(across.values(getattr(one.path, across.name)), up.values(one.computed), color=colour)
-            worst = max(one.misfit.rms for one in own)
-            keys[f"{name}, RMS {100.0 * worst:.3g} % of range"] = colour
+                x, y = across.values(one.recorded[across.name]), up.values(one.recorded[one.compared])
+                loops.plot(x, y, color=MEASURED[0], linewidth=2.4, alpha=0.5, zorder=1.5)
+                loops.plot(x, up.values(one.computed), color=colour)
+            keys[f"{name}, RMS {100.0 * max(one.rms for one in own):.3g} % of range"] = colour
             draw_phase_diagram(axes, own[0].configured.law, [one.result for one in own], [[colour]] * len(own))
             axes.set_title(name, color=QUIET)
-        shown = [across.values(getattr(one.path, across.name)) for one in comparisons]
-        panels[0].set(xlim=enclose_values(*shown), xlabel=across.label, ylabel=up.label)
+        loops.set(xlabel=across.label, ylabel=up.label)
         add_colour_key(figure, keys)
     return figure

@@ -221,35 +221,20 @@ def _write_spot(stage: PathStage, i: int) -> str:
 
 def summarise_law_logs(comparisons: Sequence[LawComparison]) -> Summary:
     """How far laws are from logs."""
+    data: list[dict[str, Any]] = []
+    for one in comparisons:
+        law, source = one.configured.law.registered_name, one.configured.material
+        names = {"law": law, "material": "" if source is None else source.name, "log": one.log}
+        largest = float(abs(one.misfit).max())
+        numbers = {"compared": one.compared, "rms": one.rms, "largest": largest, "shift": one.shift}
+        data.append(names | numbers | {"cautions": [*one.configured.cautions, *one.result.warnings]})
     rows = [
-        (
-            one.configured.law.registered_name,
-            "" if one.configured.material is None else one.configured.material.name,
-            one.path.name,
-            one.path.compared,
-            *(f"{100.0 * share:.3g} %" for share in one.misfit),
-            f"{100.0 * one.shift:+.3f} %",
-        )
-        for one in comparisons
+        (*list(one.values())[:4], *(f"{100.0 * one[n]:.3g} %" for n in ("rms", "largest", "shift"))) for one in data
     ]
-    said = ("law", "numbers of", "log", "compared", "RMS", "largest", "strain shifted")
-    cautions = [words for one in comparisons for words in (*one.configured.cautions, *one.result.warnings)]
+    cautions = dict.fromkeys(words for one in data for words in one["cautions"])
     blocks: list[Block] = [
-        DataTable(said, rows, right=(4, 5, 6)),
+        DataTable(("law", "numbers of", "log", "compared", "RMS", "largest", "strain shifted"), rows, right=(4, 5, 6)),
         Sentence("Differences are shares of the recorded range; where strain is zero is a matter of the log."),
-        *(Sentence(f"Caution: {words}", "caution") for words in dict.fromkeys(cautions)),
-    ]
-    data = [
-        {
-            "law": one.configured.law.registered_name,
-            "material": None if one.configured.material is None else one.configured.material.name,
-            "log": one.path.name,
-            "compared": one.path.compared,
-            **one.misfit._asdict(),
-            "shift": one.shift,
-            "cautions": one.configured.cautions,
-            "warnings": one.result.warnings,
-        }
-        for one in comparisons
+        *(Sentence(f"Caution: {words}", "caution") for words in cautions),
     ]
     return Summary("Laws beside a log", blocks, {"laws": data})
