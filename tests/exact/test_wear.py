@@ -96,6 +96,14 @@ def test_heat_above_a_temperature_wears_too() -> None:
     )
 
 
+def test_strands_of_a_bundle_wear_as_one_wire() -> None:
+    alone = build_system(Wear(settling_cycles=3.0, **DRIFT))
+    bundle = ms.elements.Bundle(strand=alone.element, count=2.0)
+    both = alone.with_parts(element=bundle, mechanism=ms.DeadWeight(mass=0.64))
+    one, two = (simulate(system, CYCLES, 300.0, step=0.5, samples=31) for system in (alone, both))
+    assert np.allclose(one["strain"], two["strain"], atol=1e-13)
+
+
 def test_the_balance_of_heat_still_closes() -> None:
     system = build_system(Wear(settling_cycles=4.0, **DRIFT), heated=True, spring=True)
     found = simulate(system, ms.Sine(low=0.0, high=0.7, frequency=0.1), 40.0)

@@ -14,7 +14,7 @@ from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Any, ClassVar, NamedTuple
 
 from martensite.actuators.elements.from_material import complete_from_material
 from martensite.actuators.elements.limits import ElementLimits
@@ -26,7 +26,6 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import AbstractSource, Heat
 from martensite.physics.laws.base import AbstractLaw, Fractions
 from martensite.physics.laws.coupling import StepReport
-from martensite.physics.laws.wear import Wear
 from martensite.physics.materials.base import Material
 from martensite.physics.thermal.base import Environment
 from martensite.signals.moments import Moments
@@ -152,8 +151,6 @@ class AbstractElement(Parametrised):
     """The stress–strain–temperature law."""
     limits: ElementLimits = NotImplemented
     """What a run warns about."""
-    wear: Wear | None = None
-    """What cycles change in it."""
 
     def __init__(self, *, material: Material | str | Path | None = None, **values: Any) -> None:
         """An element from numbers in SI or texts with a unit.
@@ -177,10 +174,6 @@ class AbstractElement(Parametrised):
     @abstractmethod
     def advance(self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar) -> tuple[Any, StepReport]:
         """The state after a step of dt [s], and how well the step was solved."""
-
-    def worn_down(self, xp: Namespace, worn: Any) -> Self:
-        """The element as it is worn, without further wear; itself where nothing wears it."""
-        return self
 
     @property
     def exchanges(self) -> bool:

@@ -20,7 +20,7 @@ an error control takes by a method of higher order (`laws.rosenbrock`).
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple, Self, cast
 
 from martensite.actuators.elements.base import (
     AbstractElement,
@@ -40,6 +40,7 @@ from martensite.physics.kinetics.exchange import AbstractExchange
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.coupling import StepReport, advance_memory
 from martensite.physics.laws.rosenbrock import Coupling, advance_rosenbrock
+from martensite.physics.laws.wear import Wear
 from martensite.physics.thermal.base import Environment
 
 Column = Sequence[Scalar]
@@ -104,6 +105,13 @@ def compute_lateness(xp: Namespace, z: Scalar) -> Scalar:
 
 class AbstractLumped(AbstractElement, init=False):
     """An element that is the same all over; a subclass answers for its shape."""
+
+    wear: Wear | None = None
+    """What cycles change in it."""
+
+    def worn_down(self, xp: Namespace, worn: Any) -> Self:
+        """The element as it is worn, without further wear; itself where nothing wears it."""
+        return self
 
     @abstractmethod
     def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:

@@ -68,12 +68,12 @@ class AbstractRow(AbstractLumped):
     @property
     def wear(self) -> Wear | None:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The wear of one."""
-        return self.one.wear
+        return self._lumped.wear
 
     def worn_down(self, xp: Namespace, worn: Any) -> Self:
         """With each as it is worn."""
         name = next(name for name, child in self.children() if child is self.one)
-        return self if self.wear is None else self.rebuilt({name: self.one.worn_down(xp, worn)})
+        return self if self.wear is None else self.rebuilt({name: self._lumped.worn_down(xp, worn)})
 
     @property
     def straight(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
