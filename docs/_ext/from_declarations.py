@@ -29,6 +29,8 @@ from martensite.scenario.scenario import Run
 
 DRAWN = ("migaone", "wire-heating", "platform", "sommerfeld", "finger", "finger-calibration", "hammerstein-wiener")
 """Studies whose figure is shown; the others need a record that may be absent."""
+PAGES = ("brinson", "elahinia", "lagoudas", "liang-rogers", "mas", "mas-hybrid", "mas-polycrystal", "tanaka")
+"""Laws whose page lists their parameters."""
 SECTIONS: dict[str, Callable[[], str]] = {
     "parts": parts.all_parts,
     "blocks": blocks.all_blocks,
@@ -41,7 +43,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "commands": commands.all_commands,
     "bibliography": bibtex.bibliography,
     **{f"figure-{name}": partial(parts.figure, name) for name in DRAWN},
-    **{f"law-{name}": partial(parts.parameters_of, LAWS[name]) for name in LAWS.names()},
+    **{f"law-{name}": partial(parts.parameters_of, LAWS[name]) for name in PAGES},
     "studies": parts.all_studies,
     "run": lambda: parts.parameters_of(Run),
     "bench": lambda: parts.parameters_of(BenchSettings),
