@@ -20,7 +20,7 @@ an error control takes by a method of higher order (`laws.rosenbrock`).
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple, Self, cast
 
 from martensite.actuators.elements.base import (
     AbstractElement,
@@ -40,6 +40,7 @@ from martensite.physics.kinetics.exchange import AbstractExchange
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.coupling import StepReport, advance_memory
 from martensite.physics.laws.rosenbrock import Coupling, advance_rosenbrock
+from martensite.physics.laws.wear import Wear
 from martensite.physics.thermal.base import Environment
 
 Column = Sequence[Scalar]
@@ -56,6 +57,8 @@ class Lumped(NamedTuple):
     """[N]"""
     rate: Scalar
     """Of the martensite fraction in the last step [1/s]: where the next solve begins to look."""
+    worn: Any = ()
+    """What cycles have done to it (`laws.wear`)."""
 
 
 class HeatLine(NamedTuple):
@@ -103,6 +106,13 @@ def compute_lateness(xp: Namespace, z: Scalar) -> Scalar:
 class AbstractLumped(AbstractElement, init=False):
     """An element that is the same all over; a subclass answers for its shape."""
 
+    wear: Wear | None = None
+    """What cycles change in it."""
+
+    def worn_down(self, xp: Namespace, worn: Any) -> Self:
+        """The element as it is worn, without further wear; itself where nothing wears it."""
+        return self
+
     @abstractmethod
     def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
         """Phase state at the start, under a stress [Pa]."""
@@ -130,8 +140,10 @@ class AbstractLumped(AbstractElement, init=False):
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Lumped:
         """The state at the start, under `force` [N] and at `temperature` [K]."""
         stress = self.stress(xp, force)
-        memory = self.law.init(xp, self.initial_fractions(xp, stress), stress, temperature)
-        return Lumped(memory, force, 0.0)
+        fractions = self.initial_fractions(xp, stress)
+        worn = () if self.wear is None else self.wear.begin(xp, fractions, stress)
+        memory = self.worn_down(xp, worn).law.init(xp, fractions, stress, temperature)
+        return Lumped(memory, force, 0.0, worn)
 
     def force(self, state: Lumped) -> Scalar:
         """Force at the end of the last step [N]."""
@@ -142,18 +154,25 @@ class AbstractLumped(AbstractElement, init=False):
     ) -> Lumped:
         """A state put elsewhere, with its history, under a force [N]."""
         stress = self.stress(xp, force)
-        moved = self.law.relocate(xp, state.memory, fractions, stress, temperature)
-        return Lumped(moved, force, state.rate)
+        law = self.worn_down(xp, state.worn).law
+        worn = state.worn if self.wear is None else state.worn._replace(martensite=fractions.martensite, stress=stress)
+        moved = law.relocate(xp, state.memory, fractions, stress, temperature)
+        return Lumped(moved, force, state.rate, worn)
 
     def tangent(self, xp: Namespace, state: Lumped, force: Scalar) -> Spring:
         """The element as a spring in a state, near a force [N]."""
         fractions = self.law.fractions(state.memory)
-        return self.spring(xp, fractions, state.memory.temperature, force)
+        return self.worn_down(xp, state.worn).spring(xp, fractions, state.memory.temperature, force)
 
     def advance(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Lumped, StepReport]:
         """The state after a step of dt [s], and how well the step was solved."""
+        if self.wear is not None:
+            after, report = self.worn_down(xp, state.worn).advance(xp, state, heating, pull, dt)
+            end, memory = self.law.fractions(after.memory), after.memory
+            worn = self.wear.advance(xp, state.worn, end, memory.stress, memory.temperature, dt)
+            return after._replace(worn=worn), report
 
         def loaded(xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
             def near(xp: Namespace, force: Scalar) -> Spring:
@@ -178,8 +197,8 @@ class AbstractLumped(AbstractElement, init=False):
 
     @property
     def exchanges(self) -> bool:
-        """True if the law is an exchange of layers."""
-        return isinstance(self.law, AbstractExchange)
+        """True if the law is an exchange of layers that nothing wears."""
+        return isinstance(self.law, AbstractExchange) and self.wear is None
 
     def advance_rosenbrock(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
@@ -282,7 +301,7 @@ class AbstractLumped(AbstractElement, init=False):
 
     def points(self, xp: Namespace, state: Lumped) -> list[MaterialPoint]:
         """The whole element, unless its law has rates."""
-        return points_of(xp, self.law, [state.memory])
+        return points_of(xp, self.worn_down(xp, state.worn).law, [state.memory])
 
     def heat_content(self, xp: Namespace, state: Lumped) -> Scalar | None:
         """C T - λ ξ [J], if the latent heat λ is a number."""
@@ -296,7 +315,7 @@ class AbstractLumped(AbstractElement, init=False):
     def stored_heat(self, xp: Namespace, state: Lumped) -> StoredHeat:
         """C T, and λ along the martensite fraction."""
         memory = state.memory
-        latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
+        latent = self.worn_down(xp, state.worn).latent_heat_total(xp, memory.stress, memory.temperature)
         fraction = self.law.fractions(memory).martensite
         sensible = self.heat_capacity_total() * memory.temperature
         return StoredHeat(sensible, (Effort(-latent, fraction),))

@@ -6,6 +6,7 @@ matter: a wire led there and back pulls twice and is electrically one.
 """
 
 from abc import abstractmethod
+from typing import Any, Self
 
 from martensite.actuators.elements.base import ELEMENTS, AbstractElement, Spring
 from martensite.actuators.elements.limits import ElementLimits
@@ -14,6 +15,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import AbstractLaw, Fractions
+from martensite.physics.laws.wear import Wear
 from martensite.physics.thermal.base import Environment
 
 
@@ -62,6 +64,16 @@ class AbstractRow(AbstractLumped):
     def limits(self) -> ElementLimits:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The limits of one."""
         return self.one.limits
+
+    @property
+    def wear(self) -> Wear | None:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The wear of one."""
+        return self._lumped.wear
+
+    def worn_down(self, xp: Namespace, worn: Any) -> Self:
+        """With each as it is worn."""
+        name = next(name for name, child in self.children() if child is self.one)
+        return self if self.wear is None else self.rebuilt({name: self._lumped.worn_down(xp, worn)})
 
     @property
     def straight(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
