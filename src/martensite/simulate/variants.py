@@ -47,7 +47,9 @@ OnSteps: TypeAlias = tuple[list[Numbers], Numbers, Numbers]
 """Columns (runs, samples), reports (3, runs), and when runs left the envelope [s], (runs,)."""
 RUNTIMES, PRECISIONS = ("c", "jax", "floats"), ("float64", "float32")
 LANES = {"c": 64, "floats": 16}
-"""Runs that march together on given steps; on JAX as many as suit its devices."""
+"""Runs that march together on given steps, at most; on JAX as many as suit its devices."""
+HELD = 1024
+"""Numbers of the state of all lanes, which the fastest cache holds beside what a step makes of them."""
 TOGETHER = 256
 """Runs with an error control that are made before others are begun: samples are held twice."""
 CLOCKS = 64
@@ -198,7 +200,9 @@ class VariantSetup:
     def _together(self) -> int:
         if self.lanes is None and self.runtime == "jax":
             return count_block(self.devices)
-        return self.lanes or LANES[self.runtime]
+        if self.lanes or self.runtime != "c":
+            return self.lanes or LANES[self.runtime]
+        return min(LANES["c"], max(1, HELD // self.compiled.size // BLOCK) * BLOCK)
 
     def _block(
         self, values: Values, signals: Mapping[str, Values], rows: Places, refusal: Flags, size: int

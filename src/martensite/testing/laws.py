@@ -170,6 +170,20 @@ def check_cuts(law: AbstractLaw) -> None:
             )
 
 
+def check_minor_loops(law: AbstractLaw) -> None:
+    """With return-point memory, loops without stress close within each other."""
+    if getattr(law, "history", "") != "return-point":
+        return
+    own = {name: law.value_of(name) for name in ("M_f", "M_s", "A_s", "A_f")}
+    hot, cold = own["A_f"] - own["A_s"], own["M_s"] - own["M_f"]
+    shares = (0.8, 0.7, 0.6, 0.6, 0.5, 0.5, 0.5, 0.6, 0.6, 0.7, 0.8)  # of either strip in turn, inwards and out again
+    turns = [own["A_s"] + x * hot if k % 2 == 0 else own["M_s"] - x * cold for k, x in enumerate(shares)]
+    memories = follow_path(law, [(0.0, own["M_f"] - AROUND), *((0.0, t) for t in turns)], 1.0)[1:]
+    for early, late in ((4, 6), (3, 7), (2, 8), (1, 9), (0, 10)):
+        apart = abs(law.fractions(memories[early]).martensite - law.fractions(memories[late]).martensite)
+        require_condition(apart < 1e-9, f"A loop from {turns[early] - CELSIUS:.1f} °C on stays open by {apart:.1e}.")
+
+
 def check_direction(law: AbstractLaw) -> None:
     """Without stress, heating takes martensite away and cooling brings it."""
     own = [leaf.value for leaf in law.leaves() if leaf.declared.unit == "K" and leaf.value > 0.0]
