@@ -134,7 +134,7 @@ def test_three_phases_are_mixed_by_hand() -> None:
         rise, width = celsius - 20.0, 1.0 - VALUES["nu"] * strain
         parts = ((xi, "M"), (r, "R"), (1.0 - xi - r, "A"))
         rho = sum(x * VALUES[f"rho_{n}"] * (1.0 + VALUES[f"a_rho_{n}"] * rise) for x, n in parts)
-        assert ohms(xi, r, strain, celsius) == pytest.approx(rho * 0.2 * (1.0 + strain) / (1e-7 * width**2), rel=1e-14)
+        assert ohms(xi, r, strain, celsius) == pytest.approx(rho * 0.2 * (1.0 + strain) / (1e-7 * width**2), rel=1e-13)
     bare = of_material(ThreePhaseResistance).resistance(floats, 0.3, 0.01, 330.0, Conductor(1e-7, 0.2))
     assert bare == pytest.approx(ohms(0.3, 0.0, 0.01, 330.0 - ZERO), rel=1e-14)
 

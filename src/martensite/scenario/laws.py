@@ -14,8 +14,6 @@ from martensite.physics.materials.base import Material, load_material, material_
 from martensite.scenario.build import Builder
 
 KIND = "kind"
-RPHASE = "R_s"
-"""A material that has this number is known to have an R-phase."""
 
 
 @dataclass(frozen=True)
@@ -164,19 +162,17 @@ def rphase_caution(material: Material | None, element: Parametrised) -> str | No
     parts = list(element.tree())
     law = next((part for part in parts if isinstance(part, AbstractLaw)), None)
     model = next((part for part in parts if isinstance(part, AbstractResistance)), None)
-    if law is None or model is None or not (law.rphase or (material is not None and RPHASE in material.values)):
+    known, name = (material.values.get("R_s"), material.name) if material else (None, "")
+    if law is None or model is None or not (law.rphase or known):
         return None
     blind = [] if law.rphase else [f"law `{law.registered_name}`"]
     blind += [] if model.three_phases else [f"resistance `{model.registered_name}`"]
-    if not blind:
-        return None
-    known = "The law has an R-phase"
-    if material is not None and RPHASE in material.values:
-        known = f"Material `{material.name}` has an R-phase (from {material.values[RPHASE].text} on cooling)"
-    return (
-        f"{known}, which {' and '.join(blind)} {'do' if len(blind) > 1 else 'does'} not know: resistance on cooling, "
+    where = f"Material `{name}` has an R-phase (from {known.text} on cooling)" if known else "The law has an R-phase"
+    sentence = (
+        f"{where}, which {' and '.join(blind)} {'do' if len(blind) > 1 else 'does'} not know: resistance on cooling, "
         "and what is sensed by it, may be far off. Take law `r-phase` with resistance `three-phase`."
     )
+    return sentence if blind else None
 
 
 def _describe_mismatch(name: str, meant: dict[str, str], used: dict[str, str]) -> str:

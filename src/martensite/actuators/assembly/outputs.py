@@ -36,7 +36,7 @@ class Observable:
     after_mechanism: bool = False
     """Whether it comes after the outputs of the mechanism in a system of one element."""
     of_rphase: bool = False
-    """Whether only elements whose law knows an R-phase have it."""
+    """Whether only elements have it whose law knows an R-phase; `OUTPUTS` are those of all."""
 
 
 OBSERVABLES: dict[str, Observable] = {
@@ -70,7 +70,6 @@ OBSERVABLES: dict[str, Observable] = {
 """The unit of the drive is that of its source."""
 
 OUTPUTS: dict[str, Output] = {name: one.output for name, one in OBSERVABLES.items() if not one.of_rphase}
-"""Those of every element."""
 
 PROFILES: dict[str, Output] = {
     "cell_temperature": Output("K", "temperature of a cell", "T"),

@@ -292,7 +292,8 @@ class AbstractLumped(AbstractElement, init=False):
 
     def _ohms_of(self, xp: Namespace, fractions: Fractions, strain: Scalar, temperature: Scalar) -> Scalar:
         """Resistance [ohm] in a phase state."""
-        return self.ohms(xp, fractions.martensite, strain, temperature, fractions.rphase_fraction)
+        rphase = [fractions.rphase_fraction] if self.law.rphase else []
+        return self.ohms(xp, fractions.martensite, strain, temperature, *rphase)
 
     def _strain_under(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Scalar:
         """Strain [-] by the elongation, which is that of the law for a straight wire only.

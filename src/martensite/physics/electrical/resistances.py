@@ -73,12 +73,9 @@ class FurstSeeleckeResistance(MixtureResistance):
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
         """R [ohm]."""
-        return self.resistivity(xp, fraction, temperature) * self.stretch(xp, strain, shape)
-
-    def stretch(self, xp: Namespace, strain: Scalar, shape: Conductor) -> Scalar:
-        """Length over section in the strained geometry [1/m]."""
         width = 1.0 - self.nu * strain
-        return shape.length * (1.0 + strain) / (shape.area * width * width)
+        stretched = shape.length * (1.0 + strain) / (shape.area * width * width)
+        return self.resistivity(xp, fraction, temperature) * stretched
 
 
 @RESISTANCES.register("three-phase")
@@ -105,4 +102,5 @@ class ThreePhaseResistance(FurstSeeleckeResistance):
         """R [ohm] of three phases."""
         rise = temperature - self.T_rho
         more = self.rho_R * (1.0 + self.a_rho_R * rise) - self.rho_A * (1.0 + self.a_rho_A * rise)
-        return (self.resistivity(xp, fraction, temperature) + rphase * more) * self.stretch(xp, strain, shape)
+        share = 1.0 + rphase * more / self.resistivity(xp, fraction, temperature)
+        return share * self.resistance(xp, fraction, strain, temperature, shape)

@@ -45,14 +45,11 @@ class RPhaseFractions(Fractions):
     The share is the third number, and not ξ_R, since it stays as it is while martensite takes from both phases.
     """
 
-    __slots__ = ()
-
     def __new__(cls, martensite: Scalar, oriented: Scalar, rphase: Scalar) -> Self:
         """All three of them."""
         return super(Fractions, cls).__new__(cls, (martensite, oriented, rphase))
 
-    def __repr__(self) -> str:
-        return f"RPhaseFractions{tuple(self)}"
+    __repr__ = tuple[Scalar].__repr__
 
     @property
     def rphase(self) -> Scalar:

@@ -4,9 +4,8 @@ r"""Law with an R-phase between austenite and martensite: two transformations wi
     ρ   R-phase of what is not martensite             T - σ/C_R from R_s to R_f, and back dT_R higher
 
 so that ξ_R = ρ (1 - ξ). Martensite takes from austenite and R in proportion, which leaves ρ as it is, and reverts into
-the one that is stable there: into R below its strips, into austenite above them. Nothing more decides on the order of
-the phases. C_R is two to three times C_M, so that the start lines meet at a stress beyond which martensite is first and
-less and less austenite is left for R.
+the one that is stable there: into R below its strips, into austenite above them. C_R is two to three times C_M, so that
+the start lines meet at a stress beyond which martensite is first and less and less austenite is left for R.
 
     ε = [σ - Θ (T - T_ref)]/E + ε_L ξ + ε_R ξ_R,     E = E_A + ξ (E_M - E_A) + ξ_R (E_R - E_A)
 
@@ -21,13 +20,9 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
 from martensite.base.units import DEGREES
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics import history
 from martensite.physics.kinetics.diagram import WIDTHS, AbstractPhaseDiagram, require_order
-from martensite.physics.kinetics.history import (
-    OneFractionMemory,
-    OneFractionProcess,
-    compute_cosine_rest,
-    find_handover,
-)
+from martensite.physics.kinetics.history import OneFractionMemory, OneFractionProcess
 from martensite.physics.kinetics.strips import AbstractStripLaw
 from martensite.physics.laws.base import LAWS, Doubt, Fractions, RPhaseFractions
 
@@ -62,10 +57,10 @@ class CosineStrips(AbstractStripLaw):
 
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
         """sin²(π/2 · distance)."""
-        return compute_cosine_rest(xp, distance)
+        return history.compute_cosine_rest(xp, distance)
 
     def young(self, fractions: Fractions) -> Scalar:
-        """Of a mixture [Pa]."""
+        """Of the mixture [Pa]."""
         return self.mixture(fractions)
 
 
@@ -73,9 +68,8 @@ class CosineStrips(AbstractStripLaw):
 class RPhase(AbstractPhaseDiagram):
     """Liang–Rogers kinetics for martensite and, with narrow steep strips, for the R-phase.
 
-    That the R-phase has little strain and hysteresis and a steep stress slope is well known (review: Otsuka and Ren,
-    2005); that models of actuators need all three fractions is the point of a paper of 2026 of which the abstract was
-    seen. How the two transformations are put together is this package's.
+    What is known of the R-phase is recalled (review: Otsuka and Ren, 2005); of the paper that asks for three fractions
+    in models of actuators (2026) the abstract was seen. How the two transformations meet is this package's.
     """
 
     cites = ("liang1990", "otsuka2005", "rphase2026")
@@ -102,10 +96,8 @@ class RPhase(AbstractPhaseDiagram):
         super().check()
         require_order(self, ("R_f", "R_s"))
         if not self.eps_R < self.eps_L:
-            raise ParameterError(
-                f"Parameter `eps_R` of `{self.registered_name}` must be below `eps_L`, but is {self.eps_R:.4g} against "
-                f"{self.eps_L:.4g}."
-            )
+            words = f"must be below `eps_L`, but is {self.eps_R:.4g} against {self.eps_L:.4g}."
+            raise ParameterError(f"Parameter `eps_R` of `{self.registered_name}` {words}")
 
     def cautions(self) -> list[str]:
         """Those of the martensite, and an R-phase that is hardly seen on cooling."""
@@ -197,7 +189,7 @@ class RPhase(AbstractPhaseDiagram):
         self, xp: Namespace, memory: RPhaseMemory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[RPhaseMemory, Fractions]:
         """Advance along a straight leg, on which both processes of martensite may act but one of the R-phase."""
-        between = find_handover(xp, *self.whole().strips(), memory.martensite, stress, temperature)
+        between = history.find_handover(xp, *self.whole().strips(), memory.martensite, stress, temperature)
         memory, _ = super().kinetics(xp, memory, *between, dt)
         return super().kinetics(xp, memory, stress, temperature, dt)
 
