@@ -82,7 +82,7 @@ class Actuator(Parametrised):
 
     def own_outputs(self) -> dict[str, Output]:
         """What can be observed on the element, and what drives it."""
-        rphase = self.element.law.rphase
+        rphase = getattr(self.element.law, "rphase", False)  # an element of one's own may have no law
         return {name: one.output for name, one in OBSERVABLES.items() if rphase or not one.of_rphase}
 
     def profile(self, state: Any) -> CellProfile:
