@@ -56,6 +56,11 @@ class AbstractCut(AbstractElement):
                 f"Law `{wire.law.registered_name}` has groups of its own, which a `{owner}` "
                 "cannot divide further; try law `mas`."
             )
+        if wire.law.rphase:
+            raise ParameterError(
+                f"Law `{wire.law.registered_name}` has three phases, but the cells of a `{owner}` solve for two; "
+                "take a plain `wire`."
+            )
 
     @property
     def law(self) -> AbstractLaw:  # pyright: ignore[reportIncompatibleVariableOverride]

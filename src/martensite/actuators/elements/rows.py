@@ -123,9 +123,11 @@ class AbstractRow(AbstractLumped):
         """Strain [-] of each."""
         return self._lumped.strain(xp, elongation * (1.0 / self.behind()))
 
-    def ohms(self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar) -> Scalar:
+    def ohms(
+        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, rphase: Scalar = 0.0
+    ) -> Scalar:
         """Resistance [ohm] of all as wired."""
-        one = self._lumped.ohms(xp, fraction, strain, temperature)
+        one = self._lumped.ohms(xp, fraction, strain, temperature, rphase)
         return one * self.count if self.wiring == "series" else one * (1.0 / self.count)
 
 

@@ -104,9 +104,13 @@ class AbstractRoundWire(AbstractElement, init=False):
         film = environment.cooling.film(xp, temperature, ambient, shape)
         return self.ends.conductance(xp, film, shape) * (temperature - ambient)
 
-    def ohms(self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar) -> Scalar:
+    def ohms(
+        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, rphase: Scalar = 0.0
+    ) -> Scalar:
         """Resistance [ohm]."""
         shape = Conductor(self.section(), self.wire_length())
+        if self.law.rphase:
+            return self.resistance.mix_phases(xp, fraction, rphase, strain, temperature, shape)
         return self.resistance.resistance(xp, fraction, strain, temperature, shape)
 
 
