@@ -30,6 +30,7 @@ from martensite.testing import check_conformance, check_material, observers
 from martensite.testing.conformance import SUITES, check_part, find_checks
 
 SLOW = {"lagoudas-waisted-work", "lagoudas-smooth-curved", "mas-polycrystal-constant-15-internal-stress"}
+SLOW |= {"r-phase-restart", "r-phase-return-point"}
 """Second forms of the laws that take longest."""
 REGISTRIES = list_registries(blocks=True)
 CASES = [

@@ -13,6 +13,7 @@ LONG = (
     "lagoudas-waisted-work",
     "lagoudas-smooth-curved",
     "brinson-return-point",
+    "r-phase-return-point",
     "mas-polycrystal-constant-15-barriers",
     "mas-polycrystal-constant-15-internal-stress",
 )

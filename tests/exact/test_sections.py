@@ -203,7 +203,7 @@ def test_coarse_steps_are_solved(law: Any) -> None:
 
 def test_what_fibres_cannot_do_is_refused() -> None:
     cases: list[tuple[Any, str]] = [
-        (lambda: bar("wire", law=example(MullerAchenbachSeelecke)), "gives rates"),
+        (lambda: bar("wire", law=example(MullerAchenbachSeelecke)), "without rates"),
         (lambda: bar("tube", inner_diameter=1e-3), "`inner_diameter` of `torsion-wire` must be below its diameter"),
         (lambda: bar("bent wire", inner_diameter=1e-4), "must be 0 unless `shape` is `tube`"),
         (lambda: platform_spring(section_model="fibres", deflection="large"), "those of flat turns"),

@@ -27,5 +27,5 @@ def test_errors_fall_with_the_square_of_the_step(c_compiler) -> None:
     spans = np.ptp(exact, axis=1)
     assert spans[1] > 0.5
     coarse, fine = (np.abs(run(step) - exact).mean(axis=1) / spans for step in (0.2, 0.05))
-    assert (coarse < 2e-4).all()
-    assert (fine < coarse / 12.0).all()
+    assert (coarse < 4e-5).all()
+    assert (fine < coarse / 10.0).all()

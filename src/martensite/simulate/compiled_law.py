@@ -82,7 +82,7 @@ def _compile_keyed(keyed: Keyed[AbstractLaw], tension_only: bool) -> CompiledLaw
 def _build_row(xp: Any, law: AbstractLaw, memory: Any, residual: Any) -> list[Any]:
     fractions = law.fractions(memory)
     strain = law.strain(xp, fractions, memory.stress, memory.temperature)
-    return [*flatten_numbers(memory), *fractions, strain, memory.stress, residual]
+    return [*flatten_numbers(memory), *fractions[:2], strain, memory.stress, residual]
 
 
 def _stress_step(law: AbstractLaw, shape: NestedShape) -> Callable[..., list[Any]]:

@@ -131,6 +131,7 @@ def check_bounds(law: AbstractLaw) -> None:
         for memory in follow_path(law, points, start):
             found = law.fractions(memory)
             held = 0.0 <= found.martensite <= 1.0 and abs(found.oriented) <= (found.martensite + 1e-12)
+            held = held and 0.0 <= found.rphase <= 1.0
             require_condition(held, f"On the path {_describe_path(points)} the fractions are {found}.")
             share = law.trained_share(floats, memory.stress)
             require_condition(
@@ -161,7 +162,7 @@ def check_cuts(law: AbstractLaw) -> None:
         whole = find_end(law, points, start)
         for substeps in (7, 40):
             cut = find_end(law, points, start, substeps)
-            apart = max(abs(whole.martensite - cut.martensite), abs(whole.oriented - cut.oriented))
+            apart = max(abs(a - b) for a, b in zip(whole, cut, strict=True))
             require_condition(
                 apart < 1e-11,
                 f"The path {_describe_path(points)} in {substeps} steps a leg ends {apart:.1e} away from where it "

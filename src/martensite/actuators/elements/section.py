@@ -18,7 +18,17 @@ from abc import abstractmethod
 from functools import cache
 from typing import Any, NamedTuple
 
-from martensite.actuators.elements.base import Condition, Heating, Pull, Spring
+from martensite.actuators.elements.base import (
+    AbstractElement,
+    Condition,
+    Effort,
+    Heating,
+    MaterialPoint,
+    Pull,
+    Spring,
+    StoredHeat,
+    points_of,
+)
 from martensite.actuators.elements.columns import Point
 from martensite.actuators.elements.lumped import AbstractLumped
 from martensite.actuators.elements.network import Column
@@ -86,10 +96,10 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
     def check(self) -> None:
         """Raise `ParameterError` if the law cannot hold the initial state, or not be asked by fibres."""
         super().check()
-        if not self.uniform and (self.law.rate_dependent or self.law.grouped):
+        if not self.uniform and (self.law.rate_dependent or self.law.grouped or self.law.rphase or self.wear):
             raise ParameterError(
-                f"Law `{self.law.registered_name}` gives rates, which fibres of `{self.registered_name}` cannot take; "
-                "try law `brinson`, or `section_model` = `surface`."
+                f"Fibres of `{self.registered_name}` take laws of two phases without rates, such as `brinson`, and no "
+                f"`wear`, but the law is `{self.law.registered_name}`; try `section_model` = `surface`."
             )
 
     def cautions(self) -> list[str]:
@@ -144,8 +154,16 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
 
     def freeze(self, xp: Namespace, state: Section, temperature: Scalar) -> Spring:
         """Fibres of a state as one spring, at a temperature [K]."""
-        martensite, oriented = zip(*(self.law.fractions(memory) for memory in state.memories), strict=True)
-        return self.combine(xp, martensite, oriented, temperature)
+        fractions = [self.law.fractions(memory) for memory in state.memories]
+        return self.combine(xp, [f.martensite for f in fractions], [f.oriented for f in fractions], temperature)
+
+    def mean_fractions(self, xp: Namespace, state: Section) -> Fractions:
+        """Phase state, by volume."""
+        volumes = self.fibre_columns(xp)[1]
+        fractions = [self.law.fractions(memory) for memory in state.memories]
+        rows = list(zip(volumes, fractions, strict=True))
+        m, o = sum_column([v * f.martensite for v, f in rows]), sum_column([v * f.oriented for v, f in rows])
+        return Fractions(m / sum_column(volumes), o / sum_column(volumes))
 
     def locate(self, xp: Namespace, state: Section) -> Point:
         """Elongation [m] and temperature [K] at the end of the last step, by the surface."""
@@ -163,10 +181,11 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
             return super().init(xp, force, temperature)
         levers, fractions = self.fibre_columns(xp)[0], list[Fractions]()
         for share in [lever / levers[-1] for lever in levers]:
-            m, o = self.initial_fractions(xp, self.stress(xp, force) * share)
-            fractions.append(Fractions(m if self.law.twins else m * share, o * share))
-        martensite, oriented = zip(*fractions, strict=True)
-        whole = self.surround(xp, self.combine(xp, martensite, oriented, temperature), force)
+            found = self.initial_fractions(xp, self.stress(xp, force) * share)
+            martensite = found.martensite if self.law.twins else found.martensite * share
+            fractions.append(Fractions(martensite, found.oriented * share))
+        columns = [f.martensite for f in fractions], [f.oriented for f in fractions]
+        whole = self.surround(xp, self.combine(xp, *columns, temperature), force)
         e = whole.free + whole.compliance * force
         rows = [(f, self.bear(xp, f, w * e, temperature)) for f, w in zip(fractions, levers, strict=True)]
         return Section(tuple(self.law.init(xp, f, stress, temperature) for f, stress in rows), force)
@@ -183,12 +202,38 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
             return super().advance(xp, state, heating, pull, dt)
         return advance_section(xp, self, state, heating, pull, dt)
 
-    def parts(self, xp: Namespace, state: Any) -> list[tuple[Scalar, Any]]:
-        """Shares of the volume, and what the law remembers there."""
+    def in_state(self, xp: Namespace, state: Any, fractions: Fractions, temperature: Scalar, force: Scalar) -> Any:
+        """A state put elsewhere, if one stands for all."""
         if self.uniform:
-            return super().parts(xp, state)
-        volumes = self.fibre_columns(xp)[1]
-        return [(v / sum_column(volumes), memory) for v, memory in zip(volumes, state.memories, strict=True)]
+            return super().in_state(xp, state, fractions, temperature, force)
+        return AbstractElement.in_state(self, xp, state, fractions, temperature, force)
+
+    @property
+    def exchanges(self) -> bool:
+        """True if the law is an exchange of layers, and one state stands for all."""
+        return self.uniform and super().exchanges
+
+    def points(self, xp: Namespace, state: Any) -> list[MaterialPoint]:
+        """The surface: what one of many fibres begins or ends bends the answer of all little."""
+        return super().points(xp, state) if self.uniform else points_of(xp, self.law, state.memories[-1:])
+
+    def heat_content(self, xp: Namespace, state: Any) -> Scalar | None:
+        """C T - λ ξ [J], if the latent heat λ is a number."""
+        if self.uniform or not self.law.constant_heat:
+            return super().heat_content(xp, state) if self.uniform else None
+        stored = self.stored_heat(xp, state)
+        return stored.sensible + stored.latent[0].way
+
+    def stored_heat(self, xp: Namespace, state: Any) -> StoredHeat:
+        """C T, and λ along the martensite fraction of every fibre."""
+        if self.uniform:
+            return super().stored_heat(xp, state)
+        latent, rows = self.density * self.latent_heat, zip(self.fibre_columns(xp)[1], state.memories, strict=True)
+        heats = [(v * self.law.heat(xp, latent, m.stress, m.temperature), self.law.fractions(m)) for v, m in rows]
+        efforts = [Effort(-heat, self.law.released(fractions)) for heat, fractions in heats]
+        if self.law.constant_heat:  # then the energy itself is known, which takes one number
+            efforts = [Effort(1.0, sum_column([heat * share for heat, share in efforts]))]
+        return StoredHeat(self.heat_capacity_total() * state.memories[-1].temperature, tuple(efforts))
 
     def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
         """Energy [J] that unloading, fibre by fibre, at frozen fractions and temperature would give back."""
@@ -199,11 +244,20 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
 
     def condition(self, xp: Namespace, state: Any, force: Scalar, environment: Environment) -> Condition:
         """Everything that can be measured under a force [N]; the stress is the one of largest size anywhere."""
-        found = super().condition(xp, state, force, environment)
         if self.uniform:
-            return found
-        e, largest = self.elongation(xp, state, force), 0.0
+            return super().condition(xp, state, force, environment)
+        temperature, e, largest = state.memories[-1].temperature, self.elongation(xp, state, force), 0.0
         for lever, memory in zip(self.fibre_columns(xp)[0], state.memories, strict=True):
-            stress = self.bear(xp, self.law.fractions(memory), lever * e, found.temperature)
+            stress = self.bear(xp, self.law.fractions(memory), lever * e, temperature)
             largest = xp.where(xp.abs(stress) > xp.abs(largest), stress, largest)
-        return found._replace(stress=largest)
+        mean, strain = self.mean_fractions(xp, state), self.strain(xp, e)
+        return Condition(
+            temperature=temperature,
+            hottest=temperature,
+            martensite_fraction=mean.martensite,
+            oriented_fraction=mean.oriented,
+            stress=largest,
+            strain=strain,
+            resistance=self.ohms(xp, mean.martensite, strain, temperature),
+            heat_loss=self.heat_loss(xp, temperature, environment),
+        )

@@ -161,7 +161,7 @@ class SectionStep:
         """Heat [J] that a fibre sets free on its way to an end, at the mean stress and temperature of the way."""
         element, middle = self.element, (0.5 * (memory.stress + stress), 0.5 * (memory.temperature + temperature))
         latent = element.law.heat(xp, element.density * element.latent_heat, *middle)
-        change = end.martensite - element.law.fractions(memory).martensite
+        change = element.law.released(end) - element.law.released(element.law.fractions(memory))
         return volume * (latent + self.heat.by_martensite) * change
 
     def ask(
@@ -180,7 +180,7 @@ class SectionStep:
             def answer(xp: Namespace, stress: Scalar, temperature: Scalar) -> list[Scalar]:
                 end = law.follow(xp, move, stress, temperature, self.dt)
                 warm = self.transform(xp, memory, volume, stress, temperature, end)
-                return [law.strain(xp, end, stress, temperature), warm, *end]
+                return [law.strain(xp, end, stress, temperature), warm, end.martensite, end.oriented]
 
             (strain, warm, *end), along = values_and_slopes(xp, lambda xp, s: answer(xp, s, temperature), stress)
             _, across = values_and_slopes(xp, lambda xp, t: answer(xp, stress, t), temperature)
@@ -188,7 +188,8 @@ class SectionStep:
             gains = along[1] * per
             force = grip * lever * per, grip * (stress - strain * per), grip * grows * per
             heat = gains * lever, warm - gains * strain, across[1] - gains * grows
-            change = sum_column([xp.abs(a - b) for a, b in zip(end, law.fractions(memory), strict=True)])
+            before = law.fractions(memory)
+            change = xp.abs(end[0] - before.martensite) + xp.abs(end[1] - before.oriented)
             slopes = along[2], across[2], along[3], across[3]
             return *force, *heat, warm, strain, per, grows, law.compliance(xp, Fractions(*end)), change, *end, *slopes
 

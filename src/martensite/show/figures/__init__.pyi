@@ -10,6 +10,7 @@ from martensite.show.figures.fit_knowledge import plot_search as plot_search
 from martensite.show.figures.fit_knowledge import plot_singular_values as plot_singular_values
 from martensite.show.figures.laboratory import plot_film as plot_film
 from martensite.show.figures.laboratory import plot_tangents as plot_tangents
+from martensite.show.figures.law_logs import plot_law_log as plot_law_log
 from martensite.show.figures.law_paths import plot_point as plot_point
 from martensite.show.figures.model import plot_model as plot_model
 from martensite.show.figures.model import plot_model_loop as plot_model_loop
