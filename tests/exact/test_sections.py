@@ -81,25 +81,25 @@ PLATEAU = flat_law().C_M * (WARM - flat_law().M_s + 1e-3)
 
 @pytest.mark.parametrize(("name", "exact"), [("wire", plateau_torque), ("bent ribbon", plateau_moment)])
 def test_a_plateau_gives_its_closed_form_with_more_fibres(name: str, exact: Any) -> None:
-    """Error of the moment per that at the onset: below 2e-3 with 20 fibres, falling as the square of their number."""
-    shares = [0.5, 1.2, 1.7, 2.6, 4.1, 5.3]
+    """Error of the moment per that at the onset: below 1 % with 10 fibres, falling as the square of their number."""
+    shares = [0.5, 1.2, 1.7, 2.6, 4.1]
     errors = {}
-    for fibres in ("20", "80"):
+    for fibres in ("10", "40"):
         element = bar(name, law=flat_law(), fibres=fibres)
         lever = element.fibre_columns(floats)[0][-1]
         onset = element.compute_moments(floats)[1] * PLATEAU / lever
         found = moment_at(element, [share * PLATEAU / E / lever for share in shares])
         errors[fibres] = np.array([m / onset - exact(share) for m, share in zip(found, shares, strict=True)])
-    assert abs(errors["20"][0]) < 1e-12
-    assert np.abs(errors["20"]).max() < 2e-3
-    assert np.abs(errors["80"]).max() < 2e-4
-    assert np.abs(errors["80"]).mean() < 0.15 * np.abs(errors["20"]).mean()
+    assert abs(errors["10"][0]) < 1e-12
+    assert np.abs(errors["10"]).max() < 1e-2
+    assert np.abs(errors["40"]).max() < 1e-3
+    assert np.abs(errors["40"]).mean() < 0.15 * np.abs(errors["10"]).mean()
 
 
 def test_the_plateau_of_a_thin_tube_is_flat_and_that_of_a_wire_rises_by_a_third() -> None:
     law = flat_law(0.02)
     for inner, rise in ((0.999e-3, 1.0), (0.0, 4.0 / 3.0)):
-        element = bar("wire", law=law, inner_diameter=inner, fibres="40")
+        element = bar("wire", law=law, inner_diameter=inner, fibres="20")
         lever = element.fibre_columns(floats)[0][-1]
         onset = element.compute_moments(floats)[1] * PLATEAU / lever
         (found,) = moment_at(element, [5.0 * PLATEAU / E / lever])
@@ -177,14 +177,14 @@ LAWS = (law_a(), example(Brinson), example(Lagoudas), example(Tanaka), flat_law(
 def test_coarse_steps_are_solved(law: Any) -> None:
     """Heated or cooled by up to 300 K and loaded by up to several times the plateau within a step."""
     draw, around = np.random.default_rng(3), Environment(temperature=295.0, cooling=ConstantCooling(h=1.0))
-    for k in range(8):
+    for k in range(5):
         element = bar(list(BARS)[k % len(BARS)], law=law, fibres="5", initial_fraction=float(k % 2))
         limit = element.compute_moments(floats)[1] / element.fibre_columns(floats)[0][-1]
         force = limit * draw.uniform(20e6, 300e6)
         state, heat = element.init(floats, force, 300.0), element.heat_capacity_total()
         place, soft = element.elongation(floats, state, force), element.tangent(floats, state, force).compliance
         stiff = [0.0, 0.1, 10.0][k % 3] / soft
-        for _ in range(4):
+        for _ in range(3):
             load = force * draw.uniform(0.2, 3.0)
 
             def pull(_: Any, s: Any, load: float = load, stiff: float = stiff, place: float = place) -> float:
