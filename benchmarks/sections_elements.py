@@ -1,7 +1,10 @@
-"""The section of the benchmark on elements: what cells along a wire cost, beside one temperature.
+"""The sections of the benchmark on elements: what cells along a wire cost, and fibres over the section of a coil.
 
-What: one pulse of `examples/clamped_wire.toml` in fixed steps, with clamps that take nothing, so
+Cells: one pulse of `examples/clamped_wire.toml` in fixed steps, with clamps that take nothing, so
 that the lumped wire is the exact answer and the error is that of the solver alone.
+
+Fibres: the spring of `examples/platform_spring.toml` under 100 g, heated and cooled all the time, so that it transforms
+in most steps; beside the spring whose surface stands for its section. The error is that of few fibres.
 """
 
 from __future__ import annotations
@@ -64,3 +67,30 @@ def cells(options: Options, counts: tuple[str, ...] = CELLS) -> list[Table]:
         note = f"{base.duration / STEP:.0f} steps; setting: cells. Ratio to the lumped wire."
         tables.append(Table(f"Cells along a wire, {runtime}", rows, note))
     return tables
+
+
+SPRING = ROOT / "examples/platform_spring.toml"
+SWING = {"kind": "sine", "low": "0 A", "high": "1.5 A", "frequency": "0.02 Hz"}
+LOADED = {"mechanism.mass": "100 g", "drive.waveform": SWING}
+
+
+@section
+def fibres(options: Options, counts: tuple[str, ...] = ("5", "20", "80")) -> list[Table]:
+    """A coil of fibres beside one of a surface, in C; the first call, which compiles, is not timed."""
+    surface = load(SPRING, LOADED)
+    made = {
+        count: load(SPRING, LOADED | {"element.section_model": "fibres", "element.fibres": count}) for count in counts
+    }
+    exact = strokes(made[counts[-1]], made[counts[-1]].system, "c")()
+
+    def error(stroke: float) -> float:
+        return abs(stroke - exact) / exact
+
+    runs = [Candidate("surface", strokes(surface, surface.system, "c"), error)]
+    runs += [Candidate("fibres", strokes(one, one.system, "c"), error, setting=count) for count, one in made.items()]
+    note = f"{surface.duration / STEP:.0f} steps; setting: fibres. Error: to the most fibres. Ratio to the surface."
+    return [
+        Table(
+            "Fibres over the section of a coil, c", rows_of(measure(runs, options.repeats, "surface"), "ms", 1e3), note
+        )
+    ]

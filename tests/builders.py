@@ -259,6 +259,7 @@ UNTRIED: dict[str, dict[str, Any]] = {
     "mas-polycrystal": {"heat_model": "constant", "groups": "15"},
     "axial-wire": {"cells": "5"},
     "ribbon": {"wires": "2"},
+    **{name: {"fibres": "5"} for name in ("coil-spring", "torsion-wire", "bending-beam")},
 }
 
 

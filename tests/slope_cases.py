@@ -190,7 +190,7 @@ HEAVY = ("axial-wire", "ribbon", "hand", "parallel-platform", "mas-polycrystal")
 SIMPLE = (
     *("current", "power", "voltage", "linear-amplifier", "temperature", "mosfet", "power-pwm"),
     *("constant", "polynomial", "morgan", "lefevre-ede", "churchill-bernstein", "radiation"),
-    *("liang-rogers", "elahinia", "bundle", "chain", "lever", "dead-weight", "testing-machine"),
+    *("liang-rogers", "elahinia", "bundle", "chain", "lever", "dead-weight", "testing-machine", "torsion-wire"),
 )
 """Parts that others of their kind cover."""
 PULLED = ("brinson",)

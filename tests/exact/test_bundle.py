@@ -174,7 +174,7 @@ def test_an_undivided_force_is_noticed() -> None:
         (lambda: Bundle(strand=wire_a(law_a()), count=2.5), "`count` of `bundle` must be a whole"),
         (lambda: LinkChain(link=wire_a(law_a()), count=0.0), "must be between 1 and 10000, but is 0"),
         (lambda: Bundle(strand=axial(), count=2), "`axial-wire` has many"),
-        (lambda: LinkChain(link=axial(), count=2), "takes elements of one temperature, such as `wire`"),
+        (lambda: LinkChain(link=axial(), count=2), "takes elements of one phase state, such as `wire`"),
         (lambda: Bundle(strand=wire_a(law_a()), count=2, wiring="star"), "Valid: `parallel`, `series`"),
     ],
     ids=["half", "none", "bundle of axial wires", "chain of axial wires", "wiring"],

@@ -1,7 +1,7 @@
 """Coil spring: mapping to torsion, published numbers, curvature, refusals.
 
 Sources of truth: the formulas of Wahl and of the platform's paper written out here, numbers
-recomputed from its Table 1, and an integral over the section for the shear plateau.
+recomputed from its Table 1.
 """
 
 from __future__ import annotations
@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
 import pytest
 from builders import ZERO
 from coil_cases import (
@@ -187,18 +186,6 @@ def test_stiffness_factor_acts_on_the_rate_alone(word: str, factor: float, defle
     for fraction in STATES:
         y = elongation(plain, fraction, 4.0)
         assert elongation(chosen, fraction, 4.0 * factor) == pytest.approx(y, rel=1e-6)
-
-
-# ---------------------------------------------------------------- shear plateau
-
-
-def test_plateau_torque_is_the_integral_over_the_section() -> None:
-    radii = (np.arange(200_000) + 0.5) / 200_000
-    for shear in (0.3, 0.999, 1.0, 1.3, 2.0, 5.0, 100.0):
-        stress = np.minimum(shear * radii, 1.0)
-        torque = 4.0 * np.mean(stress * radii**2)  # 2 ∫ … r² dr per its onset value 1/2
-        assert coil_theory.plateau_torque(floats, shear) == pytest.approx(torque, rel=1e-8)
-    assert coil_theory.plateau_torque(floats, 2.0) == exact(4 / 3 * (1 - 0.5**3 / 4))
 
 
 # ---------------------------------------------------------------- refusals

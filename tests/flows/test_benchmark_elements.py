@@ -19,3 +19,13 @@ def test_cells():
         assert (lumped["err"], lumped["ratio"]) == (0.0, 1.0)
         assert axial["err"] < 1e-9
         assert axial["ratio"] > 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(find_compiler() is None, reason="there is no C compiler")
+def test_fibres():
+    """20 fibres cost less than ten times what one does; a ratio of processor times in one run."""
+    (table,) = sections_elements.fibres(OURS, counts=("20",))
+    surface, fibres = table.rows
+    assert fibres["err"] == 0.0 and surface["err"] > 0.1
+    assert 1.0 < fibres["ratio"] < 10.0

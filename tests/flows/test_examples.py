@@ -133,6 +133,19 @@ def test_platform_spring_lifts_and_lowers_what_its_comments_say(changes: dict[st
 
 
 @pytest.mark.parametrize(
+    ("changes", "highest", "last"),
+    [
+        ({}, 49.7e-3, -1.5e-3),
+        ({"element.section_model": "surface"}, 49.7e-3, 0.0),
+        ({"element.initial_oriented": 0.0}, 3.3e-3, -47.9e-3),
+    ],
+)
+def test_twisted_wire_lifts_and_lowers_what_its_comments_say(changes: Any, highest: float, last: float) -> None:
+    result = load(EXAMPLES / "torsion_wire.toml", changes).run()
+    assert (max(result["position"]), result["position"][-1]) == pytest.approx((highest, last), abs=0.05e-3)
+
+
+@pytest.mark.parametrize(
     ("changes", "stroke"),
     [({}, 1.04e-3), ({"element.contact": "0 W/K"}, 1.28e-3), ({"element.spans": 3}, 0.53e-3)],
     ids=["clamped", "insulated", "three spans"],

@@ -32,6 +32,7 @@ HEATED = (
     "hand",
     "platform_spring",
     "pwm_bias_spring",
+    "torsion_wire",
 )
 """Examples that are runs, without a log or a bench."""
 PRESCRIBED = ("isobaric", "tensile-test")

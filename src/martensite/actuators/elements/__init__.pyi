@@ -1,3 +1,5 @@
+from martensite.actuators.elements.arms import BendingBeam as BendingBeam
+from martensite.actuators.elements.arms import TorsionWire as TorsionWire
 from martensite.actuators.elements.axial_wire import AxialWire as AxialWire
 from martensite.actuators.elements.coil_spring import CoilSpring as CoilSpring
 from martensite.actuators.elements.limits import ElementLimits as ElementLimits

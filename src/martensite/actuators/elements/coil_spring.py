@@ -27,12 +27,12 @@ for the spring, by Ranjith Pillai et al. (2018).
 
 import math
 from collections.abc import Callable
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from martensite.actuators.elements import coil_theory, helix
 from martensite.actuators.elements.base import ELEMENTS, Spring
-from martensite.actuators.elements.lumped import AbstractLumped
-from martensite.actuators.elements.wire import AbstractRoundWire
+from martensite.actuators.elements.network import Column
+from martensite.actuators.elements.section import AbstractSection
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar
@@ -79,7 +79,7 @@ def _draw_out_rod(xp: Namespace, rod: helix.Helix, solid: Scalar, force: Scalar)
 
 
 @ELEMENTS.register("coil-spring")
-class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
+class CoilSpring(AbstractSection, init=False):
     """A helical extension spring of round wire that transforms uniformly."""
 
     cites = ("liang1990", "ranjith2018", "wahl1963", "ancker1958", "love1927")
@@ -102,6 +102,12 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
     )
     stiffness_factor: str = option("what curvature adds to the spring rate", *STIFFNESS_FACTORS, default="none")
     contact: Scalar = param("1", "stiffness of closed turns per spring rate", low=1.0, high=1e6, default=1e3)
+    section_model: str = option(
+        "what stands for the section of its wire: the surface, or fibres all over it",
+        "surface",
+        "fibres",
+        default="surface",
+    )
 
     def check(self) -> None:
         """Raise `ParameterError` if the coil cannot be wound, or the law not hold its state."""
@@ -112,6 +118,12 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
             raise ParameterError(
                 f"The spring index D/d of `coil-spring`, from `coil_diameter` and `diameter`, "
                 f"must be {words} with these options, but is {self.index():.4g}."
+            )
+        plain = (self.deflection, self.stress_factor, self.stiffness_factor) == ("small", "none", "none")
+        if not (self.uniform or plain):
+            raise ParameterError(
+                "The fibres of a `coil-spring` are those of flat turns of little curvature: with `section_model` = "
+                "`fibres`, `deflection` must be `small` and both factors `none`."
             )
         solid, steep = self.solid_length(), self.circumference() * self.turns
         if not solid * (1.0 - 1e-9) <= self.free_length <= steep:
@@ -125,8 +137,8 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
         """Coils too steep for the theory of flat ones."""
         pitch = math.atan(self.free_length / (self.circumference() * self.turns))
         if self.deflection == "large" or pitch <= STEEPEST:
-            return []
-        return [f'Pitch angle {math.degrees(pitch):.3g} deg: prefer `deflection = "large"`.']
+            return super().cautions()
+        return [*super().cautions(), f'Pitch angle {math.degrees(pitch):.3g} deg: prefer `deflection = "large"`.']
 
     def mean_diameter(self) -> Scalar:
         """Between centres of the wire [m]."""
@@ -159,15 +171,44 @@ class CoilSpring(AbstractRoundWire, AbstractLumped, init=False):
 
     def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
         """Tangent at `force` [N] with frozen fractions and temperature [K]."""
+        if not self.uniform:
+            return super().spring(xp, fractions, temperature, force)
         strain, compliance = self._wire(xp, fractions, temperature)
         if self.deflection == "large":
             coil = _draw_out_rod(xp, self._rod(strain, compliance), self.solid_length(), force)
         else:
             coil = self._flat(strain, compliance)
-        closed = coil.compliance / (1.0 + self.contact)
+        return self._close_turns(xp, coil, coil.compliance / (1.0 + self.contact), force)
+
+    def _close_turns(self, xp: Namespace, coil: Coil, closed: Scalar, force: Scalar) -> Spring:
+        """A coil whose turns touch at small forces, and have a compliance then [m/N]."""
         solid = self.solid_length() - self.free_length - closed * coil.touch
         shut = force < coil.touch
         return Spring(xp.where(shut, solid, coil.open.free), xp.where(shut, closed, coil.open.compliance))
+
+    def fibre_columns(self, xp: Namespace) -> tuple[Column, Column]:
+        """Rings of the wire: γ/√3 per elongation [1/m], and volume [m³]."""
+        return self.cut_rings(0.0, 2.0 / (self.diameter * self.reach()))
+
+    def _contact_rate(self, xp: Namespace) -> Scalar:
+        """Stiffness of turns of fibres that touch [N/m]: so many spring rates of austenite."""
+        _, second, _ = self.compute_moments(xp)
+        return self.contact * second / self.law.compliance(xp, Fractions(0.0, 0.0))
+
+    def surround(self, xp: Namespace, open: Spring, force: Scalar) -> Spring:
+        """Fibres as one spring, with the turns that touch."""
+        closed = open.compliance / (1.0 + open.compliance * self._contact_rate(xp))
+        touch = (self.solid_length() - self.free_length - open.free) / open.compliance
+        return self._close_turns(xp, Coil(open, touch, open.compliance), closed, force)
+
+    def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
+        """Elastic energy [J], of the wire and of turns that touch."""
+        held = super().elastic_energy(xp, state)
+        if self.uniform or held is None:
+            return held
+        e = self.locate(xp, state).elongation
+        pressed = xp.minimum(e - (self.solid_length() - self.free_length), 0.0)
+        return held + 0.5 * self._contact_rate(xp) * pressed * pressed
 
     def elastic_energy_at(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Scalar:
         """Elastic energy [J] under a force [N], of the wire and of turns that touch."""

@@ -20,7 +20,7 @@ Source: Wahl (1963); Ancker and Goodier (1958); the exact factors were computed 
 
 import math
 
-from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.namespace import Scalar
 
 LEAST_INDEX = 3.0
 """Smallest spring index for which the exact factors hold."""
@@ -81,13 +81,3 @@ def _sum_series(terms: tuple[float, ...], x: Scalar) -> Scalar:
     for term in reversed(terms):
         total = (total + term) * x
     return 1.0 + total
-
-
-def plateau_torque(xp: Namespace, shear: Scalar) -> Scalar:
-    """Torque of a round bar whose shear stress has a plateau, per torque at its onset [-].
-
-    `shear` is the shear strain at the surface per that of the onset, γ/γ_y ≥ 0; the torque is
-    γ/γ_y below 1 and (4/3) [1 - (γ_y/γ)³/4] above, where an elastic core is left.
-    """
-    core = 1.0 / xp.maximum(shear, 1.0)
-    return xp.minimum(shear, 1.0) + (1.0 - core * core * core) / 3.0

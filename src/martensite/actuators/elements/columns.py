@@ -1,9 +1,14 @@
-"""What an element of many cells keeps, one column per quantity."""
+"""What elements of many cells, and of many fibres, keep: one column per quantity."""
+
+from __future__ import annotations
 
 from typing import Any, NamedTuple
 
 from martensite.actuators.elements.network import Column
-from martensite.kernels.namespace import Scalar
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+
+LARGE = 1e300
+"""Where nothing is."""
 
 
 class Cells(NamedTuple):
@@ -75,3 +80,80 @@ class HeatBalanceColumns(NamedTuple):
     right: Column
     """With the heat of the current."""
     links: Column
+
+
+class Point(NamedTuple):
+    """What all fibres share [m, K]."""
+
+    elongation: Scalar
+    temperature: Scalar
+
+
+class SectionHeat(NamedTuple):
+    """Temperature at the end of a step if nothing transforms [K], and per heat [K/J].
+
+    What another resistance takes up, by the martensite at its end [J/m³] and the elongation [J/m].
+    """
+
+    base: Scalar
+    share: Scalar
+    by_martensite: Scalar
+    by_elongation: Scalar
+    ripple: Scalar
+
+
+class Bracket(NamedTuple):
+    """Where a number that is sought lies, and how far off it was at the last step within."""
+
+    low: Scalar = -LARGE
+    high: Scalar = LARGE
+    last: Scalar = LARGE
+
+    def narrow(self, xp: Namespace, at: Scalar, up: Flag, bound: Scalar) -> Bracket:
+        """By a number above or below which the root lies, but not beyond a bound."""
+        low, high = xp.where(up, at, bound), xp.where(up, bound, at)
+        return Bracket(xp.maximum(self.low, low), xp.minimum(self.high, high), self.last)
+
+    def limit(self, xp: Namespace, wanted: Scalar, off: Scalar) -> Scalar:
+        """What is wanted; the middle where that lies outside, or `off` is above half of the last."""
+        good = xp.both(xp.both(self.low < wanted, wanted < self.high), off <= 0.5 * self.last)
+        closed = xp.both(self.low > -LARGE, self.high < LARGE)
+        return xp.where(xp.either(good, xp.negate(closed)), wanted, 0.5 * self.low + 0.5 * self.high)
+
+    def choose(self, xp: Namespace, flag: Flag, other: Bracket) -> Bracket:
+        """Another one where the flag holds."""
+        return Bracket(*(xp.where(flag, b, a) for a, b in zip(self, other, strict=True)))
+
+
+class Turn(NamedTuple):
+    """A turn of a solve: the least and the last correction, and whether some fibres transform and others do not.
+
+    Then the brackets of elongation and temperature, and how far off fibres were that were moved alone.
+    """
+
+    going: Scalar
+    point: Point
+    least: Scalar
+    last: Scalar
+    mixed: Scalar
+    outer: Bracket
+    middle: Bracket
+    off: Scalar
+    stress: tuple[Scalar, ...]
+    low: tuple[Scalar, ...]
+    high: tuple[Scalar, ...]
+    martensite: tuple[Scalar, ...]
+    oriented: tuple[Scalar, ...]
+
+
+class Round(NamedTuple):
+    """A solve with one choice of processes, which are columns of numbers."""
+
+    going: Scalar
+    first: Scalar
+    point: Point
+    crossing: Scalar
+    stress: tuple[Scalar, ...]
+    martensite: tuple[Scalar, ...]
+    oriented: tuple[Scalar, ...]
+    moves: tuple[tuple[Scalar, ...], ...]

@@ -118,6 +118,11 @@ class AbstractLumped(AbstractElement, init=False):
     wear: Wear | None = None
     """What cycles change in it."""
 
+    @property
+    def uniform(self) -> bool:
+        """Whether one phase state stands for all of it."""
+        return True
+
     def worn_down(self, xp: Namespace, worn: Any) -> Self:
         """The element as it is worn, without further wear; itself where nothing wears it."""
         return self

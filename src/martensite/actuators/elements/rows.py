@@ -43,9 +43,9 @@ class AbstractRow(AbstractLumped):
         owner = self.registered_name
         if self.count != round(self.count):
             raise ParameterError(f"Parameter `count` of `{owner}` must be a whole number, but is {self.count:g}.")
-        if not isinstance(self.one, AbstractLumped):
+        if not (isinstance(self.one, AbstractLumped) and self.one.uniform):
             raise ParameterError(
-                f"A `{owner}` takes elements of one temperature, such as `wire`, but "
+                f"A `{owner}` takes elements of one phase state, such as `wire`, but "
                 f"`{self.one.registered_name}` has many."
             )
 

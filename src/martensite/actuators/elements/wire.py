@@ -80,9 +80,13 @@ class AbstractRoundWire(AbstractElement, init=False):
         """Cross-section of the wire [m²]."""
         return 0.25 * math.pi * self.diameter * self.diameter
 
+    def cylinder(self) -> Cylinder:
+        """What loses heat through its lateral surface."""
+        return Cylinder(self.diameter, self.wire_length())
+
     def surface(self) -> Scalar:
         """Lateral surface of the wire [m²]."""
-        return math.pi * self.diameter * self.wire_length()
+        return math.pi * self.cylinder().diameter * self.wire_length()
 
     def mass(self) -> Scalar:
         """Mass [kg]."""
@@ -100,7 +104,7 @@ class AbstractRoundWire(AbstractElement, init=False):
 
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
         """Conductance · (T - T_a) [W]; the conductance is h(T) S unless the ends lose as well."""
-        ambient, shape = environment.temperature, Cylinder(self.diameter, self.wire_length())
+        ambient, shape = environment.temperature, self.cylinder()
         film = environment.cooling.film(xp, temperature, ambient, shape)
         return self.ends.conductance(xp, film, shape) * (temperature - ambient)
 

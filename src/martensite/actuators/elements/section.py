@@ -1,0 +1,263 @@
+"""Elements whose strain differs over the section: twisted, bent, or wound into a coil.
+
+Plane sections stay plane: where the strain is ℓ_i per elongation e, a fibre that stands for a volume V_i has
+
+    ε_i = ℓ_i e,        F = Σ V_i ℓ_i σ_i
+
+by virtual work. Every fibre has a memory of the law, all have one temperature; at frozen fractions they are springs
+side by side. With `section_model = "surface"` the fibre at the surface stands for all: F = σ Σ V_i ℓ_i²/ℓ_n, exact
+while the section is elastic. Torsion enters by its equivalent, σ = √3 τ and ε = γ/√3.
+
+Sections and laws are symmetric: fibres under compression do as those on the other side, mirrored, and are not
+computed. A fibre may still come under stress of the other sign, as the surface does where a bar that has yielded is
+let go: the law then answers for that stress.
+"""
+
+import math
+from abc import abstractmethod
+from functools import cache
+from typing import Any, NamedTuple
+
+from martensite.actuators.elements.base import (
+    AbstractElement,
+    Condition,
+    Effort,
+    Heating,
+    MaterialPoint,
+    Pull,
+    Spring,
+    StoredHeat,
+    points_of,
+)
+from martensite.actuators.elements.columns import Point
+from martensite.actuators.elements.lumped import AbstractLumped
+from martensite.actuators.elements.network import Column
+from martensite.actuators.elements.section_step import advance_section
+from martensite.actuators.elements.wire import AbstractRoundWire
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import option
+from martensite.kernels import floats
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import sum_column
+from martensite.physics.laws.base import Fractions
+from martensite.physics.laws.coupling import StepReport
+from martensite.physics.thermal.base import Environment
+
+
+class Section(NamedTuple):
+    """State of a section of fibres: what each remembers, the surface last, and the force [N]."""
+
+    memories: tuple[Any, ...]
+    force: Scalar
+    rate: Scalar = 0.0
+
+
+@cache
+def find_section_points(count: int) -> tuple[tuple[float, float], ...]:
+    """Places in (0, 1], rising, and weights, of the interpolating rule at cos(2πk/(2n - 1)), k = 0 … n - 1.
+
+    One lies on the surface; weights are above zero and add up to 1, and polynomials of degree n - 1 are exact.
+    """
+    whole, rows = 2 * count - 1, list[tuple[float, float]]()
+    for k in range(count - 1, -1, -1):
+        angle = 2.0 * math.pi * k / whole
+        weight = 1.0 + 2.0 * sum(math.cos(j * angle) / (1 - j * j) for j in range(2, count, 2))
+        rows.append((0.5 + 0.5 * math.cos(angle), (2.0 if k else 1.0) * weight / whole))
+    return tuple(rows)
+
+
+class AbstractSection(AbstractRoundWire, AbstractLumped):
+    """A section of fibres; a subclass says where they are."""
+
+    section_model: str = option(
+        "what stands for the section: its surface, or fibres all over it", "surface", "fibres", default="fibres"
+    )
+    fibres: str = option("number of fibres, from the core to the surface", "5", "10", "20", "40", "80", default="20")
+
+    @abstractmethod
+    def fibre_columns(self, xp: Namespace) -> tuple[Column, Column]:
+        """Strain per elongation [1/m] and volume [m³] of every fibre, the surface last."""
+
+    def cut_rings(self, inner: Scalar, per_radius: Scalar) -> tuple[Column, Column]:
+        """Those of rings outside of an inner diameter [m], at a strain per elongation and radius [1/m²]."""
+        wall, length = 0.5 * (self.diameter - inner), self.wire_length()
+        rings = [(0.5 * inner + wall * s, wall * w) for s, w in find_section_points(int(self.fibres))]
+        return [per_radius * r for r, _ in rings], [2.0 * math.pi * length * r * w for r, w in rings]
+
+    def surround(self, xp: Namespace, open: Spring, force: Scalar) -> Spring:
+        """The element near a force [N], of its fibres as a spring."""
+        return open
+
+    @property
+    def uniform(self) -> bool:
+        """Whether one phase state stands for all of it."""
+        return self.section_model == "surface"
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the law cannot hold the initial state, or not be asked by fibres."""
+        super().check()
+        if not self.uniform and (self.law.rate_dependent or self.law.grouped or self.law.rphase or self.wear):
+            raise ParameterError(
+                f"Fibres of `{self.registered_name}` take laws of two phases without rates, such as `brinson`, and no "
+                f"`wear`, but the law is `{self.law.registered_name}`; try `section_model` = `surface`."
+            )
+
+    def cautions(self) -> list[str]:
+        """Laws that strain a section where it has no strain."""
+        law, found = self.law, super().cautions()
+        cold, hot = (law.free_strain(floats, Fractions(0.0, 0.0), kelvin) for kelvin in (300.0, 400.0))
+        if not self.uniform and cold != hot:
+            found.append("Thermal strain counts as a strain of the section, which expansion neither twists nor bends.")
+        if not self.uniform and not law.twins:
+            words = (
+                f"All martensite of law `{law.registered_name}` is strained, in the core too, where a section is not"
+            )
+            found.append(f"{words}: what forms on cooling bears stress of both signs; prefer law `brinson`.")
+        return found
+
+    def compute_moments(self, xp: Namespace) -> tuple[Scalar, Scalar, Scalar]:
+        """Σ V ℓ, Σ V ℓ² and the lever of the surface."""
+        levers, volumes = self.fibre_columns(xp)
+        grips = [v * w for w, v in zip(levers, volumes, strict=True)]
+        return sum_column(grips), sum_column([g * w for g, w in zip(grips, levers, strict=True)]), levers[-1]
+
+    def spring(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Spring:
+        """Tangent at `force` [N] with the same frozen fractions all over, and temperature [K]."""
+        first, second, lever = self.compute_moments(xp)
+        per_strain = 1.0 / lever if self.uniform else first / second
+        free = self.law.free_strain(xp, fractions, temperature) * per_strain
+        return self.surround(xp, Spring(free, self.law.compliance(xp, fractions) / second), force)
+
+    def stress(self, xp: Namespace, force: Scalar) -> Scalar:
+        """Stress at the surface of an elastic section [Pa]; of torsion √3 τ."""
+        _, second, lever = self.compute_moments(xp)
+        return force * (lever / second)
+
+    def strain(self, xp: Namespace, elongation: Scalar) -> Scalar:
+        """Strain at the surface [-]; of torsion γ/√3."""
+        return elongation * self.compute_moments(xp)[2]
+
+    def bear(self, xp: Namespace, fractions: Fractions, strain: Scalar, temperature: Scalar) -> Scalar:
+        """Stress [Pa] of a fibre at frozen fractions."""
+        return (strain - self.law.free_strain(xp, fractions, temperature)) / self.law.compliance(xp, fractions)
+
+    def combine(self, xp: Namespace, martensite: Column, oriented: Column, temperature: Scalar) -> Spring:
+        """Fibres at frozen fractions as one spring."""
+
+        def one(m: Scalar, o: Scalar, lever: Scalar, volume: Scalar) -> tuple[Scalar, Scalar]:
+            grip = volume * lever / self.law.compliance(xp, Fractions(m, o))
+            return grip * lever, grip * self.law.free_strain(xp, Fractions(m, o), temperature)
+
+        stiffness, pull = xp.each(one, martensite, oriented, *self.fibre_columns(xp))
+        soft = 1.0 / sum_column(stiffness)
+        return Spring(soft * sum_column(pull), soft)
+
+    def freeze(self, xp: Namespace, state: Section, temperature: Scalar) -> Spring:
+        """Fibres of a state as one spring, at a temperature [K]."""
+        fractions = [self.law.fractions(memory) for memory in state.memories]
+        return self.combine(xp, [f.martensite for f in fractions], [f.oriented for f in fractions], temperature)
+
+    def mean_fractions(self, xp: Namespace, state: Section) -> Fractions:
+        """Phase state, by volume."""
+        volumes = self.fibre_columns(xp)[1]
+        fractions = [self.law.fractions(memory) for memory in state.memories]
+        rows = list(zip(volumes, fractions, strict=True))
+        m, o = sum_column([v * f.martensite for v, f in rows]), sum_column([v * f.oriented for v, f in rows])
+        return Fractions(m / sum_column(volumes), o / sum_column(volumes))
+
+    def locate(self, xp: Namespace, state: Section) -> Point:
+        """Elongation [m] and temperature [K] at the end of the last step, by the surface."""
+        last = state.memories[-1]
+        strain = self.law.strain(xp, self.law.fractions(last), last.stress, last.temperature)
+        return Point(strain / self.fibre_columns(xp)[0][-1], last.temperature)
+
+    def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Any:
+        """The state at the start, under `force` [N] and at `temperature` [K].
+
+        As strained as a section is: what is oriented falls to nothing towards the core, and all martensite with it if
+        the law knows no other.
+        """
+        if self.uniform:
+            return super().init(xp, force, temperature)
+        levers, fractions = self.fibre_columns(xp)[0], list[Fractions]()
+        for share in [lever / levers[-1] for lever in levers]:
+            found = self.initial_fractions(xp, self.stress(xp, force) * share)
+            martensite = found.martensite if self.law.twins else found.martensite * share
+            fractions.append(Fractions(martensite, found.oriented * share))
+        columns = [f.martensite for f in fractions], [f.oriented for f in fractions]
+        whole = self.surround(xp, self.combine(xp, *columns, temperature), force)
+        e = whole.free + whole.compliance * force
+        rows = [(f, self.bear(xp, f, w * e, temperature)) for f, w in zip(fractions, levers, strict=True)]
+        return Section(tuple(self.law.init(xp, f, stress, temperature) for f, stress in rows), force)
+
+    def tangent(self, xp: Namespace, state: Any, force: Scalar) -> Spring:
+        """The element as a spring in a state, near a force [N]."""
+        if self.uniform:
+            return super().tangent(xp, state, force)
+        return self.surround(xp, self.freeze(xp, state, state.memories[-1].temperature), force)
+
+    def advance(self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar) -> tuple[Any, StepReport]:
+        """The state after a step of dt [s], and how well the step was solved."""
+        if self.uniform:
+            return super().advance(xp, state, heating, pull, dt)
+        return advance_section(xp, self, state, heating, pull, dt)
+
+    def in_state(self, xp: Namespace, state: Any, fractions: Fractions, temperature: Scalar, force: Scalar) -> Any:
+        """A state put elsewhere, if one stands for all."""
+        if self.uniform:
+            return super().in_state(xp, state, fractions, temperature, force)
+        return AbstractElement.in_state(self, xp, state, fractions, temperature, force)
+
+    @property
+    def exchanges(self) -> bool:
+        """True if the law is an exchange of layers, and one state stands for all."""
+        return self.uniform and super().exchanges
+
+    def points(self, xp: Namespace, state: Any) -> list[MaterialPoint]:
+        """The surface: what one of many fibres begins or ends bends the answer of all little."""
+        return super().points(xp, state) if self.uniform else points_of(xp, self.law, state.memories[-1:])
+
+    def heat_content(self, xp: Namespace, state: Any) -> Scalar | None:
+        """C T - λ ξ [J], if the latent heat λ is a number."""
+        if self.uniform or not self.law.constant_heat:
+            return super().heat_content(xp, state) if self.uniform else None
+        stored = self.stored_heat(xp, state)
+        return stored.sensible + stored.latent[0].way
+
+    def stored_heat(self, xp: Namespace, state: Any) -> StoredHeat:
+        """C T, and λ along the martensite fraction of every fibre."""
+        if self.uniform:
+            return super().stored_heat(xp, state)
+        latent, rows = self.density * self.latent_heat, zip(self.fibre_columns(xp)[1], state.memories, strict=True)
+        heats = [(v * self.law.heat(xp, latent, m.stress, m.temperature), self.law.fractions(m)) for v, m in rows]
+        efforts = [Effort(-heat, self.law.released(fractions)) for heat, fractions in heats]
+        if self.law.constant_heat:  # then the energy itself is known, which takes one number
+            efforts = [Effort(1.0, sum_column([heat * share for heat, share in efforts]))]
+        return StoredHeat(self.heat_capacity_total() * state.memories[-1].temperature, tuple(efforts))
+
+    def elastic_energy(self, xp: Namespace, state: Any) -> Scalar | None:
+        """Energy [J] that unloading, fibre by fibre, at frozen fractions and temperature would give back."""
+        if self.uniform:
+            return super().elastic_energy(xp, state)
+        rows = zip(self.fibre_columns(xp)[1], state.memories, strict=True)
+        return sum_column([0.5 * v * self.law.compliance(xp, self.law.fractions(m)) * m.stress**2 for v, m in rows])
+
+    def condition(self, xp: Namespace, state: Any, force: Scalar, environment: Environment) -> Condition:
+        """Everything that can be measured under a force [N]; the stress is the one of largest size anywhere."""
+        if self.uniform:
+            return super().condition(xp, state, force, environment)
+        temperature, e, largest = state.memories[-1].temperature, self.elongation(xp, state, force), 0.0
+        for lever, memory in zip(self.fibre_columns(xp)[0], state.memories, strict=True):
+            stress = self.bear(xp, self.law.fractions(memory), lever * e, temperature)
+            largest = xp.where(xp.abs(stress) > xp.abs(largest), stress, largest)
+        mean, strain = self.mean_fractions(xp, state), self.strain(xp, e)
+        return Condition(
+            temperature=temperature,
+            hottest=temperature,
+            martensite_fraction=mean.martensite,
+            oriented_fraction=mean.oriented,
+            stress=largest,
+            strain=strain,
+            resistance=self.ohms(xp, mean.martensite, strain, temperature),
+            heat_loss=self.heat_loss(xp, temperature, environment),
+        )
