@@ -15,6 +15,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
+from martensite.scenario.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
 
 from benchmarks.peers import jaxsysid_fit
 from benchmarks.report import Table
@@ -26,7 +27,6 @@ from martensite.identify.chains.chain import Chain
 from martensite.identify.chains.estimate import Options as Search
 from martensite.identify.chains.estimate import estimate_chain, refine_chain
 from martensite.identify.chains.scores import compute_rms
-from martensite.scenario.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
 from martensite.signals.sampling.sampled import Sampled
 
 PEER = "jax-sysid"

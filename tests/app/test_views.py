@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from martensite.base.errors import DataError, InputError
-from martensite.design.analysis.energy import compute_cycle_energies, find_length
+from martensite.design.analysis.energy import find_length
 from martensite.scenario.scenario import load
 from martensite.show.summaries.run import tabulate_key_results
 from martensite.simulate.result import Result
@@ -19,6 +19,7 @@ from martensite_app.messages import BadMessageError
 from martensite_app.views.diagrams import NO_ELEMENT, PRESCRIBED, describe_energy, describe_phase
 from martensite_app.views.traces import list_alarms, list_loops, list_panels, list_stretches
 from martensite_app.worker import Desk
+from martensite_sweep.cycle_energies import compute_cycle_energies
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 

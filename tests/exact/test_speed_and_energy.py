@@ -19,12 +19,11 @@ from tuning_cases import DELAY, DT, linear_bench
 from martensite.actuators.assembly import System
 from martensite.base.errors import InputError, ParameterError
 from martensite.control.loop.bench import Bench
-from martensite.design.analysis.energy import compute_cycle_energies
-from martensite.show.figures.energy import plot_energy
 from martensite.signals.held import Held
 from martensite.signals.sine import Sine
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
+from martensite_sweep.cycle_energies import compute_cycle_energies, plot_energy
 from martensite_sweep.frequency_response import measure_frequency_response
 from martensite_sweep.response_figures import plot_frequency_response, plot_speeds
 from martensite_sweep.speeds import compute_speeds

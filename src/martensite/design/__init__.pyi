@@ -1,6 +1,4 @@
 from martensite.base.errors import StoppedError as StoppedError
-from martensite.design.analysis.energy import CycleEnergies as CycleEnergies
-from martensite.design.analysis.energy import compute_cycle_energies as compute_cycle_energies
 from martensite.design.optimise.optimise import optimise_design as optimise_design
 from martensite.design.optimise.optimised_design import OptimisedDesign as OptimisedDesign
 from martensite.design.optimise.search import DesignSearch as DesignSearch
@@ -49,6 +47,8 @@ from martensite.design.tuning.tuning import CostScale as CostScale
 from martensite.design.tuning.tuning import ModelTuning as ModelTuning
 from martensite.design.tuning.tuning import tune_model as tune_model
 from martensite_sweep.api import run_sweep as run_sweep
+from martensite_sweep.cycle_energies import CycleEnergies as CycleEnergies
+from martensite_sweep.cycle_energies import compute_cycle_energies as compute_cycle_energies
 from martensite_sweep.frequency_response import FrequencyResponse as FrequencyResponse
 from martensite_sweep.frequency_response import measure_frequency_response as measure_frequency_response
 from martensite_sweep.indices import SensitivityIndices as SensitivityIndices

@@ -5,9 +5,6 @@ from martensite.scenario.lab_files import LabFile as LabFile
 from martensite.scenario.lab_files import read_lab_file as read_lab_file
 from martensite.scenario.law_logs import compare_laws_with_log as compare_laws_with_log
 from martensite.scenario.merged_files import merge_by_clock as merge_by_clock
-from martensite.scenario.public_benchmarks import SKIP as SKIP
-from martensite.scenario.public_benchmarks import read_silverbox as read_silverbox
-from martensite.scenario.public_benchmarks import read_wiener_hammerstein as read_wiener_hammerstein
 from martensite.scenario.sampled_files import read_sampled as read_sampled
 from martensite.scenario.sampled_files import write_sampled as write_sampled
 from martensite.scenario.scenario import read_scenario as read_scenario
@@ -15,3 +12,6 @@ from martensite.scenario.tables import read_table as read_table
 from martensite_studies.electrothermal.staircase import reduce_to_plateaus as reduce_to_plateaus
 from martensite_studies.electrothermal.staircase import supply_offset as supply_offset
 from martensite_studies.electrothermal.staircase import unwrap_counter as unwrap_counter
+from martensite_studies.public_benchmarks import SKIP as SKIP
+from martensite_studies.public_benchmarks import read_silverbox as read_silverbox
+from martensite_studies.public_benchmarks import read_wiener_hammerstein as read_wiener_hammerstein

@@ -1,6 +1,5 @@
 from martensite.show.figures.bench import plot_bench as plot_bench
 from martensite.show.figures.design import plot_tuning as plot_tuning
-from martensite.show.figures.energy import plot_energy as plot_energy
 from martensite.show.figures.fit import plot_fit as plot_fit
 from martensite.show.figures.fit import plot_fit_loops as plot_fit_loops
 from martensite.show.figures.fit import plot_fit_residuals as plot_fit_residuals
@@ -19,6 +18,7 @@ from martensite.show.figures.overview import plot_profile as plot_profile
 from martensite_studies.platform.workspace_figure import plot_workspace as plot_workspace
 from martensite_sweep.analysis_figures import plot_pareto as plot_pareto
 from martensite_sweep.analysis_figures import plot_sensitivity as plot_sensitivity
+from martensite_sweep.cycle_energies import plot_energy as plot_energy
 from martensite_sweep.figures import plot_sweep as plot_sweep
 from martensite_sweep.response_figures import plot_frequency_response as plot_frequency_response
 from martensite_sweep.response_figures import plot_speeds as plot_speeds
