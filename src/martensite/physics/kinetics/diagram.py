@@ -13,6 +13,7 @@ from typing import ClassVar
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, option, param
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics.hardening import LEAST_EXPONENT, MOST
 from martensite.physics.laws.base import AbstractLaw, Fractions
 
 WIDTHS = (("M_f", "M_s"), ("A_s", "A_f"))
@@ -41,6 +42,30 @@ class AbstractTwoPhaseLaw(AbstractLaw):
     A_f: Scalar = param("K", "austenite finish temperature at zero stress", low=100.0, high=1000.0, typical="75 degC")
     M_s: Scalar = param("K", "martensite start temperature at zero stress", low=100.0, high=1000.0, typical="50 degC")
     M_f: Scalar = param("K", "martensite finish temperature at zero stress", low=100.0, high=1000.0, typical="40 degC")
+
+
+class AbstractShapes(Parametrised):
+    """Numbers of ranges that are no cosines between straight lines; options of the laws call for them."""
+
+    n_1: Scalar = param("1", "roundness of the forward start", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    n_2: Scalar = param("1", "roundness of the forward end", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    n_3: Scalar = param("1", "roundness of the reverse end", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    n_4: Scalar = param("1", "roundness of the reverse start", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    waist_f: Scalar = param("1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.8)
+    waist_r: Scalar = param("1", "waist of the reverse range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.9)
+    curvature_f: Scalar = param("K/Pa^2", "bend of the forward line, if curved", low=-1e-14, high=1e-14, default=0.0)
+    curvature_r: Scalar = param("K/Pa^2", "bend of the reverse line, if curved", low=-1e-14, high=1e-14, default=0.0)
+    widening_f: Scalar = param("K/Pa", "growth of the forward range, if curved", low=0.0, high=1e-6, default=0.0)
+    widening_r: Scalar = param("K/Pa", "growth of the reverse range, if curved", low=0.0, high=1e-6, default=0.0)
+
+    def describe_unused(self, hardening: str, surfaces: str) -> list[str]:
+        """Sentences about numbers that these choices do not call for."""
+        found: list[str] = []
+        if hardening != "waisted" and max(self.waist_f, self.waist_r) > 0.0:
+            found.append('A waist counts only with the option `hardening = "waisted"` of the law.')
+        if surfaces != "curved" and any((self.curvature_f, self.curvature_r, self.widening_f, self.widening_r)):
+            found.append('A curvature or widening counts only with the option `surfaces = "curved"` of the law.')
+        return found
 
 
 class AbstractPhaseDiagram(AbstractTwoPhaseLaw):

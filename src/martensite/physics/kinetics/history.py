@@ -44,9 +44,26 @@ LEAST = 1e-3
 FARTHEST = 60.0
 """Strip widths beyond its finish line from which on an endless process is complete, for return points."""
 
-Left = Callable[[Namespace, Scalar], Scalar]
+Left = Callable[[Namespace, Scalar, Flag], Scalar]
+"""What a process leaves at a distance from its finish line; of the forward one where the flag is true."""
+LegEnds: TypeAlias = tuple[Scalar, Scalar]
+"""A distance at the start and at the end of a leg."""
 LegStart: TypeAlias = Any
 """Where a leg starts, a memory or a place on the way: it has a `stress` [Pa] and a `temperature` [K]."""
+
+
+class StripCurve(NamedTuple):
+    """How tension bends the lines of a strip and spreads them about its middle."""
+
+    bend: Scalar
+    """c [K/Pa²] of what stress adds to the middle, c σ (σ - 2 σ_cal)."""
+    calm: Scalar
+    """σ_cal [Pa], where the bend changes no slope."""
+    growth: Scalar
+    """Growth of start less finish [K/Pa]; negative for the reverse process."""
+
+
+STRAIGHT = StripCurve(0.0, 0.0, 0.0)
 
 
 class Strip(NamedTuple):
@@ -60,10 +77,61 @@ class Strip(NamedTuple):
     """1/C [K/Pa]."""
     endless: bool = False
     """The process goes on beyond its finish line; a word of the law, not a value."""
+    curve: StripCurve | tuple[()] = ()
+    """Where lines are not straight."""
 
-    def distance(self, stress: Scalar, temperature: Scalar) -> Scalar:
+    def distance(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
         """Distance to the finish line in widths of the strip [-]; unlimited."""
-        return (temperature - stress * self.per_slope - self.finish) * self.per_width
+        straight = (temperature - stress * self.per_slope - self.finish) * self.per_width
+        if not self.curve:
+            return straight
+        tension, width = xp.maximum(stress, 0.0), 1.0 / self.per_width
+        bend = self.curve.bend * tension * (tension - 2.0 * self.curve.calm)
+        return 0.5 + ((straight - 0.5) * width - bend) / (width + self.curve.growth * tension)
+
+    def find_level(self, xp: Namespace, start: LegStart, stress: Scalar, ends: LegEnds, level: Scalar) -> Scalar:
+        """Share of a leg after which the distance, which falls all along it, has come down to a level; 1 if nowhere.
+
+        It is the root of (distance - level) · width, a parabola over the leg.
+        """
+        first, last = ends
+        size, square = self._sizes(xp, start.stress, stress), self._bulge(xp, start.stress, stress)
+        above, below = (first - level) * size[0], (last - level) * size[1]
+        slope = below - above - square
+        root = xp.sqrt(xp.maximum(slope * slope - 4.0 * above * square, 0.0))
+        falls, arched = slope < 0.0, square < 0.0
+        late = (slope + root) / xp.where(arched, -2.0 * square, 1.0)
+        share = xp.where(falls, 2.0 * above / xp.where(falls, root - slope, 1.0), late)
+        share = xp.where(last < level, xp.clip(share, 0.0, 1.0), 1.0)
+        return xp.where(first > level, share, 0.0)
+
+    def turn_of_leg(self, xp: Namespace, start: LegStart, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Share of a leg, all of it in tension, after which the distance of curved lines may turn; 1 if nowhere.
+
+        There (distance - ½) = N/W is level, N'W = N W'; of both roots the one on this side of W = 0.
+        """
+        before, after = self._sizes(xp, start.stress, stress)
+        wide, square = after - before, self._bulge(xp, start.stress, stress)
+        here = (self.distance(xp, start.stress, start.temperature) - 0.5) * before
+        there = (self.distance(xp, stress, temperature) - 0.5) * after
+        level = (there - here - square) * before - wide * here
+        bent = square * before
+        root = xp.sqrt(xp.maximum(bent * bent - square * wide * level, 0.0))
+        down = bent + xp.where(square < 0.0, -root, root)
+        turns = xp.abs(down) > 0.0
+        share = -level / xp.where(turns, down, 1.0)
+        inside = xp.both(turns, xp.both(share > 0.0, share < 1.0))
+        return xp.where(inside, share, 1.0)
+
+    def _sizes(self, xp: Namespace, *stresses: Scalar) -> list[Scalar]:
+        """Widths [K] under stresses, positive."""
+        growth = (self.curve or STRAIGHT).growth
+        return [xp.abs(1.0 / self.per_width + growth * xp.maximum(s, 0.0)) for s in stresses]
+
+    def _bulge(self, xp: Namespace, before: Scalar, stress: Scalar) -> Scalar:
+        """What is square in the share of a leg of (distance - level) · width [K]."""
+        more = xp.maximum(stress, 0.0) - xp.maximum(before, 0.0)
+        return xp.where(self.per_width > 0.0, -1.0, 1.0) * (self.curve or STRAIGHT).bend * more * more
 
 
 class OneFractionMemory(NamedTuple):
@@ -95,11 +163,13 @@ class OneFractionProcess(NamedTuple):
     per_slope: Scalar
     course: BranchCourse | tuple[()] = ()
     """Under the rule return-point."""
+    curve: StripCurve | tuple[()] = ()
+    """Where lines are not straight."""
 
-    def distance(self, stress: Scalar, temperature: Scalar) -> Scalar:
+    def distance(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
         """Distance to the finish line of the process in widths of its strip [-]; unlimited."""
-        strip = Strip(self.finish, self.per_width, self.per_slope)
-        return strip.distance(stress, temperature)
+        strip = Strip(self.finish, self.per_width, self.per_slope, curve=self.curve)
+        return strip.distance(xp, stress, temperature)
 
 
 def compute_cosine_rest(xp: Namespace, distance: Scalar) -> Scalar:
@@ -129,6 +199,9 @@ def round_off(xp: Namespace, strip: Strip, start: LegStart, stress: Scalar, temp
     """What rounding alone may make of the distance [-] travelled on a leg."""
     size = xp.abs(start.temperature) + xp.abs(temperature)
     size = size + (xp.abs(start.stress) + xp.abs(stress)) * strip.per_slope
+    if strip.curve:
+        most = xp.maximum(xp.maximum(start.stress, stress), 0.0)
+        size = size + xp.abs(strip.curve.bend) * most * (most + 2.0 * strip.curve.calm)
     return 8.0 * xp.eps() * size * xp.abs(strip.per_width)
 
 
@@ -140,13 +213,15 @@ def follow_strip(
     What differs by rounding alone is equal: a point so near to the start line lies on it, and
     a leg that gets no further into the strip does not pass.
     """
-    first = strip.distance(start.stress, start.temperature)
-    last = strip.distance(stress, temperature)
+    first = strip.distance(xp, start.stress, start.temperature)
+    last = strip.distance(xp, stress, temperature)
     travel, hair = first - last, round_off(xp, strip, start, stress, temperature)
     moving = travel > hair
     safe = xp.where(moving, travel, 1.0)
     enters = xp.clip((first - 1.0 - hair) / safe, 0.0, 1.0)
     leaves = xp.clip(first / safe, 0.0, 1.0)
+    if strip.curve:
+        enters, leaves = (strip.find_level(xp, start, stress, (first, last), level) for level in (1.0 + hair, 0.0))
     if strip.endless:
         before = xp.where(xp.abs(first - 1.0) > hair, first - 1.0, 0.0)
         begin, enters = 1.0 + xp.minimum(before, 0.0), xp.clip(before / safe, 0.0, 1.0)
@@ -207,10 +282,10 @@ def select_process(
     scale, course = begin, ()
     if memory.points:
         turns = xp.both(xp.abs(direction) > 0.0, memory.branch * direction <= 0.0)
-        share = left(xp, limit_distance(xp, begin, forward.endless))
+        share = left(xp, limit_distance(xp, begin, forward.endless), ahead)
         scale, course = memory.scale, select_course(xp, memory.points, ahead, turns, share, [remaining])
     elif not forward.endless:
-        share = left(xp, begin)
+        share = left(xp, begin, ahead)
         usable = share > 0.0
         scale = xp.where(usable, remaining / xp.where(usable, share, 1.0), 0.0)
     if rule == RESUME:
@@ -223,7 +298,14 @@ def select_process(
         per_width=xp.store(xp.where(ahead, forward.per_width, reverse.per_width)),
         per_slope=xp.store(xp.where(ahead, forward.per_slope, reverse.per_slope)),
         course=course,
+        curve=choose_curve(xp, ahead, forward, reverse),
     )
+
+
+def choose_curve(xp: Namespace, ahead: Flag, forward: Strip, reverse: Strip) -> StripCurve | tuple[()]:
+    """The curve of one of two strips; none if they are straight."""
+    pairs = zip(forward.curve, reverse.curve, strict=True)
+    return StripCurve(*(xp.store(xp.where(ahead, *pair)) for pair in pairs)) if forward.curve else ()
 
 
 def limit_distance(xp: Namespace, distance: Scalar, endless: bool) -> Scalar:
@@ -235,17 +317,17 @@ def follow_process(
     xp: Namespace, left: Left, move: OneFractionProcess, stress: Scalar, temperature: Scalar, endless: bool = False
 ) -> Scalar:
     """Martensite fraction if the move ends at (stress, temperature)."""
-    distance = move.distance(stress, temperature)
+    distance, ahead = move.distance(xp, stress, temperature), move.direction > 0.0
     if move.course:
-        share = left(xp, limit_distance(xp, distance, endless))
+        share = left(xp, limit_distance(xp, distance, endless), ahead)
         (wanted,) = compute_rests(xp, move.course, share, [move.remaining])
     elif endless:
-        wanted = move.remaining * left(xp, 1.0 - xp.maximum(move.scale - distance, 0.0))
+        wanted = move.remaining * left(xp, 1.0 - xp.maximum(move.scale - distance, 0.0), ahead)
     else:
-        wanted = move.scale * left(xp, xp.clip(distance, 0.0, 1.0))
+        wanted = move.scale * left(xp, xp.clip(distance, 0.0, 1.0), ahead)
         wanted = xp.minimum(wanted, move.remaining)
     remaining = xp.where(xp.abs(move.direction) > 0.0, wanted, move.remaining)
-    return xp.where(move.direction > 0.0, 1.0 - remaining, remaining)
+    return xp.where(ahead, 1.0 - remaining, remaining)
 
 
 def commit_move(
@@ -261,7 +343,7 @@ def commit_move(
     acted = xp.abs(move.direction) > 0.0
     scale = move.scale
     if endless and not move.course:
-        scale = xp.minimum(scale, move.distance(stress, temperature))
+        scale = xp.minimum(scale, move.distance(xp, stress, temperature))
     return OneFractionMemory(
         fraction=fraction,
         branch=xp.where(acted, move.direction, memory.branch),
@@ -283,8 +365,8 @@ def remember_points(
     """The memory after a move with its return points, if its rule has them."""
     if not before.points or not move.course:
         return after
-    share = left(xp, limit_distance(xp, move.distance(after.stress, after.temperature), endless))
     ahead = move.direction > 0.0
+    share = left(xp, limit_distance(xp, move.distance(xp, after.stress, after.temperature), endless), ahead)
     turned, other = before.branch * move.direction < 0.0, xp.where(ahead, before.fraction, 1.0 - before.fraction)
     rest = xp.where(ahead, 1.0 - after.fraction, after.fraction)
     interrupts = xp.both(turned, other > GONE)
@@ -308,7 +390,7 @@ def relocate_memory(
     """
     ahead = memory.branch > 0.0
     before, after = (
-        xp.where(ahead, f.distance(*point), r.distance(*point))
+        xp.where(ahead, f.distance(xp, *point), r.distance(xp, *point))
         for f, r in [strips]
         for point in ((memory.stress, memory.temperature), (stress, temperature))
     )
@@ -317,7 +399,7 @@ def relocate_memory(
     else:
         was = xp.where(ahead, 1.0 - memory.fraction, memory.fraction)
         now = xp.where(ahead, 1.0 - fraction, fraction)
-        then, there = (left(xp, xp.clip(v, 0.0, 1.0)) for v in (before, after))
+        then, there = (left(xp, xp.clip(v, 0.0, 1.0), ahead) for v in (before, after))
         some = xp.both(was > LEAST, now > LEAST)
         grown = xp.where(some, now / xp.maximum(was, LEAST), 1.0)
         inside = xp.both(then > LEAST, there > LEAST)
@@ -339,16 +421,16 @@ def relocate_points(
     if not memory.points:
         return after
 
-    def compare_rests(strip: Strip, was: Scalar, now: Scalar) -> tuple[Scalar, Scalar]:
+    def compare_rests(strip: Strip, forth: bool, was: Scalar, now: Scalar) -> tuple[Scalar, Scalar]:
         before, there = (
-            left(xp, limit_distance(xp, strip.distance(at.stress, at.temperature), strip.endless))
+            left(xp, limit_distance(xp, strip.distance(xp, at.stress, at.temperature), strip.endless), forth)
             for at in (memory, after)
         )
         least = 0.0 if strip.endless else LEAST
         return compare_parts(xp, before, there, least), compare_parts(xp, was, now, LEAST)
 
-    forward = compare_rests(strips[0], 1.0 - memory.fraction, 1.0 - after.fraction)
-    reverse = compare_rests(strips[1], memory.fraction, after.fraction)
+    forward = compare_rests(strips[0], True, 1.0 - memory.fraction, 1.0 - after.fraction)
+    reverse = compare_rests(strips[1], False, memory.fraction, after.fraction)
     return after._replace(points=scale_points(xp, memory.points, memory.branch > 0.0, forward, reverse))
 
 
@@ -362,7 +444,8 @@ def find_point_kinks(
     if not memory.points:
         return []
     points, forth = memory.points, memory.branch > 0.0
-    shares = [left(xp, limit_distance(xp, one, endless)) for one in (ahead, back)]
+    pairs = (ahead, True), (back, False)
+    shares = [left(xp, limit_distance(xp, one, endless), forward) for one, forward in pairs]
     rest = xp.where(forth, 1.0 - memory.fraction, memory.fraction)
     wait = points.branch.lines[0].at(xp.where(forth, *shares)) - rest
     return [
@@ -390,6 +473,17 @@ def find_handover(
         second = xp.maximum(r.enters, f.leaves)
     done = xp.where(back, first, second)
     return turning_point(xp, memory, stress, temperature, xp.where(two, done, 1.0))
+
+
+def find_turn(
+    xp: Namespace, strips: tuple[Strip, Strip], start: LegStart, stress: Scalar, temperature: Scalar
+) -> tuple[Scalar, Scalar]:
+    """The first point of a leg where curved lines make it turn back, or where tension begins or ends; else its end."""
+    crosses = start.stress * stress < 0.0
+    first = xp.where(crosses, start.stress / xp.where(crosses, start.stress - stress, 1.0), 1.0)
+    for strip in strips:
+        first = xp.minimum(first, strip.turn_of_leg(xp, start, stress, temperature))
+    return turning_point(xp, start, stress, temperature, first)
 
 
 def turning_point(

@@ -8,12 +8,22 @@ modulus (`kinetics.diagram`); the history rules are those of `kinetics.history`.
 from abc import abstractmethod
 from typing import ClassVar
 
-from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics import history
 from martensite.physics.kinetics.diagram import AbstractPhaseDiagram
-from martensite.physics.kinetics.history import RESUME, RETURN_POINT, OneFractionMemory, OneFractionProcess, Strip
+from martensite.physics.kinetics.history import (
+    RESUME,
+    RETURN_POINT,
+    OneFractionMemory,
+    OneFractionProcess,
+    Strip,
+    StripCurve,
+)
 from martensite.physics.kinetics.return_points import start_points
 from martensite.physics.laws.base import Doubt, Fractions
+
+TURNS = 3
+"""Points of a leg at which curved lines may make it turn."""
 
 
 class AbstractStripLaw(AbstractPhaseDiagram):
@@ -30,6 +40,14 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         asked below 0 too and must fulfil left(a)/left(b) = left(1 - (b - a)).
         """
 
+    def left_of(self, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
+        """The same, of the forward process where `ahead`; a law whose branches differ says more."""
+        return self.left(xp, distance)
+
+    def curves(self) -> tuple[StripCurve | tuple[()], StripCurve | tuple[()]]:
+        """How tension bends both strips; nothing of straight ones."""
+        return (), ()
+
     def cautions(self) -> list[str]:
         """Unusual orders of temperatures, the sign of Θ."""
         found = super().cautions()
@@ -39,6 +57,9 @@ class AbstractStripLaw(AbstractPhaseDiagram):
 
     def doubt(self) -> Doubt | None:
         """Where the strips overlap."""
+        forward, reverse = self.curves()
+        if forward and reverse:
+            return self._doubt_curved(forward, reverse)
         if not self.C_A > self.C_M or self.A_s < self.M_s:
             return None
         limit = (self.A_s - self.M_s) / (1.0 / self.C_M - 1.0 / self.C_A)
@@ -48,11 +69,23 @@ class AbstractStripLaw(AbstractPhaseDiagram):
             "shrinks with temperature; prefer equal slopes there.",
         )
 
+    def _doubt_curved(self, forward: StripCurve, reverse: StripCurve) -> Doubt | None:
+        """Where A_s and M_s meet: their gap is a parabola in stress."""
+        gap, bend = self.A_s - self.M_s, reverse.bend - forward.bend
+        slope = 1.0 / self.C_A - 1.0 / self.C_M - 2.0 * bend * forward.calm - 0.5 * (forward.growth - reverse.growth)
+        square = slope * slope - 4.0 * bend * gap
+        falls = -slope + square**0.5 if square >= 0.0 else 0.0
+        if gap <= 0.0 or falls <= 0.0:
+            return None
+        limit = 2.0 * gap / falls
+        return Doubt(limit, f"the strips overlap above {limit / 1e6:.4g} MPa, where loops lose their width.")
+
     def strips(self) -> tuple[Strip, Strip]:
         """The strips of the forward and of the reverse transformation."""
+        forward, reverse = self.curves()
         return (
-            Strip(self.M_f, 1.0 / (self.M_s - self.M_f), 1.0 / self.C_M, self.endless),
-            Strip(self.A_f, 1.0 / (self.A_s - self.A_f), 1.0 / self.C_A, self.endless),
+            Strip(self.M_f, 1.0 / (self.M_s - self.M_f), 1.0 / self.C_M, self.endless, forward),
+            Strip(self.A_f, 1.0 / (self.A_s - self.A_f), 1.0 / self.C_A, self.endless, reverse),
         )
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> OneFractionMemory:
@@ -65,8 +98,8 @@ class AbstractStripLaw(AbstractPhaseDiagram):
     ) -> OneFractionMemory:
         """The branch in progress goes on from another fraction at another point."""
         there = fractions.martensite, stress, temperature
-        after = history.relocate_memory(xp, self.left, self.strips(), memory, *there)
-        return history.relocate_points(xp, self.left, self.strips(), memory, after)
+        after = history.relocate_memory(xp, self.left_of, self.strips(), memory, *there)
+        return history.relocate_points(xp, self.left_of, self.strips(), memory, after)
 
     def fractions(self, memory: OneFractionMemory) -> Fractions:
         """All martensite counts as oriented."""
@@ -81,13 +114,13 @@ class AbstractStripLaw(AbstractPhaseDiagram):
     ) -> OneFractionProcess:
         """The process set off by a straight move to (stress [Pa], temperature [K])."""
         rule = self.history
-        return history.select_process(xp, rule, self.left, *self.strips(), memory, stress, temperature)
+        return history.select_process(xp, rule, self.left_of, *self.strips(), memory, stress, temperature)
 
     def follow(
         self, xp: Namespace, move: OneFractionProcess, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
-        fraction = history.follow_process(xp, self.left, move, stress, temperature, self.endless)
+        fraction = history.follow_process(xp, self.left_of, move, stress, temperature, self.endless)
         return Fractions(fraction, fraction)
 
     def commit(
@@ -103,12 +136,24 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         """The memory after the accepted move."""
         fraction = fractions.martensite
         after = history.commit_move(xp, memory, move, fraction, stress, temperature, self.endless)
-        return history.remember_points(xp, self.left, memory, move, after, self.endless)
+        return history.remember_points(xp, self.left_of, memory, move, after, self.endless)
 
     def kinetics(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[OneFractionMemory, Fractions]:
-        """Advance along a straight leg; both processes may act, one after the other."""
+        """Advance along a straight leg; both processes may act, one after the other.
+
+        Lines that are curved may make it turn, once for each of them, and where tension begins or ends.
+        """
+        for _ in range(TURNS if self.curves()[0] else 0):
+            turn = history.find_turn(xp, self.strips(), memory, stress, temperature)
+            memory, _ = self._advance(xp, memory, *turn, dt)
+        return self._advance(xp, memory, stress, temperature, dt)
+
+    def _advance(
+        self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[OneFractionMemory, Fractions]:
+        """Advance along a piece of a leg on which no coordinate turns back."""
         for _ in range(2 if self.endless else 1):
             between = history.find_handover(xp, *self.strips(), memory, stress, temperature)
             memory, _ = super().kinetics(xp, memory, *between, dt)
@@ -118,7 +163,7 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         """The start and finish lines of both strips, and where an interrupted branch goes on."""
         forward, reverse = self.strips()
         at = memory.stress, memory.temperature
-        ahead, back = forward.distance(*at), reverse.distance(*at)
+        ahead, back = forward.distance(xp, *at), reverse.distance(xp, *at)
         # a complete transformation is one until its finish line is passed the other way
         ahead = xp.where(xp.either(memory.fraction < 1.0, ahead < 0.0), ahead, 2.0)
         back = xp.where(xp.either(memory.fraction > 0.0, back < 0.0), back, 2.0)
@@ -127,12 +172,12 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         if not self.endless:
             lines += [ahead, back]
         if memory.points:
-            return lines + history.find_point_kinks(xp, self.left, self.endless, memory, ahead, back)
+            return lines + history.find_point_kinks(xp, self.left_of, self.endless, memory, ahead, back)
         if self.endless:
             wait = own - memory.scale
         else:
             left = xp.where(memory.branch > 0.0, 1.0 - memory.fraction, memory.fraction)
-            wait = memory.scale * self.left(xp, xp.clip(own, 0.0, 1.0)) - left
+            wait = memory.scale * self.left_of(xp, xp.clip(own, 0.0, 1.0), memory.branch > 0.0) - left
         if self.history == RESUME:
             lines.append(xp.where(xp.abs(memory.branch) > 0.0, wait, 1.0))
         return lines
@@ -141,8 +186,8 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         self, xp: Namespace, memory: OneFractionMemory, move: OneFractionProcess, stress: Scalar, temperature: Scalar
     ) -> Scalar:
         """Share of the selected strip crossed by the move [-]; tails do not count."""
-        start = move.distance(memory.stress, memory.temperature)
-        end = move.distance(stress, temperature)
+        start = move.distance(xp, memory.stress, memory.temperature)
+        end = move.distance(xp, stress, temperature)
         if self.endless:
             start, end = xp.clip(start, 0.0, 1.0), xp.clip(end, 0.0, 1.0)
         return xp.where(xp.abs(move.direction) > 0.0, xp.abs(start - end), 0.0)
