@@ -29,7 +29,17 @@ from martensite.scenario.catalogue import list_registries
 from martensite.testing import check_conformance, check_material, observers
 from martensite.testing.conformance import SUITES, check_part, find_checks
 
-SLOW = {"lagoudas-waisted-work", "lagoudas-smooth-curved", "mas-polycrystal-constant-15-internal-stress"}
+SLOW = {
+    "lagoudas-none-waisted-work",
+    "lagoudas-none-smooth-curved",
+    "lagoudas-symmetric-smooth-work",
+    "lagoudas-asymmetric-smooth-work",
+    "brinson-symmetric-resume",
+    "elahinia-asymmetric-resume",
+    "tanaka-symmetric-resume-austenite",
+    "liang-rogers-symmetric-resume-austenite-strain-cosine-straight",
+    "mas-polycrystal-constant-15-internal-stress",
+}
 """Second forms of the laws that take longest."""
 REGISTRIES = list_registries(blocks=True)
 CASES = [

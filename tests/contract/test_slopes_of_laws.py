@@ -9,10 +9,19 @@ from martensite.kernels.dual import value_and_slope
 
 LAWS = examples("law")
 LONG = (
-    "lagoudas-smooth-work",
-    "lagoudas-waisted-work",
-    "lagoudas-smooth-curved",
-    "brinson-return-point",
+    "lagoudas-none-smooth-work",
+    "lagoudas-none-waisted-work",
+    "lagoudas-none-smooth-curved",
+    "lagoudas-symmetric-smooth-work",
+    "lagoudas-asymmetric-smooth-work",
+    "brinson-none-return-point",
+    "brinson-symmetric-resume",
+    "brinson-asymmetric-resume",
+    "elahinia-symmetric-resume",
+    "elahinia-asymmetric-resume",
+    "tanaka-symmetric-resume-austenite",
+    "tanaka-asymmetric-resume-austenite",
+    "liang-rogers-symmetric-resume-austenite-strain-cosine-straight",
     "mas-polycrystal-constant-15-barriers",
     "mas-polycrystal-constant-15-internal-stress",
 )

@@ -75,7 +75,7 @@ def test_numbers_of_shapes_that_no_option_calls_for_are_said() -> None:
         low, high = 200.0, 600.0
         for _ in range(60):
             middle = 0.5 * (low + high)
-            rises = strip.distance(floats, meets.stress, middle) > 1.0
+            rises = strip.distance(meets.stress, middle) > 1.0
             low, high = (low, middle) if rises == (strip.per_width > 0.0) else (middle, high)
         ends.append(low)
     assert ends[0] == pytest.approx(ends[1], abs=1e-6)

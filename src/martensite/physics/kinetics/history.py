@@ -25,6 +25,7 @@ could act, one that is past its finish line yields to one that is not, else to r
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
 
+from martensite.kernels import floats
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics.return_points import (
     GONE,
@@ -44,23 +45,39 @@ LEAST = 1e-3
 FARTHEST = 60.0
 """Strip widths beyond its finish line from which on an endless process is complete, for return points."""
 
-Left = Callable[[Namespace, Scalar, Flag], Scalar]
-"""What a process leaves at a distance from its finish line; of the forward one where the flag is true."""
-LegEnds: TypeAlias = tuple[Scalar, Scalar]
-"""A distance at the start and at the end of a leg."""
+
+class BranchedLeft(NamedTuple):
+    """What a process leaves, asked also whether it is the forward one."""
+
+    find: Callable[[Namespace, Scalar, Flag], Scalar]
+
+
+Left: TypeAlias = Callable[[Namespace, Scalar], Scalar] | BranchedLeft
+"""What a process leaves at a distance from its finish line."""
+
+
+def find_left(left: Left, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
+    """What the forward process leaves where `ahead`, else the reverse one."""
+    return left.find(xp, distance, ahead) if isinstance(left, BranchedLeft) else left(xp, distance)
+
+
 LegStart: TypeAlias = Any
 """Where a leg starts, a memory or a place on the way: it has a `stress` [Pa] and a `temperature` [K]."""
 
 
+class PathPoint(NamedTuple):
+    """A point on the way."""
+
+    stress: Scalar
+    temperature: Scalar
+
+
 class StripCurve(NamedTuple):
-    """How tension bends the lines of a strip and spreads them about its middle."""
+    """Tension adds bend · σ (σ - 2 calm) [K/Pa², Pa] to the middle of a strip, growth · σ [K/Pa] to start - finish."""
 
     bend: Scalar
-    """c [K/Pa²] of what stress adds to the middle, c σ (σ - 2 σ_cal)."""
     calm: Scalar
-    """σ_cal [Pa], where the bend changes no slope."""
     growth: Scalar
-    """Growth of start less finish [K/Pa]; negative for the reverse process."""
 
 
 STRAIGHT = StripCurve(0.0, 0.0, 0.0)
@@ -80,8 +97,8 @@ class Strip(NamedTuple):
     curve: StripCurve | tuple[()] = ()
     """Where lines are not straight."""
 
-    def distance(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Distance to the finish line in widths of the strip [-]; unlimited."""
+    def distance(self, stress: Scalar, temperature: Scalar, xp: Namespace = floats) -> Scalar:
+        """Distance to the finish line in widths of the strip [-]; unlimited. The namespace is that of curved lines."""
         straight = (temperature - stress * self.per_slope - self.finish) * self.per_width
         if not self.curve:
             return straight
@@ -89,49 +106,40 @@ class Strip(NamedTuple):
         bend = self.curve.bend * tension * (tension - 2.0 * self.curve.calm)
         return 0.5 + ((straight - 0.5) * width - bend) / (width + self.curve.growth * tension)
 
-    def find_level(self, xp: Namespace, start: LegStart, stress: Scalar, ends: LegEnds, level: Scalar) -> Scalar:
-        """Share of a leg after which the distance, which falls all along it, has come down to a level; 1 if nowhere.
+    def find_level(
+        self, xp: Namespace, start: LegStart, stress: Scalar, ends: tuple[Scalar, Scalar], level: Scalar
+    ) -> Scalar:
+        """Share of a leg after which a distance that falls all along it comes down to a level; 1 if nowhere.
 
         It is the root of (distance - level) · width, a parabola over the leg.
         """
-        first, last = ends
-        size, square = self._sizes(xp, start.stress, stress), self._bulge(xp, start.stress, stress)
-        above, below = (first - level) * size[0], (last - level) * size[1]
+        before, after, square = self._describe_leg(xp, start.stress, stress)
+        above, below = (ends[0] - level) * before, (ends[1] - level) * after
         slope = below - above - square
-        root = xp.sqrt(xp.maximum(slope * slope - 4.0 * above * square, 0.0))
-        falls, arched = slope < 0.0, square < 0.0
-        late = (slope + root) / xp.where(arched, -2.0 * square, 1.0)
+        root, falls = xp.sqrt(xp.maximum(slope * slope - 4.0 * above * square, 0.0)), slope < 0.0
+        late = (slope + root) / xp.where(square < 0.0, -2.0 * square, 1.0)
         share = xp.where(falls, 2.0 * above / xp.where(falls, root - slope, 1.0), late)
-        share = xp.where(last < level, xp.clip(share, 0.0, 1.0), 1.0)
-        return xp.where(first > level, share, 0.0)
+        return xp.where(ends[0] > level, xp.where(ends[1] < level, xp.clip(share, 0.0, 1.0), 1.0), 0.0)
 
-    def turn_of_leg(self, xp: Namespace, start: LegStart, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Share of a leg, all of it in tension, after which the distance of curved lines may turn; 1 if nowhere.
+    def find_turn(self, xp: Namespace, start: LegStart, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Share of a leg of one sign after which the distance may turn; 1 if nowhere.
 
         There (distance - ½) = N/W is level, N'W = N W'; of both roots the one on this side of W = 0.
         """
-        before, after = self._sizes(xp, start.stress, stress)
-        wide, square = after - before, self._bulge(xp, start.stress, stress)
-        here = (self.distance(xp, start.stress, start.temperature) - 0.5) * before
-        there = (self.distance(xp, stress, temperature) - 0.5) * after
-        level = (there - here - square) * before - wide * here
-        bent = square * before
-        root = xp.sqrt(xp.maximum(bent * bent - square * wide * level, 0.0))
+        before, after, square = self._describe_leg(xp, start.stress, stress)
+        here = (self.distance(start.stress, start.temperature, xp) - 0.5) * before
+        there, bent = (self.distance(stress, temperature, xp) - 0.5) * after, square * before
+        level = (there - here - square) * before - (after - before) * here
+        root = xp.sqrt(xp.maximum(bent * bent - square * (after - before) * level, 0.0))
         down = bent + xp.where(square < 0.0, -root, root)
-        turns = xp.abs(down) > 0.0
-        share = -level / xp.where(turns, down, 1.0)
-        inside = xp.both(turns, xp.both(share > 0.0, share < 1.0))
-        return xp.where(inside, share, 1.0)
+        share = -level / xp.where(xp.abs(down) > 0.0, down, 1.0)
+        return xp.where(xp.both(share > 0.0, xp.abs(down) > 0.0), xp.minimum(share, 1.0), 1.0)
 
-    def _sizes(self, xp: Namespace, *stresses: Scalar) -> list[Scalar]:
-        """Widths [K] under stresses, positive."""
-        growth = (self.curve or STRAIGHT).growth
-        return [xp.abs(1.0 / self.per_width + growth * xp.maximum(s, 0.0)) for s in stresses]
-
-    def _bulge(self, xp: Namespace, before: Scalar, stress: Scalar) -> Scalar:
-        """What is square in the share of a leg of (distance - level) · width [K]."""
-        more = xp.maximum(stress, 0.0) - xp.maximum(before, 0.0)
-        return xp.where(self.per_width > 0.0, -1.0, 1.0) * (self.curve or STRAIGHT).bend * more * more
+    def _describe_leg(self, xp: Namespace, before: Scalar, stress: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+        """Widths at both ends of a leg, positive, and what is square in the share of it of N [K]."""
+        curve, first, last = self.curve or STRAIGHT, xp.maximum(before, 0.0), xp.maximum(stress, 0.0)
+        one, other = (xp.abs(1.0 / self.per_width + curve.growth * tension) for tension in (first, last))
+        return one, other, xp.where(self.per_width > 0.0, -1.0, 1.0) * curve.bend * (last - first) * (last - first)
 
 
 class OneFractionMemory(NamedTuple):
@@ -166,10 +174,10 @@ class OneFractionProcess(NamedTuple):
     curve: StripCurve | tuple[()] = ()
     """Where lines are not straight."""
 
-    def distance(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> Scalar:
+    def distance(self, stress: Scalar, temperature: Scalar, xp: Namespace = floats) -> Scalar:
         """Distance to the finish line of the process in widths of its strip [-]; unlimited."""
         strip = Strip(self.finish, self.per_width, self.per_slope, curve=self.curve)
-        return strip.distance(xp, stress, temperature)
+        return strip.distance(stress, temperature, xp)
 
 
 def compute_cosine_rest(xp: Namespace, distance: Scalar) -> Scalar:
@@ -213,8 +221,8 @@ def follow_strip(
     What differs by rounding alone is equal: a point so near to the start line lies on it, and
     a leg that gets no further into the strip does not pass.
     """
-    first = strip.distance(xp, start.stress, start.temperature)
-    last = strip.distance(xp, stress, temperature)
+    first = strip.distance(start.stress, start.temperature, xp)
+    last = strip.distance(stress, temperature, xp)
     travel, hair = first - last, round_off(xp, strip, start, stress, temperature)
     moving = travel > hair
     safe = xp.where(moving, travel, 1.0)
@@ -282,10 +290,10 @@ def select_process(
     scale, course = begin, ()
     if memory.points:
         turns = xp.both(xp.abs(direction) > 0.0, memory.branch * direction <= 0.0)
-        share = left(xp, limit_distance(xp, begin, forward.endless), ahead)
+        share = find_left(left, xp, limit_distance(xp, begin, forward.endless), ahead)
         scale, course = memory.scale, select_course(xp, memory.points, ahead, turns, share, [remaining])
     elif not forward.endless:
-        share = left(xp, begin, ahead)
+        share = find_left(left, xp, begin, ahead)
         usable = share > 0.0
         scale = xp.where(usable, remaining / xp.where(usable, share, 1.0), 0.0)
     if rule == RESUME:
@@ -317,14 +325,14 @@ def follow_process(
     xp: Namespace, left: Left, move: OneFractionProcess, stress: Scalar, temperature: Scalar, endless: bool = False
 ) -> Scalar:
     """Martensite fraction if the move ends at (stress, temperature)."""
-    distance, ahead = move.distance(xp, stress, temperature), move.direction > 0.0
+    distance, ahead = move.distance(stress, temperature, xp), move.direction > 0.0
     if move.course:
-        share = left(xp, limit_distance(xp, distance, endless), ahead)
+        share = find_left(left, xp, limit_distance(xp, distance, endless), ahead)
         (wanted,) = compute_rests(xp, move.course, share, [move.remaining])
     elif endless:
-        wanted = move.remaining * left(xp, 1.0 - xp.maximum(move.scale - distance, 0.0), ahead)
+        wanted = move.remaining * find_left(left, xp, 1.0 - xp.maximum(move.scale - distance, 0.0), ahead)
     else:
-        wanted = move.scale * left(xp, xp.clip(distance, 0.0, 1.0), ahead)
+        wanted = move.scale * find_left(left, xp, xp.clip(distance, 0.0, 1.0), ahead)
         wanted = xp.minimum(wanted, move.remaining)
     remaining = xp.where(xp.abs(move.direction) > 0.0, wanted, move.remaining)
     return xp.where(ahead, 1.0 - remaining, remaining)
@@ -343,7 +351,7 @@ def commit_move(
     acted = xp.abs(move.direction) > 0.0
     scale = move.scale
     if endless and not move.course:
-        scale = xp.minimum(scale, move.distance(xp, stress, temperature))
+        scale = xp.minimum(scale, move.distance(stress, temperature, xp))
     return OneFractionMemory(
         fraction=fraction,
         branch=xp.where(acted, move.direction, memory.branch),
@@ -366,7 +374,7 @@ def remember_points(
     if not before.points or not move.course:
         return after
     ahead = move.direction > 0.0
-    share = left(xp, limit_distance(xp, move.distance(xp, after.stress, after.temperature), endless), ahead)
+    share = find_left(left, xp, limit_distance(xp, move.distance(after.stress, after.temperature, xp), endless), ahead)
     turned, other = before.branch * move.direction < 0.0, xp.where(ahead, before.fraction, 1.0 - before.fraction)
     rest = xp.where(ahead, 1.0 - after.fraction, after.fraction)
     interrupts = xp.both(turned, other > GONE)
@@ -390,7 +398,7 @@ def relocate_memory(
     """
     ahead = memory.branch > 0.0
     before, after = (
-        xp.where(ahead, f.distance(xp, *point), r.distance(xp, *point))
+        xp.where(ahead, f.distance(*point, xp), r.distance(*point, xp))
         for f, r in [strips]
         for point in ((memory.stress, memory.temperature), (stress, temperature))
     )
@@ -399,7 +407,7 @@ def relocate_memory(
     else:
         was = xp.where(ahead, 1.0 - memory.fraction, memory.fraction)
         now = xp.where(ahead, 1.0 - fraction, fraction)
-        then, there = (left(xp, xp.clip(v, 0.0, 1.0), ahead) for v in (before, after))
+        then, there = (find_left(left, xp, xp.clip(v, 0.0, 1.0), ahead) for v in (before, after))
         some = xp.both(was > LEAST, now > LEAST)
         grown = xp.where(some, now / xp.maximum(was, LEAST), 1.0)
         inside = xp.both(then > LEAST, there > LEAST)
@@ -423,7 +431,7 @@ def relocate_points(
 
     def compare_rests(strip: Strip, forth: bool, was: Scalar, now: Scalar) -> tuple[Scalar, Scalar]:
         before, there = (
-            left(xp, limit_distance(xp, strip.distance(xp, at.stress, at.temperature), strip.endless), forth)
+            find_left(left, xp, limit_distance(xp, strip.distance(at.stress, at.temperature, xp), strip.endless), forth)
             for at in (memory, after)
         )
         least = 0.0 if strip.endless else LEAST
@@ -445,7 +453,7 @@ def find_point_kinks(
         return []
     points, forth = memory.points, memory.branch > 0.0
     pairs = (ahead, True), (back, False)
-    shares = [left(xp, limit_distance(xp, one, endless), forward) for one, forward in pairs]
+    shares = [find_left(left, xp, limit_distance(xp, one, endless), forward) for one, forward in pairs]
     rest = xp.where(forth, 1.0 - memory.fraction, memory.fraction)
     wait = points.branch.lines[0].at(xp.where(forth, *shares)) - rest
     return [
@@ -475,15 +483,20 @@ def find_handover(
     return turning_point(xp, memory, stress, temperature, xp.where(two, done, 1.0))
 
 
+def find_zero_stress(xp: Namespace, start: LegStart, stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
+    """The point of a leg where its stress changes sign; its end if nowhere."""
+    crosses = start.stress * stress < 0.0
+    share = start.stress / xp.where(crosses, start.stress - stress, 1.0)
+    return turning_point(xp, start, stress, temperature, xp.where(crosses, share, 1.0))
+
+
 def find_turn(
     xp: Namespace, strips: tuple[Strip, Strip], start: LegStart, stress: Scalar, temperature: Scalar
 ) -> tuple[Scalar, Scalar]:
     """The first point of a leg where curved lines make it turn back, or where tension begins or ends; else its end."""
-    crosses = start.stress * stress < 0.0
-    first = xp.where(crosses, start.stress / xp.where(crosses, start.stress - stress, 1.0), 1.0)
-    for strip in strips:
-        first = xp.minimum(first, strip.turn_of_leg(xp, start, stress, temperature))
-    return turning_point(xp, start, stress, temperature, first)
+    end = find_zero_stress(xp, start, stress, temperature)
+    turns = [strip.find_turn(xp, start, *end) for strip in strips]
+    return turning_point(xp, start, *end, xp.minimum(*turns))
 
 
 def turning_point(

@@ -6,14 +6,18 @@ modulus (`kinetics.diagram`); the history rules are those of `kinetics.history`.
 """
 
 from abc import abstractmethod
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
+from martensite.base.parameters import param
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics import history
+from martensite.physics.kinetics.asymmetry import NONE, TURNS, compare_parts_left
 from martensite.physics.kinetics.diagram import AbstractPhaseDiagram
 from martensite.physics.kinetics.history import (
     RESUME,
     RETURN_POINT,
+    STRAIGHT,
+    BranchedLeft,
     OneFractionMemory,
     OneFractionProcess,
     Strip,
@@ -22,8 +26,7 @@ from martensite.physics.kinetics.history import (
 from martensite.physics.kinetics.return_points import start_points
 from martensite.physics.laws.base import Doubt, Fractions
 
-TURNS = 3
-"""Points of a leg at which curved lines may make it turn."""
+Point: TypeAlias = tuple[Scalar, Scalar]
 
 
 class AbstractStripLaw(AbstractPhaseDiagram):
@@ -31,6 +34,11 @@ class AbstractStripLaw(AbstractPhaseDiagram):
 
     endless: ClassVar[bool] = False
     """True if processes go on beyond their finish lines and forget where they began."""
+    keeps_forward = True
+
+    H_k: Scalar = param(
+        "1/Pa", "how fast H grows from H_min to eps_L with stress", low=0.0, high=1e-4, default=1e-6, typical=1e-5
+    )
 
     @abstractmethod
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
@@ -57,28 +65,21 @@ class AbstractStripLaw(AbstractPhaseDiagram):
 
     def doubt(self) -> Doubt | None:
         """Where the strips overlap."""
-        forward, reverse = self.curves()
-        if forward and reverse:
-            return self._doubt_curved(forward, reverse)
-        if not self.C_A > self.C_M or self.A_s < self.M_s:
-            return None
-        limit = (self.A_s - self.M_s) / (1.0 / self.C_M - 1.0 / self.C_A)
-        return Doubt(
-            limit,
-            f"C_A > C_M: the strips overlap above {limit / 1e6:.4g} MPa, where the loop work "
-            "shrinks with temperature; prefer equal slopes there.",
-        )
-
-    def _doubt_curved(self, forward: StripCurve, reverse: StripCurve) -> Doubt | None:
-        """Where A_s and M_s meet: their gap is a parabola in stress."""
+        forward, reverse = (curve or STRAIGHT for curve in self.curves())
         gap, bend = self.A_s - self.M_s, reverse.bend - forward.bend
         slope = 1.0 / self.C_A - 1.0 / self.C_M - 2.0 * bend * forward.calm - 0.5 * (forward.growth - reverse.growth)
         square = slope * slope - 4.0 * bend * gap
         falls = -slope + square**0.5 if square >= 0.0 else 0.0
-        if gap <= 0.0 or falls <= 0.0:
+        if gap < 0.0 or falls <= 0.0:
             return None
         limit = 2.0 * gap / falls
-        return Doubt(limit, f"the strips overlap above {limit / 1e6:.4g} MPa, where loops lose their width.")
+        return Doubt(
+            limit,
+            f"C_A > C_M: the strips overlap above {limit / 1e6:.4g} MPa, where the loop work "
+            "shrinks with temperature; prefer equal slopes there."
+            if self.C_A > self.C_M
+            else f"the strips overlap above {limit / 1e6:.4g} MPa.",
+        )
 
     def strips(self) -> tuple[Strip, Strip]:
         """The strips of the forward and of the reverse transformation."""
@@ -87,6 +88,47 @@ class AbstractStripLaw(AbstractPhaseDiagram):
             Strip(self.M_f, 1.0 / (self.M_s - self.M_f), 1.0 / self.C_M, self.endless, forward),
             Strip(self.A_f, 1.0 / (self.A_s - self.A_f), 1.0 / self.C_A, self.endless, reverse),
         )
+
+    def reverse_strip(self) -> Strip:
+        """The one of the reverse transformation."""
+        return self.strips()[1]
+
+    def find_stop(self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar) -> Point:
+        """Where one process may follow another on a leg, or a line turns it; its end if nowhere."""
+        end = stress, temperature
+        if self.curves()[0]:
+            end = history.find_turn(xp, self.strips(), memory, *end)
+        return history.find_handover(xp, *self.strips(), memory, *end)
+
+    def compare_rests(self, xp: Namespace, distance: Scalar, reach: Scalar) -> Scalar:
+        """What reverse transformation leaves as it comes from one distance to another, as a share."""
+        if self.endless:
+            return self.left_of(xp, 1.0 - (reach - distance), False)
+        return compare_parts_left(xp, *(self.left_of(xp, xp.clip(v, 0.0, 1.0), False) for v in (distance, reach)))
+
+    def find_rests(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
+        """What cooling to a point leaves of all that is not oriented, and of austenite [-]."""
+        distance = self.strips()[0].distance(stress, temperature, xp)
+        rest = self.left_of(xp, history.limit_distance(xp, distance, self.endless), True)
+        return rest, rest
+
+    def orient_martensite(
+        self, xp: Namespace, side: Scalar, move: OneFractionProcess, start: Point, end: Point
+    ) -> tuple[Scalar, Scalar]:
+        """H/ε_L at the middle of what a move passes of the strip [-], and of martensite that stress does not form."""
+        first, last = move.distance(*start, xp), move.distance(*end, xp)
+        safe = xp.where(first > last, first - last, 1.0)
+        places = [xp.clip((first - level) / safe, 0.0, 1.0) for level in (1.0, -history.FARTHEST * self.endless)]
+        middle = start[0] + 0.5 * (places[0] + places[1]) * (end[0] - start[0])
+        return self._orient(xp, side, xp.maximum(middle, 0.0)), 0.0
+
+    def _orient(self, xp: Namespace, side: Scalar, size: Scalar) -> Scalar:
+        return 1.0 - (1.0 - side * self.H_min / self.eps_L) * xp.exp(-self.H_k * size)
+
+    def trained_share(self, xp: Namespace, stress: Scalar) -> Scalar:
+        """1, or H/ε_L along tension if compression counts [-]."""
+        side = xp.where(stress < 0.0, -1.0, 1.0)
+        return 1.0 if self.compression == NONE else side * self._orient(xp, side, xp.abs(stress))
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> OneFractionMemory:
         """Memory of a wire that has no history; all martensite counts as oriented."""
@@ -98,8 +140,8 @@ class AbstractStripLaw(AbstractPhaseDiagram):
     ) -> OneFractionMemory:
         """The branch in progress goes on from another fraction at another point."""
         there = fractions.martensite, stress, temperature
-        after = history.relocate_memory(xp, self.left_of, self.strips(), memory, *there)
-        return history.relocate_points(xp, self.left_of, self.strips(), memory, after)
+        after = history.relocate_memory(xp, BranchedLeft(self.left_of), self.strips(), memory, *there)
+        return history.relocate_points(xp, BranchedLeft(self.left_of), self.strips(), memory, after)
 
     def fractions(self, memory: OneFractionMemory) -> Fractions:
         """All martensite counts as oriented."""
@@ -107,20 +149,20 @@ class AbstractStripLaw(AbstractPhaseDiagram):
 
     def find_forgotten_change(self, memory: OneFractionMemory) -> Scalar | None:
         """By return points that found no place any more [-]."""
-        return memory.points.forgotten if memory.points else None
+        return memory.points.forgotten if self.compression == NONE and memory.points else None
 
     def select(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
     ) -> OneFractionProcess:
         """The process set off by a straight move to (stress [Pa], temperature [K])."""
         rule = self.history
-        return history.select_process(xp, rule, self.left_of, *self.strips(), memory, stress, temperature)
+        return history.select_process(xp, rule, BranchedLeft(self.left_of), *self.strips(), memory, stress, temperature)
 
     def follow(
         self, xp: Namespace, move: OneFractionProcess, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
-        fraction = history.follow_process(xp, self.left_of, move, stress, temperature, self.endless)
+        fraction = history.follow_process(xp, BranchedLeft(self.left_of), move, stress, temperature, self.endless)
         return Fractions(fraction, fraction)
 
     def commit(
@@ -136,7 +178,7 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         """The memory after the accepted move."""
         fraction = fractions.martensite
         after = history.commit_move(xp, memory, move, fraction, stress, temperature, self.endless)
-        return history.remember_points(xp, self.left_of, memory, move, after, self.endless)
+        return history.remember_points(xp, BranchedLeft(self.left_of), memory, move, after, self.endless)
 
     def kinetics(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar, dt: Scalar
@@ -163,7 +205,7 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         """The start and finish lines of both strips, and where an interrupted branch goes on."""
         forward, reverse = self.strips()
         at = memory.stress, memory.temperature
-        ahead, back = forward.distance(xp, *at), reverse.distance(xp, *at)
+        ahead, back = forward.distance(*at, xp), reverse.distance(*at, xp)
         # a complete transformation is one until its finish line is passed the other way
         ahead = xp.where(xp.either(memory.fraction < 1.0, ahead < 0.0), ahead, 2.0)
         back = xp.where(xp.either(memory.fraction > 0.0, back < 0.0), back, 2.0)
@@ -172,7 +214,7 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         if not self.endless:
             lines += [ahead, back]
         if memory.points:
-            return lines + history.find_point_kinks(xp, self.left_of, self.endless, memory, ahead, back)
+            return lines + history.find_point_kinks(xp, BranchedLeft(self.left_of), self.endless, memory, ahead, back)
         if self.endless:
             wait = own - memory.scale
         else:
@@ -186,8 +228,8 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         self, xp: Namespace, memory: OneFractionMemory, move: OneFractionProcess, stress: Scalar, temperature: Scalar
     ) -> Scalar:
         """Share of the selected strip crossed by the move [-]; tails do not count."""
-        start = move.distance(xp, memory.stress, memory.temperature)
-        end = move.distance(xp, stress, temperature)
+        start = move.distance(memory.stress, memory.temperature, xp)
+        end = move.distance(stress, temperature, xp)
         if self.endless:
             start, end = xp.clip(start, 0.0, 1.0), xp.clip(end, 0.0, 1.0)
         return xp.where(xp.abs(move.direction) > 0.0, xp.abs(start - end), 0.0)

@@ -44,13 +44,14 @@ package's extensions.
 """
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics.asymmetry import NONE
 from martensite.physics.kinetics.diagram import WIDTHS, AbstractShapes, AbstractTwoPhaseLaw, require_order
 from martensite.physics.kinetics.hardening import apply_waist, compute_hardening, remove_waist, waist_energy
 from martensite.physics.laws.base import Doubt
@@ -133,6 +134,7 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw, AbstractShapes):
     sigma_cal: Scalar = param("Pa", "stress at which both slopes hold", low=0.0, high=2e9, typical="150 MPa")
     H_min: Scalar = param("1", "transformation strain up to sigma_crit", low=0.0, high=0.2, typical=0.05)
     H_sat: Scalar = param("1", "transformation strain at high stress", above=0.0, high=0.2, typical=0.05)
+    H_sat_compression: Scalar = param("1", "H_sat in compression; 0: as in tension", low=0.0, high=0.2, default=0.0)
     H_k: Scalar = param("1/Pa", "rate at which H approaches H_sat", low=0.0, high=1e-5, typical="2e-8 1/Pa")
     sigma_crit: Scalar = param("Pa", "stress at which H begins to grow", low=0.0, high=1e9, default=0.0)
     hardening: str = option(
@@ -148,6 +150,15 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw, AbstractShapes):
         default="work",
     )
 
+    sided = (*AbstractTwoPhaseLaw.sided, "H_sat")
+    by_ratios = False
+
+    def on_side(self, xp: Namespace, side: Scalar) -> Self:
+        """The law of tension [+1] or compression [-1]; what stress does not orient stays on the side of tension."""
+        law = super().on_side(xp, side)
+        law.__dict__["H_min"] = side * self.H_min
+        return law
+
     def check(self) -> None:
         """Raise `ParameterError` where the surfaces have no width, no order or no slope."""
         require_order(self, *self.orders)
@@ -155,7 +166,8 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw, AbstractShapes):
             raise ParameterError(
                 f"Parameter `H_min` of `lagoudas` must not exceed `H_sat`, but is {self.H_min} against {self.H_sat}."
             )
-        if not self._work(floats, self.sigma_cal) > 0.0:
+        sides = (1.0,) if self.compression == NONE else (1.0, -1.0)
+        if not all(self.on_side(floats, side)._work(floats, self.sigma_cal) > 0.0 for side in sides):
             raise ParameterError(
                 "Parameter `sigma_cal` of `lagoudas` must be a stress at which H(sigma)*sigma "
                 f"grows, but is {self.sigma_cal} Pa, where H = {self.H_min}."
@@ -272,7 +284,10 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw, AbstractShapes):
 
     def trained_share(self, xp: Namespace, stress: Scalar) -> Scalar:
         """H(σ)/H_sat [-]."""
-        return self.current(xp, stress) / self.H_sat
+        if self.compression == NONE:
+            return self.current(xp, stress) / self.H_sat
+        side = xp.where(stress < 0.0, -1.0, 1.0)
+        return side * self.on_side(xp, side).trained_share(xp, side * stress)
 
     def forward_hardening(self, xp: Namespace, fraction: Scalar) -> Scalar:
         """h_f(ξ) [-]."""

@@ -25,6 +25,7 @@ from martensite.physics.kinetics.history import (
     LEAST,
     RESTART,
     RETURN_POINT,
+    PathPoint,
     Strip,
     StripLeg,
     compare_parts,
@@ -93,13 +94,6 @@ class TwoFractionMemory(NamedTuple):
     """Under the rule return-point."""
 
 
-class PathPoint(NamedTuple):
-    """A point on the way."""
-
-    stress: Scalar
-    temperature: Scalar
-
-
 class TwoFractionDirection(NamedTuple):
     """The direction selected for a leg, and all that `follow` needs of it."""
 
@@ -161,8 +155,8 @@ def relocate_memory(
     """
 
     def shifted(strip: Strip, reach: Scalar, bend: Scalar) -> Scalar:
-        before = strip.distance(xp, memory.stress, xp.maximum(memory.temperature, bend))
-        after = strip.distance(xp, stress, xp.maximum(temperature, bend))
+        before = strip.distance(memory.stress, xp.maximum(memory.temperature, bend))
+        after = strip.distance(stress, xp.maximum(temperature, bend))
         return xp.where(reach < UNSET, xp.clip(reach + (after - before), 0.0, UNSET), reach)
 
     reaches = (
@@ -175,7 +169,7 @@ def relocate_memory(
     of_twins, origin = memory.recalled.twinned > 0.5, (memory.stress, memory.temperature)
 
     def compare_shares(main: Strip, bend: Scalar) -> Scalar:
-        distances = (main.distance(xp, s, xp.maximum(t, bend)) for s, t in (origin, (stress, temperature)))
+        distances = (main.distance(s, xp.maximum(t, bend)) for s, t in (origin, (stress, temperature)))
         before, after = (compute_cosine_rest(xp, xp.clip(v, 0.0, 1.0)) for v in distances)
         return compare_parts(xp, before, after, LEAST)
 
@@ -331,9 +325,9 @@ def compute_distances(
     """Least distance of S or reverse on a leg that ends there, and the one of T at its end."""
     strip = move.strip()
     crosses, _, turn = find_kink(xp, move.bend, PathPoint(move.stress, move.temperature), stress, temperature)
-    end = strip.distance(xp, stress, xp.maximum(temperature, move.bend))
-    least = xp.where(crosses, xp.minimum(end, strip.distance(xp, turn, move.bend)), end)
-    cooling = diagram.cooling.distance(xp, stress, temperature)
+    end = strip.distance(stress, xp.maximum(temperature, move.bend))
+    least = xp.where(crosses, xp.minimum(end, strip.distance(turn, move.bend)), end)
+    cooling = diagram.cooling.distance(stress, temperature)
     return xp.clip(least, 0.0, 1.0), xp.clip(cooling, 0.0, 1.0)
 
 
@@ -459,8 +453,8 @@ def compute_crossing(
     """Largest share of a strip that the selected direction crosses on a move [-]."""
     first, cooled = compute_distances(xp, diagram, move, stress, temperature)
     warm = xp.maximum(memory.temperature, move.bend)
-    begin = xp.clip(move.strip().distance(xp, memory.stress, warm), 0.0, 1.0)
-    before = xp.clip(diagram.cooling.distance(xp, memory.stress, memory.temperature), 0.0, 1.0)
+    begin = xp.clip(move.strip().distance(memory.stress, warm), 0.0, 1.0)
+    before = xp.clip(diagram.cooling.distance(memory.stress, memory.temperature), 0.0, 1.0)
     crossed = xp.maximum(begin - first, 0.0)
     both = xp.maximum(crossed, before - cooled)
     return xp.where(move.direction > 0.0, both, xp.where(move.direction < 0.0, crossed, 0.0))

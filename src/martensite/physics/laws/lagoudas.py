@@ -35,6 +35,7 @@ from typing import ClassVar, NamedTuple
 
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics.diagram import find_side_strain
 from martensite.physics.kinetics.hardening import apply_waist, compute_hardening, hardening_integral, invert_hardening
 from martensite.physics.kinetics.surfaces import AbstractSurfaceLaw, StraightPath, WorkScale
 from martensite.physics.laws.base import LAWS, Fractions
@@ -215,7 +216,7 @@ class Lagoudas(AbstractSurfaceLaw):
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
         """H_sat·oriented + [α_A + ξ (α_M - α_A)] (T - T_ref) [-]."""
         alpha = self.alpha_A + fractions.martensite * (self.alpha_M - self.alpha_A)
-        return self.H_sat * fractions.oriented + alpha * (temperature - self.T_ref)
+        return find_side_strain(xp, self, "H_sat", fractions) + alpha * (temperature - self.T_ref)
 
     def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
         """1/E_A + ξ (1/E_M - 1/E_A) [1/Pa]."""

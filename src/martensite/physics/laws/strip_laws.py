@@ -108,12 +108,16 @@ class LiangRogers(AbstractStripLaw, AbstractShapes):
             return self.mixture(fractions)
         return self.E_A if self.modulus == "austenite" else self.E_M
 
-    def transformation_strain(self, fractions: Fractions) -> Scalar:
+    def transformation_strain(self, xp: Namespace, fractions: Fractions) -> Scalar:
         """ε_L ξ, or -Ω ξ/E with Ω = -ε_L E(1) [-]."""
-        strain = super().transformation_strain(fractions)
+        strain = super().transformation_strain(xp, fractions)
         if self.transformation == "strain":
             return strain
         return strain * (self.young(Fractions(1.0, 1.0)) / self.young(fractions))
+
+
+ENOUGH = 2e9
+"""Stress [Pa] up to which it is looked for lines that fall."""
 
 
 def _find_fall(slope: float, curve: StripCurve) -> float | None:
@@ -121,7 +125,8 @@ def _find_fall(slope: float, curve: StripCurve) -> float | None:
     rate, more = 1.0 / slope - 2.0 * curve.bend * curve.calm - 0.5 * abs(curve.growth), 2.0 * curve.bend
     if rate < 0.0:
         return 0.0
-    return -rate / more if more < 0.0 else None
+    falls = -rate / more if more < 0.0 else ENOUGH
+    return falls if falls < ENOUGH else None
 
 
 STEEPNESS = 2.0 * math.log(10.0)
