@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from benchmarks.engines import Engine
-from benchmarks.inputs import Drive, aligned
+from benchmarks.inputs import Drive, aligned, level
 from benchmarks.problem_a import THETA, Wire
 from martensite.actuators.assembly import System
 from martensite.actuators.elements.wire import Wire as Element
@@ -229,13 +229,17 @@ class Volts(AbstractWaveform):
 
     drive: Drive = part("what is played")
 
+    def value(self, time: float) -> float:
+        """The voltage at a time [s]."""
+        return math.sqrt(level(self.drive, time))
+
     def segments(self, begin: float) -> Iterator[Segment]:
         """The mean of the tones, or every level."""
         if not self.drive.edges:
             yield Segment(0.0, 2.8 * 0.66)
             return
-        for edge, level in zip(self.drive.edges, self.drive.levels, strict=True):
-            yield Segment(edge, math.sqrt(level))
+        for edge, square in zip(self.drive.edges, self.drive.levels, strict=True):
+            yield Segment(edge, math.sqrt(square))
 
     def tones(self) -> tuple[Tone, ...]:
         """Two, if there are no levels."""

@@ -1,5 +1,7 @@
 """The section `laws`: every registered law along a path of 1000 steps, beside simcoon.
 
+And the section `history`: what the memory of a law costs.
+
 What: single runs as a user makes them, and batches on JAX and on SIMD lanes of C, each against the
 CPU time of simcoon's path of as many steps, measured in the same rounds. simcoon runs its own
 alloy and model: paths are compared, not results. A big batch is cut to what takes about a second.
@@ -9,16 +11,21 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from benchmarks.engines import OURS
 from benchmarks.harness import Candidate, Timing, measure
+from benchmarks.inputs import sine
 from benchmarks.law_paths import LANES, Case, by_jax, by_simd, case, judged, lanes_of, single
+from benchmarks.ours import Volts, system
 from benchmarks.peers import simcoon_path
+from benchmarks.problem_a import Wire
 from benchmarks.report import Table
 from benchmarks.sections import Options, section
+from martensite.scenario.running import run
 
 LOOPS = ("superelastic", "thermal")
 SINGLE = {"floats": "floats", "C": "c"}
@@ -141,3 +148,42 @@ def laws(options: Options, steps: int = 1000, names: Sequence[str] = ()) -> list
     if ours(options):
         tables.append(Table("Laws: the better batch", [verdict(n, rows) for n in chosen]))
     return tables
+
+
+@section
+def history(options: Options, runs: int = 512, duration: float = 45.0) -> list[Table]:
+    """Every history rule on the wire of problem A under its two-tone drive, in C, in rounds with each other.
+
+    One run, and a batch of diameters on steps of 20 ms and to the usual tolerance.
+    """
+    nominal, drive = system(Wire()), Volts(drive=sine(duration))
+    element = nominal.element
+    wires = 0.381e-3 * np.random.default_rng(0).uniform(0.98, 1.02, runs)
+    ways: dict[str, dict[str, Any]] = {
+        "one run": {},
+        "batch, 20 ms": {"over": {"element.diameter": wires}, "step": 20e-3},
+        "batch, tolerance": {"over": {"element.diameter": wires}},
+    }
+    rows = []
+    for way, how in ways.items():
+        made = [
+            Candidate(
+                rule,
+                partial(
+                    run,
+                    nominal.with_parts(element=element.with_parts(law=element.law.with_parts(history=rule))),
+                    drive,
+                    duration,
+                    samples=101,
+                    runtime="c",
+                    **how,
+                ),
+                per=runs if "over" in how else 1,
+            )
+            for rule in ("resume", "restart", "return-point")
+        ]
+        rows += [
+            {"runs": way, "rule": t.name, "cpu [us]": 1e6 * t.cpu, "spread": t.spread, "ratio": t.ratio}
+            for t in measure(made, options.repeats)
+        ]
+    return [Table("Memory of a law", rows, "CPU time per run of Liang-Rogers; ratio to resume, of the rounds.")]

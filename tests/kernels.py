@@ -356,8 +356,9 @@ KERNELS: dict[str, dict[str, Kernel]] = {
     "resistance": {
         "resistance": Kernel(
             {"x": FRACTION, "strain": (-0.01, 0.08), "T": TEMPERATURE, "area": (1e-9, 1e-6), "length": (0.05, 1.0)},
-            lambda resistance, xp, x, strain, T, area, length: resistance.resistance(
-                xp, x, strain, T, Conductor(area, length)
+            lambda resistance, xp, x, strain, T, area, length: (
+                resistance.resistance(xp, x, strain, T, Conductor(area, length)),
+                resistance.mix_phases(xp, x, 0.7 * (1.0 - x), strain, T, Conductor(area, length)),
             ),
         )
     },

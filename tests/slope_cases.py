@@ -148,8 +148,8 @@ def inside(system: AbstractSystem) -> AbstractSystem:
     """A twin whose phases at the start and strains are inside their ranges, where its law allows it."""
     for ending, value in INSIDE.items():
         paths = [leaf.path for leaf in system.leaves() if leaf.path.endswith(ending)]
-        one_way = ending == "initial_oriented" and any(getattr(part, "one_way", False) for part in system.tree())
-        system = system if one_way else system.with_values(dict.fromkeys(paths, value))
+        bare = ending == "initial_oriented" and not all(getattr(part, "twins", True) for part in system.tree())
+        system = system if bare else system.with_values(dict.fromkeys(paths, value))
     return system
 
 

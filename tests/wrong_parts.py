@@ -177,6 +177,13 @@ class Hurried(LiangRogers):
         return Fractions(*(x * (1.0 - 0.01 * xp.minimum(dt, 1.0)) for x in found))
 
 
+class Unclosed(LiangRogers):
+    """Remembers no return point."""
+
+    def commit(self, xp: Any, memory: Any, *move: Any) -> Any:
+        return super().commit(xp, memory, *move)._replace(points=memory.points)
+
+
 class Softening(LiangRogers):
     """Gets shorter under more stress."""
 
@@ -509,6 +516,7 @@ WRONG: dict[str, list[Any]] = {
         build_example(Growing),
         build_example(Careless),
         build_example(Hurried),
+        build_example(Unclosed, history="return-point"),
         build_example(Softening),
         build_example(Backwards),
         build_example(builders.PrintedFormula, history="restart"),

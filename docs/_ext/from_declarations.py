@@ -20,6 +20,8 @@ import parts
 
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.control.loop.parts import MountedSensor
+from martensite.physics.laws.base import LAWS
+from martensite.physics.laws.wear import Wear
 from martensite.physics.thermal.base import Environment
 from martensite.scenario.bench import BenchSettings
 from martensite.scenario.guard import FromPlant
@@ -27,6 +29,8 @@ from martensite.scenario.scenario import Run
 
 DRAWN = ("migaone", "wire-heating", "platform", "sommerfeld", "finger", "finger-calibration", "hammerstein-wiener")
 """Studies whose figure is shown; the others need a record that may be absent."""
+PAGES = ("brinson", "elahinia", "lagoudas", "liang-rogers", "mas", "mas-hybrid", "mas-polycrystal", "tanaka")
+"""Laws whose page lists their parameters."""
 SECTIONS: dict[str, Callable[[], str]] = {
     "parts": parts.all_parts,
     "blocks": blocks.all_blocks,
@@ -39,6 +43,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "commands": commands.all_commands,
     "bibliography": bibtex.bibliography,
     **{f"figure-{name}": partial(parts.figure, name) for name in DRAWN},
+    **{f"law-{name}": partial(parts.parameters_of, LAWS[name]) for name in PAGES},
     "studies": parts.all_studies,
     "run": lambda: parts.parameters_of(Run),
     "bench": lambda: parts.parameters_of(BenchSettings),
@@ -46,6 +51,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "mounted": lambda: parts.parameters_of(MountedSensor),
     "environment": lambda: parts.parameters_of(Environment),
     "limits": lambda: parts.parameters_of(ElementLimits),
+    "wear": lambda: parts.parameters_of(Wear),
     "public-names": parts.public_names,
     "app-addresses": bench.addresses,
     "app-calls": bench.calls,

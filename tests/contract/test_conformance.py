@@ -34,12 +34,13 @@ SLOW = {
     "lagoudas-none-smooth-curved",
     "lagoudas-symmetric-smooth-work",
     "lagoudas-asymmetric-smooth-work",
-    "brinson-symmetric-resume",
-    "elahinia-asymmetric-resume",
-    "tanaka-symmetric-resume-austenite",
-    "liang-rogers-symmetric-resume-austenite-strain-cosine-straight",
+    "brinson-resume-symmetric",
+    "elahinia-resume-asymmetric",
+    "tanaka-resume-symmetric-austenite",
+    "liang-rogers-resume-symmetric-austenite-strain-cosine-straight",
     "mas-polycrystal-constant-15-internal-stress",
 }
+SLOW |= {"r-phase-restart", "r-phase-return-point"}
 """Second forms of the laws that take longest."""
 REGISTRIES = list_registries(blocks=True)
 CASES = [

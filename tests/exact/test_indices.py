@@ -13,7 +13,7 @@ import pytest
 from sweep_tables import ANGLES, ishigami, ishigami_indices, table, with_status, with_value
 
 from martensite.base.errors import DataError, InputError, UnknownNameError
-from martensite.search.given_data_indices import (
+from martensite_sweep.given_data_indices import (
     estimate_delta,
     estimate_first_order,
     estimate_indices,

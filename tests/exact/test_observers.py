@@ -61,7 +61,7 @@ class TestMoved:
         for memory, x, more in itertools.product(histories(law), shares, kelvins):
             there = Fractions(x, x)
             put = law.relocate(floats, memory, there, 75e6, memory.temperature + more)
-            assert law.fractions(put) == pytest.approx(there, abs=1e-12)
+            assert law.fractions(put)[:2] == pytest.approx(there, abs=1e-12)
             assert (put.stress, put.temperature) == (75e6, memory.temperature + more)
             after, found = law.kinetics(floats, put, 80e6, put.temperature + 1.0, 0.1)
             assert np.isfinite(flatten_numbers(after)).all()

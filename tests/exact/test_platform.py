@@ -21,7 +21,6 @@ from platform_reference import Platform
 from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.actuators.elements.coil_spring import CoilSpring
 from martensite.actuators.mechanics.platform_kinematics import Plates, compute_length_slopes
-from martensite.actuators.mechanics.platform_workspace import compute_crosswise
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform
 from martensite.base.errors import ParameterError, SolveError
 from martensite.base.parameters import param
@@ -33,6 +32,7 @@ from martensite.physics.thermal.films import ConstantCooling
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
+from martensite_studies.platform.workspace import compute_crosswise
 
 MASS, GRAVITY = 0.075, 9.81
 RATE = 17e9 * WIRE**4 / (8 * TURNS * COIL**3)

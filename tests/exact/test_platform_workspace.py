@@ -17,7 +17,9 @@ from scipy.ndimage import label
 from scipy.optimize import brentq, fsolve
 
 from martensite.actuators.mechanics.platform_kinematics import Plates, compute_length_slopes, compute_lengths
-from martensite.actuators.mechanics.platform_workspace import (
+from martensite.base.errors import ParameterError
+from martensite.kernels import floats
+from martensite_studies.platform.workspace import (
     Legs,
     Workspace,
     compute_crosswise,
@@ -25,8 +27,6 @@ from martensite.actuators.mechanics.platform_workspace import (
     reachable_angles,
     trace_ray,
 )
-from martensite.base.errors import ParameterError
-from martensite.kernels import floats
 
 SHORTEST, LONGEST = 0.030, 0.090
 STEP = math.radians(0.5)

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
-from builders import ZERO, Swings, along, isobar, problem_a
+from builders import ZERO, Swings, along, build_example, isobar, problem_a
 from strip_cases import CASES, NUMBERS
 
 from martensite.kernels import floats
@@ -20,6 +20,7 @@ from martensite.physics.kinetics import history
 from martensite.physics.kinetics.return_points import DEPTH
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.brinson import Brinson
+from martensite.physics.laws.lagoudas import Lagoudas
 from martensite.physics.laws.strip_laws import LiangRogers
 from martensite.signals.moments import Tone
 from martensite.simulate.api import simulate
@@ -107,6 +108,18 @@ def test_one_leg_wipes_out_any_number_of_loops(name):
     short, long = (along(law, isobar(*way, 95, 44, 74), 1.0)[-1] for way in ((20,), (20, 76, 44, *nested)))
     assert long.fraction == pytest.approx(short.fraction, abs=1e-15)
     assert long.points.forwards == short.points.forwards
+
+
+def test_lagoudas_closes_loops_without_a_rule():
+    """Elastic inside of a loop, it is a play operator, which remembers every turn by itself."""
+    law = build_example(Lagoudas)
+    shares = (0.8, 0.7, 0.6, 0.6, 0.5, 0.5, 0.5, 0.6, 0.6, 0.7, 0.8)  # of either range in turn, in and out again
+    lines = ((law.A_s, law.A_f), (law.M_s, law.M_f))
+    turns = [a + x * (b - a) for k, x in enumerate(shares) for a, b in [lines[k % 2]]]
+    memories = along(law, [(0.0, law.M_f - 10.0), *((0.0, t) for t in turns)], 1.0)[1:]
+    found = [law.fractions(m).martensite for m in memories]
+    assert found[5:] == pytest.approx(found[5::-1], abs=1e-12)
+    assert np.ptp(found) > 0.4
 
 
 def test_steps_do_not_matter():

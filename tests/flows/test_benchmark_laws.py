@@ -54,6 +54,15 @@ def test_laws():
     assert [r["law"] for r in verdict.rows] == list(SOME)
 
 
+@needs_c
+@pytest.mark.slow
+def test_memory_of_a_law():
+    (table,) = sections_laws.history(OURS, 16, 2.0)
+    rules = [r["rule"] for r in table.rows]
+    assert rules == ["resume", "restart", "return-point"] * 3
+    assert all(r["cpu [us]"] > 0.0 for r in table.rows)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("loop", sections_laws.LOOPS)
 @pytest.mark.parametrize("name", LAWS.names())

@@ -202,3 +202,49 @@ def test_a_law_without_a_material_says_what_is_missing(folder: Path, monkeypatch
     said = refused("brinson")
     assert "`flexinol-90` comes nearest and lacks `sigma_s`, `sigma_f`" in said
     assert report("brinson", "--set", "sigma_s=100 MPa", "--set", "sigma_f=170 MPa", *QUICK)
+
+
+# ---------------------------------------------------------------- beside a log
+
+
+def write_log(path: str, *arguments: str) -> str:
+    """A log that a law has written, with another zero of its strain: its truth is known."""
+    fine("liang-rogers", "--path", path, *arguments, "--out", f"{path}.csv")
+    record = read_table(f"{path}.csv")
+    rows = zip(*(record[name] for name in ("time", "temperature", "stress", "strain")), strict=True)
+    lines = [f"{t},{T - 273.15},{s / 1e6},{100 * e + 1.0}" for t, T, s, e in rows]
+    Path("log.csv").write_text("time [s],temperature [degC],stress [MPa],strain [%]\n" + "\n".join(lines) + "\n")
+    return "log.csv"
+
+
+@pytest.mark.parametrize(
+    ("path", "compared", "how"),
+    [("isobaric", "strain", ("--stress", "150 MPa")), ("superelastic", "stress", ("--at", "90 degC"))],
+)
+def test_a_law_meets_the_log_that_it_wrote_and_another_law_does_not(
+    path: str, compared: str, how: tuple[str, ...]
+) -> None:
+    log = write_log(path, *how)
+    own, other = report("liang-rogers", "tanaka", "--log", log, "--figure", "log.svg")["laws"]
+    assert own["compared"] == other["compared"] == compared
+    assert own["largest"] < 1e-6 < 0.05 < other["largest"]
+    assert own["rms"] <= own["largest"]
+    assert abs(own["shift"]) == pytest.approx(0.01, abs=1e-9)
+    assert "liang-rogers, RMS" in Path("log.svg").read_text()
+
+
+def test_a_constant_that_a_log_lacks_is_given() -> None:
+    log = Path(write_log("isobaric", "--stress", "150 MPa"))
+    log.write_text(
+        "\n".join(",".join(line.split(",")[:2] + line.split(",")[3:]) for line in log.read_text().splitlines())
+    )
+    assert "has no column `stress`" in refused("liang-rogers", "--log", "log.csv")
+    (own,) = report("liang-rogers", "--log", "log.csv", "--stress", "150 MPa")["laws"]
+    assert own["largest"] < 1e-6
+
+
+def test_what_has_no_effect_beside_a_log_is_refused() -> None:
+    log = write_log("isobaric", "--stress", "150 MPa")
+    assert "a constant one has no effect" in refused("liang-rogers", "--log", log, "--stress", "1 MPa")
+    assert "`--path` has no effect" in refused("liang-rogers", "--log", log, "--path", "isobaric")
+    assert "`--as` has no effect" in refused("liang-rogers", "--as", "1=time[s]")

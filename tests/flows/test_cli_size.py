@@ -176,3 +176,13 @@ def test_catalogue_table_marks_recalled_cells_and_ends_with_the_spread() -> None
     assert max(map(len, text.splitlines()[2:15])) <= 100
     assert "90 °C, current: model/catalogue" in text
     assert "No number is fitted to a size" in text
+
+
+def test_a_life_keeps_to_what_a_source_names_and_says_what_none_does() -> None:
+    assert "of 250 MPa" in fine(*SMALL, "--alloy", "90", "--stress", "250 MPa")
+    text = fine(*SMALL, "--alloy", "90", "--stress", "250 MPa", "--life", "1e5")
+    assert "of 172.4 MPa" in text
+    assert "Life: 100,000 cycles are asked for" in text
+    assert "nitinolactuators.com" in text and "This is no prediction" in text
+    for more in (("--life", "1e7"), ("--life", "1e5", "--element", "coil"), ("--life", "1e5", "--no-limits")):
+        assert "no source is at hand" in refused(*SMALL, *more)

@@ -53,6 +53,21 @@ def test_isobaric_example_follows_the_measurement(stress: int) -> None:
     assert agreement["strain"].rms < 0.005
 
 
+def test_wire_with_an_r_phase_shows_the_bump_and_the_stress_of_its_comments() -> None:
+    light = load(EXAMPLES / "r_phase.toml").run()
+    ohms, xi, warm = light["resistance"], light["martensite_fraction"], light["temperature"]
+    k, cold = int(warm[:500].argmax()), 530
+    top = k + int(ohms[k:cold].argmax())
+    assert ohms[top] > 1.15 * ohms[k:top].min()
+    assert ohms[top] > 1.05 * ohms[cold]
+    assert xi[top] < 0.01
+    assert light["rphase_fraction"][:k].max() == 0.0
+    assert light["rphase_fraction"].max() == pytest.approx(1.0)
+    for mass, most in (("3.2 kg", 0.33), ("5 kg", 0.0)):
+        heavy = load(EXAMPLES / "r_phase.toml", {"mechanism.mass": mass}).run()
+        assert heavy["rphase_fraction"].max() == pytest.approx(most, abs=0.01)
+
+
 @pytest.mark.parametrize(("level", "stroke"), [("150 MPa", 4.44e-3), ("50 MPa", 4.21e-3)])
 def test_machine_that_holds_a_stress_shows_the_strokes_of_its_comments(level: str, stroke: float) -> None:
     changes = {"signals.command.level": level}

@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 from platform_cases import GEOMETRIES, PLATES
 
 from martensite.actuators.mechanics.platform_kinematics import Plates, platform_lengths
-from martensite.actuators.mechanics.platform_workspace import Workspace, reachable_angles
 from martensite.base.errors import InputError
-from martensite.show.figures.workspace import plot_workspace
+from martensite_studies.platform.workspace import Workspace, reachable_angles
+from martensite_studies.platform.workspace_figure import plot_workspace
 
 CASES = {
     "platform": (PLATES, 0.030, 0.090),

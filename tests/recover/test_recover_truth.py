@@ -51,6 +51,13 @@ duration = "100 s"
 """
 WEIGHT = '[mechanism]\nkind = "dead-weight"\nmass = "1 kg"\n'
 SPRING = '[mechanism]\nkind = "bias-spring"\nstiffness = "2 N/mm"\npreload = "6 N"\n'
+WORN = """
+[element.wear]
+settling_cycles = 4
+residual_strain = "0.7 %"
+stroke_loss = "20 %"
+temperature_shift = "-8 K"
+"""
 MACHINE = """
 [mechanism]
 kind = "testing-machine"
@@ -112,6 +119,23 @@ CELLS = (
         "1",
         (SearchRange("A_s", 330.0, 348.0), SearchRange("M_f", 305.0, 318.0), SearchRange("eps_L", 0.03, 0.05)),
         step=1.0,
+    ),
+    Cell(
+        "wear of liang-rogers, dead weight, ten cycles in a chamber",
+        wire("flexinol-90", 'kind = "liang-rogers"')
+        + WORN
+        + WEIGHT
+        + CHAMBER.format(low="20 degC", high="130 degC").replace("0.01 Hz", "0.1 Hz"),
+        "strain",
+        "1",
+        (
+            SearchRange("settling_cycles", 2.0, 9.0),
+            SearchRange("residual_strain", 0.004, 0.012),
+            SearchRange("stroke_loss", 0.1, 0.3),
+            SearchRange("temperature_shift", -12.0, -4.0),
+        ),
+        rows=401,
+        step=0.25,
     ),
 )
 NOISES = (0.001, 0.01)

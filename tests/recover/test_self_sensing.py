@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rphase_cases import rphase_system, two_phase_model
 from sensing_cases import SINE, STEPS, STROKE, rms, run, sensing_bench, sensing_plant, shaken
 
 from martensite.control.loop.consistency import Consistency, check_consistency
@@ -83,6 +84,28 @@ def test_another_diameter_must_be_estimated(factor: float) -> None:
     estimate, tracking = shares(DIAMETER, SINE, diameter=factor)
     assert estimate < 0.015
     assert tracking < 0.03
+
+
+# ---------------------------------------------------------------- a wire with an R-phase
+
+LAGGED: dict[str, Any] = {"lag": 0.3}
+NOISE: dict[str, Any] = {"temperature_noise": 0.3, "fraction_noise": 0.01}
+THREE: dict[type, float] = {ExtendedKalman: 0.01, UnscentedKalman: 0.015, InverseModel: 0.1}
+"""Largest rms error of the position with three phases, as a share of the stroke of 10 mm."""
+
+
+@pytest.mark.parametrize("cls", [ExtendedKalman, *(pytest.param(c, marks=pytest.mark.slow) for c in list(THREE)[1:])])
+def test_an_observer_that_knows_the_r_phase_errs_at_most_half_as_much(cls: Any) -> None:
+    """Both know every number that they have; the other one takes the bump of the resistance for martensite."""
+    plant, errors = rphase_system(), list[float]()
+    for model in (plant, two_phase_model()):
+        observer = cls(model=model, **(LAGGED if cls is InverseModel else NOISE))
+        wave = {"drive": Sine(low=0.02, high=0.2, frequency=0.05)}
+        found = run(sensing_bench(plant, observer), waveforms=wave, seed=1)
+        assert found["rphase_fraction"].max() > 0.9
+        errors.append(rms((found["estimated.position"] - found["position"])[found["times"] > 3.0]))
+    assert errors[0] < THREE[cls] * 10e-3
+    assert errors[0] <= 0.5 * errors[1]
 
 
 # ---------------------------------------------------------------- how wrong a filter says it is

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from typer import Argument, Option
 
 from martensite.base.errors import ParameterError, UnitError, UnknownNameError
 from martensite.base.files import replace_together
 from martensite.cli.app import app
-from martensite.cli.options import Imports, Text, Texts, import_modules, spread_options
-from martensite.cli.outputs import AnswerOptions
+from martensite.cli.options import Imports, NamedColumns, Text, Texts, import_modules, refuse_idle, spread_options
+from martensite.cli.outputs import AnswerOptions, Outputs
 
 if TYPE_CHECKING:
     from martensite.simulate.path_layout import Choices, PathRates
@@ -26,11 +26,17 @@ def law(
     names: Annotated[list[str], Argument(metavar="NAME...", help="Laws; several are drawn side by side.")],
     answer: AnswerOptions,
     path: Annotated[
-        str,
+        Text,
         Option(
-            help="superelastic, tension, isobaric, free-recovery, shape-memory, constrained-recovery, or minor-loops."
+            help="superelastic, tension, isobaric, free-recovery, shape-memory, constrained-recovery, or minor-loops "
+            "[default: superelastic]."
         ),
-    ] = "superelastic",
+    ] = None,
+    log: Annotated[
+        Texts,
+        Option(metavar="LOG", help="Follow a log instead: strain, stress, temperature; --stress, --at what it lacks."),
+    ] = None,
+    named: NamedColumns = None,
     material: Annotated[
         Text, Option(metavar="NAME|FILE", help="Whose numbers [default: the first that has all of them].")
     ] = None,
@@ -55,10 +61,11 @@ def law(
     out: Annotated[Path | None, Option(help="Table to write: .csv.")] = None,
     modules: Imports = None,
 ) -> None:
-    """Drive laws along a path: a summary, a figure, a table."""
+    """Drive laws along a path, or along that of a log: a summary, a figure, a table."""
     import_modules(modules)
     from martensite.scenario.csv_files import write_points
     from martensite.scenario.laws import configure_laws
+    from martensite.scenario.log_tables import parse_named
     from martensite.scenario.overrides import read_settings
     from martensite.show.figures.law_paths import plot_point
     from martensite.show.figures.style import write_figure
@@ -67,8 +74,16 @@ def law(
     from martensite.simulate.paths import find_path, named_path
 
     outputs = answer.check_files(out, ".csv")
-    plane = find_path(path).plane
     chosen = _read_choices(at, stress, strain, start, rate)
+    if log:
+        for option, given in {"--path": path, "--strain": strain, "--rate": rate}.items():
+            refuse_idle(option, given is not None, "laws follow the log")
+        how = {"material": material, "settings": read_settings(settings or []), "named": parse_named(named or [])}
+        _follow_logs(names, log, chosen, outputs, answer.json, **how, tolerance=tolerance, runtime=runtime)
+        return
+    refuse_idle("--as", named is not None, "there is no --log")
+    path = path or "superelastic"
+    plane = find_path(path).plane
     dressed = configure_laws(list(dict.fromkeys(names)), material, read_settings(settings or []))
     laid = [named_path(path, one.law, chosen) for one in dressed]
     results = [
@@ -83,6 +98,23 @@ def law(
             title = f"{path}: {', '.join(names)}"
             write_figure(plot_point(every, title=title, plane=plane), outputs.figure)
     print_summary(summarise_laws(path, dressed, results), answer.json, outputs.paths())
+
+
+def _follow_logs(names: list[str], logs: list[str], chosen: Choices, outputs: Outputs, json: bool, **how: Any) -> None:
+    from martensite.scenario.csv_files import write_points
+    from martensite.scenario.law_logs import compare_laws_with_log
+    from martensite.show.figures.law_logs import plot_law_log
+    from martensite.show.summaries.run import summarise_law_logs
+
+    for option, values in (("--stress", chosen.stresses), ("--at", chosen.temperatures)):
+        if len(values) > 1:
+            raise ParameterError(f"Option `{option}` takes one value with --log, but has {len(values)}.")
+    (stress,), (temperature,) = chosen.stresses or (None,), chosen.temperatures or (None,)
+    how |= {"stress": stress, "temperature": temperature, "fractions": chosen.fractions}
+    found = [one for log in logs for one in compare_laws_with_log(names, log, **how)]
+    if outputs.data is not None:
+        write_points([one.result for one in found], outputs.data)
+    outputs.answer(summarise_law_logs(found), json, draw=lambda: plot_law_log(found))
 
 
 def _read_choices(

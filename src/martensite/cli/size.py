@@ -27,6 +27,7 @@ def size(
     ambient: Annotated[Text, Option(help="Temperature of the still air [default: 22 degC].")] = None,
     strain: Annotated[Text, Option(help="Largest strain used [default: 4 %].")] = None,
     stress: Annotated[Text, Option(help="Largest stress [default: 172 MPa].")] = None,
+    life: Annotated[Text, Option(help="Cycles that it shall last, e.g. 1e5: within what a source names.")] = None,
     element: Annotated[Text, Option(help="What pulls: wire, or coil (a spring of it) [default: wire].")] = None,
     bias: Annotated[Text, Option(help="What stretches the wire: spring, or weight [default: spring].")] = None,
     current_limit: Annotated[Text, Option(help='Largest current of the supply, e.g. "3 A".')] = None,
@@ -52,6 +53,7 @@ def size(
         "ambient": ambient,
         "strain": strain,
         "stress": stress,
+        "life": life,
         "current_limit": current_limit,
     }
     chosen = {"element": element, "bias": bias, "strands": strands, "limits": "ignore" if no_limits else None}

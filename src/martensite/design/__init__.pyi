@@ -1,10 +1,6 @@
 from martensite.base.errors import StoppedError as StoppedError
 from martensite.design.analysis.energy import CycleEnergies as CycleEnergies
 from martensite.design.analysis.energy import compute_cycle_energies as compute_cycle_energies
-from martensite.design.analysis.frequency import FrequencyResponse as FrequencyResponse
-from martensite.design.analysis.frequency import measure_frequency_response as measure_frequency_response
-from martensite.design.analysis.speed import Speeds as Speeds
-from martensite.design.analysis.speed import compute_speeds as compute_speeds
 from martensite.design.optimise.optimise import optimise_design as optimise_design
 from martensite.design.optimise.optimised_design import OptimisedDesign as OptimisedDesign
 from martensite.design.optimise.search import DesignSearch as DesignSearch
@@ -53,10 +49,14 @@ from martensite.design.tuning.tuning import CostScale as CostScale
 from martensite.design.tuning.tuning import ModelTuning as ModelTuning
 from martensite.design.tuning.tuning import tune_model as tune_model
 from martensite_sweep.api import run_sweep as run_sweep
+from martensite_sweep.frequency_response import FrequencyResponse as FrequencyResponse
+from martensite_sweep.frequency_response import measure_frequency_response as measure_frequency_response
 from martensite_sweep.indices import SensitivityIndices as SensitivityIndices
 from martensite_sweep.indices import compute_sensitivity as compute_sensitivity
 from martensite_sweep.pareto import ParetoFront as ParetoFront
 from martensite_sweep.pareto import find_pareto_front as find_pareto_front
 from martensite_sweep.reading import open_sweep as open_sweep
 from martensite_sweep.reading import read_sweep as read_sweep
+from martensite_sweep.speeds import Speeds as Speeds
+from martensite_sweep.speeds import compute_speeds as compute_speeds
 from martensite_sweep.table import SweepTable as SweepTable

@@ -3,6 +3,7 @@ from martensite.physics.materials.wires import load_wires as load_wires
 from martensite.scenario.compare import compare_with_record as compare_with_record
 from martensite.scenario.lab_files import LabFile as LabFile
 from martensite.scenario.lab_files import read_lab_file as read_lab_file
+from martensite.scenario.law_logs import compare_laws_with_log as compare_laws_with_log
 from martensite.scenario.merged_files import merge_by_clock as merge_by_clock
 from martensite.scenario.public_benchmarks import SKIP as SKIP
 from martensite.scenario.public_benchmarks import read_silverbox as read_silverbox

@@ -27,7 +27,7 @@ from martensite.physics.materials.base import Material, load_material
 from martensite.physics.thermal.base import Environment
 from martensite.scenario import recorded_waveforms
 from martensite.scenario.build import Builder, Table, as_table, name_section, refuse_unknown
-from martensite.scenario.laws import law_caution, override_caution
+from martensite.scenario.laws import law_caution, override_caution, rphase_caution
 from martensite.scenario.place_units import PlaceUnits
 from martensite.signals.base import WAVEFORMS, AbstractWaveform
 from martensite.simulate.drive_waveforms import Waveforms
@@ -158,7 +158,7 @@ class Assembly:
         made = Builder(material, origins=self.origins, extra=("material",)).choose(
             ELEMENTS, element, f"{prefix}element", draws=True
         )
-        for caution in (law_caution(material, made), override_caution(material, made)):
+        for caution in (find(material, made) for find in (law_caution, override_caution, rphase_caution)):
             if caution is not None and caution not in self.cautions:
                 self.cautions.append(caution)
         return {

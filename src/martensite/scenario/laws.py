@@ -8,6 +8,7 @@ from typing import Any
 
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import REQUIRED, Parametrised
+from martensite.physics.electrical.base import AbstractResistance
 from martensite.physics.laws.base import LAWS, AbstractLaw
 from martensite.physics.materials.base import Material, load_material, material_names
 from martensite.scenario.build import Builder
@@ -154,6 +155,24 @@ def override_caution(material: Material | None, element: Parametrised) -> str | 
         f"Fitted numbers of material `{material.name}` are overridden by the scenario: {listed}. Its errors and "
         "intervals do not count; leave them out of [element.law] to use what was fitted."
     )
+
+
+def rphase_caution(material: Material | None, element: Parametrised) -> str | None:
+    """A sentence if an R-phase is known, by the material or in the law, of which the resistance or the law is not."""
+    parts = list(element.tree())
+    law = next((part for part in parts if isinstance(part, AbstractLaw)), None)
+    model = next((part for part in parts if isinstance(part, AbstractResistance)), None)
+    known, name = (material.values.get("R_s"), material.name) if material else (None, "")
+    if law is None or model is None or not (law.rphase or known):
+        return None
+    blind = [] if law.rphase else [f"law `{law.registered_name}`"]
+    blind += [] if model.three_phases else [f"resistance `{model.registered_name}`"]
+    where = f"Material `{name}` has an R-phase (from {known.text} on cooling)" if known else "The law has an R-phase"
+    sentence = (
+        f"{where}, which {' and '.join(blind)} {'do' if len(blind) > 1 else 'does'} not know: resistance on cooling, "
+        "and what is sensed by it, may be far off. Take law `r-phase` with resistance `three-phase`."
+    )
+    return sentence if blind else None
 
 
 def _describe_mismatch(name: str, meant: dict[str, str], used: dict[str, str]) -> str:

@@ -25,8 +25,8 @@ static double reach_end(double length, double end) {
 }
 
 /* a length to the next kink of a law, if all goes on as in the last half step */
-static double before_kink(const block *b, double length) {
-    const double least = NEAR * length;
+static double before_kink(const march *m, const block *b, double length) {
+    const double least = NEAR * length > m->shortest ? NEAR * length : m->shortest;
     if (LANES > 1) return length; /* many runs have kinks all the time */
     for (long place = 0; place < POINTS; place++)
         for (long k = start_of[place] + 4; k < start_of[place] + size_of_point[place]; k++) {
@@ -176,7 +176,7 @@ static void begin_step(const march *m, block *b) {
         for (long k = 0; k < DRIVES; k++)
             if (widths[k] > 1) b->angles[set][k] = angles_at(drives_of(m, b, set) + k, b->time);
     const double allowed = allowed_length(m, b, b->next);
-    b->length = before_kink(b, allowed);
+    b->length = before_kink(m, b, allowed);
     b->grows = MOST_CHANGE;
     b->planned = b->length < allowed ? allowed : 0.0;
 }
@@ -373,7 +373,7 @@ static double judge_errors(const march *m, block *b, column ripple, column resid
 
 /* whether the step is taken, or how long the next trial is */
 static int judge_step(march *m, block *b) {
-    const double shortest = SHORTEST * m->duration, length = b->length;
+    const double shortest = m->shortest, length = b->length;
     column ripple, residual;
     double worst = judge_errors(m, b, ripple, residual);
     if (length <= shortest)
@@ -401,6 +401,7 @@ static int judge_step(march *m, block *b) {
         b->rough = b->at_kink ? 0.0 : rough;
         b->next = grown > b->planned ? grown : b->planned;
         if (b->at_kink && most < b->next) b->next = most;
+        b->next = b->next > shortest ? b->next : shortest;
         return 1;
     }
     b->rejected++;

@@ -36,13 +36,11 @@ from martensite.signals.moments import Moments
 from martensite.simulate.compiled import Functions, feed_step
 from martensite.simulate.ledger import Ledger
 from martensite.simulate.march import SOLVED
-from martensite.simulate.marching import HAIR, AbstractMarch, MarchPlan, Row
+from martensite.simulate.marching import HAIR, SHORTEST, AbstractMarch, MarchPlan, Row
 
 SAFETY = 0.9
 LEAST_CHANGE, MOST_CHANGE = 0.2, 3.0
 """Of the length of a step."""
-SHORTEST = 1e-12
-"""Length of a step, as a share of the run, that is taken whatever its error: a jump lies in it."""
 FEW = 3
 """Edges in a step up to which it ends on the first one, unless it may pass them."""
 SWING = 2.0
@@ -141,7 +139,7 @@ class AdaptiveMarch(AbstractMarch):
         allowed = self._allow_length(min(self.length, self.duration - self.time))
         length = self._before_kink(allowed)
         most, planned = MOST_CHANGE, 0.0 if length == allowed else allowed
-        shortest = SHORTEST * self.duration
+        shortest = self.plan.shortest
         while True:
             length, halves = self._resolve_length(length)
             trial = self._try_step(length, halves)
@@ -174,7 +172,7 @@ class AdaptiveMarch(AbstractMarch):
 
     def _before_kink(self, length: float) -> float:
         """A length to the next kink of a law, if all goes on as in the last half step."""
-        least, at = NEAR * length, 0
+        least, at = max(NEAR * length, self.plan.shortest), 0
         for _, _, size in self.plan.compiled.points:
             for k in range(at + 4, at + size):
                 now, fallen = self.points[k], self.earlier_points[k] - self.points[k]
@@ -428,6 +426,7 @@ class AdaptiveMarch(AbstractMarch):
             self.length, self.split = min(self.length, self.after_edge), False
         if self.at_kink:
             self.length = min(self.length, max(self.after_kink, grown))
+        self.length = max(self.length, self.plan.shortest)
         for reader in self.readers:
             reader.forget(self.time)
         self.see(trial.seen)

@@ -83,6 +83,7 @@ def simulate(
         step=step,
         recorded=runtime == "jax" and step is None,
         halves=runtime == "jax",
+        inertial=inertial_step(system),
     )
     chosen = "auto" if runtime == "jax" else runtime
     engine = RunEngine(compiled, compiled.values(system), chosen, tell, budget)
@@ -151,6 +152,12 @@ def _march_grid(system: AbstractSystem, compiled: CompiledMarch, grid: TimeGrid,
 def first_step(system: AbstractSystem, duration: float, samples: int) -> float:
     """A first guess of the step [s]: the longest one that is sensible, or a sample."""
     return min(longest_step(system), duration / (samples - 1))
+
+
+def inertial_step(system: AbstractSystem) -> float:
+    """First step of what moves with inertia [s]; 0 if nothing does."""
+    first = system.mechanism.first_step()
+    return first if math.isfinite(first) else 0.0
 
 
 def steps_in(system: AbstractSystem, time: float) -> int:

@@ -82,7 +82,7 @@ def _compile_keyed(keyed: Keyed[AbstractLaw], tension_only: bool) -> CompiledLaw
 def _build_row(xp: Any, law: AbstractLaw, memory: Any, residual: Any) -> list[Any]:
     fractions = law.fractions(memory)
     strain = law.strain(xp, fractions, memory.stress, memory.temperature)
-    return [*flatten_numbers(memory), *fractions, strain, memory.stress, residual]
+    return [*flatten_numbers(memory), *fractions[:2], strain, memory.stress, residual]
 
 
 def _stress_step(law: AbstractLaw, shape: NestedShape) -> Callable[..., list[Any]]:
@@ -118,9 +118,10 @@ def describe_compression(law: AbstractLaw, stress: Sequence[float]) -> list[str]
     least = min(stress)
     if not law.tension_only or least > -NOTICEABLE:
         return []
+    remedy = '; try `compression = "symmetric"` of the law' if "compression" in law.declarations else ""
     return [
         f"Caution: the stress falls to {least / 1e6:.4g} MPa, but `{law.registered_name}` knows tension only, and "
-        'compression drives its martensite back; try `compression = "symmetric"` of the law.'
+        f"compression drives its martensite back{remedy}."
     ]
 
 

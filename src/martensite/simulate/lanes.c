@@ -85,7 +85,7 @@ typedef struct {
 
 typedef struct {
     long runs, samples, rounds, recording, parted, recorded, capacity;
-    double tolerance, duration, step;
+    double tolerance, duration, step, shortest;
     const double *p;      /* parameters, (PARAMETERS, runs) */
     const double *first;  /* first step of each run */
     const double *times;  /* samples, and behind the last one infinity */
@@ -456,7 +456,8 @@ static void plan_lengths(const march *m, block *b) {
                 const double now = b->points[k][i], fallen = b->earlier_points[k][i] - now;
                 const int ahead = (now > LEAST_FALL) & (fallen > 0.0);
                 const double there = SHORT * now / (ahead ? fallen : 1.0) * b->last_half[i];
-                const int kink = ahead & (NEAR * allowed[i] < there) & (there < length[i]);
+                const int late = (NEAR * allowed[i] < there) & (m->shortest < there);
+                const int kink = ahead & late & (there < length[i]);
                 length[i] = kink ? there : length[i];
             }
     EACH(i) {
@@ -696,7 +697,7 @@ static void judge_errors(const march *m, block *b, column ripple, column residua
 
 /* which steps are taken, and how long the next trial of each is */
 static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
-    const double shortest = SHORTEST * m->duration;
+    const double shortest = m->shortest;
     column ripple, residual, change, rough, slowing;
     judge_errors(m, b, ripple, residual);
     find_kinks(m, b);
@@ -723,7 +724,7 @@ static void judge_steps(const march *m, block *b, flags_of_lanes taken) {
         const double after_kink = b->at_kink[i] ? MOST_CHANGE * length : b->after_kink[i];
         const double bound = !kinked || after_kink > grown ? after_kink : grown;
         const double planned = larger(grown, b->planned[i]);
-        const double next = kinked ? smaller(planned, bound) : planned;
+        const double next = larger(kinked ? smaller(planned, bound) : planned, shortest);
         b->ripple[i] = t ? larger(ripple[i], b->ripple[i]) : b->ripple[i];
         b->residual[i] = t ? larger(residual[i], b->residual[i]) : b->residual[i];
         b->after_kink[i] = t ? after_kink : b->after_kink[i];

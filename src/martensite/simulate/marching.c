@@ -50,7 +50,7 @@ typedef struct {
 
 typedef struct {
     long runs, samples, rounds, recording, parted, recorded, capacity;
-    double tolerance, duration, step;
+    double tolerance, duration, step, shortest;
     const double *p;      /* parameters, (PARAMETERS, runs) */
     const double *first;  /* first step of each run */
     const double *times;  /* samples */

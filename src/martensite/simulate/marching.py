@@ -16,6 +16,10 @@ from martensite.signals.reader import Reader
 from martensite.simulate.compiled import CompiledMarch, Functions
 
 Row = tuple[float, ...]
+SHORTEST = 1e-12
+"""Length of a step, as a share of the run, that is taken whatever its error: a jump lies in it."""
+FINEST, ROUGHNESS = 1e-2, 3e-11
+"""Share of the first step of what moves with inertia that is the shortest: at most, and per tolerance."""
 HAIR = 1e-9
 """Share of a step that is none."""
 
@@ -68,6 +72,16 @@ class MarchPlan:
     the same places would have their errors in common."""
     halves: bool = False
     """Whether all steps are made in halves, for a runtime that knows no others."""
+    inertial: float = 0.0
+    """First step [s] of what moves with inertia; 0 if nothing does."""
+
+    @property
+    def shortest(self) -> float:
+        """Step that is taken whatever its error [s].
+
+        Speeds are differences of places, which are solved for: the shorter a step, the rougher they are.
+        """
+        return max(SHORTEST * self.times[-1], self.inertial * min(FINEST, ROUGHNESS / max(self.tolerance, ROUGHNESS)))
 
     @property
     def order(self) -> int:

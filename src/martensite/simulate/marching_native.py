@@ -68,7 +68,7 @@ class _March(ctypes.Structure):
             (name, ctypes.c_long)
             for name in ("runs", "samples", "rounds", "recording", "parted", "recorded", "capacity")
         ),
-        *((name, ctypes.c_double) for name in ("tolerance", "duration", "step")),
+        *((name, ctypes.c_double) for name in ("tolerance", "duration", "step", "shortest")),
         *(
             (name, ctypes.c_void_p)
             for name in ("p", "first", "times", "drives", "limits", "ranges", "rows", "numbers", "record")
@@ -235,6 +235,7 @@ class _Marching:
             tolerance=plan.tolerance,
             duration=plan.times[-1],
             step=plan.step or 0.0,
+            shortest=plan.shortest,
             p=_get_address(self.p),
             first=_get_address(self.first),
             times=_get_address(self.times),

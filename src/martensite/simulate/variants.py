@@ -27,7 +27,7 @@ from martensite.base.errors import ParameterError, require_known
 from martensite.base.status import Status
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.signals.base import AbstractWaveform
-from martensite.simulate.api import first_step
+from martensite.simulate.api import first_step, inertial_step
 from martensite.simulate.arrays import count_block, march_on_jax
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import arrange_waveforms, grid_of
@@ -47,7 +47,9 @@ OnSteps: TypeAlias = tuple[list[Numbers], Numbers, Numbers]
 """Columns (runs, samples), reports (3, runs), and when runs left the envelope [s], (runs,)."""
 RUNTIMES, PRECISIONS = ("c", "jax", "floats"), ("float64", "float32")
 LANES = {"c": 64, "floats": 16}
-"""Runs that march together on given steps; on JAX as many as suit its devices."""
+"""Runs that march together on given steps, at most; on JAX as many as suit its devices."""
+HELD = 1024
+"""Numbers of the state of all lanes, which the fastest cache holds beside what a step makes of them."""
 TOGETHER = 256
 """Runs with an error control that are made before others are begun: samples are held twice."""
 CLOCKS = 64
@@ -176,6 +178,7 @@ class VariantSetup:
             self.tolerance,
             first_step(self.system, self.duration, self.samples),
             envelope_of(self.system),
+            inertial=inertial_step(self.system),
         )
 
     def _order_waveforms(self, signals: Mapping[str, Values], row: int) -> Sequence[AbstractWaveform]:
@@ -198,7 +201,9 @@ class VariantSetup:
     def _together(self) -> int:
         if self.lanes is None and self.runtime == "jax":
             return count_block(self.devices)
-        return self.lanes or LANES[self.runtime]
+        if self.lanes or self.runtime != "c":
+            return self.lanes or LANES[self.runtime]
+        return min(LANES["c"], max(1, HELD // self.compiled.size // BLOCK) * BLOCK)
 
     def _block(
         self, values: Values, signals: Mapping[str, Values], rows: Places, refusal: Flags, size: int

@@ -131,6 +131,7 @@ def check_bounds(law: AbstractLaw) -> None:
         for memory in follow_path(law, points, start):
             found = law.fractions(memory)
             held = 0.0 <= found.martensite <= 1.0 and abs(found.oriented) <= (found.martensite + 1e-12)
+            held = held and 0.0 <= found.rphase <= 1.0
             require_condition(held, f"On the path {_describe_path(points)} the fractions are {found}.")
             share = law.trained_share(floats, memory.stress)
             require_condition(
@@ -161,12 +162,26 @@ def check_cuts(law: AbstractLaw) -> None:
         whole = find_end(law, points, start)
         for substeps in (7, 40):
             cut = find_end(law, points, start, substeps)
-            apart = max(abs(whole.martensite - cut.martensite), abs(whole.oriented - cut.oriented))
+            apart = max(abs(a - b) for a, b in zip(whole, cut, strict=True))
             require_condition(
                 apart < 1e-11,
                 f"The path {_describe_path(points)} in {substeps} steps a leg ends {apart:.1e} away from where it "
                 "ends in one.",
             )
+
+
+def check_minor_loops(law: AbstractLaw) -> None:
+    """With return-point memory, loops without stress close within each other."""
+    if getattr(law, "history", "") != "return-point":
+        return
+    own = {name: law.value_of(name) for name in ("M_f", "M_s", "A_s", "A_f")}
+    hot, cold = own["A_f"] - own["A_s"], own["M_s"] - own["M_f"]
+    shares = (0.8, 0.7, 0.6, 0.6, 0.5, 0.5, 0.5, 0.6, 0.6, 0.7, 0.8)  # of either strip in turn, inwards and out again
+    turns = [own["A_s"] + x * hot if k % 2 == 0 else own["M_s"] - x * cold for k, x in enumerate(shares)]
+    memories = follow_path(law, [(0.0, own["M_f"] - AROUND), *((0.0, t) for t in turns)], 1.0)[1:]
+    for early, late in ((4, 6), (3, 7), (2, 8), (1, 9), (0, 10)):
+        apart = abs(law.fractions(memories[early]).martensite - law.fractions(memories[late]).martensite)
+        require_condition(apart < 1e-9, f"A loop from {turns[early] - CELSIUS:.1f} °C on stays open by {apart:.1e}.")
 
 
 def check_direction(law: AbstractLaw) -> None:

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from martensite.base.formats import typeset_unit
 from martensite.base.status import Status
-from martensite.search.given_data_indices import is_spread
 from martensite.show.figures.panels import add_colour_bar, write_suptitle
 from martensite.show.figures.style import FAINT, HEATING, QUIET, SIMULATED, make_figure, use_style
+from martensite_sweep.given_data_indices import is_spread
 from martensite_sweep.table import SweepColumn, SweepTable, shorten_names
 
 if TYPE_CHECKING:
@@ -217,7 +217,7 @@ def draw_matrix(figure: Figure, found: SweepTable, one: SweepColumn) -> None:
 def _find_leading(columns: list[SweepColumn], one: SweepColumn, usable: NDArray[np.bool_]) -> list[int]:
     if len(columns) <= MOST_AXES:
         return list(range(len(columns)))
-    from martensite.search.given_data_indices import rank_columns
+    from martensite_sweep.given_data_indices import rank_columns
 
     y = rank_columns(one.values[usable])
     strengths = [abs(np.corrcoef(rank_columns(c.values[usable]), y)[0, 1]) for c in columns]

@@ -7,7 +7,7 @@ Which estimate is made follows from the design:
     saltelli       estimators of Saltelli et al. (2010), Comput. Phys. Commun. 181, table 2 b and f,
                    as in SciPy and SALib, with bootstrap intervals
     whole grid     sums of squares over its levels, which count as equally likely; no interval
-    other samples  `martensite.search.given_data_indices`
+    other samples  `martensite_sweep.given_data_indices`
 
 Varied numbers count as independent, with the distributions that the design gave them.
 """
@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import DataError
-from martensite.search.given_data_indices import NORMAL_95, SensitivityIndex, estimate_indices, is_spread
 from martensite_sweep.axes import Numbers
+from martensite_sweep.given_data_indices import NORMAL_95, SensitivityIndex, estimate_indices, is_spread
 from martensite_sweep.sampling.samples import count_block_runs
 from martensite_sweep.table import SweepColumn, SweepTable
 

@@ -4,7 +4,7 @@ from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
 
 from martensite.actuators.assembly.outputs import OBSERVABLES, Observation
 from martensite.actuators.elements.base import ELEMENTS, AbstractElement, CellProfile, Heating
-from martensite.actuators.mechanisms.base import Load
+from martensite.actuators.mechanisms.base import Load, Output
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import REQUIRED, Declared, Parametrised, part
 from martensite.base.registry import Registry
@@ -78,7 +78,12 @@ class Actuator(Parametrised):
         condition = self.element.condition(xp, state, force, self.environment)
         current = self.source.current(xp, drive, condition.resistance)
         seen = Observation(drive, force, current, condition)
-        return {name: one.compute(seen) for name, one in OBSERVABLES.items()}
+        return {name: OBSERVABLES[name].compute(seen) for name in self.own_outputs()}
+
+    def own_outputs(self) -> dict[str, Output]:
+        """What can be observed on the element, and what drives it."""
+        rphase = getattr(self.element.law, "rphase", False)  # an element of one's own may have no law
+        return {name: one.output for name, one in OBSERVABLES.items() if rphase or not one.of_rphase}
 
     def profile(self, state: Any) -> CellProfile:
         """What differs along the element; described in `PROFILES`."""

@@ -35,6 +35,8 @@ class Observable:
     """A kernel."""
     after_mechanism: bool = False
     """Whether it comes after the outputs of the mechanism in a system of one element."""
+    of_rphase: bool = False
+    """Whether only elements have it whose law knows an R-phase; `OUTPUTS` are those of all."""
 
 
 OBSERVABLES: dict[str, Observable] = {
@@ -46,6 +48,9 @@ OBSERVABLES: dict[str, Observable] = {
     ),
     "oriented_fraction": Observable(
         Output("1", "net oriented martensite fraction", "ξ_S"), lambda of: of.condition.oriented_fraction
+    ),
+    "rphase_fraction": Observable(
+        Output("1", "R-phase fraction", "ξ_R"), lambda of: of.condition.rphase_fraction, of_rphase=True
     ),
     "stress": Observable(Output("Pa", "axial stress", "σ"), lambda of: of.condition.stress),
     "strain": Observable(Output("1", "strain", "ε"), lambda of: of.condition.strain),
@@ -64,7 +69,7 @@ OBSERVABLES: dict[str, Observable] = {
 }
 """The unit of the drive is that of its source."""
 
-OUTPUTS: dict[str, Output] = {name: one.output for name, one in OBSERVABLES.items()}
+OUTPUTS: dict[str, Output] = {name: one.output for name, one in OBSERVABLES.items() if not one.of_rphase}
 
 PROFILES: dict[str, Output] = {
     "cell_temperature": Output("K", "temperature of a cell", "T"),

@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 from martensite.actuators.assembly.actuator import Actuator, Group
 from martensite.actuators.assembly.base import AbstractAssembly, AbstractSystem, State
-from martensite.actuators.assembly.outputs import OBSERVABLES, OUTPUTS
+from martensite.actuators.assembly.outputs import OBSERVABLES
 from martensite.actuators.mechanisms.base import Column, Output
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import part
@@ -43,8 +43,9 @@ class System(Actuator, AbstractAssembly):
 
     def outputs(self) -> dict[str, Output]:
         """Those of the element, and after the force those of the mechanism."""
-        found = _insert_mechanism(OUTPUTS, self.of_mechanism())
-        return found | {"drive": OUTPUTS["drive"]._replace(unit=self.source.unit)}
+        own = self.own_outputs()
+        found = _insert_mechanism(own, self.of_mechanism())
+        return found | {"drive": own["drive"]._replace(unit=self.source.unit)}
 
     def description(self) -> str:
         """Such as `wire (brinson) on bias-spring, driven by power`."""
@@ -104,7 +105,7 @@ class Machine(AbstractAssembly):
         """Those of the mechanism, then those of every actuator."""
         found = self.of_mechanism()
         for port, one in self.actuators().items():
-            for name, (unit, words, symbol) in OUTPUTS.items():
+            for name, (unit, words, symbol) in one.own_outputs().items():
                 unit = one.source.unit if name == "drive" else unit
                 found[self.label(port, name)] = Output(unit, f"{words}, {port}", symbol)
         return found

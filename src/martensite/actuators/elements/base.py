@@ -115,6 +115,8 @@ class Condition(NamedTuple):
     """[ohm]"""
     heat_loss: Scalar
     """[W]"""
+    rphase_fraction: Scalar = 0.0
+    """Of a law that has one."""
 
 
 class CellProfile(NamedTuple):
@@ -258,7 +260,7 @@ def points_of(xp: Namespace, law: AbstractLaw, memories: Sequence[Any]) -> list[
     """Points from the memories of a law; none if it has rates."""
     if law.rate_dependent:
         return []
-    return [MaterialPoint(m.temperature, m.stress, *law.fractions(m), tuple(law.kinks(xp, m))) for m in memories]
+    return [MaterialPoint(m.temperature, m.stress, *law.fractions(m)[:2], tuple(law.kinks(xp, m))) for m in memories]
 
 
 def equilibrium_force(

@@ -49,10 +49,17 @@ class AbstractCut(AbstractElement):
             raise ParameterError(
                 f"The `wire` of `{owner}` must have `adiabatic` ends, but they are `{wire.ends.registered_name}`."
             )
+        if wire.wear is not None:
+            raise ParameterError(f"The `wire` of `{owner}` must have no `wear`; take a lumped one, such as `wire`.")
         if wire.law.grouped:
             raise ParameterError(
                 f"Law `{wire.law.registered_name}` has groups of its own, which a `{owner}` "
                 "cannot divide further; try law `mas`."
+            )
+        if wire.law.rphase:
+            raise ParameterError(
+                f"Law `{wire.law.registered_name}` has three phases, but the cells of a `{owner}` solve for two; "
+                "take a plain `wire`."
             )
 
     @property

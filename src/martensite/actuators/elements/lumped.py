@@ -20,7 +20,7 @@ an error control takes by a method of higher order (`laws.rosenbrock`).
 
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple, Self, cast
 
 from martensite.actuators.elements.base import (
     AbstractElement,
@@ -40,6 +40,7 @@ from martensite.physics.kinetics.exchange import AbstractExchange
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.coupling import StepReport, advance_memory
 from martensite.physics.laws.rosenbrock import Coupling, advance_rosenbrock
+from martensite.physics.laws.wear import Wear
 from martensite.physics.thermal.base import Environment
 
 Column = Sequence[Scalar]
@@ -56,6 +57,8 @@ class Lumped(NamedTuple):
     """[N]"""
     rate: Scalar
     """Of the martensite fraction in the last step [1/s]: where the next solve begins to look."""
+    worn: Any = ()
+    """What cycles have done to it (`laws.wear`)."""
 
 
 class HeatLine(NamedTuple):
@@ -72,6 +75,12 @@ class HeatLine(NamedTuple):
     by_martensite: Scalar
     """More of it per martensite [J]: latent heat, and what another resistance takes up."""
     by_oriented: Scalar
+    by_rphase: Scalar
+    """Per R-phase as a share of what is not martensite, by its resistance."""
+    latent: Scalar
+    """Of the whole transformation [J]."""
+    released: Callable[[Fractions], Scalar]
+    """Share of it released in a phase state [-]."""
     bend_martensite: Scalar
     """Change of the latent heat along the step, per martensite, oriented fraction and kelvin."""
     bend_oriented: Scalar
@@ -81,8 +90,11 @@ class HeatLine(NamedTuple):
 
     def temperature(self, end: Fractions) -> Scalar:
         """Temperature at the end of the step [K]."""
-        m, o = (a - b for a, b in zip(end, self.fractions, strict=True))
+        m, o, *more = (a - b for a, b in zip(end, self.fractions, strict=True))
         heat = self.heat + self.by_martensite * m + self.by_oriented * o
+        for r in more:
+            beyond = self.released(end) - self.released(self.fractions) - m
+            heat = heat + self.by_rphase * r + self.latent * beyond
         bend = self.bend_martensite * m + self.bend_oriented * o
         bend = bend + self.bend_temperature * (self.share * heat)
         return self.start + self.share * (heat + bend * m)
@@ -102,6 +114,13 @@ def compute_lateness(xp: Namespace, z: Scalar) -> Scalar:
 
 class AbstractLumped(AbstractElement, init=False):
     """An element that is the same all over; a subclass answers for its shape."""
+
+    wear: Wear | None = None
+    """What cycles change in it."""
+
+    def worn_down(self, xp: Namespace, worn: Any) -> Self:
+        """The element as it is worn, without further wear; itself where nothing wears it."""
+        return self
 
     @abstractmethod
     def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
@@ -124,14 +143,18 @@ class AbstractLumped(AbstractElement, init=False):
         """Strain [-] of the law, from the elongation [m]."""
 
     @abstractmethod
-    def ohms(self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar) -> Scalar:
-        """Resistance [ohm]."""
+    def ohms(
+        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, rphase: Scalar = 0.0
+    ) -> Scalar:
+        """Resistance [ohm] at a martensite and an R-phase fraction."""
 
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Lumped:
         """The state at the start, under `force` [N] and at `temperature` [K]."""
         stress = self.stress(xp, force)
-        memory = self.law.init(xp, self.initial_fractions(xp, stress), stress, temperature)
-        return Lumped(memory, force, 0.0)
+        fractions = self.initial_fractions(xp, stress)
+        worn = () if self.wear is None else self.wear.begin(xp, fractions, stress)
+        memory = self.worn_down(xp, worn).law.init(xp, fractions, stress, temperature)
+        return Lumped(memory, force, 0.0, worn)
 
     def force(self, state: Lumped) -> Scalar:
         """Force at the end of the last step [N]."""
@@ -142,18 +165,25 @@ class AbstractLumped(AbstractElement, init=False):
     ) -> Lumped:
         """A state put elsewhere, with its history, under a force [N]."""
         stress = self.stress(xp, force)
-        moved = self.law.relocate(xp, state.memory, fractions, stress, temperature)
-        return Lumped(moved, force, state.rate)
+        law = self.worn_down(xp, state.worn).law
+        worn = state.worn if self.wear is None else state.worn._replace(martensite=fractions.martensite, stress=stress)
+        moved = law.relocate(xp, state.memory, fractions, stress, temperature)
+        return Lumped(moved, force, state.rate, worn)
 
     def tangent(self, xp: Namespace, state: Lumped, force: Scalar) -> Spring:
         """The element as a spring in a state, near a force [N]."""
         fractions = self.law.fractions(state.memory)
-        return self.spring(xp, fractions, state.memory.temperature, force)
+        return self.worn_down(xp, state.worn).spring(xp, fractions, state.memory.temperature, force)
 
     def advance(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Lumped, StepReport]:
         """The state after a step of dt [s], and how well the step was solved."""
+        if self.wear is not None:
+            after, report = self.worn_down(xp, state.worn).advance(xp, state, heating, pull, dt)
+            end, memory = self.law.fractions(after.memory), after.memory
+            worn = self.wear.advance(xp, state.worn, end, memory.stress, memory.temperature, dt)
+            return after._replace(worn=worn), report
 
         def loaded(xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
             def near(xp: Namespace, force: Scalar) -> Spring:
@@ -178,8 +208,8 @@ class AbstractLumped(AbstractElement, init=False):
 
     @property
     def exchanges(self) -> bool:
-        """True if the law is an exchange of layers."""
-        return isinstance(self.law, AbstractExchange)
+        """True if the law is an exchange of layers that nothing wears."""
+        return isinstance(self.law, AbstractExchange) and self.wear is None
 
     def advance_rosenbrock(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
@@ -233,18 +263,22 @@ class AbstractLumped(AbstractElement, init=False):
         law, memory = self.law, state.memory
         start, stress = memory.temperature, memory.stress
         fractions = law.fractions(memory)
+        rphase = fractions[2:]
         strain = self._strain_under(xp, fractions, start, state.force)
+
+        def phases(m: Scalar, o: Scalar, *more: Scalar) -> Fractions:
+            return type(fractions)(m, o, *more)
 
         def loss(xp: Namespace, temperature: Scalar) -> Scalar:
             return self.heat_loss(xp, temperature, heating.environment)
 
         def power(xp: Namespace, at: Column) -> Column:
-            heat = heating.heat(xp, self.ohms(xp, *at))
+            heat = heating.heat(xp, self._ohms_of(xp, phases(at[0], at[0], *at[3:]), at[1], at[2]))
             return [heat.mean, heat.slope]
 
         def reached(xp: Namespace, at: Column) -> Column:
             """Strain and stress on the load line."""
-            there = Fractions(at[0], at[1])
+            there = phases(at[0], at[1], *at[3:])
             force = loaded(xp, there, at[2])
             return [self._strain_under(xp, there, at[2], force), self.stress(xp, force)]
 
@@ -252,12 +286,12 @@ class AbstractLumped(AbstractElement, init=False):
             return [self.latent_heat_total(xp, *at)]
 
         lost, slope = value_and_slope(xp, loss, start)
-        (given, change), (by_point, _) = compute_jacobian(xp, power, [fractions.martensite, strain, start])
-        _, (by_strain, by_stress) = compute_jacobian(xp, reached, [*fractions, start])
+        (given, change), (by_point, _) = compute_jacobian(xp, power, [fractions.martensite, strain, start, *rphase])
+        _, (by_strain, by_stress) = compute_jacobian(xp, reached, [*fractions[:2], start, *rphase])
         (heat,), (by_state,) = compute_jacobian(xp, latent, [stress, start])
         capacity = self.heat_capacity_total()
         less = slope - by_point[2] - by_point[1] * by_strain[2]
-        ohms = self.ohms(xp, fractions.martensite, strain, start)
+        ohms = self._ohms_of(xp, fractions, strain, start)
         z = dt * less / capacity
         return HeatLine(
             fractions=fractions,
@@ -266,11 +300,19 @@ class AbstractLumped(AbstractElement, init=False):
             heat=dt * (given - lost) + dt * dt * change * compute_lateness(xp, z) + heating.owed,
             by_martensite=heat + 0.5 * dt * (by_point[0] + by_point[1] * by_strain[0]),
             by_oriented=0.5 * dt * by_point[1] * by_strain[1],
+            by_rphase=0.5 * dt * (by_point[3] + by_point[1] * by_strain[3]) if rphase else 0.0,
+            latent=heat,
+            released=law.released,
             bend_martensite=0.5 * by_state[0] * by_stress[0],
             bend_oriented=0.5 * by_state[0] * by_stress[1],
             bend_temperature=0.5 * (by_state[0] * by_stress[2] + by_state[1]),
             ripple=heating.ripple(xp, ohms, capacity, dt),
         )
+
+    def _ohms_of(self, xp: Namespace, fractions: Fractions, strain: Scalar, temperature: Scalar) -> Scalar:
+        """Resistance [ohm] in a phase state."""
+        rphase = [fractions.rphase_fraction] if self.law.rphase else []
+        return self.ohms(xp, fractions.martensite, strain, temperature, *rphase)
 
     def _strain_under(self, xp: Namespace, fractions: Fractions, temperature: Scalar, force: Scalar) -> Scalar:
         """Strain [-] by the elongation, which is that of the law for a straight wire only.
@@ -282,7 +324,7 @@ class AbstractLumped(AbstractElement, init=False):
 
     def points(self, xp: Namespace, state: Lumped) -> list[MaterialPoint]:
         """The whole element, unless its law has rates."""
-        return points_of(xp, self.law, [state.memory])
+        return points_of(xp, self.worn_down(xp, state.worn).law, [state.memory])
 
     def heat_content(self, xp: Namespace, state: Lumped) -> Scalar | None:
         """C T - λ ξ [J], if the latent heat λ is a number."""
@@ -290,16 +332,16 @@ class AbstractLumped(AbstractElement, init=False):
             return None
         memory = state.memory
         latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
-        fraction = self.law.fractions(memory).martensite
-        return self.heat_capacity_total() * memory.temperature - latent * fraction
+        released = self.law.released(self.law.fractions(memory))
+        return self.heat_capacity_total() * memory.temperature - latent * released
 
     def stored_heat(self, xp: Namespace, state: Lumped) -> StoredHeat:
-        """C T, and λ along the martensite fraction."""
+        """C T, and λ along the share of it that is released."""
         memory = state.memory
-        latent = self.latent_heat_total(xp, memory.stress, memory.temperature)
-        fraction = self.law.fractions(memory).martensite
+        latent = self.worn_down(xp, state.worn).latent_heat_total(xp, memory.stress, memory.temperature)
+        released = self.law.released(self.law.fractions(memory))
         sensible = self.heat_capacity_total() * memory.temperature
-        return StoredHeat(sensible, (Effort(-latent, fraction),))
+        return StoredHeat(sensible, (Effort(-latent, released),))
 
     def elastic_energy(self, xp: Namespace, state: Lumped) -> Scalar | None:
         """Energy [J] that unloading at frozen fractions and temperature would give back."""
@@ -327,6 +369,7 @@ class AbstractLumped(AbstractElement, init=False):
             oriented_fraction=fractions.oriented,
             stress=self.stress(xp, force),
             strain=strain,
-            resistance=self.ohms(xp, fractions.martensite, strain, temperature),
+            resistance=self._ohms_of(xp, fractions, strain, temperature),
             heat_loss=self.heat_loss(xp, temperature, environment),
+            rphase_fraction=fractions.rphase_fraction,
         )

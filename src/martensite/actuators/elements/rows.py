@@ -6,6 +6,7 @@ matter: a wire led there and back pulls twice and is electrically one.
 """
 
 from abc import abstractmethod
+from typing import Any, Self
 
 from martensite.actuators.elements.base import ELEMENTS, AbstractElement, Spring
 from martensite.actuators.elements.limits import ElementLimits
@@ -14,6 +15,7 @@ from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import AbstractLaw, Fractions
+from martensite.physics.laws.wear import Wear
 from martensite.physics.thermal.base import Environment
 
 
@@ -64,6 +66,16 @@ class AbstractRow(AbstractLumped):
         return self.one.limits
 
     @property
+    def wear(self) -> Wear | None:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The wear of one."""
+        return self._lumped.wear
+
+    def worn_down(self, xp: Namespace, worn: Any) -> Self:
+        """With each as it is worn."""
+        name = next(name for name, child in self.children() if child is self.one)
+        return self if self.wear is None else self.rebuilt({name: self._lumped.worn_down(xp, worn)})
+
+    @property
     def straight(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]
         """Whether one is a straight wire."""
         return self.one.straight
@@ -111,9 +123,11 @@ class AbstractRow(AbstractLumped):
         """Strain [-] of each."""
         return self._lumped.strain(xp, elongation * (1.0 / self.behind()))
 
-    def ohms(self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar) -> Scalar:
+    def ohms(
+        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, rphase: Scalar = 0.0
+    ) -> Scalar:
         """Resistance [ohm] of all as wired."""
-        one = self._lumped.ohms(xp, fraction, strain, temperature)
+        one = self._lumped.ohms(xp, fraction, strain, temperature, rphase)
         return one * self.count if self.wiring == "series" else one * (1.0 / self.count)
 
 

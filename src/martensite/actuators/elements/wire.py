@@ -5,6 +5,7 @@ Geometry enters at its nominal size (no lateral contraction).
 
 import math
 from abc import abstractmethod
+from typing import Any, Self
 
 from martensite.actuators.elements.base import ELEMENTS, AbstractElement, Spring
 from martensite.actuators.elements.limits import ElementLimits
@@ -14,6 +15,7 @@ from martensite.base.parameters import option, param, part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.base import RESISTANCES, AbstractResistance, Conductor
 from martensite.physics.laws.base import LAWS, AbstractLaw, Fractions
+from martensite.physics.laws.wear import Wear
 from martensite.physics.thermal.base import Cylinder, Environment
 from martensite.physics.thermal.ends import ENDS, AbstractEnds, AdiabaticEnds
 
@@ -44,6 +46,7 @@ class AbstractRoundWire(AbstractElement, init=False):
     resistance: AbstractResistance = part("resistance model", RESISTANCES)
     ends: AbstractEnds = part("what the ends lose", ENDS, default=AdiabaticEnds())
     limits: ElementLimits = part("safety limits", default=ElementLimits())
+    wear: Wear | None = part("what cycles change in it; nothing if left out", default=None)
 
     @abstractmethod
     def wire_length(self) -> Scalar:
@@ -57,6 +60,14 @@ class AbstractRoundWire(AbstractElement, init=False):
                 f"`{self.law.registered_name}`, which knows oriented martensite only, but is "
                 f"{self.initial_oriented:.6g}; try law `brinson`."
             )
+        if self.wear is not None:
+            self.wear.check_law(self.law)
+
+    def worn_down(self, xp: Namespace, worn: Any) -> Self:
+        """With the law as it is worn."""
+        if self.wear is None:
+            return self
+        return self.rebuilt({"wear": None, "law": self.wear.apply(xp, self.law, worn)})
 
     def initial_fractions(self, xp: Namespace, stress: Scalar) -> Fractions:
         """Phase state at the start, under a stress [Pa]."""
@@ -93,9 +104,13 @@ class AbstractRoundWire(AbstractElement, init=False):
         film = environment.cooling.film(xp, temperature, ambient, shape)
         return self.ends.conductance(xp, film, shape) * (temperature - ambient)
 
-    def ohms(self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar) -> Scalar:
+    def ohms(
+        self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, rphase: Scalar = 0.0
+    ) -> Scalar:
         """Resistance [ohm]."""
         shape = Conductor(self.section(), self.wire_length())
+        if self.law.rphase:
+            return self.resistance.mix_phases(xp, fraction, rphase, strain, temperature, shape)
         return self.resistance.resistance(xp, fraction, strain, temperature, shape)
 
 

@@ -5,8 +5,6 @@ from martensite.actuators.mechanics.beam_modes import exact_omega as exact_omega
 from martensite.actuators.mechanics.platform_kinematics import Plates as Plates
 from martensite.actuators.mechanics.platform_kinematics import platform_angles as platform_angles
 from martensite.actuators.mechanics.platform_kinematics import platform_lengths as platform_lengths
-from martensite.actuators.mechanics.platform_workspace import Workspace as Workspace
-from martensite.actuators.mechanics.platform_workspace import reachable_angles as reachable_angles
 from martensite.actuators.mechanisms.beam_motor import BeamMotor as BeamMotor
 from martensite.actuators.mechanisms.beam_motor import modal_numbers as modal_numbers
 from martensite.actuators.mechanisms.finger import Finger as Finger
@@ -19,3 +17,5 @@ from martensite.actuators.mechanisms.load_line import DeadWeight as DeadWeight
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform as ParallelPlatform
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley as AntagonisticPulley
 from martensite.actuators.mechanisms.testing_machine import TensileTestingMachine as TensileTestingMachine
+from martensite_studies.platform.workspace import Workspace as Workspace
+from martensite_studies.platform.workspace import reachable_angles as reachable_angles

@@ -80,8 +80,8 @@ def worst_power(actuator: Actuator, hottest: float, full: float) -> float:
     """Largest power [W] that a signal of either sign brings into an element up to `hottest` [K], at any resistance."""
     element, source = _require_lumped(actuator.element), actuator.source
     ohms = [
-        element.ohms(floats, fraction, strain, temperature)
-        for fraction in (0.0, 1.0)
+        element.ohms(floats, fraction, strain, temperature, rphase)
+        for fraction, rphase in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0))
         for strain in STRAINS
         for temperature in (actuator.environment.temperature, hottest)
     ]

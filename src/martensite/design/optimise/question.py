@@ -212,7 +212,8 @@ def build_life_constraints(
         ParameterError: the margin is none, or one of limits that no element declares.
     """
     if not 0.0 <= margin < 1.0:
-        raise ParameterError(f"A margin of life must be at least 0 and below 1, but is {margin}.")
+        words = "a number of cycles has a source for straight Flexinol wires only, see `size --life`"
+        raise ParameterError(f"A margin of life must be at least 0 and below 1, but is {margin}; {words}.")
     system, found = steering.system, list[Constraint]()
     for port, one in system.actuators().items():
         for form, name, limit in _list_limits(one, margin):

@@ -18,7 +18,7 @@ from martensite.actuators.assembly import System
 from martensite.control.faults.plant import Multiplied
 from martensite.design.sizing import remarks
 from martensite.design.sizing.cycle import PulseCycle, find_current, find_hottest, find_reach_time, simulate_cycle
-from martensite.design.sizing.request import ALLOYS, WireRequest, Wiring, choose_wiring
+from martensite.design.sizing.request import ALLOYS, LIFE_STRESS, WireRequest, Wiring, choose_wiring
 from martensite.design.sizing.statics import HEAVIER, CoilStrand, Statics, compute_statics, list_alloy_numbers
 from martensite.physics.materials.base import DOUBTFUL
 from martensite.physics.materials.wires import WireCatalogue, WireSize, load_wires
@@ -157,6 +157,8 @@ def size_wire(
         InputError: the request contradicts itself.
         SolveError: a simulation failed.
     """
+    if request.life:
+        request = request.with_values({"stress": min(request.stress, LIFE_STRESS)})
     sizes = list_sizes(request, catalogue or load_wires())
     pairs = [(size, alloy) for alloy in request.alloys() for size in sizes]
     found: list[Candidate] = []
@@ -207,7 +209,7 @@ def judge_candidate(request: WireRequest, size: WireSize, alloy: str) -> Candida
         limits["temperature_limit"],
         reasons,
         tuple(remarks.list_warnings(request, static, driven, hot, limits)),
-        remarks.describe_life(static.hot_stress, request.element),
+        remarks.describe_life(static.hot_stress, request.element, request.life),
         () if reasons or driven is None else tuple(_list_frailties(request, static, driven, limits)),
         tuple(name for name in USED_CELLS if size.cells()[name].kind in DOUBTFUL),
     )

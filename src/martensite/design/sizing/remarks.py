@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from martensite.design.sizing.cycle import RETURNED, PulseCycle
-from martensite.design.sizing.request import WireRequest, Wiring
+from martensite.design.sizing.request import LIFE_STRESS, WireRequest, Wiring
 from martensite.design.sizing.statics import Statics, list_alloy_numbers
 
 if TYPE_CHECKING:
@@ -25,12 +25,14 @@ if TYPE_CHECKING:
 
 COLD_MARGIN = 10.0
 """Margin of M_f above the ambient [K] below which the return is called slow and uncertain."""
-LIFE_STRESS = 172.4e6
-"""25 ksi [Pa], with the usual rounding to 172 MPa."""
 UNKNOWN_LIFE = "no figure in the datasheets at hand"
 KNOWN_LIFE = (
     "within 25 ksi (172 MPa), which nitinolactuators.com names as design limit for a million "
     "cycles: a secondary page, not the maker's datasheet"
+)
+UNTOLD_LIFE = (
+    "For the strain no source names a number of cycles, so the maker's largest is kept. This is no prediction, and "
+    "nothing is known here beyond a million cycles"
 )
 COIL_DOUBT = (
     "Numbers are those of straight trained wire: a coil that was wound and annealed has temperatures of its own, and "
@@ -38,8 +40,10 @@ COIL_DOUBT = (
 )
 
 
-def describe_life(stress: float, element: str = "wire") -> str:
-    """What a source says about the life at a stress [Pa]."""
+def describe_life(stress: float, element: str = "wire", asked: float = 0.0) -> str:
+    """What a source says about the life at a stress [Pa], and about the cycles that are asked for."""
+    if asked:
+        return f"{asked:,.0f} cycles are asked for; the stress is {KNOWN_LIFE}. {UNTOLD_LIFE}"
     if element == "coil":
         return f"{UNKNOWN_LIFE} for coils"
     return KNOWN_LIFE if stress <= LIFE_STRESS else UNKNOWN_LIFE

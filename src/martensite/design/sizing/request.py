@@ -17,6 +17,9 @@ from martensite.kernels.namespace import Scalar
 ALLOYS = ("70", "90")
 """Austenite start temperatures [°C] by which the maker names the two alloys."""
 
+LIFE_CYCLES, LIFE_STRESS = 1e6, 172.4e6
+"""25 ksi [Pa], with the usual rounding to 172 MPa, and the cycles that nitinolactuators.com names for it."""
+
 
 class WireRequest(Parametrised):
     """Force, stroke and rate that a wire must reach, and with what."""
@@ -40,13 +43,19 @@ class WireRequest(Parametrised):
     )
     current_limit: Scalar = param("A", "largest current of the supply", above=0.0, default=math.inf)
     strands: Scalar = param("1", "most wires side by side", low=1.0, high=1000.0, default=12.0)
+    life: Scalar = param("1", "cycles that it shall last; 0 for no matter", low=0.0, high=1e12, default=0.0)
     element: str = option("what pulls: straight wire, or a coil spring of it", "wire", "coil", default="wire")
     bias: str = option("what stretches the cold wire", "spring", "weight", default="spring")
     limits: str = option("limits of the material: stress, strain, temperature", "keep", "ignore", default="keep")
     alloy: str = option("which of the maker's alloys", "any", *ALLOYS, default="any")
 
     def check(self) -> None:
-        """Raise `ParameterError` if the return takes all the stress that is allowed."""
+        """Raise `ParameterError` if the return takes all the stress that is allowed, or a life has no source."""
+        if self.life > LIFE_CYCLES or (self.life and (self.element == "coil" or self.limits == "ignore")):
+            raise ParameterError(
+                f"Parameter `life` of `WireRequest` can be told of straight wires within their limits, up to "
+                f"{LIFE_CYCLES:,.0f} cycles: beyond that no source is at hand. It is {self.life:,.0f}."
+            )
         rise = self.spring_rise if self.bias == "spring" else 0.0
         taken = self.return_stress * (1.0 + rise)
         if taken >= self.stress:

@@ -54,11 +54,20 @@ class Heat(NamedTuple):
 class AbstractResistance(Parametrised):
     """Interface of a resistance model."""
 
+    three_phases: ClassVar[bool] = False
+    """True if the R-phase has a resistivity of its own."""
+
     @abstractmethod
     def resistance(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
     ) -> Scalar:
         """Resistance [ohm] at martensite `fraction`, `strain` and `temperature` [K]."""
+
+    def mix_phases(
+        self, xp: Namespace, fraction: Scalar, rphase: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
+    ) -> Scalar:
+        """The same with an R-phase fraction, which counts as austenite unless the model knows it."""
+        return self.resistance(xp, fraction, strain, temperature, shape)
 
 
 class AbstractSource(Parametrised):

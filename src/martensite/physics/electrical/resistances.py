@@ -76,3 +76,31 @@ class FurstSeeleckeResistance(MixtureResistance):
         width = 1.0 - self.nu * strain
         stretched = shape.length * (1.0 + strain) / (shape.area * width * width)
         return self.resistivity(xp, fraction, temperature) * stretched
+
+
+@RESISTANCES.register("three-phase")
+class ThreePhaseResistance(FurstSeeleckeResistance):
+    """As `furst-seelecke`, with a resistivity of the R-phase.
+
+        ρ = ξ ρ_M [1 + a_M (T - T_ρ)] + ξ_R ρ_R [1 + a_R (T - T_ρ)] + (1 - ξ - ξ_R) ρ_A [1 + a_A (T - T_ρ)]
+
+    It needs a law that knows the R-phase; without one it is `furst-seelecke`. That the R-phase resists more than both
+    others, which makes the bump on cooling, is usual and not assumed. The linear mixture of three is this package's
+    choice.
+    """
+
+    three_phases = True
+
+    rho_R: Scalar = param("ohm*m", "resistivity of the R-phase", above=0.0, high=1e-4, typical="1e-6 ohm m")
+    a_rho_R: Scalar = param(
+        "1/K", "temperature coefficient of the resistivity of the R-phase", low=-1e-3, high=5e-3, typical="3e-4 1/K"
+    )
+
+    def mix_phases(
+        self, xp: Namespace, fraction: Scalar, rphase: Scalar, strain: Scalar, temperature: Scalar, shape: Conductor
+    ) -> Scalar:
+        """R [ohm] of three phases."""
+        rise = temperature - self.T_rho
+        more = self.rho_R * (1.0 + self.a_rho_R * rise) - self.rho_A * (1.0 + self.a_rho_A * rise)
+        share = 1.0 + rphase * more / self.resistivity(xp, fraction, temperature)
+        return share * self.resistance(xp, fraction, strain, temperature, shape)

@@ -58,9 +58,8 @@ class SidedProcess(NamedTuple):
     reach: Scalar
 
 
-def by_side(method: Method) -> Method:
-    """A method of a law, or the one of its name in this module if the law knows compression."""
-    other = SIDED_METHODS[method.__name__]
+def by_side(method: Method, other: Callable[..., Any]) -> Method:
+    """A method of a law, or another one if the law knows compression."""
 
     @wraps(method)
     def chosen(law: Any, *arguments: Any) -> Any:

@@ -34,7 +34,7 @@ def require_order(law: Parametrised, *pairs: tuple[str, str]) -> None:
             )
 
 
-def find_side_strain(xp: Namespace, law: AbstractTwoPhaseLaw, name: str, fractions: Fractions) -> Scalar:
+def find_side_strain(xp: Namespace, law: AbstractSidedLaw, name: str, fractions: Fractions) -> Scalar:
     """Strain [-] of oriented martensite, by the parameter of that name, in compression its own."""
     own = getattr(law, name)
     if law.compression == "asymmetric":
@@ -54,6 +54,16 @@ class AbstractTwoPhaseLaw(AbstractLaw):
     A_f: Scalar = param("K", "austenite finish temperature at zero stress", low=100.0, high=1000.0, typical="75 degC")
     M_s: Scalar = param("K", "martensite start temperature at zero stress", low=100.0, high=1000.0, typical="50 degC")
     M_f: Scalar = param("K", "martensite finish temperature at zero stress", low=100.0, high=1000.0, typical="40 degC")
+
+    @property
+    def tension_only(self) -> bool:
+        """True if it does not know compression."""
+        return True
+
+
+class AbstractSidedLaw(AbstractTwoPhaseLaw):
+    """A law of tension that may know compression (`kinetics.asymmetry`)."""
+
     compression: str = option(
         "what stress below zero does: drives martensite of tension back, or forms its own, by equal or own numbers",
         NONE,
@@ -75,7 +85,7 @@ class AbstractTwoPhaseLaw(AbstractLaw):
         """Let methods of a law of tension go by the side of zero stress, if it knows compression."""
         super().__init_subclass__(init=init)
         for name in SIDED_METHODS.keys() & vars(cls).keys():
-            setattr(cls, name, by_side(getattr(cls, name)))
+            setattr(cls, name, by_side(getattr(cls, name), SIDED_METHODS[name]))
 
     @property
     def tension_only(self) -> bool:
@@ -129,9 +139,6 @@ class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
         "what happens to an interrupted transformation", "resume", "restart", "return-point", default="resume"
     )
 
-    eps_L_compression: Scalar = param("1", "eps_L in compression; 0: as in tension", low=0.0, high=0.2, default=0.0)
-    H_min: Scalar = param("1", "two-way strain: of martensite formed at no stress", low=-0.2, high=0.2, default=0.0)
-
     @abstractmethod
     def young(self, fractions: Fractions) -> Scalar:
         """Young's modulus [Pa]."""
@@ -141,17 +148,8 @@ class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
         return self.E_A + fractions.martensite * (self.E_M - self.E_A)
 
     def check(self) -> None:
-        """Raise `ParameterError` if a strip has no width, or compression meets a rule that it does not know."""
+        """Raise `ParameterError` if a strip has no width."""
         require_order(self, *WIDTHS)
-        if self.compression == NONE:
-            return
-        self.__dict__.update(twins=True, one_way=False)  # what is oriented changes by itself
-        if self.history == "return-point":
-            raise ParameterError('`compression` knows no return points; take `history = "resume"` or `"restart"`.')
-        if abs(self.H_min) > self.eps_L:
-            raise ParameterError(
-                f"Parameter `H_min` must not exceed `eps_L`, but is {self.H_min} against {self.eps_L}."
-            )
 
     def cautions(self) -> list[str]:
         """The sign of Θ; a law adds what its strips may do."""
@@ -165,9 +163,33 @@ class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
         return self.transformation_strain(xp, fractions) - thermal
 
     def transformation_strain(self, xp: Namespace, fractions: Fractions) -> Scalar:
-        """ε_L ξ_S [-], with the ε_L of its sign."""
-        return find_side_strain(xp, self, "eps_L", fractions)
+        """ε_L ξ_S [-]."""
+        return self.eps_L * fractions.oriented
 
     def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
         """1/E [1/Pa]."""
         return 1.0 / self.young(fractions)
+
+
+class AbstractSidedDiagram(AbstractPhaseDiagram, AbstractSidedLaw):
+    """A phase diagram of tension that may have one of compression."""
+
+    eps_L_compression: Scalar = param("1", "eps_L in compression; 0: as in tension", low=0.0, high=0.2, default=0.0)
+    H_min: Scalar = param("1", "two-way strain: of martensite formed at no stress", low=-0.2, high=0.2, default=0.0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` if a strip has no width, or compression meets a rule that it does not know."""
+        super().check()
+        if self.compression == NONE:
+            return
+        self.__dict__.update(twins=True, one_way=False)  # what is oriented changes by itself
+        if self.history == "return-point":
+            raise ParameterError('`compression` knows no return points; take `history = "resume"` or `"restart"`.')
+        if abs(self.H_min) > self.eps_L:
+            raise ParameterError(
+                f"Parameter `H_min` must not exceed `eps_L`, but is {self.H_min} against {self.eps_L}."
+            )
+
+    def transformation_strain(self, xp: Namespace, fractions: Fractions) -> Scalar:
+        """ε_L ξ_S [-], with the ε_L of its sign."""
+        return find_side_strain(xp, self, "eps_L", fractions)

@@ -12,7 +12,7 @@ from martensite.base.parameters import param
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics import history
 from martensite.physics.kinetics.asymmetry import NONE, TURNS, compare_parts_left
-from martensite.physics.kinetics.diagram import AbstractPhaseDiagram
+from martensite.physics.kinetics.diagram import AbstractSidedDiagram
 from martensite.physics.kinetics.history import (
     RESUME,
     RETURN_POINT,
@@ -29,7 +29,7 @@ from martensite.physics.laws.base import Doubt, Fractions
 Point: TypeAlias = tuple[Scalar, Scalar]
 
 
-class AbstractStripLaw(AbstractPhaseDiagram):
+class AbstractStripLaw(AbstractSidedDiagram):
     """Two strips, one fraction; a law adds `left`, `young` and its options."""
 
     endless: ClassVar[bool] = False

@@ -52,7 +52,7 @@ from martensite.kernels import floats
 from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.asymmetry import NONE
-from martensite.physics.kinetics.diagram import WIDTHS, AbstractShapes, AbstractTwoPhaseLaw, require_order
+from martensite.physics.kinetics.diagram import WIDTHS, AbstractShapes, AbstractSidedLaw, require_order
 from martensite.physics.kinetics.hardening import apply_waist, compute_hardening, remove_waist, waist_energy
 from martensite.physics.laws.base import Doubt
 
@@ -124,7 +124,7 @@ class TransformationRange(NamedTuple):
         return self.start + self.shift - self.width * share
 
 
-class AbstractSurfaceLaw(AbstractTwoPhaseLaw, AbstractShapes):
+class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
     """Parameters, constants and surfaces; a law adds memory and flow."""
 
     orders = (*WIDTHS, ("M_f", "A_s"), ("M_s", "A_f"))
@@ -150,7 +150,7 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw, AbstractShapes):
         default="work",
     )
 
-    sided = (*AbstractTwoPhaseLaw.sided, "H_sat")
+    sided = (*AbstractSidedLaw.sided, "H_sat")
     by_ratios = False
 
     def on_side(self, xp: Namespace, side: Scalar) -> Self:

@@ -11,7 +11,7 @@ Sign convention: tension and elongation positive; strain counted from unloaded a
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple, Self
 
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
@@ -27,6 +27,39 @@ class Fractions(NamedTuple):
     """Total martensite fraction ξ in [0, 1]: resistance, latent heat, modulus depend on it."""
     oriented: Scalar
     """Net oriented (detwinned) fraction in [-ξ, ξ]: transformation strain depends on it."""
+
+    @property
+    def rphase(self) -> Scalar:
+        """R-phase as a share of what is not martensite [-]; 0 unless a law says otherwise."""
+        return 0.0
+
+    @property
+    def rphase_fraction(self) -> Scalar:
+        """R-phase fraction ξ_R in [0, 1 - ξ]."""
+        return 0.0
+
+
+class RPhaseFractions(Fractions):
+    """With a third number; laws that know no R-phase keep two and pay nothing for it.
+
+    The share is the third number, and not ξ_R, since it stays as it is while martensite takes from both phases.
+    """
+
+    def __new__(cls, martensite: Scalar, oriented: Scalar, rphase: Scalar) -> Self:
+        """All three of them."""
+        return super(Fractions, cls).__new__(cls, (martensite, oriented, rphase))
+
+    __repr__ = tuple[Scalar].__repr__
+
+    @property
+    def rphase(self) -> Scalar:
+        """R-phase as a share of what is not martensite [-]."""
+        return self[-1]
+
+    @property
+    def rphase_fraction(self) -> Scalar:
+        """R-phase fraction ξ_R in [0, 1 - ξ]."""
+        return self.rphase * (1.0 - self.martensite)
 
 
 class Doubt(NamedTuple):
@@ -45,6 +78,8 @@ class AbstractLaw(Parametrised):
 
     twins: ClassVar[bool] = False
     """True if martensite may be present that is not oriented; else all of it counts."""
+    rphase: ClassVar[bool] = False
+    """True if its fractions are `RPhaseFractions`."""
     one_way: ClassVar[bool] = True
     """True if one move changes both fractions in a fixed proportion, wherever it ends."""
     steep: ClassVar[bool] = False
@@ -148,6 +183,10 @@ class AbstractLaw(Parametrised):
         It is the constant `latent` heat of the element unless the law says otherwise.
         """
         return latent
+
+    def released(self, fractions: Fractions) -> Scalar:
+        """Share of that heat which has been released in a phase state [-]."""
+        return fractions.martensite
 
     def drive(self, xp: Namespace, move: Any, stress: Scalar, temperature: Scalar, dt: Scalar) -> Scalar:
         """How far beyond balance the selected process would end, on any scale.

@@ -24,7 +24,7 @@ from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import two_fractions
 from martensite.physics.kinetics.asymmetry import NONE
-from martensite.physics.kinetics.diagram import WIDTHS, AbstractPhaseDiagram
+from martensite.physics.kinetics.diagram import WIDTHS, AbstractSidedDiagram
 from martensite.physics.kinetics.history import Strip, compute_cosine_rest
 from martensite.physics.kinetics.two_fractions import Diagram, TwoFractionDirection, TwoFractionMemory
 from martensite.physics.laws.base import LAWS, Doubt, Fractions
@@ -34,7 +34,7 @@ PIECES = 3
 
 
 @LAWS.register("brinson")
-class Brinson(AbstractPhaseDiagram):
+class Brinson(AbstractSidedDiagram):
     """Brinson kinetics with two martensite fractions and a ξ-dependent Young's modulus."""
 
     cites = ("brinson1993", "chung2007")
@@ -51,7 +51,7 @@ class Brinson(AbstractPhaseDiagram):
     sigma_f_compression: Scalar = param(
         "Pa", "sigma_f in compression; 0: as in tension", low=0.0, high=1e10, default=0.0
     )
-    sided = (*AbstractPhaseDiagram.sided, "sigma_s", "sigma_f")
+    sided = (*AbstractSidedDiagram.sided, "sigma_s", "sigma_f")
 
     def check(self) -> None:
         """Raise `ParameterError` if a strip has no width."""

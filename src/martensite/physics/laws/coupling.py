@@ -9,15 +9,17 @@ means a hotter and less stressed wire. On the chord from the present fractions z
 
 g rises from -1 to at least 0 between q = 0 and 1, with g' ≥ 1: a bracketed Newton iteration
 cannot diverge. For laws whose fractions change in a fixed proportion the chord holds the
-solution. For the others it is near, and Newton's method in both fractions follows.
+solution. For the others it is near, and Newton's method in all fractions follows. An R-phase is a third number: both
+it and martensite are restrained by the heat and the strain of either, so that the chord is one for three as well.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from martensite.kernels.bracketed_newton import SMALL, solve_bracketed
-from martensite.kernels.dual import value_and_slope, values_and_slopes
+from martensite.kernels.dual import compute_jacobian, value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import find_largest, sum_column
 from martensite.physics.laws.base import AbstractLaw, Fractions
 
 Settle = Callable[[Namespace, Fractions], tuple[Scalar, Scalar]]
@@ -65,7 +67,7 @@ def advance_memory(
     def drive(xp: Namespace, q: Scalar) -> Scalar:
         return law.drive(xp, move, *settle(xp, _blend_fractions(start, aim, q)), dt)
 
-    aim = Fractions(*(xp.store(x) for x in answer(xp, start)))
+    aim = type(start)(*(xp.store(x) for x in answer(xp, start)))
     guess = _guess_place(xp, drive) if law.steep else _expect_place(xp, start, aim, change)
     enough = SMALL if law.one_way or law.steep else NEAR
     end = _seek_on_chord(xp, answer, start, aim, guess, enough, not law.steep)
@@ -73,7 +75,7 @@ def advance_memory(
         end = _polish_fractions(xp, answer, end)
     found = answer(xp, end)
     stress, temperature = settle(xp, end)
-    residual = xp.maximum(xp.abs(end.martensite - found.martensite), xp.abs(end.oriented - found.oriented))
+    residual = find_largest(xp, [xp.abs(a - b) for a, b in zip(end, found, strict=True)])
     after = law.commit(xp, memory, move, end, stress, temperature, dt)
     return after, StepReport(residual, law.crossing(xp, memory, move, *trial))
 
@@ -81,7 +83,7 @@ def advance_memory(
 def _blend_fractions(start: Fractions, aim: Fractions, q: Scalar) -> Fractions:
     """The point after a share q of the way; exact at both ends."""
     rest = 1.0 - q
-    return Fractions(*(q * b + rest * a for a, b in zip(start, aim, strict=True)))
+    return type(start)(*(q * b + rest * a for a, b in zip(start, aim, strict=True)))
 
 
 def _guess_place(xp: Namespace, drive: Callable[[Namespace, Scalar], Scalar]) -> Scalar:
@@ -112,17 +114,17 @@ def _seek_on_chord(
     smooth: bool,
 ) -> Fractions:
     """The point of the chord from `start` through `aim` that the law answers with itself."""
-    m, o = aim.martensite - start.martensite, aim.oriented - start.oriented
-    size = xp.abs(m) + xp.abs(o)
+    ways = [b - a for a, b in zip(start, aim, strict=True)]
+    size = sum_column([xp.abs(way) for way in ways])
     moves = size > LEAST
     share = xp.store(xp.where(moves, 1.0 / xp.where(moves, size, 1.0), 0.0))
-    per_m = xp.store(xp.where(m < 0.0, -share, share))
-    per_o = xp.store(xp.where(o < 0.0, -share, share))
+    shares = [xp.store(xp.where(way < 0.0, -share, share)) for way in ways]
 
     def mismatch(xp: Namespace, q: Scalar) -> Scalar:
-        found = answer(xp, Fractions(*(xp.store(x) for x in _blend_fractions(start, aim, q))))
-        way = per_m * (found.martensite - start.martensite)
-        return q - way - per_o * (found.oriented - start.oriented)
+        found = answer(xp, type(start)(*(xp.store(x) for x in _blend_fractions(start, aim, q))))
+        for share, a, b in zip(shares, start, found, strict=True):
+            q = q - share * (b - a)
+        return q
 
     q = solve_bracketed(xp, mismatch, guess, (0.0, 2.0), wanted=moves, enough=enough, smooth=smooth)
     q = xp.where(xp.abs(q - 1.0) > WHOLE * xp.eps(), q, 1.0)
@@ -132,46 +134,57 @@ def _seek_on_chord(
 def _polish_fractions(
     xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], start: Fractions
 ) -> Fractions:
-    """Newton's method in both fractions; a step that does not help is shortened."""
+    """Newton's method in all fractions; a step that does not help is shortened."""
+    size = len(start)
 
-    def turn(
-        _: Scalar, m: Scalar, o: Scalar, step_m: Scalar, step_o: Scalar, length: Scalar, least: Scalar
-    ) -> tuple[Scalar, ...]:
-        tried = _limit_fractions(xp, m + length * step_m, o + length * step_o)
+    def move(numbers: Sequence[Scalar], length: Scalar) -> Fractions:
+        pairs = zip(numbers[:size], numbers[size:], strict=True)
+        return _limit_fractions(xp, type(start)(*(x + length * step for x, step in pairs)))
+
+    def turn(_: Scalar, *numbers: Scalar) -> tuple[Scalar, ...]:
+        *before, length, least = numbers
+        tried = move(before, length)
         newton, residual = _compute_newton_step(xp, answer, tried)
         better = residual < least
-        pairs = zip((*tried, *newton), (m, o, step_m, step_o), strict=True)
-        kept = [xp.where(better, new, old) for new, old in pairs]
+        kept = [xp.where(better, new, old) for new, old in zip((*tried, *newton), before, strict=True)]
         left, length = xp.where(better, residual, least), xp.where(better, 1.0, 0.25 * length)
-        far = xp.abs(kept[2]) + xp.abs(kept[3]) > SMALL
+        far = sum_column([xp.abs(step) for step in kept[size:]]) > SMALL
         going = xp.both(left > POLISHED, xp.both(far, length > SMALL))
         return (xp.where(going, 1.0, 0.0), *kept, length, left)
 
-    begin = 1.0, *start, 0.0, 0.0, 1.0, float("inf")
-    going, m, o, step_m, step_o, length, _ = xp.iterate(MOST, turn, *begin)
-    length = xp.where(going > 0.0, 0.0, length)
-    end = _limit_fractions(xp, m + length * step_m, o + length * step_o)
-    at = Fractions(*(xp.detach(x) for x in end))
+    begin = 1.0, *start, *[0.0 for _ in start], 1.0, float("inf")
+    going, *found, length, _ = xp.iterate(MOST, turn, *begin)
+    end = move(found, xp.where(going > 0.0, 0.0, length))
+    at = type(start)(*(xp.detach(x) for x in end))
     step, _ = _compute_newton_step(xp, answer, at)
-    return Fractions(*(xp.implicit_root(x, y + d) for x, y, d in zip(end, at, step, strict=True)))
+    return type(start)(*(xp.implicit_root(x, y + d) for x, y, d in zip(end, at, step, strict=True)))
 
 
-def _limit_fractions(xp: Namespace, martensite: Scalar, oriented: Scalar) -> Fractions:
+def _limit_fractions(xp: Namespace, numbers: Fractions) -> Fractions:
     """The nearest legal phase state: an iterate may lie outside."""
-    martensite = xp.clip(martensite, 0.0, 1.0)
-    return Fractions(martensite, xp.clip(oriented, -martensite, martensite))
+    martensite = xp.clip(numbers.martensite, 0.0, 1.0)
+    oriented = xp.clip(numbers.oriented, -martensite, martensite)
+    return type(numbers)(martensite, oriented, *(xp.clip(x, 0.0, 1.0) for x in numbers[2:]))
 
 
 def _compute_newton_step(
     xp: Namespace, answer: Callable[[Namespace, Fractions], Fractions], at: Fractions
 ) -> tuple[Fractions, Scalar]:
     """The Newton step of z - f(z) = 0, and the size of the mismatch."""
-    found, by_m = values_and_slopes(xp, lambda xp, m: answer(xp, Fractions(m, at.oriented)), at[0])
-    _, by_o = values_and_slopes(xp, lambda xp, o: answer(xp, Fractions(at.martensite, o)), at[1])
-    by_m, by_o = ([xp.detach(slope) for slope in slopes] for slopes in (by_m, by_o))
-    a, b, c, d = 1.0 - by_m[0], -by_o[0], -by_m[1], 1.0 - by_o[1]
-    short_m, short_o = found[0] - at.martensite, found[1] - at.oriented
+    found, slopes = compute_jacobian(xp, lambda xp, x: answer(xp, type(at)(*x)), at)
+    rows = [
+        [1.0 - xp.detach(slope) if i == k else -xp.detach(slope) for k, slope in enumerate(row)]
+        for i, row in enumerate(slopes)
+    ]
+    short = [x - y for x, y in zip(found, at, strict=True)]
+    rows = [[*row, x] for row, x in zip(rows, short, strict=True)]
+    third = rows.pop() if len(rows) > len(Fractions._fields) else None
+    if third:  # is eliminated first: what it does to itself only restrains it, so that its pivot is at least 1
+        rows = [[x - row[2] / third[2] * y for x, y in zip(row, third, strict=True)] for row in rows]
+    (a, b, *_, short_m), (c, d, *_, short_o) = rows
     determinant = a * d - b * c
     safe = xp.where(xp.abs(determinant) > 0.0, determinant, 1.0)
-    step = Fractions((d * short_m - b * short_o) / safe, (a * short_o - c * short_m) / safe)
-    return step, xp.maximum(xp.abs(short_m), xp.abs(short_o))
+    step = [(d * short_m - b * short_o) / safe, (a * short_o - c * short_m) / safe]
+    if third:
+        step.append((third[3] - third[0] * step[0] - third[1] * step[1]) / third[2])
+    return type(at)(*step), find_largest(xp, [xp.abs(x) for x in short])

@@ -1,8 +1,6 @@
-from martensite.show.figures.analysis import plot_energy as plot_energy
-from martensite.show.figures.analysis import plot_frequency_response as plot_frequency_response
-from martensite.show.figures.analysis import plot_speeds as plot_speeds
 from martensite.show.figures.bench import plot_bench as plot_bench
 from martensite.show.figures.design import plot_tuning as plot_tuning
+from martensite.show.figures.energy import plot_energy as plot_energy
 from martensite.show.figures.fit import plot_fit as plot_fit
 from martensite.show.figures.fit import plot_fit_loops as plot_fit_loops
 from martensite.show.figures.fit import plot_fit_residuals as plot_fit_residuals
@@ -12,12 +10,15 @@ from martensite.show.figures.fit_knowledge import plot_search as plot_search
 from martensite.show.figures.fit_knowledge import plot_singular_values as plot_singular_values
 from martensite.show.figures.laboratory import plot_film as plot_film
 from martensite.show.figures.laboratory import plot_tangents as plot_tangents
+from martensite.show.figures.law_logs import plot_law_log as plot_law_log
 from martensite.show.figures.law_paths import plot_point as plot_point
 from martensite.show.figures.model import plot_model as plot_model
 from martensite.show.figures.model import plot_model_loop as plot_model_loop
 from martensite.show.figures.model import plot_model_tests as plot_model_tests
 from martensite.show.figures.overview import plot_profile as plot_profile
-from martensite.show.figures.workspace import plot_workspace as plot_workspace
+from martensite_studies.platform.workspace_figure import plot_workspace as plot_workspace
 from martensite_sweep.analysis_figures import plot_pareto as plot_pareto
 from martensite_sweep.analysis_figures import plot_sensitivity as plot_sensitivity
 from martensite_sweep.figures import plot_sweep as plot_sweep
+from martensite_sweep.response_figures import plot_frequency_response as plot_frequency_response
+from martensite_sweep.response_figures import plot_speeds as plot_speeds

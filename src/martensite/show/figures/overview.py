@@ -170,13 +170,10 @@ def list_panels(result: Result, records: Sequence[MeasuredRecord] = ()) -> list[
     """
     (actuator,) = result.system.actuators().values()
     twice = actuator.source.sets_temperature
-    own = list(result.system.of_mechanism())
-    usual = [
-        shown
-        for name in PANELS
-        if not (twice and name == "drive")
-        for shown in (own if name == "mechanism" else [name])
-    ]
+    several = {"mechanism": list(result.system.of_mechanism())}
+    if "rphase_fraction" in result.columns:
+        several["martensite_fraction"] = ["martensite_fraction", "rphase_fraction"]
+    usual = [shown for name in PANELS if not (twice and name == "drive") for shown in several.get(name, [name])]
     return usual + [name for name in list_recorded(result, records) if name not in usual]
 
 

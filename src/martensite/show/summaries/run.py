@@ -13,6 +13,7 @@ from martensite.simulate.path_stages import PathStage, list_stages, residual_str
 if TYPE_CHECKING:
     from martensite.design.tuning.averaging import Averaging
     from martensite.scenario.compare import Agreement
+    from martensite.scenario.law_logs import LawComparison
     from martensite.scenario.laws import ConfiguredLaw
     from martensite.scenario.scenario import Scenario
     from martensite.simulate.point import PointResult
@@ -216,3 +217,24 @@ def _write_spot(stage: PathStage, i: int) -> str:
     if "stress" in stage.varies:
         parts.append(f"{spot.stress / 1e6:.1f} MPa")
     return ", ".join(parts)
+
+
+def summarise_law_logs(comparisons: Sequence[LawComparison]) -> Summary:
+    """How far laws are from logs."""
+    data: list[dict[str, Any]] = []
+    for one in comparisons:
+        law, source = one.configured.law.registered_name, one.configured.material
+        names = {"law": law, "material": "" if source is None else source.name, "log": one.log}
+        largest = float(abs(one.misfit).max())
+        numbers = {"compared": one.compared, "rms": one.rms, "largest": largest, "shift": one.shift}
+        data.append(names | numbers | {"cautions": [*one.configured.cautions, *one.result.warnings]})
+    rows = [
+        (*list(one.values())[:4], *(f"{100.0 * one[n]:.3g} %" for n in ("rms", "largest", "shift"))) for one in data
+    ]
+    cautions = dict.fromkeys(words for one in data for words in one["cautions"])
+    blocks: list[Block] = [
+        DataTable(("law", "numbers of", "log", "compared", "RMS", "largest", "strain shifted"), rows, right=(4, 5, 6)),
+        Sentence("Differences are shares of the recorded range; where strain is zero is a matter of the log."),
+        *(Sentence(f"Caution: {words}", "caution") for words in cautions),
+    ]
+    return Summary("Laws beside a log", blocks, {"laws": data})

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.actuators.mechanics.platform_kinematics import compute_lengths
-from martensite.actuators.mechanics.platform_workspace import Workspace
 from martensite.kernels.arrays import ArrayNamespace
 from martensite.show.figures.style import COOLING, FAINT, HEATING, INK, MEASURED, QUIET, SIMULATED
 from martensite.simulate.result import Result
@@ -21,6 +20,7 @@ from martensite_studies.figures import draw_page
 from martensite_studies.platform import bench, geometry_numbers, loop
 from martensite_studies.platform.bench import CASES, FINE, LATE, LIMITED, step_of
 from martensite_studies.platform.loop import CYCLES, DELAY, LAGGING, QUICK, Sampling
+from martensite_studies.platform.workspace import Workspace
 from martensite_studies.tables import Printed
 
 if TYPE_CHECKING:

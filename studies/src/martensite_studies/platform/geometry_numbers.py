@@ -8,10 +8,10 @@ from functools import cache
 from typing import Any
 
 from martensite.actuators.mechanics.platform_kinematics import compute_length_slopes, locate_corners, platform_lengths
-from martensite.actuators.mechanics.platform_workspace import Workspace, reachable_angles
 from martensite.actuators.mechanisms.parallel_platform import thin_plate
 from martensite.kernels import floats
 from martensite_studies.platform import bench
+from martensite_studies.platform.workspace import Workspace, reachable_angles
 from martensite_studies.tables import Printed
 
 SHORTEST, LONGEST = 0.030, 0.090

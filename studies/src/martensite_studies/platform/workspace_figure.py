@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from martensite.actuators.mechanics.platform_kinematics import compute_lengths
-from martensite.actuators.mechanics.platform_workspace import QUARTER, Workspace
 from martensite.base.errors import InputError
 from martensite.kernels.arrays import ArrayNamespace
 from martensite.show.figures.panels import add_panels, write_headline
 from martensite.show.figures.style import HEATING, INK, QUIET, make_figure, use_style
+from martensite_studies.platform.workspace import QUARTER, Workspace
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,9 +16,9 @@ import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
-from martensite.design.analysis.driven_lanes import DrivenLanes, require_positive
 from martensite.design.tuning.measures import RISE
 from martensite.signals.sampling.sampled import Numbers
+from martensite_sweep.driven_lanes import DrivenLanes, require_positive
 
 SAMPLES = 400
 """Steps in which a level is held, at least."""

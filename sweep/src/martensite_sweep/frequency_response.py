@@ -24,9 +24,9 @@ import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
-from martensite.design.analysis.driven_lanes import DrivenLanes, require_positive
 from martensite.design.synthesis.operating_point import find_operating_point
 from martensite.signals.sampling.sampled import Numbers
+from martensite_sweep.driven_lanes import DrivenLanes, require_positive
 
 SAMPLES = 128
 """Steps in a period of a plant in continuous time, at least."""

@@ -1,0 +1,217 @@
+r"""Law with an R-phase between austenite and martensite: two transformations with the kinetics of Liang and Rogers.
+
+    ξ   martensite of the whole                       T - σ/C_M from M_s to M_f, T - σ/C_A from A_s to A_f
+    ρ   R-phase of what is not martensite             T - σ/C_R from R_s to R_f, and back dT_R higher
+
+so that ξ_R = ρ (1 - ξ). Martensite takes from austenite and R in proportion, which leaves ρ as it is, and reverts into
+the one that is stable there: into R below its strips, into austenite above them. C_R is two to three times C_M, so that
+the start lines meet at a stress beyond which martensite is first and less and less austenite is left for R.
+
+    ε = [σ - Θ (T - T_ref)]/E + ε_L ξ + ε_R ξ_R,     E = E_A + ξ (E_M - E_A) + ξ_R (E_R - E_A)
+
+All R counts as oriented, as all martensite does. By Clausius and Clapeyron the latent heat of A → R would be the share
+C_R ε_R/(C_M ε_L) of the whole; it is a parameter. ε grows with ξ and with ρ, and both lag behind the stress, so no
+isothermal loop creates work but where the strips of martensite overlap.
+"""
+
+from typing import NamedTuple
+
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
+from martensite.base.units import DEGREES
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics import history
+from martensite.physics.kinetics.diagram import WIDTHS, AbstractPhaseDiagram, require_order
+from martensite.physics.kinetics.history import OneFractionMemory, OneFractionProcess
+from martensite.physics.kinetics.strips import AbstractStripLaw
+from martensite.physics.laws.base import LAWS, Doubt, Fractions, RPhaseFractions
+
+
+class RPhaseMemory(NamedTuple):
+    """What both transformations remember."""
+
+    martensite: OneFractionMemory
+    rphase: OneFractionMemory
+    """Of the share of R in what is not martensite."""
+
+    @property
+    def stress(self) -> Scalar:
+        """Of the last accepted point [Pa]."""
+        return self.martensite.stress
+
+    @property
+    def temperature(self) -> Scalar:
+        """Of the last accepted point [K]."""
+        return self.martensite.temperature
+
+
+class RPhaseMove(NamedTuple):
+    """The process of each transformation."""
+
+    martensite: OneFractionProcess
+    rphase: OneFractionProcess
+
+
+class CosineStrips(AbstractStripLaw):
+    """Strips with the cosines of Liang and Rogers: one transformation of a law that has two."""
+
+    def left(self, xp: Namespace, distance: Scalar) -> Scalar:
+        """sin²(π/2 · distance)."""
+        return history.compute_cosine_rest(xp, distance)
+
+    def young(self, fractions: Fractions) -> Scalar:
+        """Of the mixture [Pa]."""
+        return self.mixture(fractions)
+
+
+@LAWS.register("r-phase")
+class RPhase(AbstractPhaseDiagram):
+    """Liang–Rogers kinetics for martensite and, with narrow steep strips, for the R-phase.
+
+    What is known of the R-phase is recalled (review: Otsuka and Ren, 2005); of the paper that asks for three fractions
+    in models of actuators (2026) the abstract was seen. How the two transformations meet is this package's.
+    """
+
+    cites = ("liang1990", "otsuka2005", "rphase2026")
+    orders = (*WIDTHS, ("R_f", "R_s"))
+    rphase = True
+    one_way = False
+
+    R_s: Scalar = param(
+        "K", "R-phase start temperature on cooling at zero stress", low=100.0, high=1e3, typical="57 degC"
+    )
+    R_f: Scalar = param(
+        "K", "R-phase finish temperature on cooling at zero stress", low=100.0, high=1e3, typical="52 degC"
+    )
+    dT_R: Scalar = param(DEGREES, "hysteresis of the R-phase", low=0.0, high=50.0, typical="3 K")
+    C_R: Scalar = param("Pa/K", "Clausius–Clapeyron slope of the R-phase", low=1e5, high=1e9, typical="17 MPa/K")
+    eps_R: Scalar = param("1", "transformation strain of the R-phase", low=0.0, high=0.05, typical=0.007)
+    E_R: Scalar = param("Pa", "Young's modulus of the R-phase", low=1e8, high=3e11, typical="45 GPa")
+    latent_R: Scalar = param(
+        "1", "latent heat of the R-phase as a share of that of martensite", low=0.0, high=1.0, typical=0.25
+    )
+
+    def check(self) -> None:
+        """Raise `ParameterError` if a strip has no width, or the R-phase as much strain as martensite."""
+        super().check()
+        require_order(self, ("R_f", "R_s"))
+        if not self.eps_R < self.eps_L:
+            words = f"must be below `eps_L`, but is {self.eps_R:.4g} against {self.eps_L:.4g}."
+            raise ParameterError(f"Parameter `eps_R` of `{self.registered_name}` {words}")
+
+    def cautions(self) -> list[str]:
+        """Those of the martensite, and an R-phase that is hardly seen on cooling."""
+        found = self.whole().cautions()
+        if self.M_s >= self.R_s:
+            found.append("M_s is not below R_s: martensite forms first, and little R-phase or none is seen on cooling.")
+        return found
+
+    def doubt(self) -> Doubt | None:
+        """That of the martensite."""
+        return self.whole().doubt()
+
+    def highest_stress(self) -> Scalar:
+        """Stress [Pa] at which the start lines meet: beyond it martensite forms before the R-phase."""
+        return (self.R_s - self.M_s) / (1.0 / self.C_M - 1.0 / self.C_R)
+
+    def whole(self) -> CosineStrips:
+        """The law of the martensite."""
+        law, own = object.__new__(CosineStrips), self.__dict__
+        law.__dict__.update({name: own.get(name, one.default) for name, one in CosineStrips.declarations.items()})
+        return law
+
+    def parent(self) -> CosineStrips:
+        """The law of what is not martensite, whose martensite is the R-phase."""
+        law, back = self.whole(), {"A_s": self.R_f + self.dT_R, "A_f": self.R_s + self.dT_R}
+        return law.rebuilt(back | {"M_s": self.R_s, "M_f": self.R_f, "C_A": self.C_R, "C_M": self.C_R})
+
+    def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> RPhaseMemory:
+        """Memory of a wire that has no history; its R-phase is that of one that was cooled to this point."""
+        at, parent = (stress, temperature), self.parent()
+        share = 1.0 - parent.left(xp, xp.clip(parent.strips()[0].distance(*at), 0.0, 1.0))
+        own = self.whole().init(xp, fractions, *at)
+        return RPhaseMemory(own, parent.init(xp, Fractions(share, share), *at))
+
+    def relocate(
+        self, xp: Namespace, memory: RPhaseMemory, fractions: Fractions, stress: Scalar, temperature: Scalar
+    ) -> RPhaseMemory:
+        """The branches in progress go on; the R-phase, which no observer asks for, goes along its curve."""
+        at, parent, before = (stress, temperature), self.parent(), memory.rphase
+        forward, reverse = parent.strips()
+        cools = before.branch >= 0.0
+        was, now = (
+            parent.left(xp, xp.clip(xp.where(cools, forward.distance(*one), reverse.distance(*one)), 0.0, 1.0))
+            for one in ((memory.stress, memory.temperature), at)
+        )
+        share = xp.clip(before.fraction + xp.where(cools, was - now, now - was), 0.0, 1.0)
+        own = self.whole().relocate(xp, memory.martensite, fractions, *at)
+        return RPhaseMemory(own, parent.relocate(xp, before, Fractions(share, share), *at))
+
+    def find_forgotten_change(self, memory: RPhaseMemory) -> Scalar | None:
+        """The larger of both [-]."""
+        own = self.whole().find_forgotten_change(memory.martensite)
+        more = self.parent().find_forgotten_change(memory.rphase)
+        return None if own is None or more is None else max(own, more)
+
+    def fractions(self, memory: RPhaseMemory) -> RPhaseFractions:
+        """ξ, ξ again and ρ."""
+        return RPhaseFractions(*self.whole().fractions(memory.martensite), memory.rphase.fraction)
+
+    def select(self, xp: Namespace, memory: RPhaseMemory, stress: Scalar, temperature: Scalar) -> RPhaseMove:
+        """The processes set off by a straight move to (stress [Pa], temperature [K])."""
+        at = stress, temperature
+        return RPhaseMove(self.whole().select(xp, memory.martensite, *at), self.parent().select(xp, memory.rphase, *at))
+
+    def follow(
+        self, xp: Namespace, move: RPhaseMove, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> RPhaseFractions:
+        """Fractions if the move ends at (stress, temperature); independent of dt."""
+        at = stress, temperature, dt
+        share = self.parent().follow(xp, move.rphase, *at).martensite
+        return RPhaseFractions(*self.whole().follow(xp, move.martensite, *at), share)
+
+    def commit(
+        self,
+        xp: Namespace,
+        memory: RPhaseMemory,
+        move: RPhaseMove,
+        fractions: Fractions,
+        stress: Scalar,
+        temperature: Scalar,
+        dt: Scalar,
+    ) -> RPhaseMemory:
+        """The memory after the accepted move."""
+        at, share = (stress, temperature, dt), Fractions(fractions.rphase, fractions.rphase)
+        own = self.whole().commit(xp, memory.martensite, move.martensite, fractions, *at)
+        return RPhaseMemory(own, self.parent().commit(xp, memory.rphase, move.rphase, share, *at))
+
+    def kinetics(
+        self, xp: Namespace, memory: RPhaseMemory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[RPhaseMemory, Fractions]:
+        """Advance along a straight leg, on which both processes of martensite may act but one of the R-phase."""
+        between = history.find_handover(xp, *self.whole().strips(), memory.martensite, stress, temperature)
+        memory, _ = super().kinetics(xp, memory, *between, dt)
+        return super().kinetics(xp, memory, stress, temperature, dt)
+
+    def young(self, fractions: Fractions) -> Scalar:
+        """E_A + ξ (E_M - E_A) + ξ_R (E_R - E_A) [Pa]."""
+        return self.mixture(fractions) + fractions.rphase_fraction * (self.E_R - self.E_A)
+
+    def transformation_strain(self, xp: Namespace, fractions: Fractions) -> Scalar:
+        """ε_L ξ + ε_R ξ_R [-]."""
+        return super().transformation_strain(xp, fractions) + self.eps_R * fractions.rphase_fraction
+
+    def released(self, fractions: Fractions) -> Scalar:
+        """ξ and its share of ξ_R [-]."""
+        return fractions.martensite + self.latent_R * fractions.rphase_fraction
+
+    def kinks(self, xp: Namespace, memory: RPhaseMemory) -> list[Scalar]:
+        """Those of both transformations."""
+        return [*self.whole().kinks(xp, memory.martensite), *self.parent().kinks(xp, memory.rphase)]
+
+    def crossing(
+        self, xp: Namespace, memory: RPhaseMemory, move: RPhaseMove, stress: Scalar, temperature: Scalar
+    ) -> Scalar:
+        """The larger share of a strip crossed by the move [-]."""
+        own = self.whole().crossing(xp, memory.martensite, move.martensite, stress, temperature)
+        return xp.maximum(own, self.parent().crossing(xp, memory.rphase, move.rphase, stress, temperature))

@@ -1,0 +1,157 @@
+"""Laws along a recorded path: what each says where a specimen was heated, or stretched.
+
+A log in which the stress rests is followed in stress and temperature, and strains are compared; one in which it moves
+is followed in strain and temperature, and stresses are compared, since a plateau answers to strain and jumps under
+stress. Before its first row a law is cooled from austenite under the first stress, unless its phase state is given.
+
+Where strain is zero is a matter of the log: compared strains are shifted by the mean of their difference, and a strain
+that is followed begins at that of the law.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from martensite.base.errors import DataError
+from martensite.kernels import floats
+from martensite.physics.laws.base import Fractions
+from martensite.scenario.laws import ConfiguredLaw, configure_laws
+from martensite.scenario.log_tables import read_log_table
+from martensite.signals.records import Record
+from martensite.simulate.compiled_law import AUSTENITE
+from martensite.simulate.path_layout import Choices, Guide
+from martensite.simulate.point import COLUMNS, PathLeg, PointResult, material_point
+
+RESTS = 0.5
+"""Range of a stress over its largest value below which it rests."""
+ROWS = 400
+"""Most rows of a log that are followed."""
+Column = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LawComparison:
+    """What a law says along a log."""
+
+    configured: ConfiguredLaw
+    log: str
+    compared: str
+    """`strain` or `stress`: what is not followed."""
+    recorded: dict[str, Column]
+    """Rows that the law follows: time, temperature, stress and strain, in SI."""
+    result: PointResult
+    """At these rows; its strains are those of the law."""
+    shift: float
+    """What is added to strains of the law to compare them with those of the log [-]."""
+
+    @property
+    def computed(self) -> Column:
+        """What is compared, as the log counts it."""
+        return self.result[self.compared] + (self.shift if self.compared == "strain" else 0.0)
+
+    @property
+    def misfit(self) -> Column:
+        """Difference of law and log, as a share of the recorded range."""
+        return (self.computed - self.recorded[self.compared]) / np.ptp(self.recorded[self.compared])
+
+    @property
+    def rms(self) -> float:
+        """Root mean square of the misfit."""
+        return float(np.sqrt(np.mean(self.misfit**2)))
+
+
+def compare_laws_with_log(
+    names: Sequence[str],
+    log: str | Path | Record,
+    *,
+    material: str | None = None,
+    settings: Mapping[str, Any] | None = None,
+    named: Mapping[str, str] | None = None,
+    stress: float | None = None,
+    temperature: float | None = None,
+    fractions: Fractions | None = None,
+    tolerance: float = 1e-3,
+    runtime: str = "floats",
+) -> list[LawComparison]:
+    """Drive laws along the recorded path of a specimen, and say how far they are from it.
+
+    Args:
+        names: laws, numbers as `martensite law` finds them.
+        log: a file, `data:SET/FILE`, or a record: `strain` [-], `temperature` [K] and `stress` [Pa].
+        material: whose numbers; by default the first that has all of them.
+        settings: values by parameter, or by law and parameter.
+        named: what columns are, as of `read_lab_file`.
+        stress: a constant one [Pa], where the log has none.
+        temperature: a constant one [K], where the log has none.
+        fractions: phase state at the first row; by default that of a specimen cooled under the first stress.
+        tolerance: accepted change on halving the steps, as a share of range.
+        runtime: `floats`, or `c`.
+
+    Raises:
+        DataError: the log cannot be read, or does not hold what is needed.
+        InputError: a law, a material or a number is not known.
+        SolveError: a law cannot be driven along the path.
+    """
+    record = log if isinstance(log, Record) else read_log_table(log, 1.0, named)
+    rows = _pick_rows(record, {"stress": stress, "temperature": temperature})
+    pull = np.abs(rows["stress"])
+    compared = "strain" if np.ptp(rows["stress"]) <= RESTS * pull.max() else "stress"
+    how = {"steps": 1, "tolerance": tolerance, "runtime": runtime, "label": record.name}
+    configured = configure_laws(list(dict.fromkeys(names)), material, settings or {})
+    return [_follow_rows(one, rows, compared, fractions, how) for one in configured]
+
+
+def _pick_rows(record: Record, constant: Mapping[str, float | None]) -> dict[str, Column]:
+    """Complete rows of a record, at most `ROWS`, equally far apart on the way that they go."""
+    columns = {n: np.asarray(record[n], float) for n in ("time", "strain", *constant) if n in record.columns}
+    given = {name: value for name, value in constant.items() if value is not None}
+    for name in constant:
+        if name in columns and name in given:
+            raise DataError(f"Record `{record.name}` has a column `{name}`: a constant one has no effect.")
+    columns |= {name: np.full(len(record), value) for name, value in given.items()}
+    missing = next((name for name in ("strain", *constant) if name not in columns), None)
+    if missing is not None:
+        words = "" if missing == "strain" else ", or give a constant one (`--stress`, `--at`)"
+        raise DataError(f"Record `{record.name}` has no column `{missing}`; name it (`--as`){words}.")
+    whole = np.all([np.isfinite(column) for column in columns.values()], axis=0)
+    columns = {name: column[whole] for name, column in columns.items()}
+    if not whole.any() or np.ptp(columns["strain"]) == 0.0:
+        raise DataError(f"In record `{record.name}` no strain moves.")
+    moving = [column / np.ptp(column) for name, column in columns.items() if name != "time" and np.ptp(column) > 0.0]
+    way = np.concatenate([[0.0], np.cumsum(np.sum([np.abs(np.diff(column)) for column in moving], axis=0))])
+    chosen = np.unique(np.append(np.searchsorted(way, np.linspace(0.0, way[-1], ROWS)), way.size - 1))
+    return {name: column[chosen] for name, column in columns.items()}
+
+
+def _follow_rows(
+    one: ConfiguredLaw, rows: dict[str, Column], compared: str, fractions: Fractions | None, how: dict[str, Any]
+) -> LawComparison:
+    """One law, cooled from 10 K above A_f (or the hottest row) where no phase state is given."""
+    law, cold, shift = one.law, float(rows["temperature"][0]), 0.0
+    pull = float(rows["stress"][0]) if compared == "strain" else max(float(rows["stress"][0]), 0.0)
+    start, before = (pull, cold), list[PathLeg]()
+    if fractions is None:
+        hot = max(Guide(law, Choices()).marks_at(pull).A_f, float(rows["temperature"].max())) + 10.0
+        start, before = (pull, hot), [PathLeg(temperature=cold, hold="stress", duration=hot - cold, steps=50)]
+    how = how | {"start": start, "fractions": fractions or AUSTENITE}
+    followed, name = rows["stress"], "stress"
+    if compared == "stress":
+        rest = material_point(law, before, **how).strain[-1] if before else law.strain(floats, how["fractions"], *start)
+        shift = rest - float(rows["strain"][0])
+        followed, name = rows["strain"] + shift, "strain"
+    times = np.maximum(np.diff(rows["time"]), 1e-9).tolist()
+    moves = zip(rows["temperature"][1:].tolist(), followed[1:].tolist(), times, strict=True)
+    legs = [PathLeg(temperature=T, **{name: x}, duration=dt) for T, x, dt in moves]
+    found = material_point(law, [*before, *legs], **how)
+    columns: dict[str, Any] = {c: getattr(found, c)[found.ends[len(before)] :] for c in COLUMNS}
+    columns["time"] = (rows["time"] - rows["time"][0]).tolist()
+    found = replace(found, legs=found.legs[-1:], ends=[0, len(followed) - 1], **columns)
+    if compared == "strain":
+        shift = float(np.mean(rows["strain"] - found["strain"]))
+    return LawComparison(one, how["label"], compared, rows, found, shift)
