@@ -19,6 +19,7 @@ from benchmarks import (  # noqa: F401  (enter theirs)
     app,
     page,
     sections_chains,
+    sections_cuda,
     sections_elements,
     sections_fit,
     sections_laws,

@@ -6,7 +6,7 @@ A new engine appears in every section that it has a capability for; a new sectio
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
@@ -46,8 +46,8 @@ class Options(NamedTuple):
         return [e for e in self.engines if e.single and (drive.edges or not e.only_edges)]
 
 
-Section = Callable[[Options], list[Table]]
-Some = TypeVar("Some", bound=Callable[..., list[Table]])
+Section = Callable[[Options], Iterable[Table]]
+Some = TypeVar("Some", bound=Callable[..., Iterable[Table]])
 SECTIONS: dict[str, Section] = {}
 
 

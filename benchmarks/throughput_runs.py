@@ -19,7 +19,7 @@ from benchmarks.inputs import Drive, sine
 from benchmarks.problem_a import Wire, parameter_sets
 from benchmarks.process import ROOT
 from martensite.kernels.c99_lanes import BLOCK
-from martensite.scenario.scenario import load
+from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.simulate.arrays import build_schedule, chunk_for, devices_of, jitted_march, march_chunks
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.drive_waveforms import grid_of
@@ -70,14 +70,38 @@ def wire(count: int, drive: Drive | None = None) -> tuple[Case, Wire]:
 def finger(law: str, count: int, duration: float | None = None) -> Case:
     """The finger with a law; parameters uniform within their shares of the nominal ones."""
     scenario = load(ROOT / "examples/finger.toml", {"element.law": law})
+    return vary(f"finger, {law}", scenario, count, "stress", duration=duration)
+
+
+def readme_wire(count: int, step: float = 5e-3) -> Case:
+    """The wire of README.md for 30 s, varied in the same way."""
+    return vary("wire of README.md", readme_scenario(), count, "stress", step, 31)
+
+
+def readme_scenario() -> Scenario:
+    """That of README.md."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    return read_scenario(text.split("```toml\n")[1].split("```")[0])
+
+
+def vary(
+    name: str,
+    scenario: Scenario,
+    count: int,
+    output: str,
+    step: float = STEP,
+    samples: int = 101,
+    duration: float | None = None,
+) -> Case:
+    """A scenario as many times."""
     system, rng = scenario.system, np.random.default_rng(0)
     compiled = compile_march(system)
     values: list[Any] = list(compiled.values(system))
     for path, share in VARIED.items():
         place = compiled.paths.index(path)
         values[place] = values[place] * (1.0 + share * (2.0 * rng.random(count) - 1.0))
-    grid = grid_of(system, scenario.waveform, duration or scenario.duration, 101, STEP)
-    return Case(f"finger, {law}", compiled, values, grid, "stress")
+    grid = grid_of(system, scenario.waveform, duration or scenario.duration, samples, step)
+    return Case(name, compiled, values, grid, output)
 
 
 class Kept(NamedTuple):

@@ -163,7 +163,7 @@ def test_bad_arguments_are_refused() -> None:
         run(step=0.0)
     with pytest.raises(InputError, match="float64 or float32"):
         run(precision="float16")
-    with pytest.raises(InputError, match="float32 on JAX only"):
+    with pytest.raises(InputError, match="float32 on JAX and CUDA only"):
         run(precision="float32", step=None)
     with pytest.raises(InputError, match="give the longest one as `step`"):
         run(runtime="jax", step=None)

@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 from builders import SINE_A, problem_a
 
+from martensite.kernels.c99 import c_source
+from martensite.kernels.compiler import call_compiled, load_library
+from martensite.kernels.program import Program
 from martensite.simulate.api import simulate
 from martensite.simulate.compiled import compile_march
 from martensite.simulate.drive_waveforms import grid_of
@@ -30,3 +33,25 @@ def test_optimised_lanes_agree_with_floats(monkeypatch: pytest.MonkeyPatch) -> N
         apart = np.abs(rows[:, :, lane] - table).max(axis=0)
         assert np.all(apart <= 1e-12 * np.maximum(span, 1e-300))
     assert np.ptp(table[:, compiled.outputs.index("martensite_fraction")]) > 0.1
+
+
+RUN = """
+void run(const double *x, double *y) { k_k(1, x, x, y); }
+"""
+
+
+@pytest.mark.usefixtures("c_compiler")
+@pytest.mark.parametrize("x", [1.0, 700.5, 740.0, 1000.0])
+def test_a_shared_inverse_of_an_exponential_stays_finite(x: float) -> None:
+    """exp(-740) is so small a number that its inverse is infinite."""
+
+    def shares(xp, x):
+        small = xp.exp(-x)
+        return [xp.where(small > 0.0, times * small / xp.where(small > 0.0, small, 1.0), 0.5) for times in (3.0, 5.0)]
+
+    program = Program()
+    program.add("k", ("x",), shares)
+    library = load_library(c_source(program, program.functions.values(), shares_inverses=True) + RUN)
+    found = np.empty(2)
+    call_compiled(library.run, np.array([x]), found)
+    assert found.tolist() == ([0.5, 0.5] if x > 700.0 else pytest.approx([3.0, 5.0]))

@@ -17,9 +17,8 @@ from scipy import stats
 
 from martensite.base.confidence import Interval, interval_contains
 from martensite.base.errors import DataError, ParameterError
-from martensite.characterise.estimate import MeasuredValue, propagate_errors
+from martensite.characterise.estimate import MeasuredValue
 from martensite.characterise.free_vibration import LogDecrement, damping_ratio, frequency_of, log_decrement, moving_mass
-from martensite.characterise.moving_average import average_moving, moving_average_gain
 from martensite.characterise.spectrum import natural_frequency
 
 Rows = tuple[list[float], list[float]]
@@ -230,54 +229,3 @@ def test_published_frequency_belongs_to_neither_published_mass() -> None:
 
 def test_damping() -> None:
     assert damping_ratio(2.0 * math.pi * 0.3 / math.sqrt(1.0 - 0.09)) == pytest.approx(0.3)
-
-
-# ---------------------------------------------------------------- moving average
-
-
-def test_moving_average() -> None:
-    assert average_moving([1.0, 2.0, 6.0, 4.0, 5.0], 3) == pytest.approx([1.0, 3.0, 4.0, 5.0, 5.0])
-    line = [0.5 * k for k in range(20)]
-    assert average_moving(line, 7) == pytest.approx(line)  # centred, also at the ends
-    assert average_moving(line, 1) == line
-    for window in (0, 4, -3):
-        with pytest.raises(ParameterError, match="odd"):
-            average_moving(line, window)
-    with pytest.raises(DataError, match="longer than the record"):
-        average_moving(line, 21)
-
-
-@pytest.mark.parametrize("f", [0.0, 1.0, 8.42, 100.0 / 9.0, 14.0, 40.0, 100.0, 130.0])
-def test_gain_is_what_the_filter_does(f: float) -> None:
-    times = np.arange(400) / 100.0
-    wave = np.cos(2 * np.pi * f * times)
-    gain = moving_average_gain(f, 9, 0.01)
-    middle = np.array(average_moving(wave.tolist(), 9))[4:-4]
-    assert middle == pytest.approx(gain * wave[4:-4], abs=1e-12)
-    unlike = moving_average_gain(f + 3.0, 9, 0.01)
-    assert middle != pytest.approx(unlike * wave[4:-4], abs=1e-3)
-
-
-def test_gain_turns_some_vibrations_round() -> None:
-    assert moving_average_gain(100.0 / 9.0, 9, 0.01) == pytest.approx(0.0, abs=1e-15)
-    assert moving_average_gain(14.0, 9, 0.01) < 0.0
-    with pytest.raises(ParameterError, match="`interval`"):
-        moving_average_gain(1.0, 9, 0.0)
-
-
-# ---------------------------------------------------------------- estimates
-
-
-def test_propagation() -> None:
-    a, b = MeasuredValue(3.0, 0.3, 12), MeasuredValue(4.0, 0.4, 5)
-    total = propagate_errors(lambda x, y: 2.0 * x - y, a, b)
-    assert (total.value, total.freedom) == (2.0, 5)
-    assert total.error == pytest.approx(math.hypot(0.6, 0.4))
-    alone = propagate_errors(lambda x, y: x * x, a, b)
-    assert (alone.error, alone.freedom) == (pytest.approx(1.8), 12)
-    given = MeasuredValue(7.0)
-    assert given.interval() == (7.0, 7.0)
-    assert propagate_errors(lambda x: 2.0 * x, given).interval() == (14.0, 14.0)
-    assert MeasuredValue(1.0, math.nan, 0).interval() == (-math.inf, math.inf)
-    low, high = a.interval()
-    assert high - low == pytest.approx(2.0 * 0.3 * float(stats.t.ppf(0.975, 12)))

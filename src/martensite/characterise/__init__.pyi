@@ -14,8 +14,6 @@ from martensite.characterise.motor_constants import MotorConstants as MotorConst
 from martensite.characterise.motor_constants import estimate_motor_constants as estimate_motor_constants
 from martensite.characterise.motor_constants import steady_running as steady_running
 from martensite.characterise.motor_constants import winding_resistance as winding_resistance
-from martensite.characterise.moving_average import average_moving as average_moving
-from martensite.characterise.moving_average import moving_average_gain as moving_average_gain
 from martensite.characterise.spectrum import SpectralPeak as SpectralPeak
 from martensite.characterise.spectrum import natural_frequency as natural_frequency
 from martensite.characterise.tangent_fit import TangentFit as TangentFit

@@ -165,9 +165,13 @@ def scalar_dialect(
 def c_source(program: Program, functions: Iterable[Function], shares_inverses: bool = False) -> str:
     """C of `prepare` and of some traced functions of a program, over lanes.
 
-    Divisions by one number may share its inverse, which is quicker and rounds differently.
+    Divisions by one number may share its inverse, which is quicker and rounds differently. That of a number that is not
+    normal is infinite: exponentials are 0 below -700 then, as in lanes.
     """
     dialect = replace(C_DIALECT, shares_inverses=shares_inverses)
+    if shares_inverses:
+        limited = f"({{0}} > -700.0 ? {C_DIALECT.templates['exp']} : 0.0)"
+        dialect = replace(dialect, templates={**C_DIALECT.templates, "exp": limited})
     kernels = KernelPrinter(program, dialect, "{}[{} * n + l]")
     parts = [write_prelude(), _print_function("prepare", "p", (), kernels.prepare)]
     for one in functions:

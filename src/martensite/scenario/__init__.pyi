@@ -11,7 +11,7 @@ from martensite.scenario.public_benchmarks import read_wiener_hammerstein as rea
 from martensite.scenario.sampled_files import read_sampled as read_sampled
 from martensite.scenario.sampled_files import write_sampled as write_sampled
 from martensite.scenario.scenario import read_scenario as read_scenario
-from martensite.scenario.staircase import reduce_to_plateaus as reduce_to_plateaus
-from martensite.scenario.staircase import supply_offset as supply_offset
-from martensite.scenario.staircase import unwrap_counter as unwrap_counter
 from martensite.scenario.tables import read_table as read_table
+from martensite_studies.electrothermal.staircase import reduce_to_plateaus as reduce_to_plateaus
+from martensite_studies.electrothermal.staircase import supply_offset as supply_offset
+from martensite_studies.electrothermal.staircase import unwrap_counter as unwrap_counter

@@ -66,6 +66,8 @@ def simulate(
         SolveError: the run failed, or its budget is spent; the sentence says when and what to try.
     """
     check_run(duration, tolerance, step, samples)
+    if runtime == "cuda":
+        raise InputError("The runtime `cuda` makes batches; give `over`, or take the runtime `c`.")
     if runtime not in RUNTIMES:
         raise InputError(f"No runtime named `{runtime}`. {suggest_name(runtime, RUNTIMES)}")
     waves = arrange_waveforms(system, waveform)

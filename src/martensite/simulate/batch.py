@@ -15,7 +15,7 @@ from martensite.base.files import tell_once
 from martensite.base.status import Status
 from martensite.kernels.compiler import find_compiler
 from martensite.kernels.jax_setup import has_jax
-from martensite.simulate.api import RUNTIMES, check_run
+from martensite.simulate.api import check_run
 from martensite.simulate.arrays import build_schedule, chunk_for, devices_of, jitted_jacobian
 from martensite.simulate.compiled import CompiledMarch, compile_march
 from martensite.simulate.drive_waveforms import Waveforms, by_name, grid_of
@@ -24,7 +24,7 @@ from martensite.simulate.grid import TimeGrid
 from martensite.simulate.march import classify_step
 from martensite.simulate.native_slopes import march_slopes
 from martensite.simulate.result import Result, Variants
-from martensite.simulate.variants import VariantSetup
+from martensite.simulate.variants import NAMES, RUNTIMES, VariantSetup
 
 
 @dataclass(frozen=True)
@@ -75,11 +75,11 @@ def simulate_batch(
         step: longest of equal steps [s]; if given, nothing is estimated.
         samples: number of equidistant samples returned, both ends included.
         outputs: names of the columns to return.
-        runtime: `c`, `floats`, `jax`, or `auto`: C if there is a compiler, else floats, or JAX
-            for runs on given steps if it is installed.
+        runtime: `c`, `floats`, `jax`, `cuda` (a GPU of NVIDIA; the extra `cuda`), or `auto`: C if
+            there is a compiler, else floats, or JAX for runs on given steps if it is installed.
         chunk: variants marched together on JAX; by default 256 on a processor, which keeps the
-            state in its cache, and many more on a GPU.
-        precision: float64, or float32 for sweeps on JAX (never for finite differences).
+            state in its cache, and many more on a GPU; on CUDA by default what its memory holds.
+        precision: float64, or float32 for sweeps on JAX or CUDA (never for finite differences).
         devices: how many devices of JAX, or threads of C, share the runs; all of them if None.
 
     Raises:
@@ -107,6 +107,8 @@ def simulate_batch(
     if chosen == "jax":
         count = len(next(iter(varied.values())))
         course = replace(course, lanes=count, chunk=chunk or chunk_for(devices_of(devices)))
+    elif chosen == "cuda":
+        course = replace(course, chunk=chunk)
     try:
         ran = course.run(varied)
     except CompileError as error:
@@ -132,7 +134,6 @@ def _build_result(
     variants = Variants(varied, status, ran.ended, ran.accuracy if controlled else None)
     lost = sum(one.failed or one is Status.OUT_OF_ENVELOPE for one in status)
     warnings = [f"Warning: {lost} of {len(status)} variants ended early."] if lost else []
-    used = {"c": "C", "jax": "JAX"}.get(runtime, runtime)
     return Result(
         system,
         waveform,
@@ -143,14 +144,14 @@ def _build_result(
         0,
         math.nan,
         warnings=warnings,
-        runtime=used,
+        runtime=NAMES.get(runtime, runtime),
         variants=variants,
     )
 
 
 def _choose_runtime(asked: str, step: float | None) -> str:
     """What is meant by `auto`."""
-    require_known("runtime", asked, RUNTIMES)
+    require_known("runtime", asked, ("auto", *RUNTIMES))
     if asked != "auto":
         return asked
     if find_compiler() is not None:

@@ -7,7 +7,7 @@ another.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
@@ -20,7 +20,7 @@ from martensite.simulate.accuracy import FINER, FLOOR, LEAST, LOCAL, MOST, SURE,
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.envelope import envelope_of, rows_inside
-from martensite.simulate.march import classify_step
+from martensite.simulate.march import COARSE, SOLVED
 from martensite.simulate.marching import HAIR, MarchPlan
 from martensite.simulate.marching_native import RANGES, MarchRows, Runs, march_runs
 
@@ -52,12 +52,18 @@ class Ensemble:
         return Ensemble(columns, np.full(runs, status, np.int8), nothing, nothing.copy())
 
     @staticmethod
-    def on_steps(columns: dict[str, Numbers], reports: Numbers, left: Numbers, times: Sequence[float]) -> Ensemble:
+    def on_steps(
+        columns: dict[str, Numbers], reports: Numbers, left: Numbers, times: Sequence[float], solved: float = SOLVED
+    ) -> Ensemble:
         """Runs on given steps: from their worst reports, and when they left the envelope [s].
 
-        It is infinite for runs that stayed inside; what comes after it is struck out.
+        It is infinite for runs that stayed inside; what comes after it is struck out. A residual up to `solved`
+        is none.
         """
-        status = np.array([classify_step(float(r), float(c)) for r, c, *_ in reports.T], np.int8)
+        residual, crossing = reports[:2]
+        verdicts = {Status.NOT_FINITE: ~np.isfinite(residual), Status.UNSOLVED: residual > solved}
+        verdicts[Status.LONG_STEP] = crossing > COARSE
+        status = np.select(list(verdicts.values()), list(verdicts), Status.OK).astype(np.int8)
         gone = (left < np.inf) & (status < Status.UNSOLVED)
         known = np.asarray(times) < np.where(gone, (1.0 - HAIR) * left, np.inf)[:, None]
         broken = [(~np.isfinite(column) & known).any(axis=1) for column in columns.values()]
@@ -91,7 +97,9 @@ class Ensemble:
         return Ensemble(columns, status, ended, accuracy)
 
 
-def march_in_lanes(runs: Runs, names: Sequence[str], tolerance: float) -> Ensemble:
+def march_in_lanes(
+    runs: Runs, names: Sequence[str], tolerance: float, march: Callable[[Runs], MarchRows] = march_runs
+) -> Ensemble:
     """Make runs in C, each to a tolerance, as a share of ranges; that of their plan does not count."""
     plan, compiled = runs.plan, runs.plan.compiled
     judged = [compiled.outputs.index(name) for name, _ in compiled.convergence_scales]
@@ -100,14 +108,14 @@ def march_in_lanes(runs: Runs, names: Sequence[str], tolerance: float) -> Ensemb
     compared, local = choose_samples(len(plan.times)), LOCAL[plan.order] * tolerance
     some = replace(plan, times=[plan.times[k] for k in compared], tolerance=local)
     whole = replace(runs, outputs=outputs)
-    before = march_runs(replace(whole, plan=some))
+    before = march(replace(whole, plan=some))
     rows, numbers = before.outputs, before.numbers
     found = Ensemble.empty(names, runs.count, len(plan.times), Status.OK)
     left = np.arange(runs.count)
     for _ in range(MOST):
         local /= FINER
         finer = replace(whole, plan=replace(plan, tolerance=local, parted=True))
-        made = march_runs(finer.choose(left, numbers[:, RANGES:]))
+        made = march(finer.choose(left, numbers[:, RANGES:]))
         now = made.outputs[:, compared]
         apart = np.abs(rows[:, :, seen] - now[:, :, seen])
         accuracy = np.maximum(_bound_errors(compiled, apart, made), FLOOR * tolerance)

@@ -111,10 +111,9 @@ class _Window:
         """Time [s] up to which it is known."""
         return np.inf if self._ended else float(self._table[-1, 0])
 
-    def fill(self, into: _Drive) -> None:
+    def fill(self, into: _Drive, locate: Callable[[NDArray[Any]], int]) -> None:
         """Tell C."""
-        columns = [column.ctypes.data for column in self._columns]
-        tones = [column.ctypes.data for column in self._tones]
+        columns, tones = map(locate, self._columns), map(locate, self._tones)
         into.count, into.tones = len(self._table), self.tones
         into.start, into.level, into.slope, into.bend = columns
         into.amplitude, into.rate, into.phase = tones
@@ -196,7 +195,9 @@ def march_runs(runs: Runs, watch: Callable[[float], None] | None = None) -> Marc
     return MarchRows(outputs, numbers, [])
 
 
-class _Marching:
+class MarchArrays:
+    """What the C of a march reads and fills; drives of runs in lanes are known as a whole if they are not too long."""
+
     def __init__(self, runs: Runs) -> None:
         plan, compiled = runs.plan, runs.plan.compiled
         self.runs, self.plan = runs, plan
@@ -216,8 +217,6 @@ class _Marching:
         self.record = np.empty(FIRST_RECORD if plan.recorded else 0)
         own = [plan.waveforms] if runs.own is None else runs.own
         self.windows = [[_Window(waveform, plan.times[-1]) for waveform in row] for row in own]
-        self.library = _load_library(kernel_of(plan, runs.outputs, runs.lanes, runs.own))
-        self.block = ctypes.create_string_buffer(self.library.size_of_block())
         self.drives = (_Drive * max(1, sum(map(len, self.windows))))()
         most = MOST_SEGMENTS
         for window in (window for row in self.windows for window in row):
@@ -225,8 +224,13 @@ class _Marching:
                 most -= window.extend_to_end(most)
             else:
                 window.extend(0.0)
-        self.march = _March(
-            runs=runs.count,
+
+    def describe(self, locate: Callable[[NDArray[Any]], int]) -> _March:
+        """What C is told of them, and where each lies."""
+        plan, places = self.plan, ("p", "first", "times", "limits", "ranges", "rows", "numbers", "record")
+        self.fill_drives(locate)
+        return _March(
+            runs=self.runs.count,
             samples=len(plan.times),
             rounds=ROUNDS,
             recording=plan.recorded,
@@ -236,17 +240,27 @@ class _Marching:
             duration=plan.times[-1],
             step=plan.step or 0.0,
             shortest=plan.shortest,
-            p=_get_address(self.p),
-            first=_get_address(self.first),
-            times=_get_address(self.times),
-            drives=ctypes.addressof(self.drives),
-            limits=_get_address(self.limits),
-            ranges=_get_address(self.ranges),
-            rows=_get_address(self.rows),
-            numbers=_get_address(self.numbers),
-            record=_get_address(self.record),
+            drives=locate(np.frombuffer(memoryview(self.drives), np.uint8)),
+            **{name: locate(getattr(self, name)) for name in places},
         )
-        self._fill()
+
+    def knows_all(self) -> bool:
+        """Whether all drives are known to the end."""
+        return all(window.known_until() == np.inf for row in self.windows for window in row)
+
+    def fill_drives(self, locate: Callable[[NDArray[Any]], int]) -> None:
+        """Say where segments and tones of every drive lie."""
+        flat = (window for row in self.windows for window in row)
+        for window, drive in zip(flat, self.drives, strict=False):
+            window.fill(drive, locate)
+
+
+class _Marching(MarchArrays):
+    def __init__(self, runs: Runs) -> None:
+        super().__init__(runs)
+        self.library = _load_library(kernel_of(self.plan, runs.outputs, runs.lanes, runs.own))
+        self.block = ctypes.create_string_buffer(self.library.size_of_block())
+        self.march = self.describe(_get_address)
 
     def go(self, watch: Callable[[float], None] | None = None) -> MarchRows:
         """To the end."""
@@ -265,10 +279,6 @@ class _Marching:
             if watch is not None:
                 watch(self._done())
 
-    def knows_all(self) -> bool:
-        """Whether all drives are known to the end."""
-        return all(window.known_until() == np.inf for row in self.windows for window in row)
-
     def _extend(self) -> None:
         """Know more of the drives that a run waits for."""
         now, first = self._where()
@@ -276,13 +286,8 @@ class _Marching:
         for window in row:
             if window.known_until() < self.plan.times[-1]:
                 window.extend(now)
-        self._fill()
+        self.fill_drives(_get_address)
         self.library.forget_cursors(ctypes.byref(self.block))
-
-    def _fill(self) -> None:
-        flat = (window for row in self.windows for window in row)
-        for window, drive in zip(flat, self.drives, strict=False):
-            window.fill(drive)
 
     def _where(self) -> tuple[float, int]:
         """Time of the block [s], and its first run."""
@@ -295,7 +300,7 @@ class _Marching:
         return (first + runs * now / self.plan.times[-1]) / self.runs.count
 
 
-def _get_address(array: Numbers) -> int:
+def _get_address(array: NDArray[Any]) -> int:
     return array.ctypes.data
 
 

@@ -1,9 +1,9 @@
 """Variants of one system, many at a time: parameters and waveforms that differ from run to run.
 
 Runs are made to a tolerance, with an error control in every step and a bound on what is left of
-the error of each (`martensite.simulate.ensembles`), in lanes of C or, without a compiler, one after
-another on floats. On given steps, in discrete time and on JAX they march on steps that are laid out
-before: in blocks of lanes in C (`martensite.simulate.native`), in a batch on whatever device JAX
+the error of each (`martensite.simulate.ensembles`), in lanes of C, on a GPU or, without a compiler, one
+after another on floats. On given steps, in discrete time and on JAX they march on steps that are laid out
+before: in blocks of lanes in C (`martensite.simulate.native`), on a GPU, in a batch on whatever device JAX
 has, or one after another on floats. A run does not depend on which others march beside it.
 
 Failures are data: every run has a status, and those that a check of the system refuses are not
@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError, require_known
+from martensite.base.lazy import import_extra
 from martensite.base.status import Status
 from martensite.kernels.c99_lanes import BLOCK
 from martensite.signals.base import AbstractWaveform
@@ -34,9 +35,9 @@ from martensite.simulate.drive_waveforms import arrange_waveforms, grid_of
 from martensite.simulate.ensembles import Ensemble, Flags, Numbers, march_in_lanes, march_one_by_one
 from martensite.simulate.envelope import envelope_of, varied_stops
 from martensite.simulate.grid import LaneGrid, Steps, TimeGrid, cut_steps, lane_grid
-from martensite.simulate.march import Border, march_floats
+from martensite.simulate.march import SOLVED, Border, march_floats
 from martensite.simulate.marching import MarchPlan
-from martensite.simulate.marching_native import Runs
+from martensite.simulate.marching_native import Runs, march_runs
 from martensite.simulate.native import march_inside
 from martensite.simulate.refusals import find_refused
 
@@ -45,7 +46,13 @@ Values: TypeAlias = Mapping[str, Numbers]
 """Path of a parameter -> one number per run."""
 OnSteps: TypeAlias = tuple[list[Numbers], Numbers, Numbers]
 """Columns (runs, samples), reports (3, runs), and when runs left the envelope [s], (runs,)."""
-RUNTIMES, PRECISIONS = ("c", "jax", "floats"), ("float64", "float32")
+RUNTIMES = ("c", "jax", "cuda", "floats")
+SOLVED_TO = {"float64": SOLVED, "float32": 2e-3}
+"""Residual of a step that is none, by precision."""
+ACCELERATED = ("jax", "cuda")
+"""Runtimes that share runs out themselves, and know both precisions on given steps."""
+NAMES = {"jax": "JAX", "cuda": "CUDA", "c": "C"}
+"""As a reader knows them."""
 LANES = {"c": 64, "floats": 16}
 """Runs that march together on given steps, at most; on JAX as many as suit its devices."""
 HELD = 1024
@@ -92,15 +99,17 @@ class VariantSetup:
     def __post_init__(self) -> None:
         """Raise `InputError` for a runtime or a precision that there is not."""
         require_known("runtime", self.runtime, RUNTIMES)
-        if self.precision not in PRECISIONS:
+        if self.precision not in SOLVED_TO:
             raise ParameterError(f"Argument `precision` must be float64 or float32, but is `{self.precision}`.")
-        if self.precision != "float64" and self.runtime != "jax":
+        if self.precision != "float64" and self.runtime not in ACCELERATED:
             raise ParameterError(
-                f"Argument `precision` may be float32 on JAX only, but the runtime is `{self.runtime}`; "
-                'give a `step` and `runtime="jax"`.'
+                f"Argument `precision` may be float32 on JAX and CUDA only, but the runtime is `{self.runtime}`; "
+                'give a `step` and `runtime="cuda"` or `runtime="jax"`.'
             )
-        if self.runtime == "jax" and self.controlled:
-            raise ParameterError("A batch on JAX runs on equal steps; give the longest one as `step`, or take `auto`.")
+        if self.controlled and (self.runtime == "jax" or self.precision != "float64"):
+            raise ParameterError(
+                "A batch on JAX or in float32 runs on equal steps; give the longest one as `step`, or take `auto`."
+            )
 
     def run(self, values: Values, signals: Mapping[str, Values] | None = None) -> Ensemble:
         """Run variants.
@@ -117,7 +126,7 @@ class VariantSetup:
         own = {name: dict(table) for name, table in (signals or {}).items() if table}
         count = len(next(iter((*values.values(), *(v for t in own.values() for v in t.values())))))
         refusal = find_refused(self.system, values, count) | self._list_refused(own, count)
-        size, rows = TOGETHER if self.controlled else self._together(), np.arange(count)
+        size, rows = self._together(bool(own), count), np.arange(count)
         make = self._to_tolerance if self.controlled else self._block
 
         def made(first: int) -> Ensemble:
@@ -125,7 +134,7 @@ class VariantSetup:
 
         firsts = range(0, count, size)
         threads = (os.cpu_count() or 1) if self.devices is None else self.devices
-        if threads == 1 or self.runtime == "jax":
+        if threads == 1 or self.runtime in ACCELERATED:
             return Ensemble.concatenate([made(first) for first in firsts])
         with ThreadPoolExecutor(threads) as pool:
             return Ensemble.concatenate(list(pool.map(made, firsts)))
@@ -140,7 +149,7 @@ class VariantSetup:
         good = np.flatnonzero(~refusal[rows])
         if not len(good):
             return found
-        march = self._ensemble_in_c if self.runtime == "c" else self._ensemble_on_floats
+        march = self._ensemble_on_floats if self.runtime == "floats" else self._ensemble_in_c
         made = march({path: column[rows[good]] for path, column in values.items()}, signals, rows[good])
         found.place_runs(good, made)
         return found
@@ -148,15 +157,16 @@ class VariantSetup:
     def _ensemble_in_c(self, values: Values, signals: Mapping[str, Values], rows: Places) -> Ensemble:
         own = [self._order_waveforms(signals, row) for row in rows] if signals else None
         runs = Runs(
-            self._plan,
+            self.plan,
             self.table(values),
             len(rows),
             self.places,
             BLOCK,
             own=own,
-            limits=self._limits(values, len(rows)),
+            limits=self.find_limits(values, len(rows)),
         )
-        return march_in_lanes(runs, self.outputs, self.tolerance)
+        march = march_runs if self.runtime == "c" else _load_cuda().march_to_ends
+        return march_in_lanes(runs, self.outputs, self.tolerance, march)
 
     def _ensemble_on_floats(self, values: Values, signals: Mapping[str, Values], rows: Places) -> Ensemble:
         systems = (
@@ -166,10 +176,10 @@ class VariantSetup:
             )
             for k, row in enumerate(rows)
         )
-        return march_one_by_one(self._plan, systems, len(rows), self.outputs, self.tolerance)
+        return march_one_by_one(self.plan, systems, len(rows), self.outputs, self.tolerance)
 
     @cached_property
-    def _plan(self) -> MarchPlan:
+    def plan(self) -> MarchPlan:
         """What runs with an error control have in common."""
         return MarchPlan(
             self.compiled,
@@ -184,10 +194,10 @@ class VariantSetup:
     def _order_waveforms(self, signals: Mapping[str, Values], row: int) -> Sequence[AbstractWaveform]:
         """The waveforms of one run, in the order of the drives."""
         if not signals:
-            return self._plan.waveforms
+            return self.plan.waveforms
         return arrange_waveforms(self.system, self._waveforms(signals, row))
 
-    def _limits(self, values: Values, count: int) -> Any:
+    def find_limits(self, values: Values, count: int) -> Any:
         """What no run leaves, (2, envelope, runs), if that varies."""
         varied = varied_stops(values)
         if not varied:
@@ -198,7 +208,11 @@ class VariantSetup:
 
     # ---------------------------------------------------------------- runs on given steps
 
-    def _together(self) -> int:
+    def _together(self, own: bool, count: int) -> int:
+        if self.runtime == "cuda":
+            return int(_load_cuda().count_together(self, own, count))
+        if self.controlled:
+            return TOGETHER
         if self.lanes is None and self.runtime == "jax":
             return count_block(self.devices)
         if self.lanes or self.runtime != "c":
@@ -218,7 +232,8 @@ class VariantSetup:
         grid = self._grid(signals, marched)
         columns, reports, left = self.engine(table, grid, size)
         named = {n: c[: len(rows)] for n, c in zip(self.outputs, columns, strict=True)}
-        found = Ensemble.on_steps(named, reports[:, : len(rows)], left[: len(rows)], self.times)
+        solved = SOLVED_TO[self.precision]
+        found = Ensemble.on_steps(named, reports[:, : len(rows)], left[: len(rows)], self.times, solved)
         return found.struck_out(bad)
 
     @property
@@ -227,7 +242,7 @@ class VariantSetup:
         return self.step is None and not self.system.sample_time()
 
     @property
-    def _longest(self) -> float:
+    def longest(self) -> float:
         """Longest step of runs on given steps [s]; those in discrete time have their own."""
         return self.step or self.system.sample_time()
 
@@ -258,10 +273,12 @@ class VariantSetup:
         """What marches on given steps, from (values, grid, runs)."""
         if self.runtime == "jax":
             return partial(march_on_jax, self)
+        if self.runtime == "cuda":
+            return partial(_load_cuda().march_on_cuda, self)
         return self._march_c if self.runtime == "c" else self._march_floats
 
     def _march_c(self, values: Values, grid: TimeGrid | LaneGrid, runs: int) -> OnSteps:
-        limits = self._limits(values, runs)
+        limits = self.find_limits(values, runs)
         limits = np.array(envelope_of(self.system), float) if limits is None else limits
         rows, worst, left = march_inside(self.compiled, self.table(values), grid, runs, self.places, limits)
         return [rows[:, k].T for k in range(len(self.outputs))], worst, left
@@ -301,19 +318,19 @@ class VariantSetup:
 
     @cached_property
     def _common(self) -> TimeGrid:
-        return grid_of(self.system, self.waveforms, self.duration, self.samples, self._longest)
+        return grid_of(self.system, self.waveforms, self.duration, self.samples, self.longest)
 
     def _make_grid(self, waveforms: Mapping[str, AbstractWaveform]) -> TimeGrid:
         """The grid of some waveforms; waveforms with the same edges share its steps."""
         if self.system.sample_time():
-            shape = self.duration, self.samples, self._longest
+            shape = self.duration, self.samples, self.longest
             return grid_of(self.system, waveforms, *shape)
         edges = tuple(sorted({e for one in waveforms.values() for e in one.edges(self.duration)}))
         steps = self._clocks.get(edges)
         if steps is None:
             if len(self._clocks) >= CLOCKS:
                 self._clocks.clear()
-            steps = cut_steps(edges, self._common.times, self._longest)
+            steps = cut_steps(edges, self._common.times, self.longest)
             self._clocks[edges] = steps
         at_end = [drive.at_end for drive in self.system.drives()]
         return steps.grid(arrange_waveforms(self.system, waveforms), at_end)
@@ -334,3 +351,8 @@ class VariantSetup:
         for name, table in signals.items():
             found |= find_refused(self.waveforms[name], table, count)
         return found
+
+
+def _load_cuda() -> Any:
+    """What marches on a GPU; it lies with sweeps."""
+    return import_extra("martensite_sweep.cuda.march", "cuda", "`martensite-sweep`")

@@ -17,6 +17,7 @@ from martensite.base.interrupts import rescue_answer
 from martensite.base.lazy import import_extra
 from martensite.base.registry import import_modules
 from martensite.scenario.scenario import Scenario, load
+from martensite.simulate.variants import ACCELERATED
 from martensite_sweep.backends.base import BACKENDS, AbstractBackend, Report
 from martensite_sweep.job import MEASURES, SweepJob, SweepRequest, build_spec, prepare_plan
 from martensite_sweep.plan import CHUNK, SweepPlan
@@ -154,7 +155,7 @@ class SweepExecution:
         if self.scheduler:
             return "dask"
         few = chunks <= FEW and not self.workers
-        return "serial" if few or runtime == "jax" else "processes"
+        return "serial" if few or runtime in ACCELERATED else "processes"
 
 
 @dataclass(frozen=True)
@@ -249,11 +250,11 @@ def run_sweep(
         seed: of the sample.
         step: longest of equal steps [s]; by default runs are made to the tolerance of the scenario,
             each with an error control of its own, and the store says what accuracy each has.
-        runtime: c, jax or floats; by default c, if there is a compiler.
-        precision: float64, or float32 on JAX.
-        chunk: runs that are made and written together.
+        runtime: c, jax, cuda or floats; by default c, if there is a compiler.
+        precision: float64, or float32 on JAX or CUDA.
+        chunk: runs that are made and written together; a GPU is only busy with many thousands.
         backend: who runs the chunks: processes, serial or dask; by default this process alone
-            for a few chunks or on JAX, else several. A script that takes another than serial must
+            for a few chunks, on JAX or CUDA, else several. A script that takes another than serial must
             do so under `if __name__ == "__main__":`.
         workers: how many processes; 0 for one per core.
         scheduler: address of a Dask scheduler.

@@ -51,18 +51,18 @@ def sweep(
     out: Annotated[Path | None, Option(help="Zarr store to write, or to go on with [./SCENARIO.zarr].")] = None,
     seed: Annotated[int, Option(help="Of the sample.")] = 0,
     step: Annotated[Text, Option(help="Longest of equal steps [default: an error control].")] = None,
-    runtime: Annotated[Text, Option(help="c, jax or floats [default: c, if there is a compiler].")] = None,
-    precision: Annotated[str, Option(help="float64, or float32 on JAX.")] = "float64",
+    runtime: Annotated[Text, Option(help="c, jax, cuda or floats [default: c, if there is a compiler].")] = None,
+    precision: Annotated[str, Option(help="float64, or float32 on JAX or CUDA.")] = "float64",
     backend: Annotated[
         Text,
         Option(
             help="Who runs the chunks: processes, serial, dask [default: processes; serial for a "
-            "few chunks, or on JAX]."
+            "few chunks, or on JAX or CUDA]."
         ),
     ] = None,
     workers: Annotated[int, Option(min=0, help="How many processes; 0 for one per core.")] = 0,
     scheduler: Annotated[Text, Option(help="Address of a Dask scheduler, such as tcp://host:8786.")] = None,
-    chunk_size: Annotated[int, Option(min=1, help="Runs in a chunk.")] = 512,
+    chunk_size: Annotated[int, Option(min=1, help="Runs in a chunk; many thousands keep a GPU busy.")] = 512,
     chunk: Annotated[Text, Option(metavar="I/N", help="Run only part I of N of the chunks, for job arrays.")] = None,
     figure: Annotated[Path | None, Option(help="Figure to write, or to replace: .png, .svg or .pdf.")] = None,
     force: Annotated[bool, Option("--force", help="Replace an existing store.")] = False,

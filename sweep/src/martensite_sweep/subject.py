@@ -13,7 +13,8 @@ from martensite.scenario.place_units import PlaceUnits
 from martensite.search.free_numbers import Target
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.drive_waveforms import by_name
-from martensite.simulate.variants import VariantSetup
+from martensite.simulate.variants import ACCELERATED, VariantSetup
+from martensite_sweep.cuda.device import open_device
 
 if TYPE_CHECKING:
     from martensite.control.loop.bench import Bench
@@ -29,12 +30,12 @@ def build_course(
         scenario: the nominal one.
         step: longest of equal steps [s]; by default that of the scenario, or None for runs to its
             tolerance.
-        runtime: c, jax or floats; by default c if there is a compiler.
-        precision: float64, or float32 on JAX.
+        runtime: c, jax, cuda or floats; by default c if there is a compiler.
+        precision: float64, or float32 on JAX or CUDA.
 
     Raises:
-        InputError: a controller of the scenario runs outside of the kernel, or runs on JAX have no
-            step.
+        InputError: a controller of the scenario runs outside of the kernel, runs on JAX or in float32 have no
+            step, or there is no CUDA device.
     """
     if scenario.outside:
         raise InputError(
@@ -47,10 +48,13 @@ def build_course(
         samples = min(samples, max(int(scenario.duration / interval + 1e-6) + 1, 2))
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     found = interval or step or scenario.step
-    if chosen == "jax" and found is None:
+    if found is None and (chosen == "jax" or (chosen == "cuda" and precision != "float64")):
         raise InputError(
-            "A sweep on JAX runs on equal steps; say how long they are at most by `--step`, or take the runtime `c`."
+            "A sweep on JAX or in float32 runs on equal steps; say how long they are at most by `--step`, or take the "
+            "runtime `c`."
         )
+    if chosen == "cuda":
+        open_device()  # missed before anything is written
     return VariantSetup(
         system,
         list_waveforms(scenario),
@@ -61,7 +65,7 @@ def build_course(
         chosen,
         precision,
         tolerance=scenario.tolerance,
-        devices=None if chosen == "jax" else 1,
+        devices=None if chosen in ACCELERATED else 1,
     )
 
 

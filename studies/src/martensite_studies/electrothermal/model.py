@@ -25,10 +25,10 @@ from martensite.physics.thermal.base import AbstractCooling, Cylinder
 from martensite.physics.thermal.convection import LeFevreEde
 from martensite.physics.thermal.films import ConstantCooling
 from martensite.scenario.scenario import Scenario, load
-from martensite.scenario.staircase import reduce_to_plateaus
 from martensite.signals.records import Record
 from martensite.simulate.api import simulate
 from martensite_studies.electrothermal.record import RecordStaircase
+from martensite_studies.electrothermal.staircase import reduce_to_plateaus
 from martensite_studies.tables import Printed
 
 SCENARIO = Path(__file__).with_name("scenario.toml")

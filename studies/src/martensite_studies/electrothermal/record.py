@@ -14,9 +14,9 @@ from statistics import fmean
 from martensite.characterise.regression import fit_powers
 from martensite.design.sizing.cycle import find_crossing
 from martensite.scenario import datasets
-from martensite.scenario.staircase import SupplyOffset, reduce_to_plateaus, supply_offset, unwrap_counter
 from martensite.scenario.tables import read_table
 from martensite.signals.records import Record
+from martensite_studies.electrothermal.staircase import SupplyOffset, reduce_to_plateaus, supply_offset, unwrap_counter
 from martensite_studies.tables import Printed
 
 DATA = "flexinol-electrothermal"
