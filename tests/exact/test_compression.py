@@ -130,3 +130,14 @@ def test_memories_go_where_an_observer_puts_them() -> None:
     assert law.relocate(floats, memory, law.fractions(memory), memory.stress, memory.temperature) == memory
     moved = law.relocate(floats, memory, Fractions(0.6, -0.6), -320e6, HOT)
     assert law.fractions(moved) == (0.6, -0.6)
+
+
+def test_martensite_of_lagoudas_goes_back_and_forms_anew_until_it_has_no_strain() -> None:
+    """Above A_s loops close. Below it what has no mean strain any more stays, for it knows no reorientation."""
+    surface = {n: v for n, v in LAW_A.items() if n not in ("eps_L", "Theta")} | {"sigma_cal": 150e6}
+    law = Lagoudas(**surface, H_min=0.0, H_sat=0.04, H_k=2e-8, compression="symmetric")
+    legs = [PathLeg(strain=e, steps=40) for e in (0.05, -0.05, 0.05, -0.05)]
+    for celsius, turns in ((62.0, (0.0, 0.0)), (85.0, (1.0, -1.0))):
+        run = material_point(law, legs, start=(0.0, celsius + ZERO), tension_only=False)
+        assert run.warnings == [] and run.steps < 10_000
+        assert [run.oriented[run.ends[k]] for k in (3, 4)] == pytest.approx(turns, abs=0.1)
