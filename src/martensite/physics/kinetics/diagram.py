@@ -85,7 +85,8 @@ class AbstractSidedLaw(AbstractTwoPhaseLaw):
         """Let methods of a law of tension go by the side of zero stress, if it knows compression."""
         super().__init_subclass__(init=init)
         for name in SIDED_METHODS.keys() & vars(cls).keys():
-            setattr(cls, name, by_side(getattr(cls, name), SIDED_METHODS[name]))
+            if not getattr(vars(cls)[name], "__isabstractmethod__", False):
+                setattr(cls, name, by_side(getattr(cls, name), SIDED_METHODS[name]))
 
     @property
     def tension_only(self) -> bool:
