@@ -47,6 +47,7 @@ MATERIALS = {
     "niti-brinson-1993": Ends(325.0, 600e6, 380.0, 270.0),
     "niti-lagoudas": Ends(345.0, 800e6, 420.0, 270.0),
     "finger-mas": Ends(380.0, 600e6, 430.0, 300.0),
+    "niti-r-phase": Ends(380.0, 800e6, 430.0, 260.0),
 }
 
 

@@ -29,7 +29,17 @@ from martensite.scenario.catalogue import list_registries
 from martensite.testing import check_conformance, check_material, observers
 from martensite.testing.conformance import SUITES, check_part, find_checks
 
-SLOW = {"lagoudas-waisted-work", "lagoudas-smooth-curved", "mas-polycrystal-constant-15-internal-stress"}
+SLOW = {
+    "lagoudas-none-waisted-work",
+    "lagoudas-none-smooth-curved",
+    "lagoudas-symmetric-smooth-work",
+    "lagoudas-asymmetric-smooth-work",
+    "brinson-resume-symmetric",
+    "elahinia-resume-asymmetric",
+    "tanaka-resume-symmetric-austenite",
+    "liang-rogers-resume-symmetric-austenite-strain-cosine-straight",
+    "mas-polycrystal-constant-15-internal-stress",
+}
 SLOW |= {"r-phase-restart", "r-phase-return-point"}
 """Second forms of the laws that take longest."""
 REGISTRIES = list_registries(blocks=True)

@@ -9,10 +9,19 @@ from martensite.kernels.dual import value_and_slope
 
 LAWS = examples("law")
 LONG = (
-    "lagoudas-smooth-work",
-    "lagoudas-waisted-work",
-    "lagoudas-smooth-curved",
-    "brinson-return-point",
+    "lagoudas-none-smooth-work",
+    "lagoudas-none-waisted-work",
+    "lagoudas-none-smooth-curved",
+    "lagoudas-symmetric-smooth-work",
+    "lagoudas-asymmetric-smooth-work",
+    "brinson-return-point-none",
+    "brinson-resume-symmetric",
+    "brinson-resume-asymmetric",
+    "elahinia-resume-symmetric",
+    "elahinia-resume-asymmetric",
+    "tanaka-resume-symmetric-austenite",
+    "tanaka-resume-asymmetric-austenite",
+    "liang-rogers-resume-symmetric-austenite-strain-cosine-straight",
     "r-phase-return-point",
     "mas-polycrystal-constant-15-barriers",
     "mas-polycrystal-constant-15-internal-stress",

@@ -300,6 +300,9 @@ def test_the_law_is_written_with_all_its_options(plain: Sample) -> None:
         "history": "resume",
         "modulus": "mixture",
         "transformation": "strain",
+        "hardening": "cosine",
+        "surfaces": "straight",
+        "compression": "none",
     }
 
 

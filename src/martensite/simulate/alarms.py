@@ -24,7 +24,7 @@ from martensite.actuators.assembly import AbstractSystem, Actuator
 from martensite.base.status import Status
 from martensite.physics.electrical.base import AbstractSource
 from martensite.physics.laws.base import AbstractLaw
-from martensite.simulate.compiled_law import describe_forgotten_loops
+from martensite.simulate.compiled_law import describe_compression, describe_forgotten_loops
 
 if TYPE_CHECKING:
     from martensite.simulate.result import Result
@@ -288,6 +288,7 @@ def _describe_doubts(result: Result, columns: Columns) -> list[str]:
             continue
         path = (columns[result.system.label(port, one)] for one in ("stress", "temperature", *FRACTIONS))
         found += describe_forgotten_loops(law, *path)
+        found += describe_compression(law, columns[name])
         doubt = law.doubt()
         if doubt is None:
             continue

@@ -109,6 +109,22 @@ def _strain_step(law: AbstractLaw, shape: NestedShape, tension_only: bool) -> Ca
     return step
 
 
+NOTICEABLE = 5e6
+"""Compression [Pa] from which on it is said that a law knows tension only."""
+
+
+def describe_compression(law: AbstractLaw, stress: Sequence[float]) -> list[str]:
+    """A caution where compression meets a law that knows tension only."""
+    least = min(stress)
+    if not law.tension_only or least > -NOTICEABLE:
+        return []
+    remedy = '; try `compression = "symmetric"` of the law' if "compression" in law.declarations else ""
+    return [
+        f"Caution: the stress falls to {least / 1e6:.4g} MPa, but `{law.registered_name}` knows tension only, and "
+        f"compression drives its martensite back{remedy}."
+    ]
+
+
 def describe_forgotten_loops(
     law: AbstractLaw,
     stress: Sequence[float],

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from martensite.base.errors import InputError, ParameterError, SolveError, UnknownNameError, suggest_name
 from martensite.base.status import Status
 from martensite.physics.laws.base import AbstractLaw, Fractions
-from martensite.simulate.compiled_law import AUSTENITE, ROW, describe_forgotten_loops
+from martensite.simulate.compiled_law import AUSTENITE, ROW, describe_compression, describe_forgotten_loops
 from martensite.simulate.point_march import PathDriver, PathSection, PointTrack, march_point
 
 if TYPE_CHECKING:
@@ -177,7 +177,7 @@ def material_point(
         )
     result = _build_result(law, legs, drive, track, accuracy, label)
     path = result.stress, result.temperature, result.martensite, result.oriented
-    result.warnings.extend(describe_forgotten_loops(law, *path))
+    result.warnings.extend([*describe_forgotten_loops(law, *path), *describe_compression(law, path[0])])
     if tolerance is not None and accuracy is not None and accuracy > tolerance:
         result.warnings.append(
             f"Warning: the tolerance of {tolerance:.1e} was not reached in {result.steps:,} "

@@ -7,12 +7,16 @@ The constitutive equation is integrated, so that elastic loops close:
 with ξ_S the oriented fraction. Tension and elongation are positive; Θ > 0 means that a free bar shrinks on heating.
 """
 
+from __future__ import annotations
+
 from abc import abstractmethod
-from typing import ClassVar
+from typing import ClassVar, Self
 
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import Parametrised, option, param
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics.asymmetry import NONE, SIDED_METHODS, by_side
+from martensite.physics.kinetics.hardening import LEAST_EXPONENT, MOST
 from martensite.physics.laws.base import AbstractLaw, Fractions
 
 WIDTHS = (("M_f", "M_s"), ("A_s", "A_f"))
@@ -30,6 +34,15 @@ def require_order(law: Parametrised, *pairs: tuple[str, str]) -> None:
             )
 
 
+def find_side_strain(xp: Namespace, law: AbstractSidedLaw, name: str, fractions: Fractions) -> Scalar:
+    """Strain [-] of oriented martensite, by the parameter of that name, in compression its own."""
+    own = getattr(law, name)
+    if law.compression == "asymmetric":
+        other = getattr(law, f"{name}_compression")
+        own = xp.where(fractions.oriented < 0.0, xp.where(other > 0.0, other, own), own)
+    return own * fractions.oriented
+
+
 class AbstractTwoPhaseLaw(AbstractLaw):
     """Moduli of the phases, and the temperatures between which they transform without stress."""
 
@@ -41,6 +54,78 @@ class AbstractTwoPhaseLaw(AbstractLaw):
     A_f: Scalar = param("K", "austenite finish temperature at zero stress", low=100.0, high=1000.0, typical="75 degC")
     M_s: Scalar = param("K", "martensite start temperature at zero stress", low=100.0, high=1000.0, typical="50 degC")
     M_f: Scalar = param("K", "martensite finish temperature at zero stress", low=100.0, high=1000.0, typical="40 degC")
+
+    @property
+    def tension_only(self) -> bool:
+        """True if it does not know compression."""
+        return True
+
+
+class AbstractSidedLaw(AbstractTwoPhaseLaw):
+    """A law of tension that may know compression (`kinetics.asymmetry`)."""
+
+    compression: str = option(
+        "what stress below zero does: drives martensite of tension back, or forms its own, by equal or own numbers",
+        NONE,
+        "symmetric",
+        "asymmetric",
+        default=NONE,
+    )
+    C_A_compression: Scalar = param("Pa/K", "C_A in compression; 0: as in tension", low=0.0, high=1e9, default=0.0)
+    C_M_compression: Scalar = param("Pa/K", "C_M in compression; 0: as in tension", low=0.0, high=1e9, default=0.0)
+
+    sided: ClassVar[tuple[str, ...]] = ("C_A", "C_M")
+    """Parameters that may differ in compression; others of their names end in `_compression`."""
+    by_ratios: ClassVar[bool] = True
+    """Whether only ratios of the law of tension count in compression; else it knows either orientation itself."""
+    keeps_forward: ClassVar[bool] = False
+    """Whether a forward transformation waits through a change of sign of stress."""
+
+    def __init_subclass__(cls, *, init: bool = True) -> None:
+        """Let methods of a law of tension go by the side of zero stress, if it knows compression."""
+        super().__init_subclass__(init=init)
+        for name in SIDED_METHODS.keys() & vars(cls).keys():
+            if not getattr(vars(cls)[name], "__isabstractmethod__", False):
+                setattr(cls, name, by_side(getattr(cls, name), SIDED_METHODS[name]))
+
+    @property
+    def tension_only(self) -> bool:
+        """True if it does not know compression."""
+        return self.compression == NONE
+
+    def on_side(self, xp: Namespace, side: Scalar) -> Self:
+        """The law of tension [+1] or compression [-1], about the size of stress."""
+        found: dict[str, Scalar] = {}
+        for name in self.sided if self.compression == "asymmetric" else ():
+            own, other = getattr(self, name), getattr(self, f"{name}_compression")
+            found[name] = xp.where(side > 0.0, own, xp.where(other > 0.0, other, own))
+        law = self.rebuilt(found)
+        law.__dict__["compression"] = NONE
+        return law
+
+
+class AbstractShapes(Parametrised):
+    """Numbers of ranges that are no cosines between straight lines; options of the laws call for them."""
+
+    n_1: Scalar = param("1", "roundness of the forward start", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    n_2: Scalar = param("1", "roundness of the forward end", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    n_3: Scalar = param("1", "roundness of the reverse end", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    n_4: Scalar = param("1", "roundness of the reverse start", low=LEAST_EXPONENT, high=1.0, default=1.0)
+    waist_f: Scalar = param("1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.8)
+    waist_r: Scalar = param("1", "waist of the reverse range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.9)
+    curvature_f: Scalar = param("K/Pa^2", "bend of the forward line, if curved", low=-1e-14, high=1e-14, default=0.0)
+    curvature_r: Scalar = param("K/Pa^2", "bend of the reverse line, if curved", low=-1e-14, high=1e-14, default=0.0)
+    widening_f: Scalar = param("K/Pa", "growth of the forward range, if curved", low=0.0, high=1e-6, default=0.0)
+    widening_r: Scalar = param("K/Pa", "growth of the reverse range, if curved", low=0.0, high=1e-6, default=0.0)
+
+    def describe_unused(self, hardening: str, surfaces: str) -> list[str]:
+        """Sentences about numbers that these choices do not call for."""
+        found: list[str] = []
+        if hardening != "waisted" and max(self.waist_f, self.waist_r) > 0.0:
+            found.append('A waist counts only with the option `hardening = "waisted"` of the law.')
+        if surfaces != "curved" and any((self.curvature_f, self.curvature_r, self.widening_f, self.widening_r)):
+            found.append('A curvature or widening counts only with the option `surfaces = "curved"` of the law.')
+        return found
 
 
 class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
@@ -76,12 +161,36 @@ class AbstractPhaseDiagram(AbstractTwoPhaseLaw):
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
         """ε_L ξ_S - Θ (T - T_ref)/E [-]."""
         thermal = self.Theta * (temperature - self.T_ref) / self.young(fractions)
-        return self.transformation_strain(fractions) - thermal
+        return self.transformation_strain(xp, fractions) - thermal
 
-    def transformation_strain(self, fractions: Fractions) -> Scalar:
+    def transformation_strain(self, xp: Namespace, fractions: Fractions) -> Scalar:
         """ε_L ξ_S [-]."""
         return self.eps_L * fractions.oriented
 
     def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
         """1/E [1/Pa]."""
         return 1.0 / self.young(fractions)
+
+
+class AbstractSidedDiagram(AbstractPhaseDiagram, AbstractSidedLaw):
+    """A phase diagram of tension that may have one of compression."""
+
+    eps_L_compression: Scalar = param("1", "eps_L in compression; 0: as in tension", low=0.0, high=0.2, default=0.0)
+    H_min: Scalar = param("1", "two-way strain: of martensite formed at no stress", low=-0.2, high=0.2, default=0.0)
+
+    def check(self) -> None:
+        """Raise `ParameterError` if a strip has no width, or compression meets a rule that it does not know."""
+        super().check()
+        if self.compression == NONE:
+            return
+        self.__dict__.update(twins=True, one_way=False)  # what is oriented changes by itself
+        if self.history == "return-point":
+            raise ParameterError('`compression` knows no return points; take `history = "resume"` or `"restart"`.')
+        if abs(self.H_min) > self.eps_L:
+            raise ParameterError(
+                f"Parameter `H_min` must not exceed `eps_L`, but is {self.H_min} against {self.eps_L}."
+            )
+
+    def transformation_strain(self, xp: Namespace, fractions: Fractions) -> Scalar:
+        """ε_L ξ_S [-], with the ε_L of its sign."""
+        return find_side_strain(xp, self, "eps_L", fractions)

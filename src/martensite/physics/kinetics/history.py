@@ -25,6 +25,7 @@ could act, one that is past its finish line yields to one that is not, else to r
 from collections.abc import Callable
 from typing import Any, NamedTuple, TypeAlias
 
+from martensite.kernels import floats
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics.return_points import (
     GONE,
@@ -44,9 +45,42 @@ LEAST = 1e-3
 FARTHEST = 60.0
 """Strip widths beyond its finish line from which on an endless process is complete, for return points."""
 
-Left = Callable[[Namespace, Scalar], Scalar]
+
+class BranchedLeft(NamedTuple):
+    """What a process leaves, asked also whether it is the forward one."""
+
+    find: Callable[[Namespace, Scalar, Flag], Scalar]
+
+
+Left: TypeAlias = Callable[[Namespace, Scalar], Scalar] | BranchedLeft
+"""What a process leaves at a distance from its finish line."""
+
+
+def find_left(left: Left, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
+    """What the forward process leaves where `ahead`, else the reverse one."""
+    return left.find(xp, distance, ahead) if isinstance(left, BranchedLeft) else left(xp, distance)
+
+
 LegStart: TypeAlias = Any
 """Where a leg starts, a memory or a place on the way: it has a `stress` [Pa] and a `temperature` [K]."""
+
+
+class PathPoint(NamedTuple):
+    """A point on the way."""
+
+    stress: Scalar
+    temperature: Scalar
+
+
+class StripCurve(NamedTuple):
+    """Tension adds bend · σ (σ - 2 calm) [K/Pa², Pa] to the middle of a strip, growth · σ [K/Pa] to start - finish."""
+
+    bend: Scalar
+    calm: Scalar
+    growth: Scalar
+
+
+STRAIGHT = StripCurve(0.0, 0.0, 0.0)
 
 
 class Strip(NamedTuple):
@@ -60,10 +94,52 @@ class Strip(NamedTuple):
     """1/C [K/Pa]."""
     endless: bool = False
     """The process goes on beyond its finish line; a word of the law, not a value."""
+    curve: StripCurve | tuple[()] = ()
+    """Where lines are not straight."""
 
-    def distance(self, stress: Scalar, temperature: Scalar) -> Scalar:
-        """Distance to the finish line in widths of the strip [-]; unlimited."""
-        return (temperature - stress * self.per_slope - self.finish) * self.per_width
+    def distance(self, stress: Scalar, temperature: Scalar, xp: Namespace = floats) -> Scalar:
+        """Distance to the finish line in widths of the strip [-]; unlimited. The namespace is that of curved lines."""
+        straight = (temperature - stress * self.per_slope - self.finish) * self.per_width
+        if not self.curve:
+            return straight
+        tension, width = xp.maximum(stress, 0.0), 1.0 / self.per_width
+        bend = self.curve.bend * tension * (tension - 2.0 * self.curve.calm)
+        return 0.5 + ((straight - 0.5) * width - bend) / (width + self.curve.growth * tension)
+
+    def find_level(
+        self, xp: Namespace, start: LegStart, stress: Scalar, ends: tuple[Scalar, Scalar], level: Scalar
+    ) -> Scalar:
+        """Share of a leg after which a distance that falls all along it comes down to a level; 1 if nowhere.
+
+        It is the root of (distance - level) · width, a parabola over the leg.
+        """
+        before, after, square = self._describe_leg(xp, start.stress, stress)
+        above, below = (ends[0] - level) * before, (ends[1] - level) * after
+        slope = below - above - square
+        root, falls = xp.sqrt(xp.maximum(slope * slope - 4.0 * above * square, 0.0)), slope < 0.0
+        late = (slope + root) / xp.where(square < 0.0, -2.0 * square, 1.0)
+        share = xp.where(falls, 2.0 * above / xp.where(falls, root - slope, 1.0), late)
+        return xp.where(ends[0] > level, xp.where(ends[1] < level, xp.clip(share, 0.0, 1.0), 1.0), 0.0)
+
+    def find_turn(self, xp: Namespace, start: LegStart, stress: Scalar, temperature: Scalar) -> Scalar:
+        """Share of a leg of one sign after which the distance may turn; 1 if nowhere.
+
+        There (distance - ½) = N/W is level, N'W = N W'; of both roots the one on this side of W = 0.
+        """
+        before, after, square = self._describe_leg(xp, start.stress, stress)
+        here = (self.distance(start.stress, start.temperature, xp) - 0.5) * before
+        there, bent = (self.distance(stress, temperature, xp) - 0.5) * after, square * before
+        level = (there - here - square) * before - (after - before) * here
+        root = xp.sqrt(xp.maximum(bent * bent - square * (after - before) * level, 0.0))
+        down = bent + xp.where(square < 0.0, -root, root)
+        share = -level / xp.where(xp.abs(down) > 0.0, down, 1.0)
+        return xp.where(xp.both(share > 0.0, xp.abs(down) > 0.0), xp.minimum(share, 1.0), 1.0)
+
+    def _describe_leg(self, xp: Namespace, before: Scalar, stress: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+        """Widths at both ends of a leg, positive, and what is square in the share of it of N [K]."""
+        curve, first, last = self.curve or STRAIGHT, xp.maximum(before, 0.0), xp.maximum(stress, 0.0)
+        one, other = (xp.abs(1.0 / self.per_width + curve.growth * tension) for tension in (first, last))
+        return one, other, xp.where(self.per_width > 0.0, -1.0, 1.0) * curve.bend * (last - first) * (last - first)
 
 
 class OneFractionMemory(NamedTuple):
@@ -95,11 +171,13 @@ class OneFractionProcess(NamedTuple):
     per_slope: Scalar
     course: BranchCourse | tuple[()] = ()
     """Under the rule return-point."""
+    curve: StripCurve | tuple[()] = ()
+    """Where lines are not straight."""
 
-    def distance(self, stress: Scalar, temperature: Scalar) -> Scalar:
+    def distance(self, stress: Scalar, temperature: Scalar, xp: Namespace = floats) -> Scalar:
         """Distance to the finish line of the process in widths of its strip [-]; unlimited."""
-        strip = Strip(self.finish, self.per_width, self.per_slope)
-        return strip.distance(stress, temperature)
+        strip = Strip(self.finish, self.per_width, self.per_slope, curve=self.curve)
+        return strip.distance(stress, temperature, xp)
 
 
 def compute_cosine_rest(xp: Namespace, distance: Scalar) -> Scalar:
@@ -129,6 +207,9 @@ def round_off(xp: Namespace, strip: Strip, start: LegStart, stress: Scalar, temp
     """What rounding alone may make of the distance [-] travelled on a leg."""
     size = xp.abs(start.temperature) + xp.abs(temperature)
     size = size + (xp.abs(start.stress) + xp.abs(stress)) * strip.per_slope
+    if strip.curve:
+        most = xp.maximum(xp.maximum(start.stress, stress), 0.0)
+        size = size + xp.abs(strip.curve.bend) * most * (most + 2.0 * strip.curve.calm)
     return 8.0 * xp.eps() * size * xp.abs(strip.per_width)
 
 
@@ -140,13 +221,15 @@ def follow_strip(
     What differs by rounding alone is equal: a point so near to the start line lies on it, and
     a leg that gets no further into the strip does not pass.
     """
-    first = strip.distance(start.stress, start.temperature)
-    last = strip.distance(stress, temperature)
+    first = strip.distance(start.stress, start.temperature, xp)
+    last = strip.distance(stress, temperature, xp)
     travel, hair = first - last, round_off(xp, strip, start, stress, temperature)
     moving = travel > hair
     safe = xp.where(moving, travel, 1.0)
     enters = xp.clip((first - 1.0 - hair) / safe, 0.0, 1.0)
     leaves = xp.clip(first / safe, 0.0, 1.0)
+    if strip.curve:
+        enters, leaves = (strip.find_level(xp, start, stress, (first, last), level) for level in (1.0 + hair, 0.0))
     if strip.endless:
         before = xp.where(xp.abs(first - 1.0) > hair, first - 1.0, 0.0)
         begin, enters = 1.0 + xp.minimum(before, 0.0), xp.clip(before / safe, 0.0, 1.0)
@@ -207,10 +290,10 @@ def select_process(
     scale, course = begin, ()
     if memory.points:
         turns = xp.both(xp.abs(direction) > 0.0, memory.branch * direction <= 0.0)
-        share = left(xp, limit_distance(xp, begin, forward.endless))
+        share = find_left(left, xp, limit_distance(xp, begin, forward.endless), ahead)
         scale, course = memory.scale, select_course(xp, memory.points, ahead, turns, share, [remaining])
     elif not forward.endless:
-        share = left(xp, begin)
+        share = find_left(left, xp, begin, ahead)
         usable = share > 0.0
         scale = xp.where(usable, remaining / xp.where(usable, share, 1.0), 0.0)
     if rule == RESUME:
@@ -223,7 +306,14 @@ def select_process(
         per_width=xp.store(xp.where(ahead, forward.per_width, reverse.per_width)),
         per_slope=xp.store(xp.where(ahead, forward.per_slope, reverse.per_slope)),
         course=course,
+        curve=choose_curve(xp, ahead, forward, reverse),
     )
+
+
+def choose_curve(xp: Namespace, ahead: Flag, forward: Strip, reverse: Strip) -> StripCurve | tuple[()]:
+    """The curve of one of two strips; none if they are straight."""
+    pairs = zip(forward.curve, reverse.curve, strict=True)
+    return StripCurve(*(xp.store(xp.where(ahead, *pair)) for pair in pairs)) if forward.curve else ()
 
 
 def limit_distance(xp: Namespace, distance: Scalar, endless: bool) -> Scalar:
@@ -235,17 +325,17 @@ def follow_process(
     xp: Namespace, left: Left, move: OneFractionProcess, stress: Scalar, temperature: Scalar, endless: bool = False
 ) -> Scalar:
     """Martensite fraction if the move ends at (stress, temperature)."""
-    distance = move.distance(stress, temperature)
+    distance, ahead = move.distance(stress, temperature, xp), move.direction > 0.0
     if move.course:
-        share = left(xp, limit_distance(xp, distance, endless))
+        share = find_left(left, xp, limit_distance(xp, distance, endless), ahead)
         (wanted,) = compute_rests(xp, move.course, share, [move.remaining])
     elif endless:
-        wanted = move.remaining * left(xp, 1.0 - xp.maximum(move.scale - distance, 0.0))
+        wanted = move.remaining * find_left(left, xp, 1.0 - xp.maximum(move.scale - distance, 0.0), ahead)
     else:
-        wanted = move.scale * left(xp, xp.clip(distance, 0.0, 1.0))
+        wanted = move.scale * find_left(left, xp, xp.clip(distance, 0.0, 1.0), ahead)
         wanted = xp.minimum(wanted, move.remaining)
     remaining = xp.where(xp.abs(move.direction) > 0.0, wanted, move.remaining)
-    return xp.where(move.direction > 0.0, 1.0 - remaining, remaining)
+    return xp.where(ahead, 1.0 - remaining, remaining)
 
 
 def commit_move(
@@ -261,7 +351,7 @@ def commit_move(
     acted = xp.abs(move.direction) > 0.0
     scale = move.scale
     if endless and not move.course:
-        scale = xp.minimum(scale, move.distance(stress, temperature))
+        scale = xp.minimum(scale, move.distance(stress, temperature, xp))
     return OneFractionMemory(
         fraction=fraction,
         branch=xp.where(acted, move.direction, memory.branch),
@@ -283,8 +373,8 @@ def remember_points(
     """The memory after a move with its return points, if its rule has them."""
     if not before.points or not move.course:
         return after
-    share = left(xp, limit_distance(xp, move.distance(after.stress, after.temperature), endless))
     ahead = move.direction > 0.0
+    share = find_left(left, xp, limit_distance(xp, move.distance(after.stress, after.temperature, xp), endless), ahead)
     turned, other = before.branch * move.direction < 0.0, xp.where(ahead, before.fraction, 1.0 - before.fraction)
     rest = xp.where(ahead, 1.0 - after.fraction, after.fraction)
     interrupts = xp.both(turned, other > GONE)
@@ -308,7 +398,7 @@ def relocate_memory(
     """
     ahead = memory.branch > 0.0
     before, after = (
-        xp.where(ahead, f.distance(*point), r.distance(*point))
+        xp.where(ahead, f.distance(*point, xp), r.distance(*point, xp))
         for f, r in [strips]
         for point in ((memory.stress, memory.temperature), (stress, temperature))
     )
@@ -317,7 +407,7 @@ def relocate_memory(
     else:
         was = xp.where(ahead, 1.0 - memory.fraction, memory.fraction)
         now = xp.where(ahead, 1.0 - fraction, fraction)
-        then, there = (left(xp, xp.clip(v, 0.0, 1.0)) for v in (before, after))
+        then, there = (find_left(left, xp, xp.clip(v, 0.0, 1.0), ahead) for v in (before, after))
         some = xp.both(was > LEAST, now > LEAST)
         grown = xp.where(some, now / xp.maximum(was, LEAST), 1.0)
         inside = xp.both(then > LEAST, there > LEAST)
@@ -339,16 +429,16 @@ def relocate_points(
     if not memory.points:
         return after
 
-    def compare_rests(strip: Strip, was: Scalar, now: Scalar) -> tuple[Scalar, Scalar]:
+    def compare_rests(strip: Strip, forth: bool, was: Scalar, now: Scalar) -> tuple[Scalar, Scalar]:
         before, there = (
-            left(xp, limit_distance(xp, strip.distance(at.stress, at.temperature), strip.endless))
+            find_left(left, xp, limit_distance(xp, strip.distance(at.stress, at.temperature, xp), strip.endless), forth)
             for at in (memory, after)
         )
         least = 0.0 if strip.endless else LEAST
         return compare_parts(xp, before, there, least), compare_parts(xp, was, now, LEAST)
 
-    forward = compare_rests(strips[0], 1.0 - memory.fraction, 1.0 - after.fraction)
-    reverse = compare_rests(strips[1], memory.fraction, after.fraction)
+    forward = compare_rests(strips[0], True, 1.0 - memory.fraction, 1.0 - after.fraction)
+    reverse = compare_rests(strips[1], False, memory.fraction, after.fraction)
     return after._replace(points=scale_points(xp, memory.points, memory.branch > 0.0, forward, reverse))
 
 
@@ -362,7 +452,8 @@ def find_point_kinks(
     if not memory.points:
         return []
     points, forth = memory.points, memory.branch > 0.0
-    shares = [left(xp, limit_distance(xp, one, endless)) for one in (ahead, back)]
+    pairs = (ahead, True), (back, False)
+    shares = [find_left(left, xp, limit_distance(xp, one, endless), forward) for one, forward in pairs]
     rest = xp.where(forth, 1.0 - memory.fraction, memory.fraction)
     wait = points.branch.lines[0].at(xp.where(forth, *shares)) - rest
     return [
@@ -390,6 +481,22 @@ def find_handover(
         second = xp.maximum(r.enters, f.leaves)
     done = xp.where(back, first, second)
     return turning_point(xp, memory, stress, temperature, xp.where(two, done, 1.0))
+
+
+def find_zero_stress(xp: Namespace, start: LegStart, stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
+    """The point of a leg where its stress changes sign; its end if nowhere."""
+    crosses = start.stress * stress < 0.0
+    share = start.stress / xp.where(crosses, start.stress - stress, 1.0)
+    return turning_point(xp, start, stress, temperature, xp.where(crosses, share, 1.0))
+
+
+def find_turn(
+    xp: Namespace, strips: tuple[Strip, Strip], start: LegStart, stress: Scalar, temperature: Scalar
+) -> tuple[Scalar, Scalar]:
+    """The first point of a leg where curved lines make it turn back, or where tension begins or ends; else its end."""
+    end = find_zero_stress(xp, start, stress, temperature)
+    turns = [strip.find_turn(xp, start, *end) for strip in strips]
+    return turning_point(xp, start, *end, xp.minimum(*turns))
 
 
 def turning_point(

@@ -6,21 +6,39 @@ modulus (`kinetics.diagram`); the history rules are those of `kinetics.history`.
 """
 
 from abc import abstractmethod
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
-from martensite.kernels.namespace import Namespace, Scalar
+from martensite.base.parameters import param
+from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics import history
-from martensite.physics.kinetics.diagram import AbstractPhaseDiagram
-from martensite.physics.kinetics.history import RESUME, RETURN_POINT, OneFractionMemory, OneFractionProcess, Strip
+from martensite.physics.kinetics.asymmetry import NONE, TURNS, compare_parts_left
+from martensite.physics.kinetics.diagram import AbstractSidedDiagram
+from martensite.physics.kinetics.history import (
+    RESUME,
+    RETURN_POINT,
+    STRAIGHT,
+    BranchedLeft,
+    OneFractionMemory,
+    OneFractionProcess,
+    Strip,
+    StripCurve,
+)
 from martensite.physics.kinetics.return_points import start_points
 from martensite.physics.laws.base import Doubt, Fractions
 
+Point: TypeAlias = tuple[Scalar, Scalar]
 
-class AbstractStripLaw(AbstractPhaseDiagram):
+
+class AbstractStripLaw(AbstractSidedDiagram):
     """Two strips, one fraction; a law adds `left`, `young` and its options."""
 
     endless: ClassVar[bool] = False
     """True if processes go on beyond their finish lines and forget where they began."""
+    keeps_forward = True
+
+    H_k: Scalar = param(
+        "1/Pa", "how fast H grows from H_min to eps_L with stress", low=0.0, high=1e-4, default=1e-6, typical=1e-5
+    )
 
     @abstractmethod
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
@@ -29,6 +47,14 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         The distance is 1 on the start line and 0 on the finish line. Endless processes are
         asked below 0 too and must fulfil left(a)/left(b) = left(1 - (b - a)).
         """
+
+    def left_of(self, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
+        """The same, of the forward process where `ahead`; a law whose branches differ says more."""
+        return self.left(xp, distance)
+
+    def curves(self) -> tuple[StripCurve | tuple[()], StripCurve | tuple[()]]:
+        """How tension bends both strips; nothing of straight ones."""
+        return (), ()
 
     def cautions(self) -> list[str]:
         """Unusual orders of temperatures, the sign of Θ."""
@@ -39,21 +65,70 @@ class AbstractStripLaw(AbstractPhaseDiagram):
 
     def doubt(self) -> Doubt | None:
         """Where the strips overlap."""
-        if not self.C_A > self.C_M or self.A_s < self.M_s:
+        forward, reverse = (curve or STRAIGHT for curve in self.curves())
+        gap, bend = self.A_s - self.M_s, reverse.bend - forward.bend
+        slope = 1.0 / self.C_A - 1.0 / self.C_M - 2.0 * bend * forward.calm - 0.5 * (forward.growth - reverse.growth)
+        square = slope * slope - 4.0 * bend * gap
+        falls = -slope + square**0.5 if square >= 0.0 else 0.0
+        if gap < 0.0 or falls <= 0.0:
             return None
-        limit = (self.A_s - self.M_s) / (1.0 / self.C_M - 1.0 / self.C_A)
+        limit = 2.0 * gap / falls
         return Doubt(
             limit,
             f"C_A > C_M: the strips overlap above {limit / 1e6:.4g} MPa, where the loop work "
-            "shrinks with temperature; prefer equal slopes there.",
+            "shrinks with temperature; prefer equal slopes there."
+            if self.C_A > self.C_M
+            else f"the strips overlap above {limit / 1e6:.4g} MPa.",
         )
 
     def strips(self) -> tuple[Strip, Strip]:
         """The strips of the forward and of the reverse transformation."""
+        forward, reverse = self.curves()
         return (
-            Strip(self.M_f, 1.0 / (self.M_s - self.M_f), 1.0 / self.C_M, self.endless),
-            Strip(self.A_f, 1.0 / (self.A_s - self.A_f), 1.0 / self.C_A, self.endless),
+            Strip(self.M_f, 1.0 / (self.M_s - self.M_f), 1.0 / self.C_M, self.endless, forward),
+            Strip(self.A_f, 1.0 / (self.A_s - self.A_f), 1.0 / self.C_A, self.endless, reverse),
         )
+
+    def reverse_strip(self) -> Strip:
+        """The one of the reverse transformation."""
+        return self.strips()[1]
+
+    def find_stop(self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar) -> Point:
+        """Where one process may follow another on a leg, or a line turns it; its end if nowhere."""
+        end = stress, temperature
+        if self.curves()[0]:
+            end = history.find_turn(xp, self.strips(), memory, *end)
+        return history.find_handover(xp, *self.strips(), memory, *end)
+
+    def compare_rests(self, xp: Namespace, distance: Scalar, reach: Scalar) -> Scalar:
+        """What reverse transformation leaves as it comes from one distance to another, as a share."""
+        if self.endless:
+            return self.left_of(xp, 1.0 - (reach - distance), False)
+        return compare_parts_left(xp, *(self.left_of(xp, xp.clip(v, 0.0, 1.0), False) for v in (distance, reach)))
+
+    def find_rests(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
+        """What cooling to a point leaves of all that is not oriented, and of austenite [-]."""
+        distance = self.strips()[0].distance(stress, temperature, xp)
+        rest = self.left_of(xp, history.limit_distance(xp, distance, self.endless), True)
+        return rest, rest
+
+    def orient_martensite(
+        self, xp: Namespace, side: Scalar, move: OneFractionProcess, start: Point, end: Point
+    ) -> tuple[Scalar, Scalar]:
+        """H/ε_L at the middle of what a move passes of the strip [-], and of martensite that stress does not form."""
+        first, last = move.distance(*start, xp), move.distance(*end, xp)
+        safe = xp.where(first > last, first - last, 1.0)
+        places = [xp.clip((first - level) / safe, 0.0, 1.0) for level in (1.0, -history.FARTHEST * self.endless)]
+        middle = start[0] + 0.5 * (places[0] + places[1]) * (end[0] - start[0])
+        return self._orient(xp, side, xp.maximum(middle, 0.0)), 0.0
+
+    def _orient(self, xp: Namespace, side: Scalar, size: Scalar) -> Scalar:
+        return 1.0 - (1.0 - side * self.H_min / self.eps_L) * xp.exp(-self.H_k * size)
+
+    def trained_share(self, xp: Namespace, stress: Scalar) -> Scalar:
+        """1, or H/ε_L along tension if compression counts [-]."""
+        side = xp.where(stress < 0.0, -1.0, 1.0)
+        return 1.0 if self.compression == NONE else side * self._orient(xp, side, xp.abs(stress))
 
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> OneFractionMemory:
         """Memory of a wire that has no history; all martensite counts as oriented."""
@@ -65,8 +140,8 @@ class AbstractStripLaw(AbstractPhaseDiagram):
     ) -> OneFractionMemory:
         """The branch in progress goes on from another fraction at another point."""
         there = fractions.martensite, stress, temperature
-        after = history.relocate_memory(xp, self.left, self.strips(), memory, *there)
-        return history.relocate_points(xp, self.left, self.strips(), memory, after)
+        after = history.relocate_memory(xp, BranchedLeft(self.left_of), self.strips(), memory, *there)
+        return history.relocate_points(xp, BranchedLeft(self.left_of), self.strips(), memory, after)
 
     def fractions(self, memory: OneFractionMemory) -> Fractions:
         """All martensite counts as oriented."""
@@ -74,20 +149,20 @@ class AbstractStripLaw(AbstractPhaseDiagram):
 
     def find_forgotten_change(self, memory: OneFractionMemory) -> Scalar | None:
         """By return points that found no place any more [-]."""
-        return memory.points.forgotten if memory.points else None
+        return memory.points.forgotten if self.compression == NONE and memory.points else None
 
     def select(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar
     ) -> OneFractionProcess:
         """The process set off by a straight move to (stress [Pa], temperature [K])."""
         rule = self.history
-        return history.select_process(xp, rule, self.left, *self.strips(), memory, stress, temperature)
+        return history.select_process(xp, rule, BranchedLeft(self.left_of), *self.strips(), memory, stress, temperature)
 
     def follow(
         self, xp: Namespace, move: OneFractionProcess, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
-        fraction = history.follow_process(xp, self.left, move, stress, temperature, self.endless)
+        fraction = history.follow_process(xp, BranchedLeft(self.left_of), move, stress, temperature, self.endless)
         return Fractions(fraction, fraction)
 
     def commit(
@@ -103,12 +178,24 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         """The memory after the accepted move."""
         fraction = fractions.martensite
         after = history.commit_move(xp, memory, move, fraction, stress, temperature, self.endless)
-        return history.remember_points(xp, self.left, memory, move, after, self.endless)
+        return history.remember_points(xp, BranchedLeft(self.left_of), memory, move, after, self.endless)
 
     def kinetics(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> tuple[OneFractionMemory, Fractions]:
-        """Advance along a straight leg; both processes may act, one after the other."""
+        """Advance along a straight leg; both processes may act, one after the other.
+
+        Lines that are curved may make it turn, once for each of them, and where tension begins or ends.
+        """
+        for _ in range(TURNS if self.curves()[0] else 0):
+            turn = history.find_turn(xp, self.strips(), memory, stress, temperature)
+            memory, _ = self._advance(xp, memory, *turn, dt)
+        return self._advance(xp, memory, stress, temperature, dt)
+
+    def _advance(
+        self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar, dt: Scalar
+    ) -> tuple[OneFractionMemory, Fractions]:
+        """Advance along a piece of a leg on which no coordinate turns back."""
         for _ in range(2 if self.endless else 1):
             between = history.find_handover(xp, *self.strips(), memory, stress, temperature)
             memory, _ = super().kinetics(xp, memory, *between, dt)
@@ -118,7 +205,7 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         """The start and finish lines of both strips, and where an interrupted branch goes on."""
         forward, reverse = self.strips()
         at = memory.stress, memory.temperature
-        ahead, back = forward.distance(*at), reverse.distance(*at)
+        ahead, back = forward.distance(*at, xp), reverse.distance(*at, xp)
         # a complete transformation is one until its finish line is passed the other way
         ahead = xp.where(xp.either(memory.fraction < 1.0, ahead < 0.0), ahead, 2.0)
         back = xp.where(xp.either(memory.fraction > 0.0, back < 0.0), back, 2.0)
@@ -127,12 +214,12 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         if not self.endless:
             lines += [ahead, back]
         if memory.points:
-            return lines + history.find_point_kinks(xp, self.left, self.endless, memory, ahead, back)
+            return lines + history.find_point_kinks(xp, BranchedLeft(self.left_of), self.endless, memory, ahead, back)
         if self.endless:
             wait = own - memory.scale
         else:
             left = xp.where(memory.branch > 0.0, 1.0 - memory.fraction, memory.fraction)
-            wait = memory.scale * self.left(xp, xp.clip(own, 0.0, 1.0)) - left
+            wait = memory.scale * self.left_of(xp, xp.clip(own, 0.0, 1.0), memory.branch > 0.0) - left
         if self.history == RESUME:
             lines.append(xp.where(xp.abs(memory.branch) > 0.0, wait, 1.0))
         return lines
@@ -141,8 +228,8 @@ class AbstractStripLaw(AbstractPhaseDiagram):
         self, xp: Namespace, memory: OneFractionMemory, move: OneFractionProcess, stress: Scalar, temperature: Scalar
     ) -> Scalar:
         """Share of the selected strip crossed by the move [-]; tails do not count."""
-        start = move.distance(memory.stress, memory.temperature)
-        end = move.distance(stress, temperature)
+        start = move.distance(memory.stress, memory.temperature, xp)
+        end = move.distance(stress, temperature, xp)
         if self.endless:
             start, end = xp.clip(start, 0.0, 1.0), xp.clip(end, 0.0, 1.0)
         return xp.where(xp.abs(move.direction) > 0.0, xp.abs(start - end), 0.0)

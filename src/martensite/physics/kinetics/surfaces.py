@@ -44,22 +44,16 @@ package's extensions.
 """
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.bracketed_newton import solve_bracketed
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics.diagram import WIDTHS, AbstractTwoPhaseLaw, require_order
-from martensite.physics.kinetics.hardening import (
-    LEAST_EXPONENT,
-    MOST,
-    apply_waist,
-    compute_hardening,
-    remove_waist,
-    waist_energy,
-)
+from martensite.physics.kinetics.asymmetry import NONE
+from martensite.physics.kinetics.diagram import WIDTHS, AbstractShapes, AbstractSidedLaw, require_order
+from martensite.physics.kinetics.hardening import apply_waist, compute_hardening, remove_waist, waist_energy
 from martensite.physics.laws.base import Doubt
 
 SAMPLES = 201
@@ -130,7 +124,7 @@ class TransformationRange(NamedTuple):
         return self.start + self.shift - self.width * share
 
 
-class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
+class AbstractSurfaceLaw(AbstractSidedLaw, AbstractShapes):
     """Parameters, constants and surfaces; a law adds memory and flow."""
 
     orders = (*WIDTHS, ("M_f", "A_s"), ("M_s", "A_f"))
@@ -140,30 +134,30 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
     sigma_cal: Scalar = param("Pa", "stress at which both slopes hold", low=0.0, high=2e9, typical="150 MPa")
     H_min: Scalar = param("1", "transformation strain up to sigma_crit", low=0.0, high=0.2, typical=0.05)
     H_sat: Scalar = param("1", "transformation strain at high stress", above=0.0, high=0.2, typical=0.05)
+    H_sat_compression: Scalar = param("1", "H_sat in compression; 0: as in tension", low=0.0, high=0.2, default=0.0)
     H_k: Scalar = param("1/Pa", "rate at which H approaches H_sat", low=0.0, high=1e-5, typical="2e-8 1/Pa")
     sigma_crit: Scalar = param("Pa", "stress at which H begins to grow", low=0.0, high=1e9, default=0.0)
-    n_1: Scalar = param("1", "roundness of the forward start", low=LEAST_EXPONENT, high=1.0, default=1.0)
-    n_2: Scalar = param("1", "roundness of the forward end", low=LEAST_EXPONENT, high=1.0, default=1.0)
-    n_3: Scalar = param("1", "roundness of the reverse end", low=LEAST_EXPONENT, high=1.0, default=1.0)
-    n_4: Scalar = param("1", "roundness of the reverse start", low=LEAST_EXPONENT, high=1.0, default=1.0)
     hardening: str = option(
         "shape of the shares h(ξ): smooth, or drawn together in the middle by `waist_f`, `waist_r`",
         "smooth",
         "waisted",
         default="smooth",
     )
-    waist_f: Scalar = param("1", "waist of the forward range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.8)
-    waist_r: Scalar = param("1", "waist of the reverse range, if waisted", low=0.0, high=MOST, default=0.0, typical=0.9)
     surfaces: str = option(
         "what stress does to the surfaces: shifts them by its work, or also bends and widens them by four numbers",
         "work",
         "curved",
         default="work",
     )
-    curvature_f: Scalar = param("K/Pa^2", "bend of the forward line, if curved", low=-1e-14, high=1e-14, default=0.0)
-    curvature_r: Scalar = param("K/Pa^2", "bend of the reverse line, if curved", low=-1e-14, high=1e-14, default=0.0)
-    widening_f: Scalar = param("K/Pa", "growth of the forward range, if curved", low=0.0, high=1e-6, default=0.0)
-    widening_r: Scalar = param("K/Pa", "growth of the reverse range, if curved", low=0.0, high=1e-6, default=0.0)
+
+    sided = (*AbstractSidedLaw.sided, "H_sat")
+    by_ratios = False
+
+    def on_side(self, xp: Namespace, side: Scalar) -> Self:
+        """The law of tension [+1] or compression [-1]; what stress does not orient stays on the side of tension."""
+        law = super().on_side(xp, side)
+        law.__dict__.update(H_min=side * self.H_min, reorients=self.compression != NONE)
+        return law
 
     def check(self) -> None:
         """Raise `ParameterError` where the surfaces have no width, no order or no slope."""
@@ -172,7 +166,8 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
             raise ParameterError(
                 f"Parameter `H_min` of `lagoudas` must not exceed `H_sat`, but is {self.H_min} against {self.H_sat}."
             )
-        if not self._work(floats, self.sigma_cal) > 0.0:
+        sides = (1.0,) if self.compression == NONE else (1.0, -1.0)
+        if not all(self.on_side(floats, side)._work(floats, self.sigma_cal) > 0.0 for side in sides):
             raise ParameterError(
                 "Parameter `sigma_cal` of `lagoudas` must be a stress at which H(sigma)*sigma "
                 f"grows, but is {self.sigma_cal} Pa, where H = {self.H_min}."
@@ -209,10 +204,7 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
         found: list[str] = []
         if self.E_M > self.E_A:
             found.append("E_M is above E_A: martensite is usually the softer phase.")
-        if self.hardening == "smooth" and max(self.waist_f, self.waist_r) > 0.0:
-            found.append('A waist counts only with the option `hardening = "waisted"` of the law.')
-        if self.surfaces == "work" and any((self.curvature_f, self.curvature_r, self.widening_f, self.widening_r)):
-            found.append('A curvature or widening counts only with the option `surfaces = "curved"` of the law.')
+        found += self.describe_unused(self.hardening, self.surfaces)
         falling = self._find_falling_finish()
         if falling is not None:
             found.append(
@@ -292,7 +284,10 @@ class AbstractSurfaceLaw(AbstractTwoPhaseLaw):
 
     def trained_share(self, xp: Namespace, stress: Scalar) -> Scalar:
         """H(σ)/H_sat [-]."""
-        return self.current(xp, stress) / self.H_sat
+        if self.compression == NONE:
+            return self.current(xp, stress) / self.H_sat
+        side = xp.where(stress < 0.0, -1.0, 1.0)
+        return side * self.on_side(xp, side).trained_share(xp, side * stress)
 
     def forward_hardening(self, xp: Namespace, fraction: Scalar) -> Scalar:
         """h_f(ξ) [-]."""

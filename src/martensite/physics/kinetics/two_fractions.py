@@ -25,6 +25,7 @@ from martensite.physics.kinetics.history import (
     LEAST,
     RESTART,
     RETURN_POINT,
+    PathPoint,
     Strip,
     StripLeg,
     compare_parts,
@@ -91,13 +92,6 @@ class TwoFractionMemory(NamedTuple):
     temperature: Scalar
     recalled: TwinPoints | tuple[()] = ()
     """Under the rule return-point."""
-
-
-class PathPoint(NamedTuple):
-    """A point on the way."""
-
-    stress: Scalar
-    temperature: Scalar
 
 
 class TwoFractionDirection(NamedTuple):

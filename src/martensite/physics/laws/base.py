@@ -92,6 +92,11 @@ class AbstractLaw(Parametrised):
     """True if the law divides the material into groups, each with a phase state of its own."""
 
     @property
+    def tension_only(self) -> bool:
+        """True if all its martensite is that of tension, which compression drives back."""
+        return False
+
+    @property
     def constant_heat(self) -> bool:
         """True if the heat of transformation is the latent heat of the element, whatever else."""
         return True

@@ -20,10 +20,12 @@ positive; Θ > 0 means that a free bar shrinks on heating.
 
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import param
+from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import two_fractions
-from martensite.physics.kinetics.diagram import WIDTHS, AbstractPhaseDiagram
-from martensite.physics.kinetics.history import Strip
+from martensite.physics.kinetics.asymmetry import NONE
+from martensite.physics.kinetics.diagram import WIDTHS, AbstractSidedDiagram
+from martensite.physics.kinetics.history import Strip, compute_cosine_rest
 from martensite.physics.kinetics.two_fractions import Diagram, TwoFractionDirection, TwoFractionMemory
 from martensite.physics.laws.base import LAWS, Doubt, Fractions
 
@@ -32,7 +34,7 @@ PIECES = 3
 
 
 @LAWS.register("brinson")
-class Brinson(AbstractPhaseDiagram):
+class Brinson(AbstractSidedDiagram):
     """Brinson kinetics with two martensite fractions and a ξ-dependent Young's modulus."""
 
     cites = ("brinson1993", "chung2007")
@@ -43,14 +45,24 @@ class Brinson(AbstractPhaseDiagram):
     sigma_s: Scalar = param("Pa", "start stress of detwinning below M_s", above=0.0, high=1e10, typical="80 MPa")
     sigma_f: Scalar = param("Pa", "finish stress of detwinning below M_s", above=0.0, high=1e10, typical="150 MPa")
 
+    sigma_s_compression: Scalar = param(
+        "Pa", "sigma_s in compression; 0: as in tension", low=0.0, high=1e10, default=0.0
+    )
+    sigma_f_compression: Scalar = param(
+        "Pa", "sigma_f in compression; 0: as in tension", low=0.0, high=1e10, default=0.0
+    )
+    sided = (*AbstractSidedDiagram.sided, "sigma_s", "sigma_f")
+
     def check(self) -> None:
         """Raise `ParameterError` if a strip has no width."""
         super().check()
-        if not self.sigma_s < self.sigma_f:
-            raise ParameterError(
-                f"Parameter `sigma_s` of `brinson` must be below `sigma_f`, but is "
-                f"{self.sigma_s / 1e6:.4g} MPa against {self.sigma_f / 1e6:.4g} MPa."
-            )
+        for side in (1.0, -1.0):
+            law = self.on_side(floats, side)
+            if not law.sigma_s < law.sigma_f:
+                raise ParameterError(
+                    f"Parameter `sigma_s` of `brinson` must be below `sigma_f`, but is {law.sigma_s / 1e6:.4g} MPa "
+                    f"against {law.sigma_f / 1e6:.4g} MPa{' in compression' if side < 0.0 else ''}."
+                )
 
     def cautions(self) -> list[str]:
         """Unusual orders of temperatures, loops that would create work, the sign of Θ."""
@@ -90,6 +102,33 @@ class Brinson(AbstractPhaseDiagram):
             bend=self.M_s,
         )
 
+    def reverse_strip(self) -> Strip:
+        """The one of the reverse transformation."""
+        return self.diagram().reverse
+
+    def find_stop(
+        self, xp: Namespace, memory: TwoFractionMemory, stress: Scalar, temperature: Scalar
+    ) -> tuple[Scalar, Scalar]:
+        """Where one direction may follow another on a leg; its end if nowhere."""
+        found = two_fractions.follow_all_strips(xp, self.diagram(), memory, stress, temperature)
+        return two_fractions.find_handover(xp, found, memory, stress, temperature)
+
+    def compare_rests(self, xp: Namespace, distance: Scalar, reach: Scalar) -> Scalar:
+        """What reverse transformation leaves as it comes from one distance to another, as a share."""
+        return two_fractions.compute_rest_ratio(xp, reach, distance)
+
+    def find_rests(self, xp: Namespace, stress: Scalar, temperature: Scalar) -> tuple[Scalar, Scalar]:
+        """What S, and S and T, leave at a point of what comes to it from above [-]."""
+        diagram = self.diagram()
+        places = (diagram.loading, xp.maximum(temperature, diagram.bend)), (diagram.cooling, temperature)
+        distances = (xp.clip(strip.distance(stress, kelvin), 0.0, 1.0) for strip, kelvin in places)
+        loading, cooling = (compute_cosine_rest(xp, v) for v in distances)
+        return loading, loading * cooling
+
+    def orient_martensite(self, xp: Namespace, side: Scalar, *_: object) -> tuple[Scalar, Scalar]:
+        """All that S forms is oriented along the stress, H_min/ε_L of what T forms along tension [-]."""
+        return 1.0, side * self.H_min / self.eps_L
+
     def init(self, xp: Namespace, fractions: Fractions, stress: Scalar, temperature: Scalar) -> TwoFractionMemory:
         """Memory of a wire that has no history; needs 0 ≤ ξ_S ≤ ξ ≤ 1."""
         return two_fractions.start_memory(self.history, fractions, stress, temperature)
@@ -102,7 +141,7 @@ class Brinson(AbstractPhaseDiagram):
 
     def find_forgotten_change(self, memory: TwoFractionMemory) -> Scalar | None:
         """By return points that found no place any more [-]."""
-        return memory.recalled.points.forgotten if memory.recalled else None
+        return memory.recalled.points.forgotten if self.compression == NONE and memory.recalled else None
 
     def fractions(self, memory: TwoFractionMemory) -> Fractions:
         """ξ and ξ_S."""

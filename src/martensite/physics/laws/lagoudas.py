@@ -35,6 +35,7 @@ from typing import ClassVar, NamedTuple
 
 from martensite.base.parameters import param
 from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.kinetics.diagram import find_side_strain
 from martensite.physics.kinetics.hardening import apply_waist, compute_hardening, hardening_integral, invert_hardening
 from martensite.physics.kinetics.surfaces import AbstractSurfaceLaw, StraightPath, WorkScale
 from martensite.physics.laws.base import LAWS, Fractions
@@ -79,6 +80,8 @@ class Lagoudas(AbstractSurfaceLaw):
     cites = ("lagoudas2012", "boyd1996", "hartl2010")
     twins: ClassVar[bool] = True
     one_way: ClassVar[bool] = False
+    reorients: ClassVar[bool] = False
+    """True on a side of a law that knows compression: martensite may be oriented against the stress."""
 
     alpha_A: Scalar = param("1/K", "thermal expansion of austenite", low=-1e-4, high=1e-4, default=0.0)
     alpha_M: Scalar = param("1/K", "thermal expansion of martensite", low=-1e-4, high=1e-4, default=0.0)
@@ -123,6 +126,8 @@ class Lagoudas(AbstractSurfaceLaw):
         left = xp.minimum(invert_hardening(xp, share, self.n_3, self.n_4), move.fraction)
         share = self.smooth(xp, self.forward_share(xp, scale, stress, temperature), self.waist_f)
         fraction = xp.store(xp.maximum(invert_hardening(xp, share, self.n_1, self.n_2), left))
+        if self.reorients:  # what goes back from the other orientation and forms again is new
+            move = move._replace(fraction=xp.where(move.ratio < 0.0, left, move.fraction))
         gained = self._integrate_strain(xp, scale, move, way, xp.maximum(fraction, move.fraction))
         kept = move.ratio * xp.minimum(fraction, move.fraction)
         return Fractions(fraction, kept + gained / self.H_sat)
@@ -183,6 +188,8 @@ class Lagoudas(AbstractSurfaceLaw):
     ) -> LagoudasMemory:
         """The memory after the accepted move."""
         grown = fractions.martensite > memory.fraction
+        if self.reorients:
+            grown = xp.either(grown, xp.both(memory.ratio < 0.0, fractions.martensite > 0.0))
         ratio = fractions.oriented / xp.where(grown, fractions.martensite, 1.0)
         ratio = xp.where(grown, xp.clip(ratio, -1.0, 1.0), memory.ratio)
         return LagoudasMemory(fractions.martensite, ratio, stress, temperature)
@@ -215,7 +222,7 @@ class Lagoudas(AbstractSurfaceLaw):
     def free_strain(self, xp: Namespace, fractions: Fractions, temperature: Scalar) -> Scalar:
         """H_sat·oriented + [α_A + ξ (α_M - α_A)] (T - T_ref) [-]."""
         alpha = self.alpha_A + fractions.martensite * (self.alpha_M - self.alpha_A)
-        return self.H_sat * fractions.oriented + alpha * (temperature - self.T_ref)
+        return find_side_strain(xp, self, "H_sat", fractions) + alpha * (temperature - self.T_ref)
 
     def compliance(self, xp: Namespace, fractions: Fractions) -> Scalar:
         """1/E_A + ξ (1/E_M - 1/E_A) [1/Pa]."""

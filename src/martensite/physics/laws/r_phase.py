@@ -197,9 +197,9 @@ class RPhase(AbstractPhaseDiagram):
         """E_A + ξ (E_M - E_A) + ξ_R (E_R - E_A) [Pa]."""
         return self.mixture(fractions) + fractions.rphase_fraction * (self.E_R - self.E_A)
 
-    def transformation_strain(self, fractions: Fractions) -> Scalar:
+    def transformation_strain(self, xp: Namespace, fractions: Fractions) -> Scalar:
         """ε_L ξ + ε_R ξ_R [-]."""
-        return super().transformation_strain(fractions) + self.eps_R * fractions.rphase_fraction
+        return super().transformation_strain(xp, fractions) + self.eps_R * fractions.rphase_fraction
 
     def released(self, fractions: Fractions) -> Scalar:
         """ξ and its share of ξ_R [-]."""

@@ -18,15 +18,17 @@ overlap (C_A > C_M) one process acts, the branch in progress, else the one met f
 
 import math
 
-from martensite.base.parameters import option
-from martensite.kernels.namespace import Namespace, Scalar
-from martensite.physics.kinetics.history import compute_cosine_rest
+from martensite.base.parameters import option, param
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.physics.kinetics.diagram import AbstractShapes
+from martensite.physics.kinetics.hardening import invert_hardening, remove_waist
+from martensite.physics.kinetics.history import StripCurve, compute_cosine_rest
 from martensite.physics.kinetics.strips import AbstractStripLaw
 from martensite.physics.laws.base import LAWS, Fractions
 
 
 @LAWS.register("liang-rogers")
-class LiangRogers(AbstractStripLaw):
+class LiangRogers(AbstractStripLaw, AbstractShapes):
     """Liang–Rogers kinetics (cosines) with a constant or ξ-dependent Young's modulus.
 
     With a transformation stress that is linear in ξ, σ = E ε + Ω ξ + Θ (T - T_ref) and Ω = -ε_L E(1). That differs only
@@ -51,9 +53,54 @@ class LiangRogers(AbstractStripLaw):
         default="strain",
     )
 
+    hardening: str = option(
+        "how ξ runs over a strip: as a cosine, or as `lagoudas` has it, rounded by n_1 to n_4, or waisted as well",
+        "cosine",
+        "smooth",
+        "waisted",
+        default="cosine",
+    )
+    surfaces: str = option(
+        "lines of the strips: straight, or bent and spread by stress with four numbers",
+        "straight",
+        "curved",
+        default="straight",
+    )
+    sigma_cal: Scalar = param("Pa", "stress at which C_A and C_M hold, if curved", low=0.0, high=2e9, default=0.0)
+
     def left(self, xp: Namespace, distance: Scalar) -> Scalar:
-        """sin²(π/2 · distance)."""
+        """sin²(π/2 · distance), of the cosine."""
         return compute_cosine_rest(xp, distance)
+
+    def left_of(self, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
+        """That, or 1 - ξ with h(ξ) = 1 - distance forward, and ξ with h(ξ) = distance in reverse."""
+        if self.hardening == "cosine":
+            return self.left(xp, distance)
+        forward, reverse = (self.n_2, self.n_1, self.waist_f), (self.n_3, self.n_4, self.waist_r)
+        first, last, waist = (xp.where(ahead, *pair) for pair in zip(forward, reverse, strict=True))
+        share = remove_waist(xp, distance, waist) if self.hardening == "waisted" else distance
+        return invert_hardening(xp, share, first, last)
+
+    def curves(self) -> tuple[StripCurve | tuple[()], StripCurve | tuple[()]]:
+        """Bend and spread of both strips."""
+        if self.surfaces == "straight":
+            return (), ()
+        return (
+            StripCurve(self.curvature_f, self.sigma_cal, self.widening_f),
+            StripCurve(self.curvature_r, self.sigma_cal, -self.widening_r),
+        )
+
+    def cautions(self) -> list[str]:
+        """Those of its strips, and numbers that no option calls for."""
+        found = super().cautions() + self.describe_unused(self.hardening, self.surfaces)
+        for name, slope, curve in zip(("M_f", "A_s"), (self.C_M, self.C_A), self.curves(), strict=True):
+            falls = _find_fall(slope, curve) if curve else None
+            if falls is not None:
+                found.append(
+                    f"Above {falls / 1e6:.4g} MPa `{name}` falls with stress: true of cycles at constant stress, not "
+                    "shown for loading at constant temperature."
+                )
+        return found
 
     def young(self, fractions: Fractions) -> Scalar:
         """Young's modulus [Pa] by the chosen rule."""
@@ -61,12 +108,25 @@ class LiangRogers(AbstractStripLaw):
             return self.mixture(fractions)
         return self.E_A if self.modulus == "austenite" else self.E_M
 
-    def transformation_strain(self, fractions: Fractions) -> Scalar:
+    def transformation_strain(self, xp: Namespace, fractions: Fractions) -> Scalar:
         """ε_L ξ, or -Ω ξ/E with Ω = -ε_L E(1) [-]."""
-        strain = super().transformation_strain(fractions)
+        strain = super().transformation_strain(xp, fractions)
         if self.transformation == "strain":
             return strain
         return strain * (self.young(Fractions(1.0, 1.0)) / self.young(fractions))
+
+
+ENOUGH = 2e9
+"""Stress [Pa] up to which it is looked for lines that fall."""
+
+
+def _find_fall(slope: float, curve: StripCurve) -> float | None:
+    """The stress [Pa] from which on the cool end of a strip falls; its rate 1/C + 2c (σ - σ_cal) - w/2 is linear."""
+    rate, more = 1.0 / slope - 2.0 * curve.bend * curve.calm - 0.5 * abs(curve.growth), 2.0 * curve.bend
+    if rate < 0.0:
+        return 0.0
+    falls = -rate / more if more < 0.0 else ENOUGH
+    return falls if falls < ENOUGH else None
 
 
 STEEPNESS = 2.0 * math.log(10.0)

@@ -19,7 +19,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import AbstractLaw, Fractions
 
 TEMPERATURES = ("A_s", "A_f", "M_s", "M_f", "T_L")
-STRAINS = ("eps_L", "eps_T", "H_sat", "H_min")
+STRAINS = ("eps_L", "eps_T", "H_sat", "H_min", "eps_L_compression", "H_sat_compression")
 """Parameters of laws that are shifted, and that are lessened."""
 
 

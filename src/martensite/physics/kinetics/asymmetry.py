@@ -1,0 +1,228 @@
+"""Tension and compression: a law of tension on either side of zero stress, with numbers of its own on each.
+
+On a leg of one sign s the law sees the size sσ of stress and the net share n = s·oriented, -ξ ≤ n ≤ ξ, of martensite
+oriented along it; what is oriented neither way has no strain. Only ratios of its answer count: r_S of what is not
+oriented along the stress, r of austenite, b of martensite,
+
+    forward   1 - n → (1 - n) r_S,    1 - ξ → (1 - ξ) r
+    reverse   n → n b, ξ → ξ b,       but of martensite that is oriented along the stress or neither way.
+
+Martensite oriented against it goes back by the reverse strip of its own side at -sσ; the austenite of that transforms
+at once as far as cooling to this point would have it. One-fraction laws orient what they form by H(σ) = ε_L -
+(ε_L - s H_min) exp(-H_k |σ|) in the middle of the part of the strip that a leg passes. Interrupted transformations are
+forgotten where load drives martensite back, and where its sign changes, but for the forward one of one-fraction laws.
+Source: this package's own.
+"""
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any, NamedTuple, TypeVar, cast
+
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.kernels.nested import NestedShape, flatten_numbers
+from martensite.physics.kinetics.history import RESTART, PathPoint, find_zero_stress, follow_strip
+from martensite.physics.laws.base import Fractions
+
+NONE = "none"
+STOPS, TURNS = 2, 3
+"""Points of a leg of one sign at which one process may follow another, and at which curved lines turn it."""
+UNSET = 1.0
+Method = TypeVar("Method", bound=Callable[..., Any])
+
+
+class SidedMemory(NamedTuple):
+    """All that a law remembers that knows compression."""
+
+    inner: Any
+    """Of the law of tension, at the size of the stress; its fractions count by their ratios only."""
+    present: Fractions
+    """ξ and n."""
+    against: Scalar
+    """What is oriented against the side [-]; 0 of a law that knows either orientation itself."""
+    side: Scalar
+    """s: +1 in tension, -1 in compression."""
+    reach: Scalar
+    """Lowest distance of the reverse process of what is oriented against the side."""
+    stress: Scalar
+    temperature: Scalar
+
+
+class SidedProcess(NamedTuple):
+    """The process of the law of tension, and the reverse one of what is oriented against the stress."""
+
+    memory: SidedMemory
+    """Before the move, seen from its side."""
+    inner: Any
+    acts: Scalar
+    """1 if the other one acts."""
+    reach: Scalar
+
+
+def by_side(method: Method, other: Callable[..., Any]) -> Method:
+    """A method of a law, or another one if the law knows compression."""
+
+    @wraps(method)
+    def chosen(law: Any, *arguments: Any) -> Any:
+        return (method if law.compression == NONE else other)(law, *arguments)
+
+    return cast("Method", chosen)
+
+
+def _see_fractions(fractions: Fractions, side: Scalar) -> Fractions:
+    return Fractions(fractions.martensite, side * fractions.oriented)
+
+
+def _init(law: Any, xp: Namespace, fractions: Fractions, stress: Scalar, kelvin: Scalar) -> SidedMemory:
+    side = xp.where(stress < 0.0, -1.0, 1.0)
+    present = _see_fractions(fractions, side)
+    inner = law.on_side(xp, side).init(xp, present, side * stress, kelvin)
+    return SidedMemory(inner, present, xp.maximum(-present.oriented, 0.0), side, UNSET, stress, kelvin)
+
+
+def _fractions(_: Any, memory: SidedMemory) -> Fractions:
+    return _see_fractions(memory.present, memory.side)
+
+
+def _relocate(law: Any, xp: Namespace, memory: SidedMemory, fractions: Fractions, *at: Scalar) -> SidedMemory:
+    present, side = _see_fractions(fractions, memory.side), memory.side
+    inner = law.on_side(xp, side).relocate(xp, memory.inner, present, side * at[0], at[1])
+    against = limit_against(xp, present, memory.against)
+    return SidedMemory(inner, present, against, side, memory.reach, *at)
+
+
+def limit_against(xp: Namespace, present: Fractions, against: Scalar) -> Scalar:
+    """What is oriented against a side, so that nothing is less than 0."""
+    return xp.clip(against, xp.maximum(-present.oriented, 0.0), 0.5 * (present.martensite - present.oriented))
+
+
+def _forget_history(xp: Namespace, plain: Any, forget: Flag, kept: Any, present: Fractions) -> Any:
+    """The memory of the law of tension, where told one without history."""
+    fresh = plain.init(xp, present, kept.stress, kept.temperature)
+    pairs = zip(flatten_numbers(fresh), flatten_numbers(kept), strict=True)
+    return NestedShape(kept).rebuild([xp.where(forget, a, b) for a, b in pairs])
+
+
+def _turn_side(law: Any, xp: Namespace, memory: SidedMemory, stress: Scalar) -> SidedMemory:
+    """The memory as it is seen from the side on which most of a leg to a stress lies."""
+    middle = memory.stress + stress
+    side = xp.store(xp.where(middle > 0.0, 1.0, xp.where(middle < 0.0, -1.0, memory.side)))
+    turns, present = side * memory.side < 0.0, _see_fractions(memory.present, side * memory.side)
+    kept = memory.inner._replace(stress=side * memory.stress)
+    forget = xp.both(turns, xp.negate(kept.branch > 0.0)) if law.keeps_forward else turns
+    inner = _forget_history(xp, law.on_side(xp, side), forget, kept, present)
+    reach = xp.where(turns, UNSET, memory.reach)
+    against = limit_against(xp, present, memory.against + xp.where(turns, memory.present.oriented, 0.0))
+    return SidedMemory(inner, present, against, side, reach, memory.stress, memory.temperature)
+
+
+def _select(law: Any, xp: Namespace, memory: SidedMemory, stress: Scalar, kelvin: Scalar) -> SidedProcess:
+    memory = _turn_side(law, xp, memory, stress)
+    side = memory.side
+    inner = law.on_side(xp, side).select(xp, memory.inner, side * stress, kelvin)
+    if not law.by_ratios:
+        return SidedProcess(memory, inner, 0.0, UNSET)
+    start, strip = PathPoint(-side * memory.stress, memory.temperature), law.on_side(xp, -side).reverse_strip()
+    leg = follow_strip(xp, strip, start, -side * stress, kelvin, memory.against)
+    begin = leg.begin if strip.endless else xp.where(leg.ahead, leg.begin, 0.0)
+    reach = begin if law.history == RESTART else xp.minimum(memory.reach, begin)
+    return SidedProcess(memory, inner, xp.store(xp.where(leg.acts, 1.0, 0.0)), xp.store(reach))
+
+
+def _find_reach(law: Any, xp: Namespace, move: SidedProcess, stress: Scalar, kelvin: Scalar) -> Scalar:
+    """Lowest distance of what is oriented against the stress, after the move."""
+    side = move.memory.side
+    strip = law.on_side(xp, -side).reverse_strip()
+    distance = strip.distance(-side * stress, kelvin, xp)
+    low = xp.minimum(distance if strip.endless else xp.maximum(distance, 0.0), move.reach)
+    return xp.where(move.acts > 0.0, low, move.memory.reach)
+
+
+def compare_parts_left(xp: Namespace, rest: Scalar, before: Scalar, nothing: Scalar = 1.0) -> Scalar:
+    """rest/before [-]; something else where nothing was left before."""
+    some = before > 0.0
+    return xp.where(some, rest / xp.where(some, before, 1.0), nothing)
+
+
+def _follow(law: Any, xp: Namespace, move: SidedProcess, *end: Scalar) -> Fractions:
+    return _see_fractions(_follow_parts(law, xp, move, *end)[0], move.memory.side)
+
+
+def _follow_parts(
+    law: Any, xp: Namespace, move: SidedProcess, stress: Scalar, kelvin: Scalar, dt: Scalar
+) -> tuple[Fractions, Scalar]:
+    """ξ and n at the end of a move, and what is oriented against its side."""
+    memory, side = move.memory, move.memory.side
+    plain, start, at = law.on_side(xp, side), (side * memory.stress, memory.temperature), (side * stress, kelvin)
+    before, after = plain.fractions(memory.inner), plain.follow(xp, move.inner, *at, dt)
+    if not law.by_ratios:
+        return after, 0.0
+    share, twinned = plain.orient_martensite(xp, side, move.inner, start, at)
+    left = law.compare_rests(xp, _find_reach(law, xp, move, stress, kelvin), move.reach)
+    lost, (alone, both) = move.acts * memory.against * (1.0 - left), plain.find_rests(xp, *at)
+    xi, n = memory.present.martensite, memory.present.oriented + lost
+    most, against, austenite = 1.0 - lost, memory.against - lost, 1.0 - xi
+    first = compare_parts_left(xp, 1.0 - after.oriented, 1.0 - before.oriented)
+    rest = compare_parts_left(xp, 1.0 - after.martensite, 1.0 - before.martensite, first)
+    kept, back = compare_parts_left(xp, after.martensite, before.martensite), after.martensite < before.martensite
+    ahead = xp.either(after.martensite > before.martensite, after.oriented > before.oriented)
+    along, astray = (xp.where(ahead, (1.0 - first) * xp.maximum(x, 0.0), 0.0) for x in (share, -share))
+    grown = n + along * (most - n) - astray * (most + n) + twinned * austenite * (first - rest)
+    n = xp.where(back, (n + against) * kept - against, xp.where(ahead, grown, n))
+    whole = xp.where(back, (xi - lost - against) * kept + against + lost, xp.where(ahead, 1.0 - austenite * rest, xi))
+    xi, n = whole - lost * both, n + share * lost * (1.0 - alone)
+    found = Fractions(xi, xp.clip(n, -xi, xi))
+    return found, limit_against(xp, found, against * (1.0 - along) + astray * (most - against))
+
+
+def _commit(
+    law: Any, xp: Namespace, _: SidedMemory, move: SidedProcess, fractions: Fractions, *end: Scalar
+) -> SidedMemory:
+    stress, kelvin, dt = end
+    memory, side, at = move.memory, move.memory.side, (move.memory.side * stress, kelvin, dt)
+    plain, present = law.on_side(xp, side), _see_fractions(fractions, side)
+    if not law.by_ratios:
+        inner = plain.commit(xp, memory.inner, move.inner, present, *at)
+        return SidedMemory(inner, present, 0.0, side, memory.reach, stress, kelvin)
+    inner = plain.commit(xp, memory.inner, move.inner, plain.follow(xp, move.inner, *at), *at)
+    inner = _forget_history(xp, plain, move.acts > 0.0, inner, present)
+    against = limit_against(xp, present, _follow_parts(law, xp, move, *end)[1])
+    return SidedMemory(inner, present, against, side, _find_reach(law, xp, move, stress, kelvin), stress, kelvin)
+
+
+def _kinetics(
+    law: Any, xp: Namespace, memory: SidedMemory, stress: Scalar, kelvin: Scalar, dt: Scalar
+) -> tuple[SidedMemory, Fractions]:
+    """Advance along a leg, cut where the stress changes its sign and where one process follows another."""
+    stops = STOPS + (TURNS if getattr(law, "surfaces", "") == "curved" else 0)
+    for at in (find_zero_stress(xp, memory, stress, kelvin), (stress, kelvin)):
+        for k in range(stops + 1 if law.by_ratios else 1):
+            memory = _turn_side(law, xp, memory, at[0])
+            plain, side = law.on_side(xp, memory.side), memory.side
+            to: tuple[Scalar, Scalar] = at
+            if not law.by_ratios:
+                inner, present = plain.kinetics(xp, memory.inner, side * at[0], at[1], dt)
+                memory = SidedMemory(inner, present, 0.0, side, memory.reach, *at)
+                continue
+            if k < stops:
+                to = plain.find_stop(xp, memory.inner, side * at[0], at[1])
+                to = side * to[0], to[1]
+            move = _select(law, xp, memory, *to)
+            memory = _commit(law, xp, memory, move, _follow(law, xp, move, *to, dt), *to, dt)
+    return memory, _fractions(law, memory)
+
+
+def _kinks(law: Any, xp: Namespace, memory: SidedMemory) -> list[Scalar]:
+    return law.on_side(xp, memory.side).kinks(xp, memory.inner)
+
+
+def _crossing(law: Any, xp: Namespace, _: Any, move: SidedProcess, stress: Scalar, kelvin: Scalar) -> Scalar:
+    memory = move.memory
+    inner = law.on_side(xp, memory.side).crossing(xp, memory.inner, move.inner, memory.side * stress, kelvin)
+    far = move.reach - _find_reach(law, xp, move, stress, kelvin) if law.by_ratios else 0.0
+    return xp.maximum(inner, move.acts * far)
+
+
+SIDED_METHODS: dict[str, Callable[..., Any]] = {
+    one.__name__[1:]: one
+    for one in (_init, _fractions, _relocate, _select, _follow, _commit, _kinetics, _kinks, _crossing)
+}
