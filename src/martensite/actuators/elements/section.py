@@ -96,13 +96,11 @@ class AbstractSection(AbstractRoundWire, AbstractLumped):
     def check(self) -> None:
         """Raise `ParameterError` if the law cannot hold the initial state, or not be asked by fibres."""
         super().check()
-        lopsided = getattr(self.law, "compression", "") == "asymmetric"
-        if not self.uniform and (
-            lopsided or self.law.rate_dependent or self.law.grouped or self.law.rphase or self.wear
-        ):
+        law, lopsided = self.law, getattr(self.law, "compression", "") == "asymmetric"
+        if not self.uniform and (lopsided or law.rate_dependent or law.grouped or law.rphase or self.wear):
             raise ParameterError(
-                f"Fibres of `{self.registered_name}` take symmetric laws of two phases without rates, such as `brinson`, "
-                f"and no `wear`, but the law is `{self.law.registered_name}`; try `section_model` = `surface`."
+                f"Fibres of `{self.registered_name}` take symmetric laws of two phases without rates, such as "
+                f"`brinson`, and no `wear`, but have `{law.registered_name}`; try `section_model` = `surface`."
             )
 
     def cautions(self) -> list[str]:
