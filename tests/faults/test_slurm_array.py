@@ -7,6 +7,7 @@ Source of truth: the same sweep in this process, undisturbed.
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -83,6 +84,7 @@ def test_a_task_that_is_killed_and_one_whose_time_is_up_go_on_to_the_same_bits(
     assert (here / "asked").read_text() == 2 * "requeue 7_0\n"
     there = SWEEP.report(*SLURM)
     assert (there["job"], there["tasks"]) == ("7", {"running": 1}) and 4 <= there["done"] < 18
+    assert "Job 7 still writes into `wire.zarr`" in SWEEP.refused(*SLURM, "--force")
     said = go_on(here, monkeypatch)
     assert said == f"18 of 18 runs of this task are there, {18 - there['done']} of them now."
     (here / "queue").write_text("")
@@ -92,9 +94,11 @@ def test_a_task_that_is_killed_and_one_whose_time_is_up_go_on_to_the_same_bits(
     assert found | {MADE: expected[MADE]} == expected  # in other chunks, whose checksums are others
     assert Store(here / "wire.zarr").find_damaged() == []
     assert "36 of 36 runs, 0 of them now" in SWEEP.fine(*SLURM)
+    with pytest.raises(StoppedError, match="holds another sweep now"):
+        go_on(here, monkeypatch, seed=1)
 
 
-def go_on(here: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+def go_on(here: Path, monkeypatch: pytest.MonkeyPatch, **other: Any) -> str:
     """What the task says that was requeued, started once more: in this process, which is quicker."""
     folder = here / "wire.zarr.slurm"
     for name, value in (TASK | {"SUBMITIT_EXECUTOR": "slurm", "SUBMITIT_FOLDER": str(folder)}).items():
@@ -102,7 +106,7 @@ def go_on(here: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     task = submitit.core.utils.DelayedSubmission.load(folder / "7_0_submitted.pkl").function
     before = signal.getsignal(signal.SIGTERM)
     try:
-        return replace(task, workers=0)()
+        return replace(task, workers=0, job=replace(task.job, spec=json.dumps(json.loads(task.job.spec) | other)))()
     finally:
         signal.signal(signal.SIGTERM, before)
 

@@ -134,7 +134,10 @@ def _ask_slurm(
     for name, value in (given | {"figure": figure}).items():
         if value:
             raise InputError(f"Option `--{name}` has no effect with `--slurm`.")
-    return SlurmArray(path, parse_slurm_options(words))
+    array = SlurmArray(path, parse_slurm_options(words))
+    if how.force and not dry_run:
+        array.require_idle()
+    return array
 
 
 def _read_trace(words: str) -> tuple[str, int]:

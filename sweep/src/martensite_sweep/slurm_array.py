@@ -38,7 +38,7 @@ from martensite_sweep.api import PlannedSweep, run_chunks
 from martensite_sweep.backends.processes import Processes, Serial
 from martensite_sweep.job import SweepJob
 from martensite_sweep.slurm_options import SlurmOptions
-from martensite_sweep.store import Store
+from martensite_sweep.store import Store, list_differences
 
 FRUITLESS = 5
 """Starts without a chunk more after which a task gives up."""
@@ -76,7 +76,10 @@ class SlurmTask:
             StoppedError: it cannot go on; what was made is kept.
         """
         signal.signal(signal.SIGTERM, _await_end)
-        there = Store(self.job.path).made()
+        store = Store(self.job.path)
+        if list_differences(store.spec, json.loads(self.job.spec)):
+            raise StoppedError(f"`{store.path}` holds another sweep now than when this task was submitted.")
+        there = store.made()
         _count_starts(len(there.intersection(self.chunks)))
         backend = Processes(self.workers) if self.workers else Serial()
         found = run_chunks(self.job, self.chunks, there, backend)
@@ -144,6 +147,12 @@ class SlurmArray:
         command = f"{shlex.quote(sys.executable)} -u -m submitit.core._submit {shlex.quote(str(self.folder))}"
         array = {"map_count": count} if count > 1 else {}
         return _import_slurm()._make_sbatch_string(command, self.folder, **self._settings(), **array)
+
+    def require_idle(self) -> None:
+        """Raise `InputError` if tasks are in the queue that would write into another store in the place of theirs."""
+        last = self.find_job()
+        if last and self.count_states(last):
+            raise InputError(f"Job {last} still writes into `{self.store}`; end it first: `scancel {last}`.")
 
     def go_on(self, begun: PlannedSweep) -> Summary | None:
         """Say how far the array is; submit one if chunks are missing and none is in the queue; None if all are there.

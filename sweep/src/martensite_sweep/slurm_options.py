@@ -38,6 +38,8 @@ FREE = (
 COUNTS = ("tasks", "parallel", "cpus")
 NOTICE = 90
 """How long before its end a task hears of it, at most [s]."""
+CLOCK = r"(?:(\d+)-)?(\d+):(\d\d)(?::(\d\d))?"
+"""Times as SLURM writes them."""
 POWERS = {"M": 0, "G": 1, "T": 2}
 MOST_TASKS = 10_000
 
@@ -108,13 +110,15 @@ def _read_count(name: str, value: str) -> int:
 
 def _read_time(name: str, value: str) -> float:
     """In units, or as `days-hours:minutes:seconds`."""
-    match = re.fullmatch(r"(?:(\d+)-)?(\d+):(\d\d)(?::(\d\d))?", value)
-    if match is None:
-        found = units.parse_quantity(value, "s")
-    else:
+    match, long = re.fullmatch(CLOCK, value), re.fullmatch(r"(\d+(?:\.\d+)?)\s*([hd])", value)
+    if match is not None:
         days, first, second, third = (int(part or 0) for part in match.groups())
         hours = match[1] is not None or match[4] is not None  # else `minutes:seconds`
         found = 86400.0 * days + (3600 * first + 60 * second + third if hours else 60 * first + second)
+    elif long is not None:  # known without pint, which takes a second to load
+        found = float(long[1]) * {"h": 3600.0, "d": 86400.0}[long[2]]
+    else:
+        found = units.parse_quantity(value, "s")
     if not 0.0 < found < math.inf:
         raise ParameterError(f"Option `{name}` of SLURM must be above 0, not `{value}`.")
     return found
