@@ -28,7 +28,7 @@ WALL = ((0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0))
 """Simpson's rule, the outer surface last."""
 
 
-class AbstractArm(AbstractSection):
+class AbstractArm(AbstractSection, init=False):
     """A section that turns an arm."""
 
     straight: ClassVar[bool] = False

@@ -66,7 +66,7 @@ def find_section_points(count: int) -> tuple[tuple[float, float], ...]:
     return tuple(rows)
 
 
-class AbstractSection(AbstractRoundWire, AbstractLumped):
+class AbstractSection(AbstractRoundWire, AbstractLumped, init=False):
     """A section of fibres; a subclass says where they are."""
 
     section_model: str = option(
