@@ -15,7 +15,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from martensite.scenario.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
+from martensite_studies.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
 
 from benchmarks.peers import jaxsysid_fit
 from benchmarks.report import Table
