@@ -15,7 +15,6 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from martensite_studies.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
 
 from benchmarks.peers import jaxsysid_fit
 from benchmarks.report import Table
@@ -28,6 +27,7 @@ from martensite.identify.chains.estimate import Options as Search
 from martensite.identify.chains.estimate import estimate_chain, refine_chain
 from martensite.identify.chains.scores import compute_rms
 from martensite.signals.sampling.sampled import Sampled
+from martensite_studies.public_benchmarks import SKIP, read_silverbox, read_wiener_hammerstein
 
 PEER = "jax-sysid"
 Records = Mapping[str, Sampled]
