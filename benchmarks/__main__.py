@@ -30,6 +30,7 @@ from benchmarks import (  # noqa: F401  (enter theirs)
     sections_records,
     sections_sweep,
     sections_throughput,
+    sections_wasm,
 )
 from benchmarks.engines import PEERS, WHERE, available
 from benchmarks.inputs import DRIVES

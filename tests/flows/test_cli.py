@@ -290,7 +290,7 @@ def test_params_of_a_scenario_are_the_paths_that_set_takes(folder: Path) -> None
     for path, entry in found.items():
         if entry["value"] is not None:
             setting = f"{path}={entry['value']!r} {entry['unit']}"
-            settings += ["--set", setting.replace(" 1", "")]
+            settings += ["--set", setting.removesuffix(" 1")]
     assert len(settings) > 40
     parsed("check", "wire.toml", *settings)
     text = fine("params", "wire.toml")

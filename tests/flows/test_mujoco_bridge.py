@@ -117,7 +117,7 @@ def test_any_element(name: str) -> None:
     result = MujocoBridge(hanging(2e-3, 0.05), [one]).run(0.1, {"wire": 3.0}, samples=3)
     assert result["x"][-1] > 1e-5
     assert result["wire.force"][-1] == pytest.approx(0.05 * GRAVITY, rel=0.5)
-    assert result["wire.temperature"][-1] > 294.0
+    assert result["wire.temperature"][-1] > 293.15 + 0.5
     assert result.error < 1e-6
 
 

@@ -1,7 +1,8 @@
-"""`export`: a scenario in the form of another program: C99, an FMU, or MJCF with a driver."""
+"""`export`: a scenario in the form of another program: C99, an FMU, WebAssembly, or MJCF with a driver."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
     from martensite_export.c_core import CCore
     from martensite_export.fmu import Fmu
+    from martensite_export.wasm import WasmModule
 
 export = typer.Typer()
 PARTS = ("whole", "plant", "loop")
@@ -58,7 +60,7 @@ def c(
     if part not in PARTS:
         raise ParameterError(f"There is no part `{part}`. {suggest_name(part, PARTS)}")
     name = checked_identifier(name or make_identifier(source.file.stem))
-    files = _check_files(out, name, force)
+    files = _check_files(out, [f"{name}{end}" for end in (".h", ".c", "_example.c")], force)
     core, example, tried = _make_core(source.load(), name, part, precision)
     make_folder(out)
     with replace_together():
@@ -67,16 +69,26 @@ def c(
     print_summary(_summarise_core(core, part, tried), json, files)
 
 
-def _check_files(folder: Path, name: str, force: bool) -> list[Path]:
+def _check_files(folder: Path, names: Sequence[str], force: bool) -> list[Path]:
     """The files that will be written; `DataError` if one is there already.
 
     The folder is made if it is missing, but not what it is in.
     """
-    files = [folder / f"{name}{end}" for end in (".h", ".c", "_example.c")]
+    files = [folder / name for name in names]
     missing = not folder.exists()
-    for path in [folder.parent / files[1].name] if missing else files:
-        Outputs(path, None).check(force or missing, data=(".h", ".c"))
+    for path in [folder.parent / names[1]] if missing else files:
+        Outputs(path, None).check(force or missing, data=(path.suffix,))
     return files
+
+
+def _check_loops(loaded: Scenario, part: str, language: str) -> None:
+    """`ParameterError` for a controller that is no kernel."""
+    if loaded.outside and part != "plant":
+        kind = next(iter(loaded.outside.values())).registered_name
+        raise ParameterError(
+            f"The controller `{kind}` is no kernel and cannot be written as {language}; the plant alone can: "
+            "`--part plant`."
+        )
 
 
 def _make_core(loaded: Scenario, name: str, part: str, precision: str) -> tuple[CCore, str, str]:
@@ -91,11 +103,7 @@ def _make_core(loaded: Scenario, name: str, part: str, precision: str) -> tuple[
         try_program,
     )
 
-    if loaded.outside and part != "plant":
-        kind = next(iter(loaded.outside.values())).registered_name
-        raise ParameterError(
-            f"The controller `{kind}` is no kernel and cannot be written as C; the plant alone can: `--part plant`."
-        )
+    _check_loops(loaded, part, "C")
     if part != "loop":
         system = loaded.system if part == "plant" else loaded.whole
         core = build_c_core(system, name=name, precision=precision)
@@ -216,6 +224,73 @@ def _summarise_fmu(made: Fmu) -> Summary:
         f"wrote {made.path} (FMI {made.fmi}; {known})",
     )
     return Summary("", [Sentence(line) for line in lines], _collect_signals(made))
+
+
+@export.command("wasm")
+@spread_options
+def wasm(
+    source: ScenarioSource,
+    out: Annotated[Path | None, Option(metavar="FOLDER", help="Where to write [default: ./SCENARIO_wasm].")] = None,
+    name: Annotated[Text, Option(help="Name of the files [default: SCENARIO].")] = None,
+    part: Annotated[str, Option(help="whole; plant: without the loops around it.")] = "whole",
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Write a scenario as WebAssembly for browsers and Node.js: module, script with types, guide.
+
+    It imports nothing, and gives the numbers of `export c`. Zig compiles it: `pip install
+    "martensite[cc]"`, unless there is one.
+    """
+    from martensite.base.files import make_folder, replace_together, write_file
+    from martensite.show.terminal import print_summary
+    from martensite_export.c_names import checked_identifier, make_identifier
+    from martensite_export.wasm.module import find_wasm_compiler
+
+    if part not in PARTS[:2]:
+        raise ParameterError(f"There is no part `{part}`. {suggest_name(part, PARTS[:2])}")
+    name = checked_identifier(name or make_identifier(source.file.stem))
+    out = out or Path(f"{source.file.stem}_wasm")
+    names = (f"{name}.wasm", f"{name}.js", f"{name}.d.ts", "README.md")
+    files = _check_files(out, names, force)
+    find_wasm_compiler()
+    made = _make_module(source.load(), name, part)
+    make_folder(out)
+    with replace_together():
+        for path in files:
+            write_file(path, made.files[path.name])
+    print_summary(_summarise_module(made), json, files)
+
+
+def _make_module(loaded: Scenario, name: str, part: str) -> WasmModule:
+    from martensite_export.c_example import played_by_system
+    from martensite_export.wasm import build_wasm
+
+    _check_loops(loaded, part, "WebAssembly")
+    system = loaded.system if part == "plant" else loaded.whole
+    first, _ = played_by_system(system, loaded.waveform, loaded.duration, STEPS)
+    return build_wasm(system, name=name, title=loaded.title or name, first=first)
+
+
+def _summarise_module(made: WasmModule) -> Summary:
+    core = made.core
+    data = {
+        "name": core.name,
+        "described": core.description,
+        "module_bytes": len(made.binary),
+        "packed_bytes": made.packed,
+        "parameters": len(core.parameters),
+        "states": core.states,
+        "sample_time": core.sample_time,
+        "signals": {one.name: one.unit for one in core.inputs},
+        "outputs": {one.name: one.unit for one in core.outputs},
+    }
+    signals = ", ".join(f"{one.name} [{one.unit}]" for one in core.inputs)
+    lines = (
+        f"{core.description}: {len(core.parameters)} parameters, {core.states} states, {len(core.outputs)} outputs",
+        f"signals: {signals}",
+        f"module: {len(made.binary):,} bytes, {made.packed:,} by gzip; slopes by parameters are not in it",
+    )
+    return Summary("", [Sentence(line) for line in lines], data)
 
 
 class Driving(TyperCommand):

@@ -61,7 +61,7 @@ def law(
     out: Annotated[Path | None, Option(help="Table to write: .csv.")] = None,
     modules: Imports = None,
 ) -> None:
-    """Drive laws along a path, or along that of a log: a summary, a figure, a table."""
+    """Drive laws along a path or a log: a summary, a figure, a table."""
     import_modules(modules)
     from martensite.scenario.csv_files import write_points
     from martensite.scenario.laws import configure_laws

@@ -62,13 +62,15 @@ def find_command(target: str) -> list[str] | None:
     found = _find_gcc(target)
     if found is not None:
         return [found]
+    zig = find_zig()
+    return None if zig is None else [*zig, "cc", "-target", TARGETS[target].zig]
+
+
+def find_zig() -> list[str] | None:
+    """How zig is called: that of the path, or the package ziglang; None without."""
     if shutil.which("zig"):
-        zig = ["zig"]
-    elif find_spec("ziglang"):
-        zig = [sys.executable, "-m", "ziglang"]
-    else:
-        return None
-    return [*zig, "cc", "-target", TARGETS[target].zig]
+        return ["zig"]
+    return [sys.executable, "-m", "ziglang"] if find_spec("ziglang") else None
 
 
 def _find_gcc(target: str) -> str | None:

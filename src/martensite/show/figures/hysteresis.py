@@ -35,7 +35,7 @@ RIPPLE = 0.04
 STILL = 1e-6
 """Range of temperature of an isothermal path [K]."""
 _SHIFTED = ("A_s", "A_f", "M_s", "M_f", "C_A", "C_M")
-_CRITICAL = ("sigma_s", "sigma_f", "sigma_cal")
+_CRITICAL = ("sigma_s", "sigma_f", "sigma_crit")
 ROWS = (2.0, 13.0, 26.0)
 """Heights above the axes of names, second row of names, and legend [points]."""
 SHORTEST = 0.1
@@ -87,7 +87,8 @@ def find_strips(result: Result) -> list[StripMark]:
     (actuator,) = result.system.actuators().values()
     law = actuator.element.law
     known = law.declarations
-    if any(n not in known for n in _SHIFTED) or any(n in known for n in _CRITICAL):
+    curved = getattr(law, "surfaces", "") == "curved"
+    if curved or any(n not in known for n in _SHIFTED) or any(n in known for n in _CRITICAL):
         return []
     values = {leaf.path: leaf.value for leaf in law.leaves()}
     shown, stress = describe_axis(result, "temperature"), float(np.mean(result["stress"]))
