@@ -1,10 +1,13 @@
-"""The section `sweep`: cost of a run and memory of a process against the number of runs of a sweep.
+"""The sections `sweep` and `writing`: cost of a run and memory of a process against the number of runs of a sweep.
 
 What: `martensite_sweep` with the backend `serial` on a short scenario (`sweep_once`), from
 one run
 to `Options.most` in powers of ten, every sweep in a process of its own. Every number is measured,
 none continued from a smaller one: what the time budget leaves no room for is left out, and the
 table says so. Ratios are to the sweep of `BASE` runs, memory to the process before its sweep.
+
+`writing` does so for what a sweep costs beside its runs (`write_once`): `Options.most` runs against sweeps of
+`write_once.BASE` that are written between its tenths, in one process.
 """
 
 from __future__ import annotations
@@ -18,6 +21,7 @@ from benchmarks.harness import spread
 from benchmarks.process import run_process
 from benchmarks.report import Table
 from benchmarks.sections import Options, section
+from benchmarks.write_once import BASE as SMALL
 
 BASE = 1_000
 ONCE = 100_000  # from this many runs on, a sweep is made once
@@ -80,3 +84,19 @@ def sweep(options: Options) -> list[Table]:
         f"{min(BASE, rows[-1]['runs']):,}. Memory: peak over that before the sweep.{left_out}"
     )
     return [Table("Sweep of a short scenario into a store, backend serial", rows, note)]
+
+
+@section
+def writing(options: Options) -> list[Table]:
+    """What a run costs beside itself, in a sweep of many and in small ones between its tenths."""
+    command = [sys.executable, "-m", "benchmarks.write_once", str(options.most)]
+    found = run_process(command).answer
+    small, tenths = statistics.mean(found["small"]), found["tenths"]
+    parts = {"all": statistics.mean(tenths), "first tenth": tenths[0], "last tenth": tenths[-1]}
+    rows = [{"part": name, "cpu [us/run]": 1e6 * one, "ratio": one / small} for name, one in parts.items()]
+    note = (
+        f"One thread; ratio: CPU time of a run over that in sweeps of {SMALL:,}, which take {1e6 * small:.0f} us. Peak "
+        f"memory {found['written'] / found['before']:.2f} times that before, {found['after'] / found['before']:.2f} "
+        f"with the summary, which takes {found['summary']:.1f} s; checking every file {found['check']:.1f} s."
+    )
+    return [Table(f"Writing a sweep of {options.most:,} runs that cost nothing, sample sobol", rows, note)]

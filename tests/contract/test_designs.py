@@ -11,6 +11,7 @@ from statistics import NormalDist
 
 import numpy as np
 import pytest
+from scipy.stats import qmc
 
 from martensite.base.errors import InputError
 from martensite.search.free_numbers import Target
@@ -64,6 +65,18 @@ class TestDesigns:
             ends = one.extremes()
             assert min(ends) <= column.min()
             assert column.max() <= max(ends)
+
+
+@pytest.mark.parametrize(("parts", "wound"), [(1, 0), (4, 3 * 1024)])
+def test_a_late_chunk_of_a_sequence_costs_no_more_than_an_early_one(
+    monkeypatch: pytest.MonkeyPatch, parts: int, wound: int
+) -> None:
+    """Whoever makes all chunks, or every fourth, passes each point once."""
+    forward, steps = qmc.Sobol.fast_forward, list[int]()
+    monkeypatch.setattr(qmc.Sobol, "fast_forward", lambda one, n: steps.append(n) or forward(one, n))
+    for first in range((parts - 1) * 64, 4096, parts * 64):
+        parse_sampling("sobol:4096", 11 + parts).values(RANGES, first, 64)
+    assert sum(steps) == wound
 
 
 @pytest.mark.parametrize("name", SAMPLES)

@@ -12,7 +12,7 @@ from importlib import import_module
 from xml.etree import ElementTree
 
 import pytest
-from benchmarks import page, page_laws, page_parts, sections_sweep, sweep_once
+from benchmarks import page, page_laws, page_parts, sections_sweep, sweep_once, write_once
 from benchmarks.equal_error import Contender, equal_error
 from benchmarks.page_text import FOLDER, FORMAT, render
 from benchmarks.peers import sma_react_path
@@ -222,6 +222,22 @@ def test_a_sweep_ends_where_its_time_ends(monkeypatch):
     assert rows[10_000]["ratio"] == pytest.approx(11.0 / 20.0)
     assert rows[10_000]["memory"] == pytest.approx(1.01)
     assert "Left out" not in sections_sweep.sweep(options._replace(most=100))[0].note
+
+
+@needs_c
+def test_writing_is_measured_beside_small_sweeps(monkeypatch, capsys):
+    pytest.importorskip("zarr")
+    monkeypatch.setattr(write_once, "BASE", 20)
+    monkeypatch.setattr(write_once, "TENTHS", 2)
+
+    def run_process(command):
+        write_once.main(int(command[-1]), "sobol")
+        return Usage(0.0, 0.0, 0.0, json.loads(capsys.readouterr().out))
+
+    monkeypatch.setattr(sections_sweep, "run_process", run_process)
+    (table,) = sections_sweep.writing(Options([], most=1_000))
+    assert [row["part"] for row in table.rows] == ["all", "first tenth", "last tenth"]
+    assert all(row["ratio"] > 0.0 for row in table.rows[::2])
 
 
 @needs_c

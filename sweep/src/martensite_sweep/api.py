@@ -215,6 +215,16 @@ def begin_sweep(scenario: Scenario, wanted: SweepRequest, path: Path, how: Sweep
     return PlannedSweep(plan, store, job, part, backend, remarks)
 
 
+def count_missing(scenario: Scenario, wanted: SweepRequest, path: Path) -> int:
+    """How many chunks of a sweep `begin_sweep` would find missing; nothing is written.
+
+    Raises:
+        InputError: an axis, an option or the store is wrong.
+    """
+    chunks = prepare_plan(scenario, wanted)[0].chunks
+    return chunks - len(Store(path).made()) if path.exists() else chunks
+
+
 def run_sweep(
     scenario: Scenario | str | Path,
     *,

@@ -19,8 +19,9 @@ from martensite.cli.outputs import AnswerOptions, Outputs
 from martensite.cli.progress import open_bar, show_spinner
 
 if TYPE_CHECKING:
-    from martensite_sweep.api import Progress
+    from martensite_sweep.api import Progress, SweepExecution
     from martensite_sweep.pareto import ParetoFront
+    from martensite_sweep.slurm_array import SlurmArray
     from martensite_sweep.table import SweepTable
 
 sweeps = typer.Typer()
@@ -64,13 +65,22 @@ def sweep(
     scheduler: Annotated[Text, Option(help="Address of a Dask scheduler, such as tcp://host:8786.")] = None,
     chunk_size: Annotated[int, Option(min=1, help="Runs in a chunk; many thousands keep a GPU busy.")] = 512,
     chunk: Annotated[Text, Option(metavar="I/N", help="Run only part I of N of the chunks, for job arrays.")] = None,
+    slurm: Annotated[
+        Text,
+        Option(
+            metavar="OPTIONS",
+            help='Submit an array of SLURM: "partition=short, time=2 h, cpus=8, tasks=16, memory=4 GB"; while it is in '
+            "the queue, say how far it is.",
+        ),
+    ] = None,
+    dry_run: Annotated[bool, Option("--dry-run", help="Print the script of --slurm, and do nothing.")] = False,
     figure: Annotated[Path | None, Option(help="Figure to write, or to replace: .png, .svg or .pdf.")] = None,
     force: Annotated[bool, Option("--force", help="Replace an existing store.")] = False,
     json: Json = False,
 ) -> None:
     """Run many variants of a scenario; go on where it stopped."""
     from martensite.show.terminal import print_summary
-    from martensite_sweep.api import SweepExecution, begin_sweep
+    from martensite_sweep.api import SweepExecution, begin_sweep, count_missing
     from martensite_sweep.figures import plot_sweep
     from martensite_sweep.job import MEASURES, SweepRequest
     from martensite_sweep.summaries import summarise_sweep
@@ -90,8 +100,16 @@ def sweep(
     )
     how = SweepExecution(backend, workers, scheduler, chunk, tuple(source.modules or ()), force)
     path = out or Path(f"{source.file.stem}.zarr")
+    array = _ask_slurm(slurm, path, how, dry_run, figure)
+    if array and dry_run:
+        typer.echo(array.write_script(count_missing(loaded, wanted, path)))
+        return
     with show_spinner(f"preparing {loaded.title}"):
         begun = begin_sweep(loaded, wanted, path, how)
+    told = array and array.go_on(begun)
+    if told:
+        print_summary(told, json)
+        return
     with show_sweep(loaded.title) as tell:
         progress = begun.run(tell)
     print_summary(summarise_sweep(begun.plan, begun.store, progress), json)
@@ -99,6 +117,27 @@ def sweep(
         from martensite_sweep.reading import read_sweep
 
         drawn.write(draw=lambda: plot_sweep(read_sweep(path)))
+
+
+def _ask_slurm(
+    words: str | None, path: Path, how: SweepExecution, dry_run: bool, figure: Path | None
+) -> SlurmArray | None:
+    """The array that is asked for, if any."""
+    from martensite_sweep.slurm_array import SlurmArray
+    from martensite_sweep.slurm_options import parse_slurm_options
+
+    if words is None:
+        if dry_run:
+            raise InputError("Option `--dry-run` shows the script of `--slurm`, which is not given.")
+        return None
+    given = {"backend": how.backend, "workers": how.workers, "scheduler": how.scheduler, "chunk": how.part}
+    for name, value in (given | {"figure": figure}).items():
+        if value:
+            raise InputError(f"Option `--{name}` has no effect with `--slurm`.")
+    array = SlurmArray(path, parse_slurm_options(words))
+    if how.force and not dry_run:
+        array.require_idle()
+    return array
 
 
 def _read_trace(words: str) -> tuple[str, int]:

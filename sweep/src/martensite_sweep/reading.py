@@ -126,11 +126,16 @@ def count_above(store: Store, column: str, bound: float) -> int:
 
 def compute_spread(store: Store, column: str) -> tuple[float, float, float]:
     """Lowest, median and highest of the finite numbers of a column; NaN where there is none."""
-    kept = np.concatenate([store.group[column][place][there] for place, there in store.stretches()])
-    found = kept[np.isfinite(kept)]
+    found = np.concatenate([_read_finite(store, column, *one) for one in store.stretches()])
     if not len(found):
         return math.nan, math.nan, math.nan
-    return float(found.min()), float(np.median(found)), float(found.max())
+    lowest, highest = float(found.min()), float(found.max())
+    return lowest, float(np.median(found, overwrite_input=True)), highest
+
+
+def _read_finite(store: Store, column: str, place: slice, there: NDArray[np.bool_]) -> NDArray[np.float64]:
+    values = np.asarray(store.group[column][place], float)
+    return values[there & np.isfinite(values)]
 
 
 # ---------------------------------------------------------------- as a dataset

@@ -24,6 +24,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module
+from threading import Lock
 from typing import Any, ClassVar
 
 import numpy as np
@@ -179,14 +180,25 @@ class Sobol(AbstractSample):
 
     def cube(self, width: int, first: int, count: int) -> Numbers:
         """Points from a place in the sequence on; never 0."""
-        qmc: Any = import_module("scipy.stats.qmc")
-        sequence = qmc.Sobol(width, seed=self.seed)
-        if first:
-            sequence.fast_forward(first)
-        with warnings.catch_warnings():  # it says at every stretch that a power of 2 spreads best
+        with _one_at_a_time, warnings.catch_warnings():  # it says at every stretch that a power of 2 spreads best
             warnings.simplefilter("ignore", UserWarning)
+            sequence = _begin_sequence(width, self.seed)
+            if sequence.num_generated > first:
+                sequence.reset()
+            if sequence.num_generated < first:
+                sequence.fast_forward(first - sequence.num_generated)
             found = sequence.random(count)
         return np.maximum(np.asarray(found, float), TINY)
+
+
+_one_at_a_time = Lock()
+
+
+@lru_cache(maxsize=8)
+def _begin_sequence(width: int, seed: int) -> Any:
+    """A sequence that is gone on with: forward it takes as long as there are points on the way."""
+    qmc: Any = import_module("scipy.stats.qmc")
+    return qmc.Sobol(width, seed=seed)
 
 
 @DESIGNS.register("saltelli")
