@@ -100,7 +100,8 @@ class AbstractSection(AbstractRoundWire, AbstractLumped, init=False):
         if not self.uniform and (lopsided or law.rate_dependent or law.grouped or law.rphase or self.wear):
             raise ParameterError(
                 f"Fibres of `{self.registered_name}` take symmetric laws of two phases without rates, such as "
-                f"`brinson`, and no `wear`, but have `{law.registered_name}`; try `section_model` = `surface`."
+                f"`brinson`, and no `wear`, but have `{law.registered_name}`"
+                f"{' with `compression` = `asymmetric`' * lopsided}; try `section_model` = `surface`."
             )
 
     def cautions(self) -> list[str]:
