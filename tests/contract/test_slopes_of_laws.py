@@ -22,6 +22,8 @@ LONG = (
     "tanaka-resume-symmetric-austenite",
     "tanaka-resume-asymmetric-austenite",
     "liang-rogers-resume-symmetric-austenite-strain-cosine-straight",
+    "tanaka-return-point-none-austenite",
+    "elahinia-return-point-none",
     "r-phase-return-point",
     "mas-polycrystal-constant-15-barriers",
     "mas-polycrystal-constant-15-internal-stress",
