@@ -23,7 +23,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics import history
 from martensite.physics.kinetics.diagram import WIDTHS, AbstractPhaseDiagram, require_order
 from martensite.physics.kinetics.history import OneFractionMemory, OneFractionProcess
-from martensite.physics.kinetics.strips import AbstractStripLaw
+from martensite.physics.kinetics.strips import AbstractCosineLaw
 from martensite.physics.laws.base import LAWS, Doubt, Fractions, RPhaseFractions
 
 
@@ -52,16 +52,8 @@ class RPhaseMove(NamedTuple):
     rphase: OneFractionProcess
 
 
-class CosineStrips(AbstractStripLaw):
-    """Strips with the cosines of Liang and Rogers: one transformation of a law that has two."""
-
-    def left(self, xp: Namespace, distance: Scalar) -> Scalar:
-        """sin²(π/2 · distance)."""
-        return history.compute_cosine_rest(xp, distance)
-
-    def young(self, fractions: Fractions) -> Scalar:
-        """Of the mixture [Pa]."""
-        return self.mixture(fractions)
+class CosineStrips(AbstractCosineLaw):
+    """One transformation of a law that has two."""
 
 
 @LAWS.register("r-phase")

@@ -22,13 +22,13 @@ from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Flag, Namespace, Scalar
 from martensite.physics.kinetics.diagram import AbstractShapes
 from martensite.physics.kinetics.hardening import invert_hardening, remove_waist
-from martensite.physics.kinetics.history import StripCurve, compute_cosine_rest
-from martensite.physics.kinetics.strips import AbstractStripLaw
+from martensite.physics.kinetics.history import StripCurve
+from martensite.physics.kinetics.strips import AbstractCosineLaw, AbstractStripLaw
 from martensite.physics.laws.base import LAWS, Fractions
 
 
 @LAWS.register("liang-rogers")
-class LiangRogers(AbstractStripLaw, AbstractShapes):
+class LiangRogers(AbstractCosineLaw, AbstractShapes):
     """Liang–Rogers kinetics (cosines) with a constant or ξ-dependent Young's modulus.
 
     With a transformation stress that is linear in ξ, σ = E ε + Ω ξ + Θ (T - T_ref) and Ω = -ε_L E(1). That differs only
@@ -68,12 +68,8 @@ class LiangRogers(AbstractStripLaw, AbstractShapes):
     )
     sigma_cal: Scalar = param("Pa", "stress at which C_A and C_M hold, if curved", low=0.0, high=2e9, default=0.0)
 
-    def left(self, xp: Namespace, distance: Scalar) -> Scalar:
-        """sin²(π/2 · distance), of the cosine."""
-        return compute_cosine_rest(xp, distance)
-
     def left_of(self, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
-        """That, or 1 - ξ with h(ξ) = 1 - distance forward, and ξ with h(ξ) = distance in reverse."""
+        """sin²(π/2 · distance), or 1 - ξ with h(ξ) = 1 - distance forward, and ξ with h(ξ) = distance in reverse."""
         if self.hardening == "cosine":
             return self.left(xp, distance)
         forward, reverse = (self.n_2, self.n_1, self.waist_f), (self.n_3, self.n_4, self.waist_r)
@@ -163,7 +159,7 @@ class Tanaka(AbstractStripLaw):
 
 
 @LAWS.register("elahinia")
-class Elahinia(AbstractStripLaw):
+class Elahinia(AbstractCosineLaw):
     """Cosine kinetics decided by du and dw, with Young's modulus of the phase mixture.
 
         E(ξ) = E_A + ξ (E_M - E_A)
@@ -181,11 +177,3 @@ class Elahinia(AbstractStripLaw):
     """
 
     cites = ("elahinia2002", "kossoski2018")
-
-    def left(self, xp: Namespace, distance: Scalar) -> Scalar:
-        """sin²(π/2 · distance)."""
-        return compute_cosine_rest(xp, distance)
-
-    def young(self, fractions: Fractions) -> Scalar:
-        """E_A + ξ (E_M - E_A) [Pa]."""
-        return self.mixture(fractions)
