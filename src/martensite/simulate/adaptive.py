@@ -107,6 +107,7 @@ class AdaptiveMarch(AbstractMarch):
         super().__init__(plan, functions)
         self.hair = SHORTEST * self.duration
         """Time [s] that is none: an edge so near is here."""
+        self.shortest = plan.shortest
         compiled = plan.compiled
         self.heating = [r for r, w in zip(self.readers, compiled.widths, strict=True) if w > 1]
         self.prescribing = [r for r, w in zip(self.readers, compiled.widths, strict=True) if w == 1]
@@ -139,25 +140,24 @@ class AdaptiveMarch(AbstractMarch):
         allowed = self._allow_length(min(self.length, self.duration - self.time))
         length = self._before_kink(allowed)
         most, planned = MOST_CHANGE, 0.0 if length == allowed else allowed
-        shortest = self.plan.shortest
         while True:
             length, halves = self._resolve_length(length)
             trial = self._try_step(length, halves)
             good, solved = trial.error <= 1.0, trial.residual <= SOLVED
-            if length <= shortest and solved:
+            if length <= self.shortest and solved:
                 break
             kink = self._find_kink(trial) if solved else 1.0
             if good and kink == 1.0:
                 break
             self.found.rejected += 1
-            if length <= shortest:
+            if length <= self.shortest:
                 self.found.status = Status.UNSOLVED
                 return
             if good:
                 planned = max(planned, length)
             else:
                 most = 1.0
-            length = max(kink * length if kink < 1.0 else self._shorten_step(trial), 0.5 * shortest)
+            length = max(kink * length if kink < 1.0 else self._shorten_step(trial), 0.5 * self.shortest)
         self._accept(trial, most, planned)
 
     def _allow_length(self, length: float) -> float:
@@ -172,7 +172,7 @@ class AdaptiveMarch(AbstractMarch):
 
     def _before_kink(self, length: float) -> float:
         """A length to the next kink of a law, if all goes on as in the last half step."""
-        least, at = max(NEAR * length, self.plan.shortest), 0
+        least, at = max(NEAR * length, self.shortest), 0
         for _, _, size in self.plan.compiled.points:
             for k in range(at + 4, at + size):
                 now, fallen = self.points[k], self.earlier_points[k] - self.points[k]
@@ -426,7 +426,7 @@ class AdaptiveMarch(AbstractMarch):
             self.length, self.split = min(self.length, self.after_edge), False
         if self.at_kink:
             self.length = min(self.length, max(self.after_kink, grown))
-        self.length = max(self.length, self.plan.shortest)
+        self.length = max(self.length, self.shortest)
         for reader in self.readers:
             reader.forget(self.time)
         self.see(trial.seen)

@@ -17,13 +17,12 @@ from typing import ClassVar
 
 from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.elements.network import Column
-from martensite.actuators.elements.section import AbstractSection, find_section_points
+from martensite.actuators.elements.section import ROOT3, AbstractSection, find_section_points
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.thermal.base import Cylinder
 
-ROOT3 = math.sqrt(3.0)
 WALL = ((0.0, 1.0 / 6.0), (0.5, 4.0 / 6.0), (1.0, 1.0 / 6.0))
 """Simpson's rule, the outer surface last."""
 

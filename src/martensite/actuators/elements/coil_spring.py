@@ -32,13 +32,12 @@ from typing import Any, ClassVar, NamedTuple
 from martensite.actuators.elements import coil_theory, helix
 from martensite.actuators.elements.base import ELEMENTS, Spring
 from martensite.actuators.elements.network import Column
-from martensite.actuators.elements.section import AbstractSection
+from martensite.actuators.elements.section import ROOT3, AbstractSection
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.base import Fractions
 
-ROOT3 = math.sqrt(3.0)
 STEEPEST = math.radians(10.0)
 """Pitch angle above which the theory of flat coils is cautioned against."""
 
@@ -195,7 +194,7 @@ class CoilSpring(AbstractSection, init=False):
         _, second, _ = self.compute_moments(xp)
         return self.contact * second / self.law.compliance(xp, Fractions(0.0, 0.0))
 
-    def surround(self, xp: Namespace, open: Spring, force: Scalar) -> Spring:
+    def add_contact(self, xp: Namespace, open: Spring, force: Scalar) -> Spring:
         """Fibres as one spring, with the turns that touch."""
         closed = open.compliance / (1.0 + open.compliance * self._contact_rate(xp))
         touch = (self.solid_length() - self.free_length - open.free) / open.compliance
@@ -206,7 +205,7 @@ class CoilSpring(AbstractSection, init=False):
         held = super().elastic_energy(xp, state)
         if self.uniform or held is None:
             return held
-        e = self.locate(xp, state).elongation
+        e = self.locate_surface(xp, state).elongation
         pressed = xp.minimum(e - (self.solid_length() - self.free_length), 0.0)
         return held + 0.5 * self._contact_rate(xp) * pressed * pressed
 

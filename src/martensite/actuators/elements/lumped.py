@@ -112,6 +112,18 @@ def compute_lateness(xp: Namespace, z: Scalar) -> Scalar:
     return z / (12.0 + 2.0 * later * later / (10.0 + later))
 
 
+def relax_heat(
+    xp: Namespace, dt: Scalar, capacity: Scalar, power: Scalar, change: Scalar, less: Scalar
+) -> tuple[Scalar, Scalar]:
+    """Temperature per heat [K/J] and heat [J] of a step of dt [s], in which nothing transforms.
+
+    Of a power [W] that is taken up at its start, its `change` with time [W/s], and by how much less it is per kelvin.
+    """
+    z = dt * less / capacity
+    share = 1.0 / (capacity * compute_relaxation(xp, z))
+    return share, dt * power + dt * dt * change * compute_lateness(xp, z)
+
+
 class AbstractLumped(AbstractElement, init=False):
     """An element that is the same all over; a subclass answers for its shape."""
 
@@ -123,7 +135,7 @@ class AbstractLumped(AbstractElement, init=False):
         """Whether one phase state stands for all of it."""
         return True
 
-    def worn_down(self, xp: Namespace, worn: Any) -> Self:
+    def apply_wear(self, xp: Namespace, worn: Any) -> Self:
         """The element as it is worn, without further wear; itself where nothing wears it."""
         return self
 
@@ -158,7 +170,7 @@ class AbstractLumped(AbstractElement, init=False):
         stress = self.stress(xp, force)
         fractions = self.initial_fractions(xp, stress)
         worn = () if self.wear is None else self.wear.begin(xp, fractions, stress)
-        memory = self.worn_down(xp, worn).law.init(xp, fractions, stress, temperature)
+        memory = self.apply_wear(xp, worn).law.init(xp, fractions, stress, temperature)
         return Lumped(memory, force, 0.0, worn)
 
     def force(self, state: Lumped) -> Scalar:
@@ -170,7 +182,7 @@ class AbstractLumped(AbstractElement, init=False):
     ) -> Lumped:
         """A state put elsewhere, with its history, under a force [N]."""
         stress = self.stress(xp, force)
-        law = self.worn_down(xp, state.worn).law
+        law = self.apply_wear(xp, state.worn).law
         worn = state.worn if self.wear is None else state.worn._replace(martensite=fractions.martensite, stress=stress)
         moved = law.relocate(xp, state.memory, fractions, stress, temperature)
         return Lumped(moved, force, state.rate, worn)
@@ -178,14 +190,14 @@ class AbstractLumped(AbstractElement, init=False):
     def tangent(self, xp: Namespace, state: Lumped, force: Scalar) -> Spring:
         """The element as a spring in a state, near a force [N]."""
         fractions = self.law.fractions(state.memory)
-        return self.worn_down(xp, state.worn).spring(xp, fractions, state.memory.temperature, force)
+        return self.apply_wear(xp, state.worn).spring(xp, fractions, state.memory.temperature, force)
 
     def advance(
         self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
     ) -> tuple[Lumped, StepReport]:
         """The state after a step of dt [s], and how well the step was solved."""
         if self.wear is not None:
-            after, report = self.worn_down(xp, state.worn).advance(xp, state, heating, pull, dt)
+            after, report = self.apply_wear(xp, state.worn).advance(xp, state, heating, pull, dt)
             end, memory = self.law.fractions(after.memory), after.memory
             worn = self.wear.advance(xp, state.worn, end, memory.stress, memory.temperature, dt)
             return after._replace(worn=worn), report
@@ -297,12 +309,12 @@ class AbstractLumped(AbstractElement, init=False):
         capacity = self.heat_capacity_total()
         less = slope - by_point[2] - by_point[1] * by_strain[2]
         ohms = self._ohms_of(xp, fractions, strain, start)
-        z = dt * less / capacity
+        share, taken = relax_heat(xp, dt, capacity, given - lost, change, less)
         return HeatLine(
             fractions=fractions,
             start=start,
-            share=1.0 / (capacity * compute_relaxation(xp, z)),
-            heat=dt * (given - lost) + dt * dt * change * compute_lateness(xp, z) + heating.owed,
+            share=share,
+            heat=taken + heating.owed,
             by_martensite=heat + 0.5 * dt * (by_point[0] + by_point[1] * by_strain[0]),
             by_oriented=0.5 * dt * by_point[1] * by_strain[1],
             by_rphase=0.5 * dt * (by_point[3] + by_point[1] * by_strain[3]) if rphase else 0.0,
@@ -329,7 +341,7 @@ class AbstractLumped(AbstractElement, init=False):
 
     def points(self, xp: Namespace, state: Lumped) -> list[MaterialPoint]:
         """The whole element, unless its law has rates."""
-        return points_of(xp, self.worn_down(xp, state.worn).law, [state.memory])
+        return points_of(xp, self.apply_wear(xp, state.worn).law, [state.memory])
 
     def heat_content(self, xp: Namespace, state: Lumped) -> Scalar | None:
         """C T - λ ξ [J], if the latent heat λ is a number."""
@@ -343,7 +355,7 @@ class AbstractLumped(AbstractElement, init=False):
     def stored_heat(self, xp: Namespace, state: Lumped) -> StoredHeat:
         """C T, and λ along the share of it that is released."""
         memory = state.memory
-        latent = self.worn_down(xp, state.worn).latent_heat_total(xp, memory.stress, memory.temperature)
+        latent = self.apply_wear(xp, state.worn).latent_heat_total(xp, memory.stress, memory.temperature)
         released = self.law.released(self.law.fractions(memory))
         sensible = self.heat_capacity_total() * memory.temperature
         return StoredHeat(sensible, (Effort(-latent, released),))

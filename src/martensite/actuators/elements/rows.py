@@ -70,10 +70,10 @@ class AbstractRow(AbstractLumped):
         """The wear of one."""
         return self._lumped.wear
 
-    def worn_down(self, xp: Namespace, worn: Any) -> Self:
+    def apply_wear(self, xp: Namespace, worn: Any) -> Self:
         """With each as it is worn."""
         name = next(name for name, child in self.children() if child is self.one)
-        return self if self.wear is None else self.rebuilt({name: self._lumped.worn_down(xp, worn)})
+        return self if self.wear is None else self.rebuilt({name: self._lumped.apply_wear(xp, worn)})
 
     @property
     def straight(self) -> bool:  # pyright: ignore[reportIncompatibleVariableOverride]

@@ -43,6 +43,9 @@ from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.coupling import StepReport
 from martensite.physics.thermal.base import Environment
 
+ROOT3 = math.sqrt(3.0)
+"""Equivalent stress per shear stress."""
+
 
 class Section(NamedTuple):
     """State of a section of fibres: what each remembers, the surface last, and the force [N]."""
@@ -84,7 +87,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped, init=False):
         rings = [(0.5 * inner + wall * s, wall * w) for s, w in find_section_points(int(self.fibres))]
         return [per_radius * r for r, _ in rings], [2.0 * math.pi * length * r * w for r, w in rings]
 
-    def surround(self, xp: Namespace, open: Spring, force: Scalar) -> Spring:
+    def add_contact(self, xp: Namespace, open: Spring, force: Scalar) -> Spring:
         """The element near a force [N], of its fibres as a spring."""
         return open
 
@@ -128,7 +131,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped, init=False):
         first, second, lever = self.compute_moments(xp)
         per_strain = 1.0 / lever if self.uniform else first / second
         free = self.law.free_strain(xp, fractions, temperature) * per_strain
-        return self.surround(xp, Spring(free, self.law.compliance(xp, fractions) / second), force)
+        return self.add_contact(xp, Spring(free, self.law.compliance(xp, fractions) / second), force)
 
     def stress(self, xp: Namespace, force: Scalar) -> Scalar:
         """Stress at the surface of an elastic section [Pa]; of torsion √3 τ."""
@@ -139,11 +142,11 @@ class AbstractSection(AbstractRoundWire, AbstractLumped, init=False):
         """Strain at the surface [-]; of torsion γ/√3."""
         return elongation * self.compute_moments(xp)[2]
 
-    def bear(self, xp: Namespace, fractions: Fractions, strain: Scalar, temperature: Scalar) -> Scalar:
+    def find_fibre_stress(self, xp: Namespace, fractions: Fractions, strain: Scalar, temperature: Scalar) -> Scalar:
         """Stress [Pa] of a fibre at frozen fractions."""
         return (strain - self.law.free_strain(xp, fractions, temperature)) / self.law.compliance(xp, fractions)
 
-    def combine(self, xp: Namespace, martensite: Column, oriented: Column, temperature: Scalar) -> Spring:
+    def combine_fibres(self, xp: Namespace, martensite: Column, oriented: Column, temperature: Scalar) -> Spring:
         """Fibres at frozen fractions as one spring."""
 
         def one(m: Scalar, o: Scalar, lever: Scalar, volume: Scalar) -> tuple[Scalar, Scalar]:
@@ -154,10 +157,10 @@ class AbstractSection(AbstractRoundWire, AbstractLumped, init=False):
         soft = 1.0 / sum_column(stiffness)
         return Spring(soft * sum_column(pull), soft)
 
-    def freeze(self, xp: Namespace, state: Section, temperature: Scalar) -> Spring:
+    def freeze_fibres(self, xp: Namespace, state: Section, temperature: Scalar) -> Spring:
         """Fibres of a state as one spring, at a temperature [K]."""
         fractions = [self.law.fractions(memory) for memory in state.memories]
-        return self.combine(xp, [f.martensite for f in fractions], [f.oriented for f in fractions], temperature)
+        return self.combine_fibres(xp, [f.martensite for f in fractions], [f.oriented for f in fractions], temperature)
 
     def mean_fractions(self, xp: Namespace, state: Section) -> Fractions:
         """Phase state, by volume."""
@@ -167,7 +170,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped, init=False):
         m, o = sum_column([v * f.martensite for v, f in rows]), sum_column([v * f.oriented for v, f in rows])
         return Fractions(m / sum_column(volumes), o / sum_column(volumes))
 
-    def locate(self, xp: Namespace, state: Section) -> Point:
+    def locate_surface(self, xp: Namespace, state: Section) -> Point:
         """Elongation [m] and temperature [K] at the end of the last step, by the surface."""
         last = state.memories[-1]
         strain = self.law.strain(xp, self.law.fractions(last), last.stress, last.temperature)
@@ -187,16 +190,16 @@ class AbstractSection(AbstractRoundWire, AbstractLumped, init=False):
             martensite = found.martensite if self.law.twins else found.martensite * share
             fractions.append(Fractions(martensite, found.oriented * share))
         columns = [f.martensite for f in fractions], [f.oriented for f in fractions]
-        whole = self.surround(xp, self.combine(xp, *columns, temperature), force)
+        whole = self.add_contact(xp, self.combine_fibres(xp, *columns, temperature), force)
         e = whole.free + whole.compliance * force
-        rows = [(f, self.bear(xp, f, w * e, temperature)) for f, w in zip(fractions, levers, strict=True)]
+        rows = [(f, self.find_fibre_stress(xp, f, w * e, temperature)) for f, w in zip(fractions, levers, strict=True)]
         return Section(tuple(self.law.init(xp, f, stress, temperature) for f, stress in rows), force)
 
     def tangent(self, xp: Namespace, state: Any, force: Scalar) -> Spring:
         """The element as a spring in a state, near a force [N]."""
         if self.uniform:
             return super().tangent(xp, state, force)
-        return self.surround(xp, self.freeze(xp, state, state.memories[-1].temperature), force)
+        return self.add_contact(xp, self.freeze_fibres(xp, state, state.memories[-1].temperature), force)
 
     def advance(self, xp: Namespace, state: Any, heating: Heating, pull: Pull, dt: Scalar) -> tuple[Any, StepReport]:
         """The state after a step of dt [s], and how well the step was solved."""
@@ -250,7 +253,7 @@ class AbstractSection(AbstractRoundWire, AbstractLumped, init=False):
             return super().condition(xp, state, force, environment)
         temperature, e, largest = state.memories[-1].temperature, self.elongation(xp, state, force), 0.0
         for lever, memory in zip(self.fibre_columns(xp)[0], state.memories, strict=True):
-            stress = self.bear(xp, self.law.fractions(memory), lever * e, temperature)
+            stress = self.find_fibre_stress(xp, self.law.fractions(memory), lever * e, temperature)
             largest = xp.where(xp.abs(stress) > xp.abs(largest), stress, largest)
         mean, strain = self.mean_fractions(xp, state), self.strain(xp, e)
         return Condition(

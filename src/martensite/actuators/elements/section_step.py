@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.elements.base import Heating, Pull, Spring, equilibrium_force
 from martensite.actuators.elements.columns import LARGE, Bracket, Point, Round, SectionHeat, Turn
-from martensite.actuators.elements.lumped import compute_lateness, compute_relaxation
+from martensite.actuators.elements.lumped import relax_heat
 from martensite.actuators.elements.network import Column
 from martensite.kernels.dual import compute_jacobian, value_and_slope, values_and_slopes
 from martensite.kernels.namespace import Namespace, Scalar
@@ -52,14 +52,14 @@ def advance_section(
     xp: Namespace, element: AbstractSection, state: Section, heating: Heating, pull: Pull, dt: Scalar
 ) -> tuple[Section, StepReport]:
     """The state after a step of dt [s], and how well it was solved."""
-    start = element.locate(xp, state)
+    start = element.locate_surface(xp, state)
     heat = _balance_heat(xp, element, state, heating, start, dt)
     move = NestedShape(element.law.select(xp, state.memories[0], 0.0, heat.base))
     step = SectionStep(element, state, pull, dt, start, heat, move, *element.fibre_columns(xp))
-    trial = Point(step.meet(xp, element.freeze(xp, state, heat.base))[0], heat.base)
+    trial = Point(step.meet_mechanism(xp, element.freeze_fibres(xp, state, heat.base))[0], heat.base)
     none = (0.0,) * len(step.levers)
     begin = Round(1.0, 1.0, trial, 0.0, none, none, none, (none,) * len(flatten_numbers(move.example)))
-    return step.end(xp, _iterate(xp, ROUNDS, step.go_round, begin))
+    return step.commit_fibres(xp, _iterate(xp, ROUNDS, step.solve_round, begin))
 
 
 def _iterate(xp: Namespace, most: int, body: Callable[[Namespace, Any], Any], begin: Any) -> Any:
@@ -91,11 +91,11 @@ def _balance_heat(
         return SectionHeat(heating.temperature, 0.0, 0.0, 0.0, ripple)
     lost, slope = value_and_slope(xp, lambda xp, t: element.heat_loss(xp, t, heating.environment), start.temperature)
     (given, change), (by_point, _) = compute_jacobian(xp, power, at)
-    z = dt * (slope - by_point[2]) / capacity
-    share = 1.0 / (capacity * compute_relaxation(xp, z))
-    heat = dt * (given - lost) + dt * dt * change * compute_lateness(xp, z) + heating.owed
+    share, taken = relax_heat(xp, dt, capacity, given - lost, change, slope - by_point[2])
     by_martensite = 0.5 * dt * by_point[0] / sum_column(element.fibre_columns(xp)[1])
-    return SectionHeat(start.temperature + share * heat, share, by_martensite, 0.5 * dt * by_point[1], ripple)
+    return SectionHeat(
+        start.temperature + share * (taken + heating.owed), share, by_martensite, 0.5 * dt * by_point[1], ripple
+    )
 
 
 @dataclass(frozen=True)
@@ -113,49 +113,49 @@ class SectionStep:
     levers: Column
     volumes: Column
 
-    def meet(self, xp: Namespace, spring: Spring) -> Sequence[Scalar]:
+    def meet_mechanism(self, xp: Namespace, spring: Spring) -> Sequence[Scalar]:
         """Elongation [m] and force [N] at which the section as a spring fits the mechanism."""
 
         def near(xp: Namespace, force: Scalar) -> Spring:
-            return self.element.surround(xp, spring, force)
+            return self.element.add_contact(xp, spring, force)
 
         force = equilibrium_force(xp, near, self.pull, self.state.force, self.element.passes)
         whole = near(xp, force)
         return whole.free + whole.compliance * force, force
 
-    def rows(self, moves: Sequence[Column] = ()) -> list[Column]:
+    def list_columns(self, moves: Sequence[Column] = ()) -> list[Column]:
         """Levers, volumes, memories and moves, one column per number."""
         before = zip(*map(flatten_numbers, self.state.memories), strict=True)
         return [self.levers, self.volumes, *map(list, before), *moves]
 
-    def read(self, numbers: Sequence[Scalar]) -> tuple[Any, Any]:
+    def split_row(self, numbers: Sequence[Scalar]) -> tuple[Any, Any]:
         """Memory and move, from the numbers of a fibre."""
         shape = NestedShape(self.state.memories[0])
         size = len(flatten_numbers(shape.example))
         return shape.rebuild(numbers[:size]), self.move.rebuild(numbers[size:]) if numbers[size:] else None
 
-    def go_round(self, xp: Namespace, now: Round) -> Round:
+    def solve_round(self, xp: Namespace, now: Round) -> Round:
         """Processes that frozen fibres set off at a point, and the solve with them."""
         law, (e, temperature) = self.element.law, now.point
 
         def select(lever: Scalar, volume: Scalar, *flat: Scalar) -> list[Scalar]:
-            memory, _ = self.read(flat)
-            stress = self.element.bear(xp, law.fractions(memory), lever * e, temperature)
+            memory, _ = self.split_row(flat)
+            stress = self.element.find_fibre_stress(xp, law.fractions(memory), lever * e, temperature)
             move = law.select(xp, memory, stress, temperature)
             return [stress, law.crossing(xp, memory, move, stress, temperature), *flatten_numbers(move)]
 
-        trial, crossing, *moves = xp.each(select, *self.rows())
+        trial, crossing, *moves = xp.each(select, *self.list_columns())
         stress = tuple(xp.where(now.first > 0.0, a, b) for a, b in zip(trial, now.stress, strict=True))
         fill = [(x,) * len(stress) for x in (*Bracket()[:2], 0.0, 0.0)]
         begin = Turn(1.0, now.point, LARGE, LARGE, 0.0, Bracket(), Bracket(), LARGE, stress, *fill)
-        found: Turn = _iterate(xp, TURNS, lambda xp, turn: self.turn(xp, turn, moves), begin)
+        found: Turn = _iterate(xp, TURNS, lambda xp, turn: self.take_step(xp, turn, moves), begin)
         far = PER_KELVIN * xp.abs(found.point.temperature - temperature)
         far = far + self.levers[-1] * xp.abs(found.point.elongation - e)
         going = xp.where(xp.both(found.mixed > 0.0, far > NEAR), 1.0, 0.0)
         ends = found.stress, found.martensite, found.oriented
         return Round(going, 0.0, found.point, find_largest(xp, crossing), *ends, tuple(map(tuple, moves)))
 
-    def transform(
+    def find_heat(
         self, xp: Namespace, memory: Any, volume: Scalar, stress: Scalar, temperature: Scalar, end: Fractions
     ) -> Scalar:
         """Heat [J] that a fibre sets free on its way to an end, at the mean stress and temperature of the way."""
@@ -164,7 +164,7 @@ class SectionStep:
         change = element.law.released(end) - element.law.released(element.law.fractions(memory))
         return volume * (latent + self.heat.by_martensite) * change
 
-    def ask(
+    def linearise_fibres(
         self, xp: Namespace, point: Point, stresses: Column, moves: Sequence[Column]
     ) -> tuple[Column, list[Column]]:
         """What the law answers: sums over the section; per fibre strain, slopes, compliance, change and fractions.
@@ -175,11 +175,11 @@ class SectionStep:
         law, temperature = self.element.law, point.temperature
 
         def one(stress: Scalar, lever: Scalar, volume: Scalar, *flat: Scalar) -> tuple[Scalar, ...]:
-            memory, move = self.read(flat)
+            memory, move = self.split_row(flat)
 
             def answer(xp: Namespace, stress: Scalar, temperature: Scalar) -> list[Scalar]:
                 end = law.follow(xp, move, stress, temperature, self.dt)
-                warm = self.transform(xp, memory, volume, stress, temperature, end)
+                warm = self.find_heat(xp, memory, volume, stress, temperature, end)
                 return [law.strain(xp, end, stress, temperature), warm, end.martensite, end.oriented]
 
             (strain, warm, *end), along = values_and_slopes(xp, lambda xp, s: answer(xp, s, temperature), stress)
@@ -193,23 +193,23 @@ class SectionStep:
             slopes = along[2], across[2], along[3], across[3]
             return *force, *heat, warm, strain, per, grows, law.compliance(xp, Fractions(*end)), change, *end, *slopes
 
-        columns = xp.each(one, stresses, *self.rows(moves))
+        columns = xp.each(one, stresses, *self.list_columns(moves))
         return [sum_column(column) for column in columns[:7]], list(columns[7:])
 
-    def aim(self, xp: Namespace, sums: Column, at: Scalar) -> tuple[Scalar, Callable[[Scalar], Scalar]]:
+    def solve_elongation(self, xp: Namespace, sums: Column, at: Scalar) -> tuple[Scalar, Callable[[Scalar], Scalar]]:
         """Elongation at which all fits, linearised at a temperature, and how much warmer it is at an elongation."""
         heat, (stiffness, push, softening, by_elongation, held, by_temperature, _) = self.heat, sums
         per = 1.0 / (1.0 - heat.share * by_temperature)
         none = per * (heat.base - at + heat.share * (held - heat.by_elongation * self.start.elongation))
         rate = per * heat.share * (by_elongation + heat.by_elongation)
         soft = 1.0 / (stiffness - softening * rate)
-        return self.meet(xp, Spring(soft * (softening * none - push), soft))[0], lambda e: none + rate * e
+        return self.meet_mechanism(xp, Spring(soft * (softening * none - push), soft))[0], lambda e: none + rate * e
 
-    def turn(self, xp: Namespace, now: Turn, moves: Sequence[Column]) -> Turn:
+    def take_step(self, xp: Namespace, now: Turn, moves: Sequence[Column]) -> Turn:
         """One answer of the law, and the step that follows from it."""
         (e, at), levers, heat = now.point, self.levers, self.heat
-        sums, (strain, per, grows, elastic, change, *ends) = self.ask(xp, now.point, now.stress, moves)
-        aim, warm = self.aim(xp, sums, at)
+        sums, (strain, per, grows, elastic, change, *ends) = self.linearise_fibres(xp, now.point, now.stress, moves)
+        aim, warm = self.solve_elongation(xp, sums, at)
         off = find_largest(xp, [xp.abs(s - w * e) for s, w in zip(strain, levers, strict=True)])
         off_e, off_t = levers[-1] * xp.abs(aim - e), PER_KELVIN * xp.abs(warm(e))
         worst = xp.maximum(off, xp.maximum(off_e, off_t))
@@ -250,20 +250,20 @@ class SectionStep:
             *(tuple(column) for column in columns),
         )
 
-    def end(self, xp: Namespace, found: Round) -> tuple[Section, StepReport]:
+    def commit_fibres(self, xp: Namespace, found: Round) -> tuple[Section, StepReport]:
         """All fibres at the fractions found: plane sections and force then hold to rounding."""
         law, (at, m, o) = self.element.law, self._follow_root(xp, found)
-        e, force = self.meet(xp, self.element.combine(xp, m, o, at))
+        e, force = self.meet_mechanism(xp, self.element.combine_fibres(xp, m, o, at))
 
         def commit(m: Scalar, o: Scalar, lever: Scalar, volume: Scalar, *flat: Scalar) -> list[Scalar]:
-            end, (memory, move) = Fractions(m, o), self.read(flat)
-            stress = self.element.bear(xp, end, lever * e, at)
+            end, (memory, move) = Fractions(m, o), self.split_row(flat)
+            stress = self.element.find_fibre_stress(xp, end, lever * e, at)
             said = law.follow(xp, move, stress, at, self.dt)
             apart = xp.maximum(xp.abs(said.martensite - m), xp.abs(said.oriented - o))
             return [apart, *flatten_numbers(law.commit(xp, memory, move, end, stress, at, self.dt))]
 
-        residual, *columns = xp.each(commit, m, o, *self.rows(found.moves))
-        memories = tuple(self.read(flat)[0] for flat in zip(*columns, strict=True))
+        residual, *columns = xp.each(commit, m, o, *self.list_columns(found.moves))
+        memories = tuple(self.split_row(flat)[0] for flat in zip(*columns, strict=True))
         report = StepReport(find_largest(xp, residual), found.crossing, self.heat.ripple)
         return self.state._replace(memories=memories, force=force), report
 
@@ -271,8 +271,8 @@ class SectionStep:
         """Temperature and fractions, with the derivatives of a step of Newton's method from there."""
         e, at = (xp.detach(x) for x in found.point)
         stress = [xp.detach(x) for x in found.stress]
-        sums, (strain, per, grows, _, _, *ends) = self.ask(xp, Point(e, at), stress, found.moves)
-        aim, warm = self.aim(xp, sums, at)
+        sums, (strain, per, grows, _, _, *ends) = self.linearise_fibres(xp, Point(e, at), stress, found.moves)
+        aim, warm = self.solve_elongation(xp, sums, at)
         rows = zip(self.levers, strain, per, grows, zip(*ends, strict=True), strict=True)
         warmer = warm(aim)
         newton = [_extrapolate(end, (w * aim - eps - g * warmer) * p, warmer) for w, eps, p, g, end in rows]

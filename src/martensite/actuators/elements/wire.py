@@ -63,7 +63,7 @@ class AbstractRoundWire(AbstractElement, init=False):
         if self.wear is not None:
             self.wear.check_law(self.law)
 
-    def worn_down(self, xp: Namespace, worn: Any) -> Self:
+    def apply_wear(self, xp: Namespace, worn: Any) -> Self:
         """With the law as it is worn."""
         if self.wear is None:
             return self
