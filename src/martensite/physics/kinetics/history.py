@@ -45,8 +45,22 @@ LEAST = 1e-3
 FARTHEST = 60.0
 """Strip widths beyond its finish line from which on an endless process is complete, for return points."""
 
-Left: TypeAlias = Callable[[Namespace, Scalar, Flag], Scalar]
-"""What a process leaves at a distance from its finish line: the forward one where the flag holds, else the reverse."""
+
+class BranchedLeft(NamedTuple):
+    """What a process leaves, asked also whether it is the forward one."""
+
+    find: Callable[[Namespace, Scalar, Flag], Scalar]
+
+
+Left: TypeAlias = Callable[[Namespace, Scalar], Scalar] | BranchedLeft
+"""What a process leaves at a distance from its finish line."""
+
+
+def find_left(left: Left, xp: Namespace, distance: Scalar, ahead: Flag) -> Scalar:
+    """What the forward process leaves where `ahead`, else the reverse one."""
+    return left.find(xp, distance, ahead) if isinstance(left, BranchedLeft) else left(xp, distance)
+
+
 LegStart: TypeAlias = Any
 """Where a leg starts, a memory or a place on the way: it has a `stress` [Pa] and a `temperature` [K]."""
 
@@ -276,10 +290,10 @@ def select_process(
     scale, course = begin, ()
     if memory.points:
         turns = xp.both(xp.abs(direction) > 0.0, memory.branch * direction <= 0.0)
-        share = left(xp, limit_distance(xp, begin, forward.endless), ahead)
+        share = find_left(left, xp, limit_distance(xp, begin, forward.endless), ahead)
         scale, course = memory.scale, select_course(xp, memory.points, ahead, turns, share, [remaining])
     elif not forward.endless:
-        share = left(xp, begin, ahead)
+        share = find_left(left, xp, begin, ahead)
         usable = share > 0.0
         scale = xp.where(usable, remaining / xp.where(usable, share, 1.0), 0.0)
     if rule == RESUME:
@@ -313,12 +327,12 @@ def follow_process(
     """Martensite fraction if the move ends at (stress, temperature)."""
     distance, ahead = move.distance(stress, temperature, xp), move.direction > 0.0
     if move.course:
-        share = left(xp, limit_distance(xp, distance, endless), ahead)
+        share = find_left(left, xp, limit_distance(xp, distance, endless), ahead)
         (wanted,) = compute_rests(xp, move.course, share, [move.remaining])
     elif endless:
-        wanted = move.remaining * left(xp, 1.0 - xp.maximum(move.scale - distance, 0.0), ahead)
+        wanted = move.remaining * find_left(left, xp, 1.0 - xp.maximum(move.scale - distance, 0.0), ahead)
     else:
-        wanted = move.scale * left(xp, xp.clip(distance, 0.0, 1.0), ahead)
+        wanted = move.scale * find_left(left, xp, xp.clip(distance, 0.0, 1.0), ahead)
         wanted = xp.minimum(wanted, move.remaining)
     remaining = xp.where(xp.abs(move.direction) > 0.0, wanted, move.remaining)
     return xp.where(ahead, 1.0 - remaining, remaining)
@@ -360,7 +374,7 @@ def remember_points(
     if not before.points or not move.course:
         return after
     ahead = move.direction > 0.0
-    share = left(xp, limit_distance(xp, move.distance(after.stress, after.temperature, xp), endless), ahead)
+    share = find_left(left, xp, limit_distance(xp, move.distance(after.stress, after.temperature, xp), endless), ahead)
     turned, other = before.branch * move.direction < 0.0, xp.where(ahead, before.fraction, 1.0 - before.fraction)
     rest = xp.where(ahead, 1.0 - after.fraction, after.fraction)
     interrupts = xp.both(turned, other > GONE)
@@ -393,7 +407,7 @@ def relocate_memory(
     else:
         was = xp.where(ahead, 1.0 - memory.fraction, memory.fraction)
         now = xp.where(ahead, 1.0 - fraction, fraction)
-        then, there = (left(xp, xp.clip(v, 0.0, 1.0), ahead) for v in (before, after))
+        then, there = (find_left(left, xp, xp.clip(v, 0.0, 1.0), ahead) for v in (before, after))
         some = xp.both(was > LEAST, now > LEAST)
         grown = xp.where(some, now / xp.maximum(was, LEAST), 1.0)
         inside = xp.both(then > LEAST, there > LEAST)
@@ -417,7 +431,7 @@ def relocate_points(
 
     def compare_rests(strip: Strip, forth: bool, was: Scalar, now: Scalar) -> tuple[Scalar, Scalar]:
         before, there = (
-            left(xp, limit_distance(xp, strip.distance(at.stress, at.temperature, xp), strip.endless), forth)
+            find_left(left, xp, limit_distance(xp, strip.distance(at.stress, at.temperature, xp), strip.endless), forth)
             for at in (memory, after)
         )
         least = 0.0 if strip.endless else LEAST
@@ -439,7 +453,7 @@ def find_point_kinks(
         return []
     points, forth = memory.points, memory.branch > 0.0
     pairs = (ahead, True), (back, False)
-    shares = [left(xp, limit_distance(xp, one, endless), forward) for one, forward in pairs]
+    shares = [find_left(left, xp, limit_distance(xp, one, endless), forward) for one, forward in pairs]
     rest = xp.where(forth, 1.0 - memory.fraction, memory.fraction)
     wait = points.branch.lines[0].at(xp.where(forth, *shares)) - rest
     return [

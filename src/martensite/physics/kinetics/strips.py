@@ -17,6 +17,7 @@ from martensite.physics.kinetics.history import (
     RESUME,
     RETURN_POINT,
     STRAIGHT,
+    BranchedLeft,
     OneFractionMemory,
     OneFractionProcess,
     Strip,
@@ -139,8 +140,8 @@ class AbstractStripLaw(AbstractSidedDiagram):
     ) -> OneFractionMemory:
         """The branch in progress goes on from another fraction at another point."""
         there = fractions.martensite, stress, temperature
-        after = history.relocate_memory(xp, self.left_of, self.strips(), memory, *there)
-        return history.relocate_points(xp, self.left_of, self.strips(), memory, after)
+        after = history.relocate_memory(xp, BranchedLeft(self.left_of), self.strips(), memory, *there)
+        return history.relocate_points(xp, BranchedLeft(self.left_of), self.strips(), memory, after)
 
     def fractions(self, memory: OneFractionMemory) -> Fractions:
         """All martensite counts as oriented."""
@@ -155,13 +156,13 @@ class AbstractStripLaw(AbstractSidedDiagram):
     ) -> OneFractionProcess:
         """The process set off by a straight move to (stress [Pa], temperature [K])."""
         rule = self.history
-        return history.select_process(xp, rule, self.left_of, *self.strips(), memory, stress, temperature)
+        return history.select_process(xp, rule, BranchedLeft(self.left_of), *self.strips(), memory, stress, temperature)
 
     def follow(
         self, xp: Namespace, move: OneFractionProcess, stress: Scalar, temperature: Scalar, dt: Scalar
     ) -> Fractions:
         """Fractions if the move ends at (stress, temperature); independent of dt."""
-        fraction = history.follow_process(xp, self.left_of, move, stress, temperature, self.endless)
+        fraction = history.follow_process(xp, BranchedLeft(self.left_of), move, stress, temperature, self.endless)
         return Fractions(fraction, fraction)
 
     def commit(
@@ -177,7 +178,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
         """The memory after the accepted move."""
         fraction = fractions.martensite
         after = history.commit_move(xp, memory, move, fraction, stress, temperature, self.endless)
-        return history.remember_points(xp, self.left_of, memory, move, after, self.endless)
+        return history.remember_points(xp, BranchedLeft(self.left_of), memory, move, after, self.endless)
 
     def kinetics(
         self, xp: Namespace, memory: OneFractionMemory, stress: Scalar, temperature: Scalar, dt: Scalar
@@ -213,7 +214,7 @@ class AbstractStripLaw(AbstractSidedDiagram):
         if not self.endless:
             lines += [ahead, back]
         if memory.points:
-            return lines + history.find_point_kinks(xp, self.left_of, self.endless, memory, ahead, back)
+            return lines + history.find_point_kinks(xp, BranchedLeft(self.left_of), self.endless, memory, ahead, back)
         if self.endless:
             wait = own - memory.scale
         else:
