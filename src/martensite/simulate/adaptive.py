@@ -119,7 +119,7 @@ class AdaptiveMarch(AbstractMarch):
         self.last_half = plan.first
         self.rates = [0.0] * len(compiled.rates)
         """Of the half step before the last."""
-        self.nodes = [Node(0.0, self.state, self.seen)]
+        self.nodes = [Node(self.time, self.state, self.seen)]
         """Start and middle of the last step, and where it ended: here. Behind a kink of a drive
         there is but the last."""
         self.owed = [0.0] * len(compiled.widths)
@@ -127,7 +127,7 @@ class AdaptiveMarch(AbstractMarch):
         self.after_kink, self.at_kink = math.inf, False
         self.split = False
         """Whether a step before the next edge was split, in a run in parts."""
-        self.ledger = Ledger(compiled.book, functions["entries"](*self.state, *self.signals(0.0)))
+        self.ledger = Ledger(compiled.book, functions["entries"](*self.state, *self.signals(self.time)))
         self.power = 0.0
         """Temperature [K] that the last ripple made, per lapse [s] of its drive."""
         self.rough = 0.0

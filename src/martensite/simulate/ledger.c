@@ -16,7 +16,7 @@ static void enter_at(const march *m, block *b, const column *states, double time
 }
 
 static void begin_ledger(const march *m, block *b) {
-    if (ENTRIES) enter_at(m, b, b->state, 0.0, 0, b->entries);
+    if (ENTRIES) enter_at(m, b, b->state, b->time, 0, b->entries);
 }
 
 /* a part of what came in in a step, from what drives bring at a state */
