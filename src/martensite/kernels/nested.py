@@ -32,6 +32,16 @@ def flatten_numbers(nested: Any) -> list[Any]:
     return [nested]
 
 
+def name_numbers(nested: Any, path: str = "") -> list[str]:
+    """Dotted names of all numbers of nested tuples, in order, such as `elements.0.memory.stress`."""
+    if not isinstance(nested, tuple):
+        return [path]
+    items: list[Any] = list(nested)  # type: ignore[arg-type]
+    names = getattr(type(nested), "_fields", ()) or map(str, range(len(items)))
+    before = f"{path}." if path else ""
+    return [found for name, item in zip(names, items, strict=False) for found in name_numbers(item, f"{before}{name}")]
+
+
 def sum_column(column: Sequence[Scalar]) -> Scalar:
     """Sum of the numbers of a column."""
     result = column[0]

@@ -10,10 +10,13 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from typing import NamedTuple
 
+from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError
+from martensite.kernels import floats
+from martensite.kernels.nested import name_numbers
 from martensite.simulate.marching import Marched, MarchPlan, Row
 
 SAME = 1e-12
@@ -47,6 +50,10 @@ class Restart:
     def state(self) -> Row:
         """All that the system remembers, of the last pass; empty for a system at home and at rest."""
         return self.passes[-1].state if self.passes else ()
+
+    def afresh(self) -> Restart:
+        """The same state at the time 0, and nothing else that a run went through."""
+        return Restart(0.0, tuple(PassState(one.state) for one in self.passes[-1:]))
 
 
 HOME = Restart()
@@ -118,6 +125,22 @@ def require_size(start: Restart, size: int) -> None:
         )
 
 
+def name_state(system: AbstractSystem) -> list[str]:
+    """Names of all numbers of a state of a system, in order."""
+    return name_numbers(system.init(floats, *(0.0 if one.unit != "K" else 300.0 for one in system.drives())))
+
+
+def require_names(system: AbstractSystem, names: Sequence[str]) -> None:
+    """Raise `InputError` if a state with numbers of these names is not one of a system."""
+    own = name_state(system)
+    if list(names) != own:
+        other = next((a for a, b in zip_longest(names, own) if a != b), None)
+        raise InputError(
+            "That run was of another system: its state and that of this one differ"
+            f"{f' from `{other}` on' if other else ''}. Go on with the same elements, laws and mechanism."
+        )
+
+
 @dataclass
 class Relay:
     """Makes the passes of a run leg by leg, and keeps where each pass is at every restart."""
@@ -148,15 +171,16 @@ class Relay:
 
     def list_restarts(self, compared: Sequence[float]) -> list[Restart]:
         """What was kept, if passes were compared at so many times [s]; nothing of a run that stopped early."""
-        whole, legs = self.made[-1]
-        if whole.status.failed or len(legs) <= len(self.stops):
+        if self.made[-1][0].status.failed:
             return []
-        return [Restart(time, tuple(self._keep(k, time, compared))) for k, time in enumerate([*self.stops, *compared[-1:]])]
+        times = [*self.stops, compared[-1]]
+        return [Restart(time, tuple(self._keep(leg, time, compared))) for leg, time in enumerate(times)]
 
     def _keep(self, leg: int, time: float, compared: Sequence[float]) -> list[PassState]:
+        """Where every pass was at the end of a leg [s], but those that stopped early."""
         found = list[PassState]()
         for number, (whole, legs) in enumerate(self.made):
-            if len(legs) <= leg:
+            if whole.status.failed:
                 continue
             before = self.begin.passes[min(number, len(self.begin.passes) - 1)] if self.begin.passes else PassState(())
             parts, (low, high) = legs[: leg + 1], legs[leg].extremes

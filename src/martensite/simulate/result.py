@@ -22,7 +22,7 @@ from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.simulate.alarms import Alarm
 from martensite.simulate.ledger import HeatBalance, WorkBalance
 from martensite.simulate.provenance import NOT_TRIED, tell_conformance
-from martensite.simulate.restarts import Restart
+from martensite.simulate.restarts import Restart, name_state
 
 if TYPE_CHECKING:
     import numpy as np
@@ -258,6 +258,11 @@ class Result:
     def unit(self, name: str) -> str:
         """SI unit of a column."""
         return "s" if name == "time" else self.outputs[name].unit
+
+    @property
+    def state_names(self) -> list[str]:
+        """Names of the numbers of a state, as `restarts` have them; none of a run that kept none."""
+        return name_state(self.system) if self.restarts else []
 
     @property
     def coordinate(self) -> str:

@@ -168,7 +168,15 @@ class AbstractLumped(AbstractElement, init=False):
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Lumped:
         """The state at the start, under `force` [N] and at `temperature` [K]."""
         stress = self.stress(xp, force)
-        fractions = self.initial_fractions(xp, stress)
+        return self._begin(xp, self.initial_fractions(xp, stress), stress, force, temperature)
+
+    def init_in(self, xp: Namespace, fractions: Fractions, force: Scalar, temperature: Scalar) -> Lumped:
+        """The same in a given phase state."""
+        return self._begin(xp, fractions, self.stress(xp, force), force, temperature)
+
+    def _begin(
+        self, xp: Namespace, fractions: Fractions, stress: Scalar, force: Scalar, temperature: Scalar
+    ) -> Lumped:
         worn = () if self.wear is None else self.wear.begin(xp, fractions, stress)
         memory = self.apply_wear(xp, worn).law.init(xp, fractions, stress, temperature)
         return Lumped(memory, force, 0.0, worn)

@@ -12,7 +12,7 @@ Every mechanism is assembled with its elements in their initial state.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple
 
 from martensite.actuators.elements.base import AbstractElement, Effort, Heating, Pull
@@ -115,6 +115,16 @@ class AbstractMechanism(Parametrised):
     @abstractmethod
     def init(self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column) -> Any:
         """The memory at the start, from the elongations [m] that the start forces give."""
+
+    def initial_numbers(self) -> dict[str, str]:
+        """Coordinates and speeds that a run may start with, with their units; none where they follow from elements."""
+        return {}
+
+    def put(
+        self, xp: Namespace, memory: Any, given: Mapping[str, Scalar], loads: Sequence[Load], signals: Column
+    ) -> tuple[Any, list[Scalar]]:
+        """The memory of one that was assembled, with given `initial_numbers`; the force [N] of each element then."""
+        return memory, self.observe(xp, memory, loads, signals)[0]
 
     @abstractmethod
     def advance(

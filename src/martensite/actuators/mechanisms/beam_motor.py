@@ -233,6 +233,11 @@ class BeamMotor(AbstractMultibody):
             "charge": Output("A*s", "charge through the motor", "Q"),
         }
 
+    def rate_names(self) -> tuple[str, ...]:
+        """Velocity of the tip, or those of its modes; speed of the rotor, current."""
+        bends = [f"mode_{k}_rate" for k in range(1, self.count + 1)] if self.count > 1 else ["velocity"]
+        return *bends, "rotor_speed", "motor_current"
+
     def convergence_scales(self) -> dict[str, float]:
         """Displacement of the tip and speed of the rotor."""
         return {"displacement": 1e-5, "rotor_speed": 0.1}

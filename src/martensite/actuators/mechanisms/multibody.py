@@ -19,7 +19,7 @@ its coordinate up. Angles in rad.
 """
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from martensite.actuators.elements.base import AbstractElement, Effort
@@ -36,6 +36,7 @@ from martensite.actuators.mechanisms.base import (
     Readout,
 )
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_hanging
+from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
@@ -63,6 +64,26 @@ class Assembled(NamedTuple):
     course: MotionHistory
     stiffness: tuple[Scalar, ...]
     """Of each element over the last step, transformation included [N/m]."""
+
+
+def find_balance(
+    xp: Namespace, missing: Callable[[Namespace, Column], Column], place: Column, loose: Sequence[int]
+) -> list[Scalar]:
+    """A place near another where nothing is missing along its `loose` coordinates: Newton's method, on floats.
+
+    Raises:
+        ParameterError: there is none.
+    """
+    found = list(place)
+    for _ in range(100):
+        left, slopes = compute_jacobian(xp, missing, found)
+        matrix = [[slopes[i][j] for j in loose] for i in loose]
+        change = solve_linear(matrix, [[left[i] for i in loose]])[0]
+        for k, by in zip(loose, change, strict=True):
+            found[k] = found[k] - by
+        if all(abs(by) <= 1e-13 * (1.0 + abs(found[k])) for k, by in zip(loose, change, strict=True)):
+            return found
+    raise ParameterError("There is no place near home where elements and mechanism are in balance in that state.")
 
 
 class AbstractMultibody(AbstractMechanism):
@@ -145,12 +166,66 @@ class AbstractMultibody(AbstractMechanism):
     ) -> Assembled:
         """At home and at rest; with inertia, under the acceleration that the signals give it."""
         rest = (0.0,) * len(self.coordinates())
-        place = tuple(self.home(xp))
-        pull = self.supply(xp, place, self.start_forces(xp), rest)
-        start = self.release(xp, Motion(place, rest, rest), pull, signals)
-        course = MotionHistory(place, rest, start, start) if self.moves else MotionHistory(place, rest)
+        course = self._begin(xp, Motion(tuple(self.home(xp)), rest, rest), self.start_forces(xp), signals)
         unknown = (0.0,) * len(elements)
         return Assembled(tuple(self.assembled_elongations(xp, elongations)), course, unknown)
+
+    def initial_numbers(self) -> dict[str, str]:
+        """The coordinates, and if inertia counts their rates."""
+        found = {c.name: c.unit for c in self.coordinates()}
+        return found | {n: f"{c.unit}/s" for c, n in zip(self.coordinates(), self.rate_names(), strict=self.moves)}
+
+    def rate_names(self) -> tuple[str, ...]:
+        """What the rates of the coordinates are called; none without inertia."""
+        return tuple(f"{c.name}_rate" for c in self.coordinates()) if self.moves else ()
+
+    def put(
+        self, xp: Namespace, memory: Assembled, given: Mapping[str, Scalar], loads: Sequence[Load], signals: Column
+    ) -> tuple[Assembled, list[Scalar]]:
+        """It at given coordinates and rates, and the tensions there; elements that are too long hang slack.
+
+        A coordinate without inertia and damping is where the forces are in balance.
+
+        Raises:
+            ParameterError: such a coordinate is given, or there is no balance.
+        """
+        rest = (0.0,) * len(self.coordinates())
+        rows = list(zip(self.coordinates(), self.home(xp), strict=True))
+        place = [given.get(c.name, home) for c, home in rows]
+        velocity = tuple(given.get(name, 0.0) for name in self.rate_names()) or rest
+        springs = [one.element.tangent(xp, one.state, one.element.force(one.state)) for one in loads]
+
+        def pull(xp: Namespace, position: Column) -> Column:
+            reach = [home - by for home, by in zip(memory.home, self.contraction(xp, position), strict=True)]
+            return [xp.maximum((r - s.free) / s.compliance, 0.0) for r, s in zip(reach, springs, strict=True)]
+
+        def missing(xp: Namespace, position: Column) -> Column:
+            needs = self.demand(xp, Motion(tuple(position), rest, rest), signals)
+            return [n - s for n, s in zip(needs, self.supply(xp, position, pull(xp, position), rest), strict=True)]
+
+        loose = [] if self.moves else self._list_loose(given)
+        place = find_balance(xp, missing, place, loose) if loose else place
+        forces = list(pull(xp, place))
+        return memory._replace(course=self._begin(xp, Motion(tuple(place), velocity, rest), forces, signals)), forces
+
+    def _list_loose(self, given: Mapping[str, Scalar]) -> list[int]:
+        """Coordinates that nothing holds back; `ParameterError` if one of them is given."""
+        count = len(self.coordinates())
+        held = self.dissipative(floats, Motion(tuple(self.home(floats)), (1.0,) * count, (0.0,) * count))
+        loose = [k for k, force in enumerate(held) if not force]
+        for name in (self.coordinates()[k].name for k in loose):
+            if name in given:
+                raise ParameterError(
+                    f"`{name}` of `{self.registered_name}` follows from its elements at once, since it has neither "
+                    'inertia nor damping; set `motion = "dynamic"`, or a `damping`.'
+                )
+        return loose
+
+    def _begin(self, xp: Namespace, motion: Motion, forces: Column, signals: Column) -> MotionHistory:
+        """The course of a motion that begins under tensions [N]."""
+        pull = self.supply(xp, motion.position, forces, motion.velocity)
+        start = self.release(xp, motion, pull, signals)
+        return MotionHistory(*motion[:2], start, start) if self.moves else MotionHistory(*motion[:2])
 
     def release(self, xp: Namespace, motion: Motion, supply: Column, signals: Column) -> tuple[Scalar, ...]:
         """Accelerations [of the coordinates] under given generalised forces."""
