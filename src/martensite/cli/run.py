@@ -63,7 +63,9 @@ class RunOptions:
     begin: Annotated[
         Text,
         Option(
-            "--from", metavar="FILE", help="Go on from a run of the same system, at its own time; needs a state kept there."
+            "--from",
+            metavar="FILE",
+            help="Go on from a run of the same system, at its own time; needs a state kept there.",
         ),
     ] = None
     at: Annotated[Text, Option(metavar="TIME", help='When, e.g. "12.3 s" [default: at its end].')] = None

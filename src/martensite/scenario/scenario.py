@@ -23,7 +23,7 @@ from martensite.kernels.namespace import Scalar
 from martensite.physics.materials.base import Material
 from martensite.scenario import recorded_waveforms
 from martensite.scenario.assemble import Assembly, section_of
-from martensite.scenario.build import Builder, Table, refuse_unknown
+from martensite.scenario.build import Builder, Table, name_section, refuse_unknown
 from martensite.scenario.overrides import as_toml, change_document
 from martensite.scenario.places import Places
 from martensite.scenario.recorded_waveforms import Recorded
@@ -71,7 +71,7 @@ class Run(Parametrised):
         "s", "time before a log that is followed, to come from elsewhere to its beginning", low=0.0, default=0.0
     )
 
-    restart: tuple[str, ...] = text("times at which a state is kept, to go on from with --from", default=())
+    restart: str | tuple[str, ...] = text("times at which a state is kept, to go on from with --from", default=())
 
     def check(self) -> None:
         """Raise `ParameterError` if the number of samples is no whole number."""
@@ -309,8 +309,14 @@ def _build_scenario(document: dict[str, Any], text: str, path: Path | None, log:
         seed=seed,
         places=places,
         initial=_read_initial(document, system if bench is None else bench),
-        restart_at=tuple(units.parse_quantity(one, "s") for one in run.restart),
+        restart_at=_read_restarts(run.restart),
     )
+
+
+def _read_restarts(given: str | tuple[str, ...]) -> tuple[float, ...]:
+    """Times [s] of a text, or of several."""
+    with name_section("run.restart"):
+        return tuple(units.parse_quantity(one, "s") for one in ([given] if isinstance(given, str) else given))
 
 
 def _read_initial(document: Table, system: AbstractSystem) -> dict[str, Any]:

@@ -40,10 +40,12 @@ FITS = 50
 """Turns in which forces and elements are fitted."""
 NUDGE, LOST = 0.01, 0.02
 """Change of temperature [K], and by how much of a fraction a phase state that lasts may answer to it."""
-MOST_CYCLES, MOST_RESTS = 300, 14
+MOST_CYCLES, MOST_RESTS = 300, 9
 """Periods that are marched, and stretches of time, each twice as long as the one before."""
-REST = 20.0
-"""The first of these, in longest sensible steps."""
+RESTLESS = 4
+"""Stretches after which what moves must have come to less than half of what it was."""
+REST = 200.0
+"""The first of these, in steps with which a run begins."""
 LOOKED = 65
 """Samples of such a run."""
 WHERE = "[initial]"
@@ -59,7 +61,9 @@ def list_initial(system: AbstractSystem) -> dict[str, str]:
         InputError: it has other parts than a mechanism and elements.
     """
     if not isinstance(system, AbstractAssembly):
-        raise InputError(f"{WHERE} says where a mechanism with elements starts; it has no effect on a bench or a model.")
+        raise InputError(
+            f"{WHERE} says where a mechanism with elements starts; it has no effect on a bench or a model."
+        )
     found = dict(system.mechanism.initial_numbers())
     for port in system.actuators():
         found |= {_label(system, port, name): unit for name, unit in OF_ELEMENT.items()}
@@ -141,7 +145,7 @@ def place_system(system: AbstractAssembly, given: Mapping[str, float], drives: l
     home, mechanism = system.init(floats, *drives), system.mechanism
     actuators = system.actuators()
     rows = list(zip(actuators.items(), drives, strict=False))
-    elements, memory, forces = list(home.elements), home.mechanism, list[float]()
+    elements, memory, forces = list(home.elements), home.mechanism, [float("nan")] * len(rows)
     for _ in range(FITS):
         loads = [one.load(state, drive) for ((_, one), drive), state in zip(rows, elements, strict=True)]
         before = forces
@@ -153,7 +157,7 @@ def place_system(system: AbstractAssembly, given: Mapping[str, float], drives: l
             _put_element(_Port(system, port, one, drive), given, state, force)
             for ((port, one), drive), state, force in zip(rows, home.elements, forces, strict=True)
         ]
-        if before and all(abs(a - b) <= 1e-13 * abs(a) for a, b in zip(forces, before, strict=True)):
+        if all(abs(a - b) <= 1e-13 * abs(a) for a, b in zip(forces, before, strict=True)):
             break
     else:
         raise InputError(f"{WHERE} There are no forces at which the elements and the mechanism fit in that state.")
@@ -264,22 +268,25 @@ class _Search:
         """Where nothing moves under the first values of the drives."""
         waves = by_name(self.system, self.waveform)
         held = {name: Constant(level=one.value(0.0)) for name, one in waves.items()}
-        longest = longest_step(self.system)
-        length = REST * longest if longest < float("inf") else 1.0
+        step = longest_step(self.system)
+        length = REST * step if step < float("inf") else 1.0
 
         def rests(result: Result) -> float:
             half = len(result.times) // 2
             return self._worst(result, lambda column: max(column[half:]) - min(column[half:]), least_only=True)
 
-        start, moved = HOME, float("inf")
-        for _ in range(MOST_RESTS):
-            start, moved = self._march(held, length, start, rests)
-            if moved <= self.tolerance:
+        start, moved = HOME, [float("inf")]
+        while len(moved) <= MOST_RESTS and not min(moved[:-RESTLESS], default=float("inf")) < 2.0 * min(
+            moved[-RESTLESS:]
+        ):
+            start, by = self._march(held, length, start, rests)
+            if by <= self.tolerance:
                 return start
+            moved.append(by)
             length *= 2.0
         raise InputError(
             f"{WHERE} The system does not come to rest under the first values of its drives: in the last "
-            f"{0.25 * length:.4g} s what is judged still moved by {moved:.2g} of the least range that counts."
+            f"{0.25 * length:.4g} s what is judged still moved by {moved[-1]:.2g} times the least range that counts."
         )
 
     def find_cycle(self, period: float | None) -> Restart:
@@ -329,7 +336,9 @@ def find_period(waves: Mapping[str, AbstractWaveform]) -> float:
     moving = {name: one for name, one in waves.items() if not isinstance(one, Constant)}
     known = {getattr(one, "frequency", 0.0) for one in moving.values()}
     if len(known) != 1 or not min(known) > 0.0:
-        raise InputError(f'{WHERE} The drives have no single `frequency`; give their `period`, such as `period = "2 s"`.')
+        raise InputError(
+            f'{WHERE} The drives have no single `frequency`; give their `period`, such as `period = "2 s"`.'
+        )
     return 1.0 / min(known)
 
 

@@ -174,9 +174,7 @@ class AbstractLumped(AbstractElement, init=False):
         """The same in a given phase state."""
         return self._begin(xp, fractions, self.stress(xp, force), force, temperature)
 
-    def _begin(
-        self, xp: Namespace, fractions: Fractions, stress: Scalar, force: Scalar, temperature: Scalar
-    ) -> Lumped:
+    def _begin(self, xp: Namespace, fractions: Fractions, stress: Scalar, force: Scalar, temperature: Scalar) -> Lumped:
         worn = () if self.wear is None else self.wear.begin(xp, fractions, stress)
         memory = self.apply_wear(xp, worn).law.init(xp, fractions, stress, temperature)
         return Lumped(memory, force, 0.0, worn)

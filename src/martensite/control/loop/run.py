@@ -89,7 +89,9 @@ def simulate_bench(
         return warn_of_end(_with_loops(found, bench, outside), duration, bench.period)
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
-    found = simulate(bench, played, duration, samples=max(samples, 2), runtime=chosen, start=start, restart_at=restart_at)
+    found = simulate(
+        bench, played, duration, samples=max(samples, 2), runtime=chosen, start=start, restart_at=restart_at
+    )
     return warn_of_end(found, duration, bench.period)
 
 
