@@ -132,7 +132,7 @@ def test_states_of_another_system_and_of_other_times_are_refused() -> None:
         run(EXAMPLES / "migaone.toml", start=short)
     with pytest.raises(InputError, match=r"but ends at 1 s"):
         run(EXAMPLES / "finger.toml", duration="1 s", start=short)
-    with pytest.raises(InputError, match="No state was kept at 0.4 s; the nearest is that at 1 s"):
+    with pytest.raises(InputError, match=r"No state was kept at 0\.4 s; the nearest is that at 1 s"):
         run(EXAMPLES / "finger.toml", start=short, at=0.4)
     with pytest.raises(InputError, match="controllers run outside"):
         run(EXAMPLES / "closed_loop_predictive.toml", restart_at=["1 s"])

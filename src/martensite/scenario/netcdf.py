@@ -149,7 +149,8 @@ def read_restarts(path: str | os.PathLike[str]) -> tuple[list[Restart], list[str
     def unpack(row: list[float]) -> PassState:
         parts = [tuple(row[a:b]) for a, b in zip([0, *ends], ends, strict=False)]
         state, *known = parts
-        return PassState(state, *(one if not np.isnan(one).any() else () for one in known), *row[-len(WORST) :])
+        low, high, gap = (() if np.isnan(one).any() else one for one in known)
+        return PassState(state, low, high, gap, *row[-len(WORST) :])
 
     table = variables[f"{RESTART}_state"].values.tolist()
     times = variables[f"{RESTART}_time"].values.tolist()

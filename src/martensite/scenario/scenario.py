@@ -325,7 +325,7 @@ def _read_initial(document: Table, system: AbstractSystem) -> dict[str, Any]:
         return {}
     from martensite.simulate.initial import read_initial
 
-    return read_initial(system, section_of(document, "initial"))
+    return read_initial(system, section_of(document, "initial"), with_units=True)
 
 
 def _require_countable_edges(waveform: Waveforms, duration: float) -> None:
