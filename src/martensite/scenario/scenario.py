@@ -1,9 +1,9 @@
 """Scenario files: a TOML document becomes a system, a waveform and the settings of a run.
 
 Sections: [element], [environment], [mechanism], [drive] with its waveform, [run], and optionally `title`, [actuators]
-and [signals] (`martensite.scenario.assemble`), [initial], where the run starts (`martensite.simulate.initial`), those
-of a bench, such as [sensor] and [controller] (`martensite.scenario.bench`), and [measured], a record to compare with. Quantities are text with a unit. Unknown
-names are refused with the nearest valid one; nothing is guessed.
+and [signals] (`martensite.scenario.assemble`), [initial] (`martensite.simulate.initial`), those of a bench, such as
+[sensor] and [controller] (`martensite.scenario.bench`), and [measured], a record to compare with. Quantities are text
+with a unit. Unknown names are refused with the nearest valid one; nothing is guessed.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ put where the given coordinates are, every element into the given temperature an
 mechanism with coordinates from how long its elements are there, of a load line from what the element meets. What is
 not given stays as assembled; a phase state that the law would leave at once is refused.
 
-Or it is said to be found, by marching (`martensite.simulate.settling`).
+Or it is said to be found, by marching (`martensite_sweep.settling`).
 """
 
 from __future__ import annotations
@@ -13,13 +13,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 from martensite.actuators.assembly import AbstractSystem, Actuator, State
 from martensite.actuators.assembly.base import AbstractAssembly
 from martensite.actuators.elements.lumped import AbstractLumped
 from martensite.base import units
 from martensite.base.errors import InputError, suggest_name
+from martensite.base.lazy import import_extra
 from martensite.kernels import floats
 from martensite.kernels.nested import flatten_numbers
 from martensite.physics.laws.base import Fractions
@@ -27,8 +28,10 @@ from martensite.simulate.compiled import bind_march, compile_march
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
 from martensite.simulate.envelope import describe_exit, envelope_of
 from martensite.simulate.restarts import HOME, PassState, Restart
-from martensite.simulate.settling import AT, PERIOD, WHERE, find_settled, require_search
 
+WHERE, AT, PERIOD = "[initial]", "at", "period"
+EQUILIBRIUM, CYCLE = "equilibrium", "settled cycle"
+"""What may be found."""
 OF_ELEMENT = {"temperature": "K", "martensite_fraction": "1", "oriented_fraction": "1"}
 """What may be given of an element, with its unit."""
 FITS = 50
@@ -61,15 +64,25 @@ def read_initial(system: AbstractSystem, table: Mapping[str, Any], with_units: b
     """
     known, given = list_initial(system), dict[str, Any]()
     for name, value in table.items():
-        given |= {f"{name}.{key}": one for key, one in value.items()} if isinstance(value, Mapping) else {name: value}
-    search = AT in given
-    if search:
+        rows = cast("Mapping[str, Any]", value).items() if isinstance(value, Mapping) else ()
+        given |= {f"{name}.{key}": one for key, one in rows} or {name: value}
+    if AT in given:
         require_search(given)
         known = {AT: "", PERIOD: "s"}
     for name in given:
         if name not in known:
             raise InputError(f"{WHERE} has no `{name}`. {_suggest(system, name, [*known, AT])}")
     return {name: one if name == AT else _convert(name, one, known[name], with_units) for name, one in given.items()}
+
+
+def require_search(given: Mapping[str, Any]) -> None:
+    """Raise `InputError` unless a table says what is to be found, and gives nothing beside it."""
+    if given[AT] not in (EQUILIBRIUM, CYCLE):
+        raise InputError(f"{WHERE} `at` is not known. {suggest_name(str(given[AT]), (EQUILIBRIUM, CYCLE))}")
+    allowed = (AT, PERIOD) if given[AT] == CYCLE else (AT,)
+    other = next((name for name in given if name not in allowed), None)
+    if other is not None:
+        raise InputError(f"{WHERE} has `{other}` beside `at`; give numbers, or what is to be found, not both.")
 
 
 def _suggest(system: AbstractSystem, name: str, known: Sequence[str]) -> str:
@@ -103,7 +116,8 @@ def find_start(
     """
     given = read_initial(system, initial)
     if AT in given:
-        return find_settled(system, waveform, given, tolerance)
+        found = import_extra("martensite_sweep.settling", "sweep", "`martensite-sweep`")
+        return found.find_settled(system, waveform, given, tolerance)
     if not given or not isinstance(system, AbstractAssembly):
         return HOME
     first = [one.value(0.0) for one in arrange_waveforms(system, waveform)]

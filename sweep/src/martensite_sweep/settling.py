@@ -11,16 +11,15 @@ from dataclasses import dataclass
 from typing import Any
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import InputError, suggest_name
+from martensite.base.errors import InputError
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.constant import Constant
 from martensite.simulate.api import longest_step, simulate
 from martensite.simulate.drive_waveforms import Waveforms, by_name
+from martensite.simulate.initial import AT, EQUILIBRIUM, PERIOD, WHERE
 from martensite.simulate.restarts import HOME, Restart
 from martensite.simulate.result import Result
 
-WHERE, AT, PERIOD = "[initial]", "at", "period"
-EQUILIBRIUM, CYCLE = "equilibrium", "settled cycle"
 MOST_CYCLES, MOST_RESTS = 300, 9
 """Periods that are marched, and stretches of time, each twice as long as the one before."""
 RESTLESS = 4
@@ -29,16 +28,6 @@ REST = 200.0
 """The first of these, in steps with which a run begins."""
 LOOKED = 65
 """Samples of such a run."""
-
-
-def require_search(given: Mapping[str, Any]) -> None:
-    """Raise `InputError` unless a table says what is to be found, and gives nothing beside it."""
-    if given[AT] not in (EQUILIBRIUM, CYCLE):
-        raise InputError(f"{WHERE} `at` is not known. {suggest_name(str(given[AT]), (EQUILIBRIUM, CYCLE))}")
-    allowed = (AT, PERIOD) if given[AT] == CYCLE else (AT,)
-    other = next((name for name in given if name not in allowed), None)
-    if other is not None:
-        raise InputError(f"{WHERE} has `{other}` beside `at`; give numbers, or what is to be found, not both.")
 
 
 def find_settled(system: AbstractSystem, waveform: Waveforms, given: Mapping[str, Any], tolerance: float) -> Restart:
