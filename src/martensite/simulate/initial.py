@@ -140,7 +140,7 @@ def place_system(system: AbstractAssembly, given: Mapping[str, float], drives: S
         loads = [one.load(state, drive) for ((_, one), drive), state in zip(rows, elements, strict=True)]
         before = forces
         try:
-            memory, forces = mechanism.put(floats, home.mechanism, given, loads, drives[len(actuators) :])
+            memory, forces = mechanism.put(home.mechanism, given, loads, drives[len(actuators) :])
         except (InputError, ArithmeticError) as error:
             raise InputError(f"{WHERE} {error}") from None
         elements = [
@@ -192,7 +192,7 @@ def _put_element(where: _Port, given: Mapping[str, float], home: Any, force: flo
         o = martensite * (known.oriented / known.martensite if known.martensite else 1.0)
     if m is not None or where.find(given, "oriented_fraction") is not None:
         known = _check_fractions(where, element, martensite, o)
-    return element.init_in(floats, known, force, warm)
+    return element.init_in(known, force, warm)
 
 
 def _check_fractions(where: _Port, element: AbstractLumped, martensite: float, oriented: float) -> Fractions:

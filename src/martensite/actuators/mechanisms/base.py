@@ -20,6 +20,7 @@ from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, 
 from martensite.base.interfaces import make_missing_error, require_where
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
+from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
 
@@ -121,10 +122,10 @@ class AbstractMechanism(Parametrised):
         return {}
 
     def put(
-        self, xp: Namespace, memory: Any, given: Mapping[str, Scalar], loads: Sequence[Load], signals: Column
-    ) -> tuple[Any, list[Scalar]]:
-        """The memory of one that was assembled, with given `initial_numbers`; the force [N] of each element then."""
-        return memory, self.observe(xp, memory, loads, signals)[0]
+        self, memory: Any, given: Mapping[str, float], loads: Sequence[Load], signals: Column
+    ) -> tuple[Any, list[float]]:
+        """The memory of one that was assembled, with given `initial_numbers`, on floats; and forces [N] of elements."""
+        return memory, self.observe(floats, memory, loads, signals)[0]
 
     @abstractmethod
     def advance(

@@ -67,18 +67,17 @@ class Assembled(NamedTuple):
 
 
 def find_balance(
-    xp: Namespace, missing: Callable[[Namespace, Column], Column], place: Column, loose: Sequence[int]
-) -> list[Scalar]:
-    """A place near another where nothing is missing along its `loose` coordinates: Newton's method, on floats.
+    missing: Callable[[Namespace, Column], Column], place: Sequence[float], loose: Sequence[int]
+) -> list[float]:
+    """A place near another where nothing is missing along its `loose` coordinates, on floats: Newton's method.
 
     Raises:
         ParameterError: there is none.
     """
     found = list(place)
     for _ in range(100):
-        left, slopes = compute_jacobian(xp, missing, found)
-        matrix = [[slopes[i][j] for j in loose] for i in loose]
-        change = solve_linear(matrix, [[left[i] for i in loose]])[0]
+        left, slopes = compute_jacobian(floats, missing, found)
+        change = solve_linear([[slopes[i][j] for j in loose] for i in loose], [[left[i] for i in loose]])[0]
         for k, by in zip(loose, change, strict=True):
             found[k] = found[k] - by
         if all(abs(by) <= 1e-13 * (1.0 + abs(found[k])) for k, by in zip(loose, change, strict=True)):
@@ -180,8 +179,8 @@ class AbstractMultibody(AbstractMechanism):
         return tuple(f"{c.name}_rate" for c in self.coordinates()) if self.moves else ()
 
     def put(
-        self, xp: Namespace, memory: Assembled, given: Mapping[str, Scalar], loads: Sequence[Load], signals: Column
-    ) -> tuple[Assembled, list[Scalar]]:
+        self, memory: Assembled, given: Mapping[str, float], loads: Sequence[Load], signals: Column
+    ) -> tuple[Assembled, list[float]]:
         """It at given coordinates and rates, and the tensions there; elements that are too long hang slack.
 
         A coordinate without inertia and damping is where the forces are in balance.
@@ -190,10 +189,10 @@ class AbstractMultibody(AbstractMechanism):
             ParameterError: such a coordinate is given, or there is no balance.
         """
         rest = (0.0,) * len(self.coordinates())
-        rows = list(zip(self.coordinates(), self.home(xp), strict=True))
+        rows = list(zip(self.coordinates(), self.home(floats), strict=True))
         place = [given.get(c.name, home) for c, home in rows]
         velocity = tuple(given.get(name, 0.0) for name in self.rate_names()) or rest
-        springs = [one.element.tangent(xp, one.state, one.element.force(one.state)) for one in loads]
+        springs = [one.element.tangent(floats, one.state, one.element.force(one.state)) for one in loads]
 
         def pull(xp: Namespace, position: Column) -> Column:
             reach = [home - by for home, by in zip(memory.home, self.contraction(xp, position), strict=True)]
@@ -204,11 +203,13 @@ class AbstractMultibody(AbstractMechanism):
             return [n - s for n, s in zip(needs, self.supply(xp, position, pull(xp, position), rest), strict=True)]
 
         loose = [] if self.moves else self._list_loose(given)
-        place = find_balance(xp, missing, place, loose) if loose else place
-        forces = list(pull(xp, place))
-        return memory._replace(course=self._begin(xp, Motion(tuple(place), velocity, rest), forces, signals)), forces
+        place = find_balance(missing, place, loose) if loose else place
+        forces = list(pull(floats, place))
+        return memory._replace(
+            course=self._begin(floats, Motion(tuple(place), velocity, rest), forces, signals)
+        ), forces
 
-    def _list_loose(self, given: Mapping[str, Scalar]) -> list[int]:
+    def _list_loose(self, given: Mapping[str, float]) -> list[int]:
         """Coordinates that nothing holds back; `ParameterError` if one of them is given."""
         count = len(self.coordinates())
         held = self.dissipative(floats, Motion(tuple(self.home(floats)), (1.0,) * count, (0.0,) * count))
