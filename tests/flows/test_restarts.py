@@ -136,3 +136,17 @@ def test_states_of_another_system_and_of_other_times_are_refused() -> None:
         run(EXAMPLES / "finger.toml", start=short, at=0.4)
     with pytest.raises(InputError, match="controllers run outside"):
         run(EXAMPLES / "closed_loop_predictive.toml", restart_at=["1 s"])
+
+
+def test_a_file_with_initial_numbers_is_checked_and_other_commands_refuse_it(tmp_path: Path) -> None:
+    text = (EXAMPLES / "finger.toml").read_text() + '[initial]\ntemperature = "150 degC"\n'
+    file = tmp_path / "hot.toml"
+    file.write_text(text)
+    assert "does not keep a martensite fraction of 1" in Command("check", str(file)).refused()
+    file.write_text(text.replace('"150 degC"', "300.0"))
+    assert "must be a text with a unit" in Command("check", str(file)).refused()
+    file.write_text(text.replace("150", "30"))
+    Command("check", str(file)).fine()
+    out = str(tmp_path / "c")
+    assert "starts at home and at rest" in Command("export", "c", str(file), "--out", out).refused()
+    assert "starts at home and at rest" in Command("sweep", str(file), "--over", "mechanism.arm=6..7 mm:3").refused()

@@ -199,7 +199,7 @@ class Scenario:
             runtime=chosen,
             budget=budget,
             tell=tell,
-            start=self._find_start(accepted),
+            start=self.find_start(accepted),
             restart_at=self.restart_at,
         )
         if (interval := self.system.sample_time()) > 0.0:
@@ -214,7 +214,8 @@ class Scenario:
             raise InputError(f"{what} starts at home and at rest; take [initial] out of the scenario.")
         return self
 
-    def _find_start(self, tolerance: float) -> Restart:
+    def find_start(self, tolerance: float) -> Restart:
+        """Where it starts; `InputError` if the system cannot be there, or a search does not find it."""
         if self.start is None and self.initial:
             from martensite.simulate.initial import find_start
 

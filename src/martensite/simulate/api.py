@@ -19,7 +19,7 @@ from martensite.simulate.grid import TimeGrid, cut_steps
 from martensite.simulate.ledger import balance_heat, balance_work
 from martensite.simulate.march import Border, march_floats
 from martensite.simulate.marching import Marched, MarchPlan, Row
-from martensite.simulate.restarts import HOME, Relay, Restart, list_samples, place_stops, require_size
+from martensite.simulate.restarts import HOME, Relay, Restart, list_samples, place_stops
 from martensite.simulate.result import Result, profiles_of
 
 RUNTIMES = ("auto", "floats", "c", "jax")
@@ -96,7 +96,6 @@ def simulate(
         inertial=inertial_step(system),
         skipped=samples - len(times),
     )
-    require_size(start, compiled.size)
     chosen = "auto" if runtime == "jax" else runtime
     engine = RunEngine(compiled, compiled.values(system), chosen, tell, budget)
     relay = Relay(engine, start, place_stops(restart_at, times))
@@ -151,7 +150,6 @@ def _in_discrete_time(
         raise InputError("A system in discrete time keeps no states on the runtime `jax`; take `c` or `floats`.")
     compiled, interval = compile_march(system), system.sample_time()
     whole = grid_of(system, waveform, duration, samples, interval)
-    require_size(start, compiled.size)
     grid = whole.cut(start.time, whole.times[-1])
 
     def march(plan: MarchPlan) -> Marched:

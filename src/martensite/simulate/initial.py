@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, cast
 
 from martensite.actuators.assembly import AbstractSystem, Actuator, State
@@ -132,9 +131,10 @@ def place_system(system: AbstractAssembly, given: Mapping[str, float], drives: S
     Raises:
         InputError: an element cannot be in that state.
     """
-    home, mechanism = system.init(floats, *drives), system.mechanism
-    actuators = system.actuators()
+    home, mechanism, actuators = system.init(floats, *drives), system.mechanism, system.actuators()
     rows = list(zip(actuators.items(), drives, strict=False))
+    names = {port: {name: system.label(port, name) for name in OF_ELEMENT} for port in actuators}
+    owns = [{name: given[full] for name, full in names[port].items() if full in given} for port in actuators]
     elements, memory, forces = list(home.elements), home.mechanism, [float("nan")] * len(rows)
     for _ in range(FITS):
         loads = [one.load(state, drive) for ((_, one), drive), state in zip(rows, elements, strict=True)]
@@ -144,10 +144,10 @@ def place_system(system: AbstractAssembly, given: Mapping[str, float], drives: S
         except (InputError, ArithmeticError) as error:
             raise InputError(f"{WHERE} {error}") from None
         elements = [
-            _put_element(_Port(system, port, one, drive), given, state, force)
-            for ((port, one), drive), state, force in zip(rows, home.elements, forces, strict=True)
+            _put_element(port, one, own, drive, state, force)
+            for ((port, one), drive), own, state, force in zip(rows, owns, home.elements, forces, strict=True)
         ]
-        if all(abs(a - b) <= 1e-13 * abs(a) for a, b in zip(forces, before, strict=True)):
+        if all(abs(a - b) <= 1e-12 * abs(a) for a, b in zip(forces, before, strict=True)):
             break
     else:
         raise InputError(f"{WHERE} There are no forces at which the elements and the mechanism fit in that state.")
@@ -156,59 +156,38 @@ def place_system(system: AbstractAssembly, given: Mapping[str, float], drives: S
     return State(tuple(elements), memory)
 
 
-@dataclass(frozen=True)
-class _Port:
-    """An actuator where it stands."""
-
-    system: AbstractSystem
-    port: str
-    actuator: Actuator
-    drive: float
-
-    def find(self, given: Mapping[str, float], name: str) -> float | None:
-        """A given number of the element."""
-        return given.get(self.system.label(self.port, name))
-
-
-def _put_element(where: _Port, given: Mapping[str, float], home: Any, force: float) -> Any:
-    """An element in its given temperature and phase state, under a force [N]."""
-    one, temperature = where.actuator, where.find(given, "temperature")
-    element = one.element
-    if one.source.sets_temperature and temperature is not None:
-        raise InputError(f"{WHERE} The temperature of `{where.port}` is prescribed by its drive; leave it out.")
-    warm = where.drive if one.source.sets_temperature else one.environment.temperature
-    warm = warm if temperature is None else temperature
-    m, o = (where.find(given, name) for name in ("martensite_fraction", "oriented_fraction"))
-    if not isinstance(element, AbstractLumped) or not element.uniform:
-        if m is not None or o is not None:
-            raise InputError(
-                f"{WHERE} Element `{element.registered_name}` is not the same all over: its phase state cannot be "
-                "given; take a lumped one, such as `wire`, or leave it out."
-            )
-        return element.init(floats, force, warm)
-    known = element.law.fractions(home.memory)
-    martensite = known.martensite if m is None else m
-    if o is None:
-        o = martensite * (known.oriented / known.martensite if known.martensite else 1.0)
-    if m is not None or where.find(given, "oriented_fraction") is not None:
-        known = _check_fractions(where, element, martensite, o)
-    return element.init_in(known, force, warm)
+def _put_element(port: str, one: Actuator, own: Mapping[str, float], drive: float, home: Any, force: float) -> Any:
+    """An element in its given temperature and phase state, under a drive signal and a force [N]."""
+    element, imposed = one.element, one.source.sets_temperature
+    if imposed and "temperature" in own:
+        raise InputError(f"{WHERE} The temperature of `{port}` is prescribed by its drive; leave it out.")
+    warm = own.get("temperature", drive if imposed else one.environment.temperature)
+    phases = "martensite_fraction" in own or "oriented_fraction" in own
+    if isinstance(element, AbstractLumped) and element.uniform:
+        known = element.law.fractions(home.memory)
+        return element.init_in(_find_fractions(port, element, own, known) if phases else known, force, warm)
+    if phases:
+        raise InputError(
+            f"{WHERE} Element `{element.registered_name}` is not the same all over: its phase state cannot be given; "
+            "take a lumped one, such as `wire`, or leave it out."
+        )
+    return element.init(floats, force, warm)
 
 
-def _check_fractions(where: _Port, element: AbstractLumped, martensite: float, oriented: float) -> Fractions:
-    law = element.law
-    if not 0.0 <= martensite <= 1.0:
-        raise InputError(f"{WHERE} `martensite_fraction` of `{where.port}` must be 0 to 1, but is {martensite:.6g}.")
+def _find_fractions(port: str, element: AbstractLumped, own: Mapping[str, float], known: Fractions) -> Fractions:
+    """The given phase state; martensite of which nothing else is said is oriented as it was."""
+    law, martensite = element.law, own.get("martensite_fraction", known.martensite)
+    share = known.oriented / known.martensite if known.martensite else 1.0
+    oriented = own.get("oriented_fraction", martensite * share)
     if not law.twins and oriented != martensite:
         raise InputError(
             f"{WHERE} Law `{law.registered_name}` knows oriented martensite only; leave `oriented_fraction` out."
         )
     low = 0.0 if law.tension_only else -martensite
-    if not low <= oriented <= martensite:
-        raise InputError(
-            f"{WHERE} `oriented_fraction` of `{where.port}` must be {low:.6g} to the martensite fraction, "
-            f"{martensite:.6g}, but is {oriented:.6g}."
-        )
+    for name, value, least, most in (("martensite", martensite, 0.0, 1.0), ("oriented", oriented, low, martensite)):
+        if not least <= value <= most:
+            told = f"must be {least:.6g} to {most:.6g}, but is {value:.6g}"
+            raise InputError(f"{WHERE} `{name}_fraction` of `{port}` {told}.")
     return Fractions(martensite, oriented)
 
 

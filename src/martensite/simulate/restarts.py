@@ -116,15 +116,6 @@ def find_restart(known: Sequence[Restart], at: float | None = None) -> Restart:
     return nearest
 
 
-def require_size(start: Restart, size: int) -> None:
-    """Raise `InputError` for a state of another system, which has so many numbers."""
-    if start.state and len(start.state) != size:
-        raise InputError(
-            f"The state in which the run shall start has {len(start.state)} numbers, but that of this system {size}: "
-            "give that of a system of the same elements, laws and mechanism."
-        )
-
-
 def name_state(system: AbstractSystem) -> list[str]:
     """Names of all numbers of a state of a system, in order."""
     return name_numbers(system.init(floats, *(0.0 if one.unit != "K" else 300.0 for one in system.drives())))
@@ -154,8 +145,8 @@ class Relay:
 
     def __call__(self, plan: MarchPlan) -> Marched:
         """One more pass."""
-        known = self.begin.passes
-        at = known[min(len(self.made), len(known) - 1)] if known else PassState(())
+        before = self._begin(len(self.made))
+        at = before or PassState(())
         legs, rows = list[Marched](), list[Row]()
         for times, sampled in cut_times(plan.times, self.stops):
             placed = {"start": at.state, "extremes": (at.low, at.high)}
@@ -165,9 +156,16 @@ class Relay:
             if len(leg.rows) < len(times) or leg.status.failed:
                 break
             at = at._replace(state=leg.state, low=leg.extremes[0], high=leg.extremes[1])
-        whole = join_legs(legs, rows, known[min(len(self.made), len(known) - 1)] if known else None)
+        whole = join_legs(legs, rows, before)
+        for one in (*(earlier for earlier, _ in self.made), *(leg for leg in legs if leg is not whole)):
+            one.rows = []  # those of one pass are enough to hold
         self.made.append((whole, legs))
         return whole
+
+    def _begin(self, number: int) -> PassState | None:
+        """Where a pass begins, that of the finest pass before if there were not as many; None at home."""
+        known = self.begin.passes
+        return known[min(number, len(known) - 1)] if known else None
 
     def list_restarts(self, compared: Sequence[float]) -> list[Restart]:
         """What was kept, if passes were compared at so many times [s]; nothing of a run that stopped early."""
@@ -182,7 +180,7 @@ class Relay:
         for number, (whole, legs) in enumerate(self.made):
             if whole.status.failed:
                 continue
-            before = self.begin.passes[min(number, len(self.begin.passes) - 1)] if self.begin.passes else PassState(())
+            before = self._begin(number) or PassState(())
             parts, (low, high) = legs[: leg + 1], legs[leg].extremes
             until = [gap for gap, when in zip(whole.gaps, compared[-len(whole.gaps) :], strict=False) if when <= time]
             gap = tuple(map(max, zip(*filter(None, [before.gap, *until]), strict=True)))
