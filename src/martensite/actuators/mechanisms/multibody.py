@@ -63,6 +63,8 @@ class Assembled(NamedTuple):
     course: MotionHistory
     stiffness: tuple[Scalar, ...]
     """Of each element over the last step, transformation included [N/m]."""
+    reactions: tuple[Scalar, ...] = ()
+    """Of its unilateral constraints [N] or [N m]."""
 
 
 class AbstractMultibody(AbstractMechanism):
@@ -101,6 +103,13 @@ class AbstractMultibody(AbstractMechanism):
     def transmission(self, xp: Namespace, motion: Motion) -> Column:
         """Share of each tension that arrives: less than 1 where friction resists it."""
         return [1.0] * len(self.ports())
+
+    def gaps(self, xp: Namespace, position: Column) -> Column:
+        """Gaps [m] or [rad] that never fall below zero, such as to an end stop; their reactions push, and never pull.
+
+        They must be open, or just closed, at home.
+        """
+        return []
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy | None:
         """What it holds in a motion; without inertia, its kinetic energy does not count.
@@ -150,7 +159,8 @@ class AbstractMultibody(AbstractMechanism):
         start = self.release(xp, Motion(place, rest, rest), pull, signals)
         course = MotionHistory(place, rest, start, start) if self.moves else MotionHistory(place, rest)
         unknown = (0.0,) * len(elements)
-        return Assembled(tuple(self.assembled_elongations(xp, elongations)), course, unknown)
+        untouched = (0.0,) * len(self.gaps(xp, place))
+        return Assembled(tuple(self.assembled_elongations(xp, elongations)), course, unknown, untouched)
 
     def release(self, xp: Namespace, motion: Motion, supply: Column, signals: Column) -> tuple[Scalar, ...]:
         """Accelerations [of the coordinates] under given generalised forces."""
@@ -186,8 +196,8 @@ class AbstractMultibody(AbstractMechanism):
     ) -> tuple[Assembled, list[Any], StepReport]:
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
         step = condensed_step.CondensedStep(self, memory, loads, signals, dt)
-        course, stiffness, states, report = step.solve_position(xp)
-        return Assembled(memory.home, course, tuple(stiffness)), states, report
+        course, stiffness, reactions, states, report = step.solve_position(xp)
+        return Assembled(memory.home, course, tuple(stiffness), reactions), states, report
 
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
         """The tensions at the end of the last step, and the coordinates."""
