@@ -123,7 +123,9 @@ class Finger(grasp.AbstractGrasp):
             )
         self.check_contact()
         if self.contact == "cylinder":
-            grasp.check_clearance("finger that is fixed,", self._touch_cylinder(floats, -self.cylinder_along, 0.0))
+            grasp.check_clearance(
+                "the fixed phalanx of `finger`", self._touch_cylinder(floats, -self.cylinder_along, 0.0)
+            )
 
     def cautions(self) -> list[str]:
         """A cylinder that the phalanx does not meet."""

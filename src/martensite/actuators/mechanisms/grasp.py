@@ -99,7 +99,7 @@ class AbstractGrasp(AbstractMultibody, init=False):
         if self.contact == "cylinder":
             home = self.touches(floats, self.home(floats))
             for coordinate, touch in zip(self.coordinates(), home, strict=True):
-                check_clearance(f"{name}, at its {coordinate.long_name},", touch)
+                check_clearance(f"the phalanx of `{name}` that `{coordinate.name}` turns", touch)
 
     def gaps(self, xp: Namespace, position: Column) -> Column:
         """Of every joint to its nearer end stop [rad], and of every phalanx to the cylinder [m]."""
@@ -139,10 +139,10 @@ class AbstractGrasp(AbstractMultibody, init=False):
         return forces, [*found, *pushed, *gaps, *places, *total]
 
 
-def check_clearance(whose: str, touch: Touch) -> None:
+def check_clearance(phalanx: str, touch: Touch) -> None:
     """Raise `ParameterError` if a cylinder overlaps a phalanx."""
     if touch.gap < 0.0:
         raise ParameterError(
-            f"The cylinder overlaps a phalanx of {whose} by {-1e3 * touch.gap:.4g} mm as assembled; move it away, or "
+            f"The cylinder overlaps {phalanx} by {-1e3 * touch.gap:.4g} mm as assembled; move it away, or "
             "make `cylinder_radius` or `thickness` smaller."
         )
