@@ -67,7 +67,7 @@ def test_a_rigid_stop_is_the_limit_of_stiff_ones() -> None:
 
 
 def test_brackets_that_meet_are_a_rigid_stop() -> None:
-    system = machine(joint(bracket=1e-3, contact="stops"), compliance=1e-3)
+    system = machine(joint(bracket=1e-3, lowest=-0.1, contact="stops"), compliance=1e-3)
     run = simulate(system, kelvins(system, **{system.drives()[0].name: 30.0}), 1.5, step=0.05, samples=4)
     assert run["angle"][-1] == pytest.approx(2.0 * math.atan2(1e-3, 3.5e-3), abs=1e-12)
     assert run["stop_moment"][-1] < 0.0

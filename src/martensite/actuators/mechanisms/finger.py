@@ -101,19 +101,15 @@ class Finger(grasp.AbstractGrasp):
     contact: str = grasp.CONTACT
     thickness: Scalar = grasp.THICKNESS
     cylinder_radius: Scalar = grasp.RADIUS
-    cylinder_along: Scalar = param(
-        "m", "place of its axis along the straight phalanx, from the hinge", low=-10.0, high=10.0, default=0.02
-    )
-    cylinder_inwards: Scalar = param(
-        "m", "place of its axis to the inside of the finger", low=-10.0, high=10.0, default=0.03
-    )
+    cylinder_along: Scalar = param("m", "its axis, along the phalanx at θ = 0", low=-10.0, high=10.0, default=0.02)
+    cylinder_inwards: Scalar = param("m", "its axis, to the inside", low=-10.0, high=10.0, default=0.03)
 
     def check(self) -> None:
         """Raise `ParameterError` if the wire would push, the inertia is too small, or the cylinder is in the way."""
         if min(self.start_forces(floats)) < 0.0:
             raise ParameterError(
                 "The weight of `finger` bends it as assembled, so that the wire would have to push; raise `extension` "
-                f"until the spring holds {-self._lift(floats, 0.0):.4g} N m, or turn `tilt`."
+                f"until the spring holds {-self._weigh(floats, 0.0)[0]:.4g} N m, or turn `tilt`."
             )
         least = self.mass * (self.centre * self.phalanx_length) ** 2
         if self.weight == "given" and self.moves and self.inertia < least:
@@ -123,9 +119,8 @@ class Finger(grasp.AbstractGrasp):
             )
         self.check_contact()
         if self.contact == "cylinder":
-            grasp.check_clearance(
-                "the fixed phalanx of `finger`", self._touch_cylinder(floats, -self.cylinder_along, 0.0)
-            )
+            fixed = self._touch_cylinder(floats, -self.cylinder_along, 0.0)
+            grasp.check_clearance("the fixed phalanx of `finger`", fixed)
 
     def cautions(self) -> list[str]:
         """A cylinder that the phalanx does not meet."""
@@ -133,10 +128,8 @@ class Finger(grasp.AbstractGrasp):
         reach = self.cylinder_radius + 0.5 * self.thickness
         if self.contact != "cylinder" or far - reach <= self.phalanx_length:
             return []
-        return [
-            f"The cylinder is {1e3 * (far - reach):.4g} mm away from the hinge of the finger, whose phalanx is "
-            f"{1e3 * self.phalanx_length:.4g} mm long: it cannot be touched."
-        ]
+        short = 1e3 * (far - reach - self.phalanx_length)
+        return [f"The cylinder of the finger cannot be touched: `phalanx_length` is {short:.4g} mm too short."]
 
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The angle."""
@@ -179,7 +172,7 @@ class Finger(grasp.AbstractGrasp):
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """Torque [N m] of spring, stops that are springs, weight, damping and inertia."""
         (angle,), (rate,), (acceleration,) = motion
-        held = self.spring_torque(xp, angle) + self.stops(xp, angle) + self._lift(xp, angle)
+        held = self.spring_torque(xp, angle) + self.stops(xp, angle) + self._weigh(xp, angle)[0]
         return [held + self.damping * rate + self.inertia * acceleration]
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
@@ -191,20 +184,19 @@ class Finger(grasp.AbstractGrasp):
         drawn = self.extension + by
         spring = 0.5 * self.stiffness * drawn * drawn
         stop = self._stop_energy(xp, angle)
-        lifted = -self._moment() * xp.cos(angle - self.tilt) if self.weight == "given" else 0.0
+        _, lifted = self._weigh(xp, angle)
         return MechanicalEnergy(springs=spring + stop, gravity=lifted, kinetic=0.5 * self.inertia * rate * rate)
 
-    def _moment(self) -> Scalar:
-        """Greatest moment of the weight [N m]."""
-        return self.mass * self.gravity * self.centre * self.phalanx_length
-
-    def _lift(self, xp: Namespace, angle: Scalar) -> Scalar:
-        """Torque [N m] against the weight."""
-        return self._moment() * xp.sin(angle - self.tilt) if self.weight == "given" else 0.0
+    def _weigh(self, xp: Namespace, angle: Scalar) -> tuple[Scalar, Scalar]:
+        """Torque [N m] against the weight, and its energy [J]."""
+        if self.weight == "none":
+            return 0.0, 0.0
+        moment, leaning = self.mass * self.gravity * self.centre * self.phalanx_length, angle - self.tilt
+        return moment * xp.sin(leaning), -moment * xp.cos(leaning)
 
     def _touch_cylinder(self, xp: Namespace, along: Scalar, angle: Scalar) -> grasp.Touch:
-        cylinder = grasp.Cylinder(along, self.cylinder_inwards, self.cylinder_radius)
-        return grasp.find_touches(xp, cylinder, [self.phalanx_length], self.thickness, [angle])[0]
+        axis, reach = (along, self.cylinder_inwards), self.cylinder_radius + 0.5 * self.thickness
+        return grasp.find_touches(xp, axis, reach, [self.phalanx_length], [angle])[0]
 
     def touches(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
         """How the far phalanx stands to the cylinder."""
@@ -234,7 +226,7 @@ class Finger(grasp.AbstractGrasp):
     def start_forces(self, xp: Namespace) -> Column:
         """Force at angle zero [N]."""
         arm = self.passes * bowstring_arm(xp, 0.0, self.offset, self.bracket)
-        return [(self.spring_torque(xp, 0.0) + self._lift(xp, 0.0)) / arm]
+        return [(self.spring_torque(xp, 0.0) + self._weigh(xp, 0.0)[0]) / arm]
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """Hinge in the origin, phalanges along -x and +x, the wire below them; θ turns the far phalanx about +y.

@@ -23,25 +23,11 @@ from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import sum_column
 
-CONTACT = option(
-    "what is met: end stops that are springs, rigid end stops (`stops`), or a fixed cylinder too",
-    "springs",
-    "stops",
-    "cylinder",
-    default="springs",
-)
+CONTACT = option("end stops as springs, or rigid, or a cylinder too", "springs", "stops", "cylinder", default="springs")
 CENTRE = param("1", "centre of mass of the phalanx, as a share of its length", low=0.0, high=1.0, default=0.5)
 TILT = param("rad", "direction of gravity, from along a straight finger inwards", low=-6.3, high=6.3, default=0.0)
 RADIUS = param("m", "radius of the cylinder", above=0.0, high=10.0, default=0.015)
 THICKNESS = param("m", "thickness of the phalanges", low=0.0, high=1.0, default=0.01)
-
-
-class Cylinder(NamedTuple):
-    """A cylinder across the plane of a finger whose first hinge is at the origin [m]."""
-
-    along: Scalar
-    inwards: Scalar
-    radius: Scalar
 
 
 class Touch(NamedTuple):
@@ -60,9 +46,9 @@ TOUCH = {
 """Outputs of a phalanx that may touch a cylinder."""
 
 
-def find_touches(xp: Namespace, cylinder: Cylinder, lengths: Column, thickness: Scalar, angles: Column) -> list[Touch]:
-    """How the phalanges of a finger stand to a cylinder, for lengths and a thickness [m] at relative angles [rad]."""
-    (along, inwards, radius), angle = cylinder, 0.0 * angles[0]
+def find_touches(xp: Namespace, axis: Column, reach: Scalar, lengths: Column, angles: Column) -> list[Touch]:
+    """How phalanges at relative angles [rad] stand to a cylinder, by its axis (along, inwards) and R + w [m]."""
+    (along, inwards), angle = axis, 0.0 * angles[0]
     found: list[Touch] = []
     for length, turned in zip(lengths, angles, strict=True):
         angle = angle + turned
@@ -71,7 +57,7 @@ def find_touches(xp: Namespace, cylinder: Cylinder, lengths: Column, thickness: 
         place = xp.clip(way, 0.0, length)
         past = way - place
         distance = xp.where(xp.abs(past) > 0.0, xp.sqrt(past * past + across * across), across)
-        found.append(Touch(distance - radius - 0.5 * thickness, place))
+        found.append(Touch(distance - reach, place))
         along, inwards = along - length * c, inwards - length * s
     return found
 
@@ -129,9 +115,10 @@ class AbstractGrasp(AbstractMultibody, init=False):
         forces, seen = super().observe(xp, memory, loads, signals)
         if self.contact == "springs":
             return forces, seen
-        angles, middle = memory.course.position, 0.5 * (self.lowest + self.highest)
+        angles = memory.course.position
         held, pushed = memory.reactions[: len(angles)], memory.reactions[len(angles) :]
-        found = [*seen, *(xp.where(q > middle, -m, m) for q, m in zip(angles, held, strict=True))]
+        sides = [xp.where(q - self.lowest > self.stop_gap(xp, q), -1.0, 1.0) for q in angles]
+        found = [*seen, *(m * side for m, side in zip(held, sides, strict=True))]
         if self.contact == "stops":
             return forces, found
         gaps, places = zip(*self.touches(xp, angles), strict=True)
@@ -141,7 +128,7 @@ class AbstractGrasp(AbstractMultibody, init=False):
 
 def check_clearance(phalanx: str, touch: Touch) -> None:
     """Raise `ParameterError` if a cylinder overlaps a phalanx."""
-    if touch.gap < 0.0:
+    if touch.gap < -1e-12:
         raise ParameterError(
             f"The cylinder overlaps {phalanx} by {-1e3 * touch.gap:.4g} mm as assembled; move it away, or "
             "make `cylinder_radius` or `thickness` smaller."

@@ -98,12 +98,7 @@ class Hand(grasp.AbstractGrasp):
     thumb: Scalar = param("1", "size of the thumb", above=0.0, high=10.0, default=1.0, typical=0.9)
     index: Scalar = param("1", "size of the index finger", above=0.0, high=10.0, default=1.0)
     middle: Scalar = param("1", "size of the middle finger", above=0.0, high=10.0, default=1.0, typical=1.1)
-    weight: str = option(
-        "weight of the phalanges: uniform and hanging, or with centres and a direction as given",
-        "hanging",
-        "given",
-        default="hanging",
-    )
+    weight: str = option("uniform rods that hang, or as given", "hanging", "given", default="hanging")
     proximal_centre: Scalar = grasp.CENTRE
     distal_centre: Scalar = grasp.CENTRE
     tilt: Scalar = grasp.TILT
@@ -111,26 +106,18 @@ class Hand(grasp.AbstractGrasp):
     thickness: Scalar = grasp.THICKNESS
     span: Scalar = param("m", "distance of the thumb's hinge from the others", low=0.0, high=10.0, default=0.08)
     cylinder_radius: Scalar = grasp.RADIUS
-    cylinder_depth: Scalar = param(
-        "m", "place of its axis along the straight fingers, from the palm", low=-10.0, high=10.0, default=0.04
-    )
-    cylinder_aside: Scalar = param(
-        "m", "place of its axis from the middle towards the thumb", low=-10.0, high=10.0, default=0.0
-    )
+    cylinder_depth: Scalar = param("m", "its axis, below the palm", low=-10.0, high=10.0, default=0.04)
+    cylinder_aside: Scalar = param("m", "its axis, from the middle to the thumb", low=-10.0, high=10.0, default=0.0)
 
     def check(self) -> None:
         """Raise `ParameterError` if extensors would push at assembly, or the cylinder is in the way."""
         self.check_contact()
-        if min(self.start_forces(floats)) < 0.0:
-            if self.weight == "given":
-                raise ParameterError(
-                    "As assembled the joint springs and the weight of the fingers of `hand` ask its extensors to push; "
-                    f"raise `preload`, which is {self.preload:.4g} N."
-                )
-            least = self.torque / (self.offset * min(self.sizes()))
+        lacking = -min(self.start_forces(floats))
+        if lacking > 0.0:
+            least = self.preload + lacking * self.knuckle / self.offset
             raise ParameterError(
                 f"Parameter `preload` of `hand` must be at least {least:.4g} N, so that the "
-                f"flexors hold the joint springs, but is {self.preload:.4g} N."
+                f"flexors hold the joint springs and the weight, but is {self.preload:.4g} N."
             )
 
     def cautions(self) -> list[str]:
@@ -209,18 +196,14 @@ class Hand(grasp.AbstractGrasp):
         """Fingers that hang from a palm, the thumb opposite to the others, and all tendons."""
         return drawn_hand(self, reading)
 
-    def place_cylinder(self, finger: int) -> grasp.Cylinder:
-        """The cylinder as a finger has it before it: the thumb (0), or another."""
-        way = -self.cylinder_aside if finger == 0 else self.cylinder_aside
-        return grasp.Cylinder(self.cylinder_depth, 0.5 * self.span + way, self.cylinder_radius)
-
     def touches(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
         """How every phalanx stands to the cylinder."""
         found: list[grasp.Touch] = []
         for i, size in enumerate(self.sizes()):
+            inwards = 0.5 * self.span + (-self.cylinder_aside if i == 0 else self.cylinder_aside)
+            axis, reach = (self.cylinder_depth, inwards), self.cylinder_radius + 0.5 * size * self.thickness
             lengths = size * self.proximal_length, size * self.distal_length
-            angles = _select_pair(position, i)
-            found += grasp.find_touches(xp, self.place_cylinder(i), lengths, size * self.thickness, angles)
+            found += grasp.find_touches(xp, axis, reach, lengths, _select_pair(position, i))
         return found
 
     def _lean(self, finger: int, angles: Pair) -> Pair:

@@ -105,10 +105,7 @@ class AbstractMultibody(AbstractMechanism):
         return [1.0] * len(self.ports())
 
     def gaps(self, xp: Namespace, position: Column) -> Column:
-        """Gaps [m] or [rad] that never fall below zero, such as to an end stop; their reactions push, and never pull.
-
-        They must be open, or just closed, at home.
-        """
+        """Gaps [m] or [rad] that never fall below zero; at home they are open, or just closed."""
         return []
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy | None:
