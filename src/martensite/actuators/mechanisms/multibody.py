@@ -64,6 +64,8 @@ class Assembled(NamedTuple):
     course: MotionHistory
     stiffness: tuple[Scalar, ...]
     """Of each element over the last step, transformation included [N/m]."""
+    reactions: tuple[Scalar, ...] = ()
+    """Of its unilateral constraints [N] or [N m]."""
 
 
 def find_balance(
@@ -122,6 +124,10 @@ class AbstractMultibody(AbstractMechanism):
         """Share of each tension that arrives: less than 1 where friction resists it."""
         return [1.0] * len(self.ports())
 
+    def gaps(self, xp: Namespace, position: Column) -> Column:
+        """Gaps [m] or [rad] that never fall below zero; at home they are open, or just closed."""
+        return []
+
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy | None:
         """What it holds in a motion; without inertia, its kinetic energy does not count.
 
@@ -167,7 +173,8 @@ class AbstractMultibody(AbstractMechanism):
         rest = (0.0,) * len(self.coordinates())
         course = self._begin(xp, Motion(tuple(self.home(xp)), rest, rest), self.start_forces(xp), signals)
         unknown = (0.0,) * len(elements)
-        return Assembled(tuple(self.assembled_elongations(xp, elongations)), course, unknown)
+        untouched = (0.0,) * len(self.gaps(xp, place))
+        return Assembled(tuple(self.assembled_elongations(xp, elongations)), course, unknown, untouched)
 
     def initial_numbers(self) -> dict[str, str]:
         """The coordinates, and if inertia counts their rates."""
@@ -262,8 +269,8 @@ class AbstractMultibody(AbstractMechanism):
     ) -> tuple[Assembled, list[Any], StepReport]:
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
         step = condensed_step.CondensedStep(self, memory, loads, signals, dt)
-        course, stiffness, states, report = step.solve_position(xp)
-        return Assembled(memory.home, course, tuple(stiffness)), states, report
+        course, stiffness, reactions, states, report = step.solve_position(xp)
+        return Assembled(memory.home, course, tuple(stiffness), reactions), states, report
 
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
         """The tensions at the end of the last step, and the coordinates."""
