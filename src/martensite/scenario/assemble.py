@@ -4,8 +4,8 @@
 mechanism with several has the same actuator at each, and in [actuators.PORT] what is different
 there: tables `element`, `environment` and `drive` whose entries go over the common ones. A
 port whose drive has no waveform is not driven. [signals.NAME] is the waveform of a signal of
-the mechanism itself, such as the voltage of a motor. [driver] is another word for [drive], for one
-that a controller has.
+the mechanism itself, such as the voltage of a motor, or of what cools, such as a fan. [driver] is another
+word for [drive], for one that a controller has.
 
 [model] names the file of a model instead; its inputs are such signals.
 """
@@ -81,7 +81,7 @@ class Assembly:
         mechanism = Builder(origins=self.origins).choose(MECHANISMS, table, "mechanism")
         ports = mechanism.ports()
         made = self._build_single(mechanism) if len(ports) == 1 else self._build_machine(mechanism, ports)
-        self._read_signals(mechanism)
+        self._read_signals(made)
         return made
 
     def list_waveforms(self, system: AbstractSystem) -> Waveforms:
@@ -100,7 +100,7 @@ class Assembly:
         if not isinstance(table.get("file"), str):
             raise ParameterError(f'[{MODEL}] needs `file`; write `file = "model.json"`.')
         made = build_plant(read_model(self.folder / str(table["file"])))
-        self._read_signals(made.mechanism)
+        self._read_signals(made)
         names = made.mechanism.signals()
         if self.drive in self.document:
             if len(names) != 1 or self.waveforms:
@@ -167,12 +167,12 @@ class Assembly:
             "source": source,
         }
 
-    def _read_signals(self, mechanism: AbstractMechanism) -> None:
-        units, tables = mechanism.signals(), section_of(self.document, SIGNALS, {})
+    def _read_signals(self, made: AbstractSystem) -> None:
+        units, tables = made.signals(), section_of(self.document, SIGNALS, {})
         for name, table in tables.items():
             if name not in units:
                 raise ParameterError(
-                    f"[{SIGNALS}.{name}]: `{mechanism.registered_name}` has no signal of that "
+                    f"[{SIGNALS}.{name}]: `{made.mechanism.registered_name}` has no signal of that "
                     f"name. {suggest_name(name, units)}"
                 )
             path = f"{SIGNALS}.{name}"
@@ -259,7 +259,7 @@ def scenario_path(path: str, drive: str = DRIVE) -> str:
 
 def waveform_path(system: AbstractSystem, name: str, drive: str = DRIVE) -> str:
     """The path, with its dot, by which a scenario reaches the waveform of the drive of a name."""
-    if name in system.mechanism.signals():
+    if name in system.signals():
         return f"{SIGNALS}.{name}."
     return f"{drive}.waveform." if name == DRIVE else f"{GROUP}.{name}.{drive}.waveform."
 

@@ -114,7 +114,7 @@ def _share_above(begin: float, end: float) -> float:
 def alarms_of(system: AbstractSystem, times: Sequence[float], columns: Columns) -> list[Alarm]:
     """All alarms of a run, from its sampled columns in SI."""
     found: list[Alarm] = []
-    alone = len(system.actuators()) == 1 and not system.mechanism.signals()
+    alone = len(system.actuators()) == 1 and not system.signals()
     for port, actuator in system.actuators().items():
         own = {name: columns[system.label(port, name)] for name in JUDGED}
         several = system.label(port, "stress") != "stress"

@@ -203,7 +203,7 @@ class FormSections:
             group["items"] += self._describe_different(port, actuator, own)
             if group["items"]:
                 made["items"].append(group)
-        signals = [n for n in system.mechanism.signals() if n in by_name(system, self.scenario.waveform)]
+        signals = [n for n in system.signals() if n in by_name(system, self.scenario.waveform)]
         made["items"] += [one for name in signals for one in self._waveforms(name)]
         if made["items"]:
             yield made

@@ -28,6 +28,7 @@ class System(Actuator, AbstractAssembly):
                 f"Mechanism `{self.mechanism.registered_name}` takes {len(ports)} elements "
                 f"({', '.join(ports) or 'none'}), but a `System` has one; use `Machine`."
             )
+        self._check_signals()
 
     def actuators(self) -> dict[str, Actuator]:
         """Itself."""
@@ -87,6 +88,7 @@ class Machine(AbstractAssembly):
                 f"`{name}` needs an actuator at each of its ports {', '.join(ports)}; "
                 f"none given for {', '.join(missing)}."
             )
+        self._check_signals()
 
     def actuators(self) -> dict[str, Actuator]:
         """In the order of the ports."""

@@ -73,6 +73,10 @@ class Multiplied(AbstractCooling):
         """h [W/(m² K)], multiplied."""
         return self.factor * self.cooling.film(xp, temperature, ambient, shape)
 
+    def pumped(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
+        """As without the fault [W]: no draught changes what is pumped."""
+        return self.cooling.pumped(xp, temperature, ambient, shape)
+
 
 @FAULTS.register("draught")
 class Draught(AbstractPlantFault):
