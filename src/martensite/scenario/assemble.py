@@ -7,6 +7,8 @@ port whose drive has no waveform is not driven. [signals.NAME] is the waveform o
 the mechanism itself, such as the voltage of a motor, or of what cools, such as a fan. [driver] is another
 word for [drive], for one that a controller has.
 
+[supply] is one supply for all of them, with an internal resistance and a limit of its current.
+
 [model] names the file of a model instead; its inputs are such signals.
 """
 
@@ -23,6 +25,7 @@ from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.mechanisms.base import MECHANISMS, AbstractMechanism
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.physics.electrical.base import SOURCES
+from martensite.physics.electrical.shared_supply import SharedSupply
 from martensite.physics.materials.base import Material, load_material
 from martensite.physics.thermal.base import Environment
 from martensite.scenario import recorded_waveforms
@@ -40,6 +43,7 @@ COMMON = ("element", "environment")
 DRIVE, DRIVER = "drive", "driver"
 GROUP = "actuators"
 SIGNALS = "signals"
+SUPPLY = "supply"
 MODEL = "model"
 
 
@@ -120,6 +124,11 @@ class Assembly:
                 f"Mechanism `{mechanism.registered_name}` takes one element, described in "
                 f"[element]; there are no [{GROUP}]."
             )
+        if SUPPLY in self.document:
+            raise ParameterError(
+                f"[{SUPPLY}] is shared by several sources, but `{mechanism.registered_name}` takes one element; "
+                f"write its limits under [{self.drive}]."
+            )
         actuator = self._build_actuator(self.document, "", DRIVE, not self.controlled)
         return System(mechanism=mechanism, **actuator)
 
@@ -142,7 +151,11 @@ class Assembly:
                 for name in common
             }
             members[port] = Actuator(**self._build_actuator(tables, f"{path}.", port, False))
-        return Machine(mechanism=mechanism, group=Group(**members))
+        supply = section_of(self.document, SUPPLY, {})
+        if not supply:
+            return Machine(mechanism=mechanism, group=Group(**members))
+        shared = Builder(origins=self.origins).build(SharedSupply, supply, SUPPLY)
+        return Machine(mechanism=mechanism, group=Group(**members), supply=shared)
 
     def _build_actuator(self, tables: Table, prefix: str, drive: str, driven: bool) -> dict[str, Any]:
         element = section_of(tables, "element")

@@ -47,6 +47,7 @@ SECTIONS = (
     "driver",
     "actuators",
     "signals",
+    "supply",
     "model",
     "run",
     "measured",

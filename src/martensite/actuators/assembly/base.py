@@ -220,7 +220,12 @@ class AbstractAssembly(AbstractSystem):
 
     def step(self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar) -> tuple[State, StepReport]:
         """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
-        loads, signals = self._loads(xp, state, drives), self._signals(drives)
+        return self.move(xp, state, self._loads(xp, state, drives), self._signals(drives), dt)
+
+    def move(
+        self, xp: Namespace, state: State, loads: Sequence[Load], signals: Column, dt: Scalar
+    ) -> tuple[State, StepReport]:
+        """Take loads and mechanism through a step of `dt` [s]."""
         own, states, report = self.mechanism.advance(xp, state.mechanism, loads, signals, dt)
         return State(tuple(states), own), report
 
@@ -320,19 +325,25 @@ class AbstractAssembly(AbstractSystem):
         """Everything that can be measured in a state under drive signals."""
         loads, signals = self._loads(xp, state, drives), self._signals(drives)
         forces, own = self.mechanism.observe(xp, state.mechanism, loads, signals)
-        rows = zip(self._driven_actuators(xp, drives), state.elements, forces, drives, strict=False)
+        rows = zip(self._driven_actuators(xp, state, drives), state.elements, forces, drives, strict=False)
         seen = [one.observe_element(xp, element, force, drive) for one, element, force, drive in rows]
-        mechanism = dict(zip(self.of_mechanism(), [*own, *drives[len(seen) :]], strict=True))
+        mechanism = dict(
+            zip(self.of_mechanism(), [*own, *drives[len(seen) :], *self._observe_rig(xp, state, drives)], strict=True)
+        )
         return list(self.arrange_outputs(seen, mechanism).values())
 
     def _actuators(self) -> list[Actuator]:
         return list(self.actuators().values())
 
     def _loads(self, xp: Namespace, state: State, drives: Sequence[Scalar | Feed]) -> list[Load]:
-        rows = zip(self._driven_actuators(xp, drives), state.elements, drives, strict=False)
+        rows = zip(self._driven_actuators(xp, state, drives), state.elements, drives, strict=False)
         return [one.load(element, drive) for one, element, drive in rows]
 
-    def _driven_actuators(self, xp: Namespace, drives: Sequence[Scalar | Feed]) -> list[Actuator]:
+    def _observe_rig(self, xp: Namespace, state: State, drives: Sequence[Scalar]) -> Column:
+        """What is observed on all actuators together."""
+        return []
+
+    def _driven_actuators(self, xp: Namespace, state: State, drives: Sequence[Scalar | Feed]) -> list[Actuator]:
         """The actuators, cooled as the signals of that have it."""
         actuators, names = self._actuators(), self._cooling_signals()
         given = [one.moments if isinstance(one, Feed) else one for one in drives]

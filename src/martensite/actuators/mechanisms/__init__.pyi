@@ -16,6 +16,7 @@ from martensite.actuators.mechanisms.load_line import BiasSpring as BiasSpring
 from martensite.actuators.mechanisms.load_line import DeadWeight as DeadWeight
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform as ParallelPlatform
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley as AntagonisticPulley
+from martensite.actuators.mechanisms.rails import Rails as Rails
 from martensite.actuators.mechanisms.testing_machine import TensileTestingMachine as TensileTestingMachine
 from martensite_studies.platform.workspace import Workspace as Workspace
 from martensite_studies.platform.workspace import reachable_angles as reachable_angles

@@ -113,6 +113,10 @@ class Interrupted(AbstractSource):
         """Current [A] of the source, if the contact is closed."""
         return self.contact * self.source.current(xp, drive, resistance)
 
+    def drawn(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """The same, as its supply sees it [A]."""
+        return self.contact * self.source.drawn(xp, drive, resistance)
+
 
 @FAULTS.register("open-circuit")
 class OpenCircuit(AbstractPlantFault):
