@@ -35,6 +35,8 @@ PORTS = ("first", "second", "third")
 class Rails(AbstractMechanism):
     """Two or three rails beside each other, each with a wire and a weight."""
 
+    typical_scenario = "three_rails"
+
     cites = ("copaci2019",)
 
     rails: str = option("how many are in use", "3", "2", default="3")
