@@ -18,9 +18,8 @@ from elastic import REST, SURROUNDINGS, Elastic
 
 from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.actuators.mechanisms.base import AbstractMechanism
-from martensite.actuators.mechanisms.beam_harvester import BeamHarvester
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
-from martensite.actuators.mechanisms.beam_motors import BeamMotors
+from martensite.actuators.mechanisms.beam_siblings import BeamHarvester, BeamMotors
 from martensite.actuators.mechanisms.drawing import (
     KINDS,
     DrawingShape,

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from martensite.actuators.assembly import Machine
-from martensite.actuators.mechanisms import BeamMotor
-from martensite.actuators.mechanisms.beam_harvester import BeamHarvester
+from martensite.actuators.mechanisms import BeamHarvester, BeamMotor
 from martensite.kernels.compiler import find_compiler
 from martensite.signals import Constant
 from martensite.simulate.api import simulate

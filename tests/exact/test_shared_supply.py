@@ -34,10 +34,10 @@ def test_switches_on_a_supply_in_closed_form() -> None:
     droops = SharedSupply(voltage=12.0, internal_resistance=0.5)
     assert droops.find_voltage(floats, switches) == pytest.approx(12.0 / (1.0 + 0.5 * slope), rel=1e-12)
     holds = SharedSupply(voltage=12.0, internal_resistance=0.5, current_limit=1.0)
-    found = holds.observe(floats, switches)
-    assert found.voltage == pytest.approx(1.0 / slope, rel=1e-12)
-    assert found.current == pytest.approx(1.0, rel=1e-12)
-    assert found.demand == pytest.approx(slope * 12.0 / (1.0 + 0.5 * slope), rel=1e-12)
+    volts, amperes, demand = holds.observe(floats, switches)
+    assert volts == pytest.approx(1.0 / slope, rel=1e-12)
+    assert amperes == pytest.approx(1.0, rel=1e-12)
+    assert demand == pytest.approx(slope * 12.0 / (1.0 + 0.5 * slope), rel=1e-12)
     idle = [one._replace(drive=0.0) for one in switches]
     assert holds.find_voltage(floats, idle) == 12.0
 
@@ -61,11 +61,11 @@ def test_any_sources_on_a_supply_against_a_root_by_bisection(internal: float, li
         return max(volts - 9.0 + internal * amperes, amperes - limit)
 
     wanted = 9.0 if excess(9.0) <= 0.0 else brentq(excess, 0.01, 9.0, xtol=1e-13)
-    found = supply.observe(floats, MIXED)
-    assert found.voltage == pytest.approx(wanted, rel=1e-9)
-    assert found.current <= limit * (1.0 + 1e-9)
-    parts = [one.supplied(floats, found.voltage).drawn(floats, one.drive, one.resistance) for one in MIXED]
-    assert sum(parts) == pytest.approx(found.current, rel=1e-12)
+    found, amperes, _ = supply.observe(floats, MIXED)
+    assert found == pytest.approx(wanted, rel=1e-9)
+    assert amperes <= limit * (1.0 + 1e-9)
+    parts = [one.supplied(floats, found).drawn(floats, one.drive, one.resistance) for one in MIXED]
+    assert sum(parts) == pytest.approx(amperes, rel=1e-12)
 
 
 def run(changes: dict[str, Any], **given: Any) -> Any:

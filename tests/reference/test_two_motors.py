@@ -10,8 +10,7 @@ import pytest
 from motors_reference import Motor, run_motors
 
 from martensite.actuators.assembly import Machine
-from martensite.actuators.mechanisms import BeamMotor
-from martensite.actuators.mechanisms.beam_motors import BeamMotors
+from martensite.actuators.mechanisms import BeamMotor, BeamMotors
 from martensite.base.errors import ParameterError
 from martensite.kernels.compiler import find_compiler
 from martensite.signals import Constant

@@ -220,12 +220,7 @@ class AbstractAssembly(AbstractSystem):
 
     def step(self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar) -> tuple[State, StepReport]:
         """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
-        return self.move(xp, state, self._loads(xp, state, drives), self._signals(drives), dt)
-
-    def move(
-        self, xp: Namespace, state: State, loads: Sequence[Load], signals: Column, dt: Scalar
-    ) -> tuple[State, StepReport]:
-        """Take loads and mechanism through a step of `dt` [s]."""
+        loads, signals = self._loads(xp, state, drives), self._signals(drives)
         own, states, report = self.mechanism.advance(xp, state.mechanism, loads, signals, dt)
         return State(tuple(states), own), report
 

@@ -126,9 +126,10 @@ class Machine(AbstractAssembly):
         ahead, _ = super().step(xp, state, *drives, dt=dt)
         ends = zip(self._resistances(xp, state), self._resistances(xp, ahead), strict=True)
         middle = [0.5 * (first + last) for first, last in ends]
-        rows = zip(self._supplied_actuators(xp, state, drives, middle), state.elements, drives, strict=False)
+        rows = zip(self._driven_actuators(xp, state, drives, middle), state.elements, drives, strict=False)
         loads = [one.load(element, drive) for one, element, drive in rows]
-        return self.move(xp, state, loads, self._signals(drives), dt)
+        own, states, report = self.mechanism.advance(xp, state.mechanism, loads, self._signals(drives), dt)
+        return State(tuple(states), own), report
 
     def of_mechanism(self) -> dict[str, Output]:
         """Those of the mechanism, its signals, and those of a supply that is shared."""
@@ -140,19 +141,14 @@ class Machine(AbstractAssembly):
         actuators = super()._driven_actuators(xp, state, drives)
         return list(self.supply.observe(xp, _list_consumers(actuators, drives, self._resistances(xp, state))))
 
-    def _driven_actuators(self, xp: Namespace, state: State, drives: Sequence[Scalar | Feed]) -> list[Actuator]:
-        if self.supply is None:
-            return super()._driven_actuators(xp, state, drives)
-        return self._supplied_actuators(xp, state, drives, self._resistances(xp, state))
-
-    def _supplied_actuators(
-        self, xp: Namespace, state: State, drives: Sequence[Scalar | Feed], ohms: Sequence[Scalar]
+    def _driven_actuators(
+        self, xp: Namespace, state: State, drives: Sequence[Scalar | Feed], ohms: Sequence[Scalar] = ()
     ) -> list[Actuator]:
-        """The actuators, with what the supply leaves them at these resistances [ohm]."""
+        """With what the supply leaves them at these resistances [ohm], or at those of the state."""
         actuators = super()._driven_actuators(xp, state, drives)
         if self.supply is None:
             return actuators
-        consumers = _list_consumers(actuators, drives, ohms)
+        consumers = _list_consumers(actuators, drives, ohms or self._resistances(xp, state))
         voltage = self.supply.find_voltage(xp, consumers)
         rows = zip(actuators, consumers, strict=True)
         return [one.rebuilt({"source": consumer.supplied(xp, voltage)}) for one, consumer in rows]

@@ -5,10 +5,10 @@ from martensite.actuators.mechanics.beam_modes import exact_omega as exact_omega
 from martensite.actuators.mechanics.platform_kinematics import Plates as Plates
 from martensite.actuators.mechanics.platform_kinematics import platform_angles as platform_angles
 from martensite.actuators.mechanics.platform_kinematics import platform_lengths as platform_lengths
-from martensite.actuators.mechanisms.beam_harvester import BeamHarvester as BeamHarvester
 from martensite.actuators.mechanisms.beam_motor import BeamMotor as BeamMotor
 from martensite.actuators.mechanisms.beam_motor import modal_numbers as modal_numbers
-from martensite.actuators.mechanisms.beam_motors import BeamMotors as BeamMotors
+from martensite.actuators.mechanisms.beam_siblings import BeamHarvester as BeamHarvester
+from martensite.actuators.mechanisms.beam_siblings import BeamMotors as BeamMotors
 from martensite.actuators.mechanisms.finger import Finger as Finger
 from martensite.actuators.mechanisms.hand import Hand as Hand
 from martensite.actuators.mechanisms.joints import bowstring_arm as bowstring_arm

@@ -41,17 +41,6 @@ class Consumer(NamedTuple):
         return self.source.rebuilt({name: xp.minimum(self.source.value_of(name), voltage) for name in names})
 
 
-class SupplyState(NamedTuple):
-    """What a supply does."""
-
-    voltage: Scalar
-    """U [V]."""
-    current: Scalar
-    """I [A]."""
-    demand: Scalar
-    """Current [A] that would flow without the limit."""
-
-
 class SharedSupply(Parametrised):
     """A supply of a voltage, with an internal resistance and a limit of its current."""
 
@@ -79,7 +68,7 @@ class SharedSupply(Parametrised):
 
         return solve_bracketed(xp, excess, self.voltage, (0.0, 1.01 * self.voltage), smooth=False)
 
-    def observe(self, xp: Namespace, consumers: Sequence[Consumer]) -> SupplyState:
-        """Voltage and current, and the current without the limit."""
+    def observe(self, xp: Namespace, consumers: Sequence[Consumer]) -> tuple[Scalar, Scalar, Scalar]:
+        """Voltage [V] and current [A], and the current that would flow without the limit [A]."""
         voltage, free = self.find_voltage(xp, consumers), self.find_voltage(xp, consumers, limited=False)
-        return SupplyState(voltage, self.draw(xp, consumers, voltage), self.draw(xp, consumers, free))
+        return voltage, self.draw(xp, consumers, voltage), self.draw(xp, consumers, free)
