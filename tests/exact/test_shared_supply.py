@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 import martensite as ms
-from martensite.base.errors import ParameterError
+from martensite.base.errors import InputError, ParameterError
 from martensite.kernels import floats
 from martensite.physics.electrical import (
     CurrentSource,
@@ -22,6 +22,7 @@ from martensite.physics.electrical import (
     VoltageSource,
 )
 from martensite.physics.electrical.shared_supply import Consumer
+from martensite_export.mjcf import start_forces
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "three_rails.toml"
 SWITCH = PwmVoltage(supply=12.0)
@@ -100,5 +101,7 @@ def test_a_limit_is_kept_said_and_shared_and_steps_are_of_second_order() -> None
 
 
 def test_a_supply_is_for_several_sources() -> None:
+    with pytest.raises(InputError, match="not known to a model of MuJoCo"):
+        start_forces(ms.load(EXAMPLE).system)
     with pytest.raises(ParameterError, match="takes one element"):
         ms.load(EXAMPLE, {"mechanism": {"kind": "dead-weight", "mass": "1 kg"}})
