@@ -49,6 +49,7 @@ SECTIONS = (
     "driver",
     "actuators",
     "signals",
+    "supply",
     "model",
     "initial",
     "run",

@@ -34,7 +34,7 @@ from typing import NamedTuple
 from martensite.base.status import Status
 from martensite.signals.moments import Moments
 from martensite.simulate.compiled import Functions, feed_step
-from martensite.simulate.ledger import Ledger
+from martensite.simulate.ledger import SIMPSON, Ledger
 from martensite.simulate.march import SOLVED
 from martensite.simulate.marching import HAIR, SHORTEST, AbstractMarch, MarchPlan, Row
 
@@ -385,8 +385,10 @@ class AdaptiveMarch(AbstractMarch):
         flows, entries = self.functions["flows"], self.functions["entries"]
         one, two = trial.halves
         ends = (self.state, one), (trial.half, one), (trial.half, two), (trial.full, two)
-        given = sum(flows(*state, *brought)[0] for state, brought in ends)
-        self.found.put_in += 0.25 * trial.length * given
+        rows = [flows(*state, *brought) for state, brought in ends]
+        self.found.put_in += 0.25 * trial.length * sum(given for given, *_ in rows)
+        for share, (_, *lost) in zip(SIMPSON, rows, strict=True):
+            self.ledger.lost += share * trial.length * sum(lost)
         half = self.time + 0.5 * trial.length
         middle = entries(*trial.half, *self.signals(half))
         end = entries(*trial.full, *self.signals(self.time + trial.length, before=True))

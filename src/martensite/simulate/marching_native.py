@@ -394,6 +394,7 @@ class MarchKernel:
             "HELD": len(book.held),
             "EFFORTS": len(book.efforts),
             "BALANCED": int(book.heat),
+            "FLOWS": len(traced["flows"].outputs),
             "ACCOUNTS": len(ACCOUNTS),
             "ACCOUNT_OF": _format_list([*book.held, *book.efforts]),
             "TURNED_OVER": _format_list([int(account in TURNED_OVER) for account in book.efforts]),

@@ -30,10 +30,11 @@ if TYPE_CHECKING:
 MATERIAL = "element.material"
 NO_MATERIAL = ""
 COOLING = "environment.cooling"
-ELEMENT, ENVIRONMENT, MECHANISM, DRIVE, ACTUATORS = (
+ELEMENT, ENVIRONMENT, MECHANISM, SUPPLY, DRIVE, ACTUATORS = (
     "Material and element",
     "Environment",
     "Mechanism",
+    "Supply",
     "Drive",
     "Actuators",
 )
@@ -89,6 +90,8 @@ class FormSections:
             **self.walk.group(system.mechanism, f"{self.prefix}mechanism", MECHANISM, "what it pulls on", MECHANISMS),
             "title": MECHANISM,
         }
+        if (supply := getattr(system, "supply", None)) is not None:
+            yield {**self.walk.group(supply, f"{self.prefix}supply", SUPPLY, "what all sources share"), "title": SUPPLY}
 
     def _environment(self, port: Any, walk: ControlWalk) -> GroupNode:
         """The surroundings; a drive that sets the temperature needs no heat-loss model."""
@@ -203,7 +206,7 @@ class FormSections:
             group["items"] += self._describe_different(port, actuator, own)
             if group["items"]:
                 made["items"].append(group)
-        signals = [n for n in system.mechanism.signals() if n in by_name(system, self.scenario.waveform)]
+        signals = [n for n in system.signals() if n in by_name(system, self.scenario.waveform)]
         made["items"] += [one for name in signals for one in self._waveforms(name)]
         if made["items"]:
             yield made
