@@ -211,8 +211,12 @@ class Curve:
         )
 
     def _end_at(self, bound: float, here: CurvePoint, there: CurvePoint) -> CurvePoint:
-        """Where the curve goes through a bound of the parameter."""
-        return self.locate(here, there, lambda one: one.parameter - bound, length_of(here, there))
+        """Where the curve goes through a bound of the parameter, which it then is exactly."""
+        near = self.locate(here, there, lambda one: one.parameter - bound, length_of(here, there))
+        guess, normal = near.unknowns.copy(), np.zeros(len(near.unknowns))
+        guess[-1], normal[-1] = bound, 1.0
+        point, found, _ = correct_point(self.equations, guess, normal)
+        return CurvePoint(point, find_tangent(found, near.tangent), found.sizes)
 
     def locate(
         self,
