@@ -17,6 +17,7 @@ from martensite.base.errors import InputError
 from martensite.cli.options import Json, ScenarioSource, Text, Texts, read_quantity, spread_options
 from martensite.cli.outputs import AnswerOptions, Outputs
 from martensite.cli.progress import open_bar, show_spinner
+from martensite_sweep.optimise.cli import designs
 from martensite_sweep.steady.commands import steady
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 
 sweeps = typer.Typer()
 sweeps.command()(steady)
+sweeps.add_typer(designs)
 StoreFolder = Annotated[Path, typer.Argument(metavar="STORE", help="A sweep (Zarr).")]
 
 
