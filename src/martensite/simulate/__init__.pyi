@@ -18,7 +18,7 @@ from martensite_sweep.steady.curves import SolutionCurve as SolutionCurve
 from martensite_sweep.steady.curves import trace_curve as trace_curve
 from martensite_sweep.steady.curves import trace_fold_curve as trace_fold_curve
 from martensite_sweep.steady.curves import trace_folds as trace_folds
-from martensite_sweep.steady.cycles import LimitCycle as LimitCycle
+from martensite_sweep.steady.cycles import PeriodicOrbit as PeriodicOrbit
 from martensite_sweep.steady.cycles import find_cycle as find_cycle
 from martensite_sweep.steady.equilibria import SteadyState as SteadyState
 from martensite_sweep.steady.equilibria import find_steady_state as find_steady_state

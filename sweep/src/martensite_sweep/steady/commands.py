@@ -2,57 +2,74 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
 from typer import Option
 
 from martensite.base import units
 from martensite.base.errors import InputError, ParameterError, require_known
-from martensite.cli.options import ScenarioSource, Text, Texts, read_quantity, refuse_idle, spread_options
+from martensite.cli.options import ScenarioSource, Text, Texts, read_positive, refuse_idle, spread_options
 from martensite.cli.outputs import AnswerOptions
 from martensite.cli.progress import show_share, show_spinner
 
 if TYPE_CHECKING:
     from martensite.cli.outputs import Outputs
     from martensite.scenario.scenario import Scenario
-    from martensite_sweep.steady.curves import FoldCurve
-    from martensite_sweep.steady.rotations import ResponseCurve, ResponseSweep
+    from martensite_sweep.steady.rotations import ResponseSweep
     from martensite_sweep.steady.subjects import Subject
+
+
+@dataclass(frozen=True)
+class CurveOptions:
+    """A curve of steady rotations, and what is found besides."""
+
+    over: Annotated[
+        Text, Option(metavar="PATH=LOW..HIGH", help="Follow a rotation along a drive or a number, around its folds.")
+    ] = None
+    against: Annotated[
+        Text, Option(metavar="PATH=LOW..HIGH", help="With --over: follow its folds in a second number.")
+    ] = None
+    runs: Annotated[int, Option(min=0, help="With --over: runs up and down through so many levels, as dots.")] = 0
+    hold: Annotated[Text, Option(help="With --runs: how long each level is held.")] = None
+    steps: Annotated[
+        int | None, Option(min=32, help="With --over: steps in a turn; fewer are quicker and coarser [default: 512].")
+    ] = None
+    speed: Annotated[str, Option(help="Unit of the speed of a rotor: rpm, rad/s or Hz.")] = "rpm"
+
+    def check(self) -> CurveOptions:
+        """Raise `InputError` for what has no effect, or is missing."""
+        from martensite_sweep.steady.summaries import SPEEDS
+
+        require_known("unit of speed", self.speed, SPEEDS)
+        for name in ("against", "runs", "hold", "steps"):
+            refuse_idle(f"--{name}", bool(getattr(self, name)) and self.over is None, "there is no --over")
+        refuse_idle("--hold", self.hold is not None and not self.runs, "there are no --runs")
+        if self.runs and self.hold is None:
+            raise InputError("Runs hold each level for a while; say how long by `--hold`, such as 20 s.")
+        return self
 
 
 @spread_options
 def steady(
     source: ScenarioSource,
+    curve: CurveOptions,
     answer: AnswerOptions,
     drive: Annotated[
         Texts, Option(metavar="[NAME=]LEVEL", help='Level at which a drive is held: "2 V", first="3 V"; repeatable.')
     ] = None,
     start: Annotated[str, Option("--from", help="Rest before: cold, or hot, under the highest drives.")] = "cold",
     high: Annotated[Text, Option(metavar="LEVEL", help="Drive under which it rested, with --from hot.")] = None,
-    over: Annotated[
-        Text, Option(metavar="PATH=LOW..HIGH", help="Follow a rotation along a drive or a number, around its folds.")
-    ] = None,
-    against: Annotated[
-        Text, Option(metavar="PATH=LOW..HIGH", help="With --over: follow its folds in a second number.")
-    ] = None,
-    runs: Annotated[int, Option(min=0, help="With --over: runs up and down through so many levels, as dots.")] = 0,
-    hold: Annotated[Text, Option(help="With --runs: how long each level is held.")] = None,
     cycle: Annotated[
         bool, Option("--cycle", help="The limit cycle of its periodic drives, or of its ON/OFF loop.")
     ] = False,
-    speed: Annotated[str, Option(help="Unit of the speed of a rotor: rpm, rad/s or Hz.")] = "rpm",
 ) -> None:
     """Find the rest, the limit cycle or the folds of a scenario.
 
     Without more it says where the scenario rests under drives that are held, and whether a small change dies out.
     """
-    from martensite_sweep.steady.summaries import SPEEDS
-
-    require_known("unit of speed", speed, SPEEDS)
+    over = curve.check().over
     refuse_idle("--cycle", cycle and over is not None, "--over follows a rotation")
-    for name, value in (("--against", against), ("--runs", runs), ("--hold", hold)):
-        refuse_idle(name, bool(value) and over is None, "there is no --over")
-    refuse_idle("--hold", hold is not None and not runs, "there are no --runs")
     refuse_idle("--drive", bool(drive) and cycle, "the drives of a cycle are those of the scenario")
     refuse_idle("--from", start != "cold" and (cycle or over is not None), "only a rest is come to from the hot")
     refuse_idle("--high", high is not None and start != "hot", "the rest is not come to from the hot")
@@ -60,10 +77,7 @@ def steady(
     if cycle:
         _answer_cycle(scenario, outputs, answer.json)
     elif over is not None:
-        levels = _read_drives(scenario, drive)
-        _answer_response(
-            scenario, outputs, answer.json, over, against, runs, read_quantity("hold", hold, "s"), speed, levels
-        )
+        _answer_response(scenario, outputs, answer.json, curve, over, _read_drives(scenario, drive))
     else:
         _answer_rest(scenario, outputs, answer, drive, start, high)
 
@@ -93,61 +107,47 @@ def _answer_cycle(scenario: Scenario, outputs: Outputs, json: bool) -> None:
 
 
 def _answer_response(
-    scenario: Scenario,
-    outputs: Outputs,
-    json: bool,
-    over: str,
-    against: str | None,
-    runs: int,
-    hold: float | None,
-    speed: str,
-    levels: dict[str, float],
+    scenario: Scenario, outputs: Outputs, json: bool, curve: CurveOptions, over: str, levels: dict[str, float]
 ) -> None:
+    from martensite_sweep.steady.curves import trace_folds
     from martensite_sweep.steady.figures import plot_response
-    from martensite_sweep.steady.rotations import trace_response
+    from martensite_sweep.steady.rotations import STEPS, trace_response
     from martensite_sweep.steady.subjects import Subject
     from martensite_sweep.steady.summaries import summarise_response
 
     one = Subject.read(scenario)
     name, low, high = _read_range(one, over)
+    second = None if curve.against is None else _read_range(one, curve.against)
+    refuse_idle("--runs", curve.runs > 0 and one.vary(name, low, high).path is not None, f"`{name}` is no drive")
     with show_share("following the curve") as tell:
-        found = trace_response(scenario, name, low, high, drive=levels, tell=tell)
+        found = trace_response(scenario, name, low, high, drive=levels, steps=curve.steps or STEPS, tell=tell)
+    if second is not None and not len(found.folds):
+        raise InputError("The curve has no fold, so there is nothing to follow in a second number.")
     with show_spinner("following the folds"):
-        boundaries = _trace_boundaries(one, found, against)
-        sweeps = _make_runs(scenario, name, (low, high), runs, hold, levels)
-    summary = summarise_response(found, scenario.title, speed, boundaries, sweeps)
+        boundaries = [] if second is None else [trace_folds(found, k, *second) for k in range(len(found.folds))]
+    with show_spinner("running up and down"):
+        sweeps = _make_runs(scenario, name, (low, high), curve, levels)
+    summary = summarise_response(found, scenario.title, curve.speed, boundaries, sweeps)
     outputs.answer(
-        summary, json, draw=lambda: plot_response(found, sweeps, boundaries, speed=speed, title=scenario.title)
+        summary, json, draw=lambda: plot_response(found, sweeps, boundaries, speed=curve.speed, title=scenario.title)
     )
 
 
-def _trace_boundaries(one: Subject, found: ResponseCurve, against: str | None) -> list[FoldCurve]:
-    """The folds in a second number."""
-    from martensite_sweep.steady.curves import trace_folds
-
-    if against is None:
-        return []
-    if not len(found.folds):
-        raise InputError("The curve has no fold, so there is nothing to follow in a second number.")
-    name, low, high = _read_range(one, against)
-    return [trace_folds(found, k, name, low, high) for k in range(len(found.folds))]
-
-
 def _make_runs(
-    scenario: Scenario, name: str, ends: tuple[float, float], runs: int, hold: float | None, levels: dict[str, float]
+    scenario: Scenario, name: str, ends: tuple[float, float], curve: CurveOptions, levels: dict[str, float]
 ) -> list[ResponseSweep]:
     """A run up and down again; levels are spread evenly on a logarithmic scale where both ends are above 0."""
     import numpy as np
 
     from martensite_sweep.steady.rotations import sweep_response
 
-    if not runs:
+    hold = read_positive("hold", curve.hold, "s")
+    if hold is None:
         return []
-    if hold is None or not hold > 0.0:
-        raise ParameterError("Runs hold each level for a while; say how long by `--hold`, such as 20 s.")
-    up = np.geomspace(*ends, max(runs, 2)) if ends[0] > 0.0 else np.linspace(*ends, max(runs, 2))
+    count = max(curve.runs, 2)
+    up = np.geomspace(*ends, count) if ends[0] > 0.0 else np.linspace(*ends, count)
     both = sweep_response(scenario, name, np.concatenate([up, up[::-1]]), hold, drive=levels)
-    return [both.cut(0, len(up)), both.cut(len(up), 2 * len(up))]
+    return [both.cut(0, count), both.cut(count, 2 * count)]
 
 
 def _read_drives(scenario: Scenario, given: list[str] | None) -> dict[str, float]:

@@ -42,7 +42,7 @@ FEWEST = 200
 
 
 @dataclass(frozen=True, eq=False)
-class LimitCycle:
+class PeriodicOrbit:
     """A motion that repeats itself."""
 
     system: AbstractSystem
@@ -76,7 +76,7 @@ def find_cycle(
     *,
     step: float | None = None,
     state: Numbers | None = None,
-) -> LimitCycle:
+) -> PeriodicOrbit:
     """The motion that a system comes to under drives that repeat themselves.
 
     Args:
@@ -99,7 +99,7 @@ def find_cycle(
     way.run()
     times, outputs = motion.observe(way.state)
     stability = motion.judge(way.state)
-    return LimitCycle(one.system, period, times, outputs, way.state, stability, way.left, way.count)
+    return PeriodicOrbit(one.system, period, times, outputs, way.state, stability, way.left, way.count)
 
 
 class Shooting:

@@ -11,7 +11,7 @@ from martensite.show.figures.panels import add_panels, write_headline
 from martensite.show.figures.style import COOLING, HEATING, QUIET, make_figure, use_style
 from martensite.signals.sampling.sampled import Numbers
 from martensite_sweep.steady.curves import FoldCurve
-from martensite_sweep.steady.cycles import LimitCycle
+from martensite_sweep.steady.cycles import PeriodicOrbit
 from martensite_sweep.steady.rotations import ResponseCurve, ResponseSweep
 from martensite_sweep.steady.summaries import choose_output, convert_speed, list_readable
 
@@ -106,7 +106,7 @@ def _draw_boundaries(axes: Any, boundaries: Sequence[FoldCurve]) -> None:
         axes.set(xlabel=f"{one.names[1]} [{first}]", title=f"folds of {one.names[0]} [{second}]", yscale="log")
 
 
-def plot_cycle(found: LimitCycle, title: str = "") -> Figure:
+def plot_cycle(found: PeriodicOrbit, title: str = "") -> Figure:
     """Draw what the judged outputs do in a limit cycle, the ends joined: over time, and against the first of them."""
     with use_style():
         figure = make_figure(WIDTH, HEIGHT)

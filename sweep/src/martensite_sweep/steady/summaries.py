@@ -12,7 +12,7 @@ from martensite.base.formats import write_quantity
 from martensite.base.summary import Block, DataTable, Sentence, Summary
 from martensite.signals.sampling.sampled import Numbers
 from martensite_sweep.steady.curves import FoldCurve
-from martensite_sweep.steady.cycles import LimitCycle
+from martensite_sweep.steady.cycles import PeriodicOrbit
 from martensite_sweep.steady.equilibria import SteadyState
 from martensite_sweep.steady.periodic_motion import Stability
 from martensite_sweep.steady.rotations import ResponseCurve, ResponseSweep
@@ -77,7 +77,7 @@ def _tell_neutral(found: Stability) -> list[Block]:
     ]
 
 
-def summarise_cycle(found: LimitCycle, title: str) -> Summary:
+def summarise_cycle(found: PeriodicOrbit, title: str) -> Summary:
     """Everything about a limit cycle."""
     shown = {name: one for name, one in found.system.outputs().items() if PROFILE not in name}
     rows = [

@@ -24,7 +24,7 @@ from martensite.scenario.scenario import Scenario
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
 from martensite_sweep.steady.continuation import Linearised
-from martensite_sweep.steady.cycles import LimitCycle, Shooting
+from martensite_sweep.steady.cycles import PeriodicOrbit, Shooting
 from martensite_sweep.steady.equilibria import rest_signals
 from martensite_sweep.steady.periodic_motion import find_inert, judge_stability
 from martensite_sweep.steady.roots import find_root
@@ -58,7 +58,7 @@ class Switch:
 
 
 @dataclass(frozen=True, eq=False)
-class SwitchedCycle(LimitCycle):
+class SwitchedCycle(PeriodicOrbit):
     """A limit cycle of an ON/OFF loop, from one switching off to the next."""
 
     on_time: float = 0.0
