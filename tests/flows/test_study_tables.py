@@ -18,7 +18,7 @@ from martensite.base.errors import DataError, ParameterError
 from martensite.base.summary import PAGE_WIDTH
 from martensite.cli.study import summarise_answer
 from martensite.studies.base import WIDEST, Claim, load_study, study_names
-from martensite_studies import shipped, tables
+from martensite_studies import shipped_numbers, tables
 from martensite_studies.claim_tables import find_number, read_claims, settle_part, write_digest
 from martensite_studies.tables import Printed, TableStudy
 
@@ -253,8 +253,8 @@ def test_units_of_shipped_numbers_are_units(study: TableStudy) -> None:
 def test_what_ships_is_complete_and_of_this_program(study: TableStudy) -> None:
     """Numbers are those of the files beside them, verdicts rest on narrow tolerances, and the digest fits a screen."""
     found = study.shipped()
-    assert found is not None and shipped.fingerprint_study(study.folder()) in found.made_by, (
-        f"`python -m martensite_studies.shipped {study.key}` computes what ships anew"
+    assert found is not None and shipped_numbers.fingerprint_study(study.folder()) in found.made_by, (
+        f"`python -m martensite_studies.shipped_numbers {study.key}` computes what ships anew"
     )
     check_complete(found)
     for claim in (claim for claim in found.claims if claim.tolerance is not None):
@@ -280,20 +280,20 @@ def test_no_figure_of_a_digest_is_typed(study: TableStudy) -> None:
 def test_what_ships_is_what_is_computed(name: str) -> None:
     study = load_study(name)
     assert isinstance(study, TableStudy)
-    assert shipped.find_changes(study) == []
+    assert shipped_numbers.find_changes(study) == []
 
 
 def test_a_number_that_is_another_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     study = load_study("platform")
     assert isinstance(study, TableStudy)
     monkeypatch.setitem(study.table, "parts", {"equation": "equations"})
-    right = shipped.read_results(study.folder())
+    right = shipped_numbers.read_results(study.folder())
     assert right is not None
     study._numbers["equation"] = right["numbers"]["equation"] | {"eq8_finish": 0.7}
     assert study.shipped() is not None
-    assert shipped.find_changes(study) == []  # as printed, and not what is computed
+    assert shipped_numbers.find_changes(study) == []  # as printed, and not what is computed
     study._numbers["equation"] |= {"resistivity_hot": 1e-6}  # type: ignore[operator]
-    assert shipped.find_changes(study) == ["`resistivity-hot` was shipped as 9.70446e-07 and is 1e-06."]
+    assert shipped_numbers.find_changes(study) == ["`resistivity-hot` was shipped as 9.70446e-07 and is 1e-06."]
 
 
 def test_objects_are_shipped_with_what_can_be_written() -> None:
@@ -305,6 +305,6 @@ def test_objects_are_shipped_with_what_can_be_written() -> None:
         def rms(self) -> float:
             return 0.5
 
-    simple = shipped.simplify_numbers({"a": Fit(), "rows": [{"k": 1, "fit": Fit()}]})
+    simple = shipped_numbers.simplify_numbers({"a": Fit(), "rows": [{"k": 1, "fit": Fit()}]})
     assert simple["a"] == {"h": 1.23456789012, "errors": [1.0, 2.0], "rms": 0.5}
     assert simple["rows"][0]["fit"]["rms"] == 0.5

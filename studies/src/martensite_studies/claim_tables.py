@@ -45,7 +45,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from martensite.base.errors import DataError, suggest_name
-from martensite.studies.base import DIGEST, GROUNDS, Answer, Claim, Report, Verdict, judge_number
+from martensite.studies.base import DIGEST, GROUNDS, Answer, Claim, StudyReport, Verdict, judge_number
 
 HEADER = (
     *("order", "title", "cites", "guide", "caption", "scenarios", "parts", "digest", "reports"),
@@ -175,11 +175,11 @@ def _list_rows(
                 yield said, names, printed, "" if known else table["absent"]
 
 
-def _settle_report(said: Mapping[str, Any], names: Mapping[str, Any], printed: Any, absent: str) -> Report:
+def _settle_report(said: Mapping[str, Any], names: Mapping[str, Any], printed: Any, absent: str) -> StudyReport:
     id, what, unit = (said[key].format_map(names) for key in ("id", "what", "unit"))
     computed = None if absent else _computed_number(said, names, id)
     why = absent or said["why"].format_map(names)
-    return Report(id, what, _name_source(said, printed), computed, unit, why)
+    return StudyReport(id, what, _name_source(said, printed), computed, unit, why)
 
 
 def _settle_claim(said: Mapping[str, Any], names: Mapping[str, Any], printed: Any, absent: str) -> Claim:
@@ -268,6 +268,6 @@ def write_digest(
 KINDS = "claims", "reports"
 
 
-def _blank_unknown(one: Claim | Report) -> SimpleNamespace:
+def _blank_unknown(one: Claim | StudyReport) -> SimpleNamespace:
     """The fields of a claim or report, to be written into a sentence."""
     return SimpleNamespace(**{key: _Unknown() if value is None else value for key, value in vars(one).items()})
