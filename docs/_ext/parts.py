@@ -300,7 +300,9 @@ def _study(found: AbstractStudy, answer: Answer) -> str:
 def _warn_of_changes(found: AbstractStudy) -> None:
     """Compute a study, whose figure has left most of its runs, and compare it with what was shipped."""
     for sentence in find_changes(found) if isinstance(found, TableStudy) else ():
-        _logger.warning("Study %s: %s `python -m martensite_studies.shipped_numbers` writes it anew.", found.key, sentence)
+        _logger.warning(
+            "Study %s: %s `python -m martensite_studies.shipped_numbers` writes it anew.", found.key, sentence
+        )
 
 
 def _claim(claim: Claim) -> tuple[str, ...]:
