@@ -29,6 +29,8 @@ from martensite.scenario.scenario import Run
 
 DRAWN = ("migaone", "wire-heating", "platform", "sommerfeld", "finger", "finger-calibration", "hammerstein-wiener")
 """Studies whose figure is shown; the others need a record that may be absent."""
+STUDIED = (*DRAWN, "electrothermal-staircase")
+"""Studies whose digest a page may show."""
 PAGES = ("brinson", "elahinia", "lagoudas", "liang-rogers", "mas", "mas-hybrid", "mas-polycrystal", "tanaka")
 """Laws whose page lists their parameters."""
 SECTIONS: dict[str, Callable[[], str]] = {
@@ -43,6 +45,7 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "commands": commands.all_commands,
     "bibliography": bibtex.bibliography,
     **{f"figure-{name}": partial(parts.figure, name) for name in DRAWN},
+    **{f"digest-{name}": partial(parts.digest, name) for name in STUDIED},
     **{f"law-{name}": partial(parts.parameters_of, LAWS[name]) for name in PAGES},
     "studies": parts.all_studies,
     "run": lambda: parts.parameters_of(Run),

@@ -24,6 +24,10 @@ from martensite.signals.sampling.sampled import Numbers
 from martensite_studies.sommerfeld.machines import natural_frequency
 from martensite_studies.tables import Printed
 
+AMPLITUDE = 0.054
+"""Peak amplitude of the ramp without the wire [m]: the whole millimetres near the printed 0.052 m, "approximately", of
+which the printed reduction leaves whole millimetres."""
+
 
 @dataclass(frozen=True)
 class Fold:
@@ -81,11 +85,9 @@ def calibrate_beam(printed: Printed) -> RampCalibration:
     """M from the measured frequency, c from the amplitude, R from the jump voltage."""
     omega = 2.0 * math.pi * printed.measured_frequency
     moment = printed.unbalance * printed.eccentricity
-    torque = 0.5 * moment * omega**2 * printed.amplitude
+    torque = 0.5 * moment * omega**2 * AMPLITUDE
     left = printed.jump - printed.constant * omega
-    return RampCalibration(
-        printed.stiffness / omega**2, moment * omega / printed.amplitude, printed.constant * left / torque
-    )
+    return RampCalibration(printed.stiffness / omega**2, moment * omega / AMPLITUDE, printed.constant * left / torque)
 
 
 def required_changes(printed: Printed) -> tuple[float, float]:

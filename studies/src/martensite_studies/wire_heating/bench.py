@@ -82,6 +82,15 @@ def implied_ambient(row: Printed) -> float:
     return math.nan
 
 
+def textbook_prandtl(row: Printed) -> float:
+    """Prandtl number of a textbook's air that conducts as a row."""
+    table = [(entry[1], entry[3]) for entry in ROWS["textbook"]]
+    for (low, first), (high, last) in pairwise(table):
+        if row.conductivity <= high:
+            return first + (last - first) * (row.conductivity - low) / (high - low)
+    return math.nan
+
+
 @cache
 def load_scenario(closure: str) -> Scenario:
     """The scenario of closure `a` or `b`."""
