@@ -171,7 +171,8 @@ class AbstractMultibody(AbstractMechanism):
     ) -> Assembled:
         """At home and at rest; with inertia, under the acceleration that the signals give it."""
         rest = (0.0,) * len(self.coordinates())
-        course = self._begin(xp, Motion(tuple(self.home(xp)), rest, rest), self.start_forces(xp), signals)
+        place = tuple(self.home(xp))
+        course = self._begin(xp, Motion(place, rest, rest), self.start_forces(xp), signals)
         unknown = (0.0,) * len(elements)
         untouched = (0.0,) * len(self.gaps(xp, place))
         return Assembled(tuple(self.assembled_elongations(xp, elongations)), course, unknown, untouched)
@@ -193,7 +194,7 @@ class AbstractMultibody(AbstractMechanism):
         A coordinate without inertia and damping is where the forces are in balance.
 
         Raises:
-            ParameterError: such a coordinate is given, or there is no balance.
+            ParameterError: such a coordinate is given, there is no balance, or something would overlap there.
         """
         rest = (0.0,) * len(self.coordinates())
         rows = list(zip(self.coordinates(), self.home(floats), strict=True))
@@ -211,6 +212,12 @@ class AbstractMultibody(AbstractMechanism):
 
         loose = [] if self.moves else self._list_loose(given)
         place = find_balance(missing, place, loose) if loose else place
+        overlap = -min(self.gaps(floats, place), default=0.0)
+        if overlap > 1e-12:
+            raise ParameterError(
+                f"`{self.registered_name}` would overlap what it touches by {overlap:.3g} m or rad in that state; "
+                "give coordinates that are farther from its stops and its object."
+            )
         forces = list(pull(floats, place))
         return memory._replace(
             course=self._begin(floats, Motion(tuple(place), velocity, rest), forces, signals)
