@@ -154,6 +154,8 @@ class CondensedStep:
         linear = self._linear(xp, scheme, before)
         found, states, report = self._answers(xp, _build_lines(xp, linear, before.tangents), before.states)
         tangents = _renew_points(xp, before.tangents, found, before.turned > 0.0, linear.elongations)
+        if before.reactions:  # what is held still has shown no slope, and may be freed with any
+            tangents = _stiffen_still(xp, before, found, tangents)
         change, reactions, unsettled = _compute_correction(xp, linear, tangents)
         sizes = (c.size for c in self.mechanism.coordinates())
         moved = [xp.abs(d) * (1.0 / size) for d, size in zip(change, sizes, strict=True)]
@@ -265,6 +267,17 @@ def _renew_points(
         slope = xp.where(known, xp.clip(secant, FLOOR * most, most), kept)
         slack = _compute_slack_stiffness(xp, most, path, now.elongation)
         new.append(now._replace(stiffness=xp.where(now.force > 0.0, slope, slack)))
+    return new
+
+
+def _stiffen_still(
+    xp: Namespace, before: _Turn, found: Sequence[Tangent], tangents: Sequence[Tangent]
+) -> list[Tangent]:
+    """Tangents, at frozen fractions for elements that did not move while something pushes."""
+    pushed, new = find_largest(xp, before.reactions) > 0.0, list[Tangent]()
+    for last, now, tangent in zip(before.tangents, found, tangents, strict=True):
+        still = xp.both(pushed, xp.abs(now.elongation - last.elongation) < STILL)
+        new.append(tangent._replace(stiffness=xp.where(still, now.stiffness, tangent.stiffness)))
     return new
 
 

@@ -4,9 +4,9 @@ A phalanx is a segment of the length l from its hinge at p, in the direction u, 
 cylinder of radius R stands across the plane at c. With t = u·(c - p) along the phalanx and n = u x (c - p) to its
 inside, the phalanx is nearest to the axis at t' = t limited to [0, l], and the gap is
 
-    g = √((t - t')² + n²) - R - w,        g = n - R - w where t' = t.
+    g = √((t - t')² + n²) - R - w,        g = n - R - w where t' = t and n > -R - w.
 
-Beside a phalanx the distance has a sign, so that one that has gone through a cylinder knows the way back. What touches
+Beside a phalanx the distance has a sign, so that one that is half through a cylinder knows the way back. What touches
 pushes and does not pull (`martensite.actuators.mechanics.complementarity`); its force is normal to both, for friction
 is left out. Plane: along the straight finger, and inwards, where it bends to.
 """
@@ -56,7 +56,8 @@ def find_touches(xp: Namespace, axis: Column, reach: Scalar, lengths: Column, an
         way, across = c * along + s * inwards, c * inwards - s * along
         place = xp.clip(way, 0.0, length)
         past = way - place
-        distance = xp.where(xp.abs(past) > 0.0, xp.sqrt(past * past + across * across), across)
+        through = xp.both(past * past <= 0.0, across > -reach)
+        distance = xp.where(through, across, xp.sqrt(past * past + across * across))
         found.append(Touch(distance - reach, place))
         along, inwards = along - length * c, inwards - length * s
     return found
