@@ -10,9 +10,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import optimize
 
 import martensite as ms
-from martensite.base.errors import InputError, ParameterError
+from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.simulate.api import longest_step
 from martensite_studies.sommerfeld import averages, machines
 from martensite_studies.tables import printed_numbers
@@ -24,8 +25,8 @@ MACHINE = ms.Machine(mechanism=MOTOR)
 
 @pytest.fixture(scope="module")
 def curve() -> ms.simulate.ResponseCurve:
-    """Table 3 of the thesis, from 1 to 90 V."""
-    return ms.simulate.trace_response(MACHINE, "motor", 1.0, 90.0, steps=256)
+    """Table 3 of the thesis, from 1 to 90 V; 128 steps of a turn leave out up to 4e-4."""
+    return ms.simulate.trace_response(MACHINE, "motor", 1.0, 90.0, steps=128)
 
 
 def test_folds_are_those_of_the_averaged_equations(curve: ms.simulate.ResponseCurve) -> None:
@@ -33,10 +34,10 @@ def test_folds_are_those_of_the_averaged_equations(curve: ms.simulate.ResponseCu
     upper, lower = averages.find_folds(MOTOR)
     assert (upper.voltage, lower.voltage) == pytest.approx((81.5359, 1.26138), rel=1e-5)
     assert curve.folds == pytest.approx([upper.voltage, lower.voltage], rel=2e-3)
-    assert curve.folds[1] == pytest.approx(lower.voltage, rel=1e-4)
-    assert curve.speed[curve.fold] == pytest.approx([upper.speed, lower.speed], rel=1e-4)
+    assert curve.folds[1] == pytest.approx(lower.voltage, rel=4e-4)
+    assert curve.speed[curve.fold] == pytest.approx([upper.speed, lower.speed], rel=4e-4)
     swing = [averages.amplitude_at(MOTOR, one.speed) for one in (upper, lower)]
-    assert curve.amplitude["displacement"][curve.fold] == pytest.approx(swing, rel=1e-3)
+    assert curve.amplitude["displacement"][curve.fold] == pytest.approx(swing, rel=2e-3)
 
 
 def test_stability_changes_at_the_folds_and_nowhere_else(curve: ms.simulate.ResponseCurve) -> None:
@@ -67,13 +68,33 @@ def test_runs_jump_where_the_curve_turns_back(curve: ms.simulate.ResponseCurve) 
 
 
 def test_a_fold_moves_with_the_damping(curve: ms.simulate.ResponseCurve) -> None:
-    for place, off in ((0, 3e-3), (1, 3e-4)):
-        found = ms.simulate.trace_folds(curve, place, "damping", 0.064, 0.08)
-        assert found.second[[0, -1]] == pytest.approx([0.064, 0.08], rel=1e-9)
+    for place, off in ((0, 3e-3), (1, 6e-4)):
+        found = ms.simulate.trace_folds(curve, place, "damping", 0.066, 0.076)
+        assert found.second[[0, -1]] == pytest.approx([0.066, 0.076], rel=1e-9)
         assert not found.cusp.any()
         for k in (0, -1):
             motor = MOTOR.with_values({"damping": float(found.second[k])})
             assert found.first[k] == pytest.approx(averages.find_folds(motor)[place].voltage, rel=off)
+
+
+def test_another_number_is_followed_from_a_point(curve: ms.simulate.ResponseCurve) -> None:
+    """Captured at about 20 V, with more damping: where the averaged equations have it."""
+    place = int(np.flatnonzero(curve.parameter > 20.0)[0])
+    volts = float(curve.parameter[place])
+    found = ms.simulate.continue_response(curve, place, "damping", 0.06, 0.1)
+    assert found.parameter[[0, -1]] == pytest.approx([0.06, 0.1], rel=1e-9)
+    for k in (0, -1):
+        motor, peak = MOTOR.with_values({"damping": float(found.parameter[k])}), machines.natural_frequency(MOTOR)
+        speed = optimize.brentq(lambda w, m=motor: averages.voltage_at(m, w) - volts, 0.9 * peak, peak)
+        assert found.speed[k] == pytest.approx(speed, rel=4e-4)
+        assert found.amplitude["displacement"][k] == pytest.approx(averages.amplitude_at(motor, speed), rel=2e-3)
+
+
+def test_a_curve_does_not_leap_over_transformations() -> None:
+    """A martensitic wire is heated by 66 K: as a curve it would stay martensite all the way."""
+    cold = ms.simulate.trace_response(machines.load_scenario(), "motor", 0.6, 0.7, drive={"drive": 0.0}, steps=64)
+    with pytest.raises(SolveError, match="depends on the way"):
+        ms.simulate.continue_response(cold, 0, "drive", 0.0, 1.1)
 
 
 def test_a_curve_needs_something_that_turns_and_bounds_that_rise() -> None:

@@ -26,6 +26,7 @@ from martensite_sweep.steady.heat_balance import find_film_coefficient as find_f
 from martensite_sweep.steady.heat_balance import find_steady_temperature as find_steady_temperature
 from martensite_sweep.steady.rotations import ResponseCurve as ResponseCurve
 from martensite_sweep.steady.rotations import ResponseSweep as ResponseSweep
+from martensite_sweep.steady.rotations import continue_response as continue_response
 from martensite_sweep.steady.rotations import sweep_response as sweep_response
 from martensite_sweep.steady.rotations import trace_response as trace_response
 from martensite_sweep.steady.switched_cycles import Switch as Switch

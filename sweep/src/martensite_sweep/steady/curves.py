@@ -12,7 +12,7 @@ from martensite.signals.sampling.sampled import Numbers
 from martensite_sweep.steady.continuation import STEADY_STEPS, Curve, CurvePoint, CurveSteps, Equations, Linearised
 from martensite_sweep.steady.folds import FoldEquations, find_fold
 from martensite_sweep.steady.periodic_motion import PeriodicMotion
-from martensite_sweep.steady.rotations import ResponseCurve
+from martensite_sweep.steady.rotations import ResponseCurve, require_same_heat
 
 Residual = Callable[[Numbers], Sequence[float] | Numbers | float]
 Sizes = Sequence[float] | Callable[[Numbers], Sequence[float] | Numbers] | None
@@ -187,7 +187,7 @@ def trace_folds(
 
     Raises:
         ParameterError: there is no such fold or number, or bounds that do not enclose what it is now.
-        SolveError: the fold cannot be followed.
+        SolveError: the fold cannot be followed, or an element that remembers is heated or cooled along it.
     """
     points = [one for one in curve.points if one.fold]
     if not 0 <= place < len(points):
@@ -202,6 +202,8 @@ def trace_folds(
     )
     both.angle = motion.angle
     found = _follow_folds(both, points[place].unknowns, now, low, high, how)
+    seen = [both.observe(point)[1] for point in found.unknowns]
+    require_same_heat(both, {name: np.array([one[name].mean() for one in seen]) for name in seen[0]})
     return FoldCurve(
         (curve.varied.name, varied.name),
         (curve.varied.unit, varied.unit),

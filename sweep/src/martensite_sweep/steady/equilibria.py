@@ -25,7 +25,6 @@ from martensite.base.errors import InputError, SolveError, require_known
 from martensite.scenario.scenario import Scenario
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
-from martensite.simulate.drive_waveforms import Waveforms
 from martensite.simulate.lanes import Lanes
 from martensite_sweep.steady.periodic_motion import Stability, index_drives, judge_stability
 from martensite_sweep.steady.stretch import Stretch
@@ -167,18 +166,3 @@ def _judge_rest(system: AbstractSystem, state: Numbers, signals: Numbers, start:
         judge_stability(end.slopes),
         dt,
     )
-
-
-def sweep_rest(
-    subject: Scenario | AbstractSystem, drive: str, levels: Numbers, waveform: Waveforms | None = None
-) -> list[dict[str, float]]:
-    """Outputs at rest under one level of a drive after the other, each from the rest before."""
-    one = Subject.read(subject, waveform)
-    lanes = Lanes(one.system, 1)
-    lanes.reset(rest_signals(one.system)[:, None])
-    rows = list[dict[str, float]]()
-    for level in levels:
-        signals = one.hold({drive: float(level)})[:, None]
-        _settle_lanes(lanes, signals)
-        rows.append(dict(zip(lanes.names, lanes.observe(signals)[:, 0].tolist(), strict=True)))
-    return rows

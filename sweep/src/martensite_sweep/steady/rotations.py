@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.assembly.base import JUDGED
 from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.base.errors import InputError, ParameterError, SolveError
 from martensite.scenario.scenario import Scenario
@@ -107,7 +108,8 @@ def trace_response(
         InputError: nothing turns, a name is unknown, or a drive is not given.
         ParameterError: bounds that do not rise.
         CompileError: there is no C compiler.
-        SolveError: no steady rotation is found where the curve begins, or it cannot be followed.
+        SolveError: no steady rotation is found where the curve begins, it cannot be followed, or an element that
+            remembers is heated or cooled along it.
     """
     if not low < high:
         raise ParameterError(f"The bounds of `{over}` must rise, but are {low:g} and {high:g}.")
@@ -128,6 +130,58 @@ def trace_response(
         if tell is not None:
             tell("following the curve", abs(point.parameter - begin) / (high - low))
     return _describe_curve(motion, varied, found, one)
+
+
+def continue_response(
+    curve: ResponseCurve,
+    place: int,
+    over: str,
+    low: float,
+    high: float,
+    *,
+    how: CurveSteps = STEADY_STEPS,
+    tell: Tell | None = None,
+) -> ResponseCurve:
+    """Follow another number from a point of a response curve, which holds what it was a curve of.
+
+    So a state that no run from rest comes to, or an unstable one, is followed along a damping or an unbalance.
+
+    Args:
+        curve: a response curve.
+        place: which of its points, counted from 0.
+        over: what is varied now: the name of a drive, or the path (or unique ending) of a number.
+        low: its lower bound, in SI.
+        high: its upper bound, in SI; what it is now must lie between.
+        how: lengths of the steps along the curve.
+        tell: called now and then with what is done and which share of the range.
+
+    Returns:
+        The curve from where it meets a bound, through the point, to where it meets one on the other side.
+
+    Raises:
+        ParameterError: there is no such point or number, or bounds that do not enclose what it is now.
+        SolveError: the curve cannot be followed, or an element that remembers is heated or cooled along it.
+    """
+    if not 0 <= place < len(curve.points):
+        raise ParameterError(f"The curve has {len(curve.points)} points, and none of number {place}.")
+    point, before = curve.points[place].unknowns, curve.motion
+    held, signals = curve.subject.at(curve.varied, float(point[-1]), before.signals)
+    one = Subject(held, curve.subject.waveforms, curve.subject.title, curve.subject.scenario)
+    varied = one.vary(over, low, high)
+    now = one.value(varied, signals)
+    if not low <= now <= high:
+        raise ParameterError(f"`{varied.name}` is {now:g} {varied.unit}, which its bounds must enclose.")
+    motion = PeriodicMotion(held, signals, [varied], rotor=before.rotor, steps=before.steps)
+    motion.angle = before.angle
+    guess, halves = np.append(point[:-1], now), list[list[CurvePoint]]()
+    for direction in (-1.0, 1.0):
+        follower = Curve(motion, how)
+        halves.append([])
+        for one_point in follower.follow(follower.begin(guess, direction), low, high):
+            halves[-1].append(one_point)
+            if tell is not None:
+                tell("following the curve", abs(one_point.parameter - now) / (high - low))
+    return _describe_curve(motion, varied, [*halves[0][:0:-1], *halves[1]], one)
 
 
 def begin_rotation(
@@ -204,6 +258,7 @@ def _describe_curve(
         for name in names:
             mean[name][k] = seen[name][:-1].mean()
             amplitude[name][k] = 0.5 * np.ptp(seen[name])
+    require_same_heat(motion, mean)
     return ResponseCurve(
         varied,
         np.array([point.parameter for point in points]),
@@ -218,6 +273,24 @@ def _describe_curve(
         {name: output.unit for name, output in one.system.outputs().items()},
         one,
     )
+
+
+def require_same_heat(motion: PeriodicMotion, mean: Mapping[str, Numbers]) -> None:
+    """Raise `SolveError` if elements whose laws remember are heated or cooled along a curve.
+
+    From point to point a curve leaps; what would transform on the way would be left out.
+    """
+    system = motion.stretch.system
+    if not motion.stretch.compiled.points:
+        return
+    for port in system.actuators():
+        name = system.label(port, "temperature")
+        change = float(np.ptp(mean[name]))
+        if change > JUDGED["temperature"]:
+            raise SolveError(
+                f"Along this curve `{name}` changes by {change:.3g} K, and what transforms then depends on the way "
+                "there, which a curve leaps over. Follow one curve for each temperature, from a run of its own."
+            )
 
 
 @dataclass(frozen=True, eq=False)
