@@ -41,8 +41,8 @@ DIGITS = 12
 """Significant digits that are kept."""
 CLOSE, FAINT = 2e-3, 1e-9
 """How far a number may move from one machine to another: as a share, and at all."""
-LOOSE = 0.5
-"""The same share for a number that a search may end at or not."""
+LOOSE = 4.0
+"""The same share for a number that a search may end at or not: of the same size, no more."""
 
 
 def fingerprint_study(folder: Path) -> str:
