@@ -260,6 +260,7 @@ def test_what_ships_is_complete_and_of_this_program(study: TableStudy) -> None:
         printed = claim.published if claim.published is not None else claim.as_printed
         if claim.tolerance is not None:
             assert printed is not None and claim.tolerance <= WIDEST * abs(printed)
+        assert not claim.against or re.search(r"Table|section|equation|Figure", claim.against), claim.id
     summary = summarise_answer(study, found, claims=False)
     lines = list(summary.format_lines(PAGE_WIDTH))
     assert len(lines) <= 24 and max(map(len, lines)) <= PAGE_WIDTH, "\n".join(lines)
