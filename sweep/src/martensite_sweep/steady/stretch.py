@@ -15,10 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
-from martensite.base.errors import SolveError
+from martensite.base.errors import CompileError, SolveError
 from martensite.kernels import floats
 from martensite.kernels.c99 import WIDTHS, slopes_source
-from martensite.kernels.compiler import call_compiled, load_library
+from martensite.kernels.compiler import call_compiled, find_compiler, load_library
 from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.nested import NestedShape
 from martensite.kernels.slopes import differentiate_program
@@ -40,7 +40,16 @@ class Stretch:
     """Steps of one system, whose numbers and which of them move are given."""
 
     def __init__(self, system: AbstractSystem, moving: Sequence[str] = ()) -> None:
-        """Take a system and the full paths of parameters by which derivatives are wanted."""
+        """Take a system and the full paths of parameters by which derivatives are wanted.
+
+        Raises:
+            CompileError: there is no C compiler.
+        """
+        if find_compiler() is None:
+            raise CompileError(
+                "Steady states are computed in C, and no compiler was found; install gcc or clang, or "
+                "`pip install 'martensite[cc]'`."
+            )
         self.system, self.compiled = system, compile_march(system)
         self.values = np.array(self.compiled.values(system))
         self.moving = tuple(self.compiled.paths.index(path) for path in moving)

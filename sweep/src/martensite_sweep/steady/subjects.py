@@ -62,9 +62,9 @@ class Subject:
             InputError: there is no such drive, or one that changes in the scenario is not given.
         """
         names = self.names()
-        if levels is None:
-            levels = {}
-        given = dict(levels) if isinstance(levels, Mapping) else {names[0]: float(levels)}
+        if isinstance(levels, int | float) and not names:
+            raise InputError("This system has no drive that could be held.")
+        given = {names[0]: float(levels)} if isinstance(levels, int | float) else dict(levels or {})
         for name in given:
             require_known("drive", name, names)
         for name, one in self.waveforms.items():
