@@ -273,10 +273,10 @@ def _renew_points(
 def _stiffen_still(
     xp: Namespace, before: _Turn, found: Sequence[Tangent], tangents: Sequence[Tangent]
 ) -> list[Tangent]:
-    """Tangents, at frozen fractions for elements that did not move while something pushes."""
+    """Tangents, at frozen fractions for taut elements that did not move while something pushes."""
     pushed, new = find_largest(xp, before.reactions) > 0.0, list[Tangent]()
     for last, now, tangent in zip(before.tangents, found, tangents, strict=True):
-        still = xp.both(pushed, xp.abs(now.elongation - last.elongation) < STILL)
+        still = xp.both(xp.both(pushed, now.force > 0.0), xp.abs(now.elongation - last.elongation) < STILL)
         new.append(tangent._replace(stiffness=xp.where(still, now.stiffness, tangent.stiffness)))
     return new
 
