@@ -88,8 +88,8 @@ distclean: clean ## clean, and remove .venv too
 	rm -rf $(VENV)
 
 # One stamp per set of extras, so that the environment is touched only when its declaration changed.
-# Every set contains the core, the studies and the sweeps that they use, those of developers the web bench, exports and
-# suites too; nothing is uninstalled on the way from one to another.
+# Every set contains the core and the studies, those of developers the web bench, exports, suites and sweeps too; nothing
+# is uninstalled on the way from one to another.
 $(VENV)/.stamp-core: extra =
 $(VENV)/.stamp-dev: extra = dev
 $(VENV)/.stamp-bench: extra = bench
@@ -102,6 +102,6 @@ else
 		exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	{ $(PIP_INSTALL) uv && $(call sync,$(BIN)/uv,--quiet --python $(BIN)/python); } || $(PIP_INSTALL) \
-		-e '.$(if $(extra),[$(extra)])' -e ./sweep -e ./studies $(if $(extra),-e ./app -e ./export -e ./testing)
+		-e '.$(if $(extra),[$(extra)])' -e ./studies $(if $(extra),-e ./app -e ./export -e ./sweep -e ./testing)
 endif
 	@touch $(VENV)/.stamp-core $@
