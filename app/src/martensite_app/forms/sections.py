@@ -73,11 +73,14 @@ class FormSections:
         if MODEL in self.document:
             found = [self._model(), self._drive_alone()]
         else:
-            found = [*self._actuator(), self._drive(), *self._actuators()]
+            driven = [self._drive()] if self.scenario.system.actuators() else []
+            found = [*self._actuator(), *self._mechanism(), *driven, *self._actuators()]
         loops = describe_bench(self.scenario, self.walk)
         return [*found, *loops, describe_run(self.scenario, self.walk)]
 
     def _actuator(self) -> Iterator[GroupNode]:
+        if not self.scenario.system.actuators():
+            return  # a mechanism alone, such as a beam with its motor
         port, common = self._describe_common()
         element = common.group(
             port.element, f"{self._port_prefix}element", "element", "what is made of the alloy", ELEMENTS
@@ -85,6 +88,8 @@ class FormSections:
         items: list[FormNode] = [self._material(), *element["items"]]
         yield {**element, "title": ELEMENT, "items": items, "note": self._shared_note}
         yield self._environment(port, replace(common, material=None))
+
+    def _mechanism(self) -> Iterator[GroupNode]:
         system = self.scenario.system
         yield {
             **self.walk.group(system.mechanism, f"{self.prefix}mechanism", MECHANISM, "what it pulls on", MECHANISMS),
