@@ -40,7 +40,7 @@ from martensite.actuators.mechanics.equal_elements import LoadLineEquation, answ
 from martensite.actuators.mechanics.motion import MotionHistory, Numbers, Scheme, move_implicitly, predict_position
 from martensite.actuators.mechanisms.base import Column, Load
 from martensite.kernels.dual import compute_jacobian
-from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers
 from martensite.physics.laws.coupling import StepReport
 
@@ -153,9 +153,7 @@ class CondensedStep:
         """Linearise, let every element answer, and correct the position."""
         linear = self._linear(xp, scheme, before)
         found, states, report = self._answers(xp, _build_lines(xp, linear, before.tangents), before.states)
-        tangents = _renew_points(xp, before.tangents, found, before.turned > 0.0, linear.elongations)
-        if before.reactions:  # what is held still has shown no slope, and may be freed with any
-            tangents = _stiffen_still(xp, before, found, tangents)
+        tangents = _renew_points(xp, before, found, linear.elongations)
         change, reactions, unsettled = _compute_correction(xp, linear, tangents)
         sizes = (c.size for c in self.mechanism.coordinates())
         moved = [xp.abs(d) * (1.0 / size) for d, size in zip(change, sizes, strict=True)]
@@ -253,31 +251,21 @@ def _build_lines(xp: Namespace, linear: CondensedSystem, tangents: Sequence[Tang
     return found
 
 
-def _renew_points(
-    xp: Namespace, before: Sequence[Tangent], found: Sequence[Tangent], turned: Flag, elongations: Column
-) -> list[Tangent]:
+def _renew_points(xp: Namespace, before: _Turn, found: Sequence[Tangent], elongations: Column) -> list[Tangent]:
     """The points found, with the slope from the last one to this; first as stiff as before."""
-    new: list[Tangent] = []
-    for last, now, path in zip(before, found, elongations, strict=True):
+    new, turned = list[Tangent](), before.turned > 0.0
+    for last, now, path in zip(before.tangents, found, elongations, strict=True):
         most, taut = now.stiffness, last.force > 0.0
         kept = xp.where(taut, xp.minimum(last.stiffness, most), most)
         apart = now.elongation - last.elongation
+        if before.reactions:  # what is held still has shown no slope, and may be freed with any
+            held = find_largest(xp, before.reactions) > 0.0
+            kept = xp.where(xp.both(held, xp.abs(apart) < STILL), most, kept)
         known = xp.both(xp.both(turned, taut), xp.abs(apart) > STILL)
         secant = (now.force - last.force) / xp.where(known, apart, 1.0)
         slope = xp.where(known, xp.clip(secant, FLOOR * most, most), kept)
         slack = _compute_slack_stiffness(xp, most, path, now.elongation)
         new.append(now._replace(stiffness=xp.where(now.force > 0.0, slope, slack)))
-    return new
-
-
-def _stiffen_still(
-    xp: Namespace, before: _Turn, found: Sequence[Tangent], tangents: Sequence[Tangent]
-) -> list[Tangent]:
-    """Tangents, at frozen fractions for taut elements that did not move while something pushes."""
-    pushed, new = find_largest(xp, before.reactions) > 0.0, list[Tangent]()
-    for last, now, tangent in zip(before.tangents, found, tangents, strict=True):
-        still = xp.both(xp.both(pushed, now.force > 0.0), xp.abs(now.elongation - last.elongation) < STILL)
-        new.append(tangent._replace(stiffness=xp.where(still, now.stiffness, tangent.stiffness)))
     return new
 
 
