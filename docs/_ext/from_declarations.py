@@ -17,6 +17,7 @@ import bibtex
 import blocks
 import commands
 import parts
+import sources
 
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.control.loop.parts import MountedSensor
@@ -31,6 +32,9 @@ DRAWN = ("migaone", "wire-heating", "platform", "sommerfeld", "finger", "finger-
 """Studies whose figure is shown; the others need a record that may be absent."""
 PAGES = ("brinson", "elahinia", "lagoudas", "liang-rogers", "mas", "mas-hybrid", "mas-polycrystal", "tanaka")
 """Laws whose page lists their parameters."""
+SOURCES = {"migaone-paper": ("migaone",)}
+"""Works that have a page of their own, with the studies of each."""
+REBUILT = [name for studies in SOURCES.values() for name in studies]
 SECTIONS: dict[str, Callable[[], str]] = {
     "parts": parts.all_parts,
     "blocks": blocks.all_blocks,
@@ -43,6 +47,10 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "commands": commands.all_commands,
     "bibliography": bibtex.bibliography,
     **{f"figure-{name}": partial(parts.figure, name) for name in DRAWN},
+    **{f"figure-again-{name}": partial(sources.drawing, name) for name in REBUILT},
+    **{f"studies-{name}": partial(sources.findings, name) for name in REBUILT},
+    **{f"source-{key}": partial(sources.entry, key) for key in SOURCES},
+    **{f"cite-{key}": partial(sources.both_entries, key) for key in SOURCES},
     **{f"law-{name}": partial(parts.parameters_of, LAWS[name]) for name in PAGES},
     "studies": parts.all_studies,
     "run": lambda: parts.parameters_of(Run),
@@ -61,8 +69,8 @@ _MARK = re.compile(r"<!-- from-declarations: ([\w-]+) -->")
 
 
 def filled(text: str) -> str:
-    """The text with every mark replaced by what it stands for."""
-    return _MARK.sub(lambda mark: SECTIONS[mark[1]](), text)
+    """The text with every mark, and every field of a number, replaced by what it stands for."""
+    return _MARK.sub(lambda mark: SECTIONS[mark[1]](), sources.with_numbers(text))
 
 
 def _fill(app: Any, page: str, content: list[str]) -> None:

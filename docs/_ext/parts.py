@@ -5,6 +5,7 @@ from __future__ import annotations
 import inspect
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -252,8 +253,9 @@ FIGURES = Path(__file__).parents[1] / "_figures"
 """Where figures of studies are drawn; the claims that follow reuse their runs."""
 
 
+@cache
 def figure(name: str) -> str:
-    """The figure of a study, drawn now."""
+    """The figure of a study, drawn once in a build."""
     found = load_study(name)
     FIGURES.mkdir(exist_ok=True)
     found.figure(FIGURES / f"{name}.svg")
