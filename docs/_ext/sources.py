@@ -15,7 +15,7 @@ from typing import Any
 
 import bibtex
 import yaml
-from parts import cited, figure, plain, table
+from parts import cited, figure, plain, table, unbroken
 
 from martensite.scenario.citations import list_entries
 from martensite.studies.base import DIGEST, AbstractStudy, Answer, Claim, load_study
@@ -82,7 +82,12 @@ def _contained(style: str, text: str) -> str:
 def _row(one: Claim) -> tuple[str, ...]:
     printed = _write(one.published, one.unit) if one.as_printed is None else f"({_write(one.as_printed, one.unit)})"
     place = one.source.partition(", ")[2]
-    return f"{plain(one.statement)} ({place})", printed, _write(one.computed, one.unit), _unbroken(one.verdict)
+    return (
+        f"{plain(one.statement)} ({place})",
+        printed,
+        _write(one.computed, one.unit),
+        unbroken(one.verdict.replace("-", "\N{NON-BREAKING HYPHEN}")),
+    )
 
 
 def _reason(one: Claim) -> str:
@@ -92,27 +97,24 @@ def _reason(one: Claim) -> str:
 def _write(number: float | None, unit: str) -> str:
     if number is None:
         return ""
-    words, name = _raise(f"{number:.4g}"), _write_unit(unit)
-    return words + name if name in ("", "°") else _unbroken(f"{words} {name}")
+    words, name = _typeset(f"{number:.4g}"), _write_unit(unit)
+    return words + name if name in ("", "°") else unbroken(f"{words} {name}")
 
 
 def _write_unit(unit: str) -> str:
     return _UNITS.get(unit) or unit.replace("^2", "²").replace("^3", "³").replace("*", " ") if unit != "1" else ""
 
 
-def _raise(words: str) -> str:
-    """A power of ten as one writes it."""
+def _typeset(words: str) -> str:
+    """A number as one writes it: with a minus sign, and a power of ten."""
+    words = re.sub(r"^-(?=\d)", "\N{MINUS SIGN}", words)
     return _POWER.sub(lambda found: f"{found[1]}·10{(found[2] + found[3]).lstrip('+').translate(_RAISED)}", words)
-
-
-def _unbroken(words: str) -> str:
-    return words.replace(" ", "\N{NO-BREAK SPACE}")
 
 
 # -- numbers within the text -------------------------------------------------------------
 def with_numbers(text: str) -> str:
     """The text with the number of a study in the place of each field."""
-    return _FIELD.sub(lambda found: _raise(f"{{{found[2]}}}".format_map(known_numbers(found[1]))), text)
+    return _FIELD.sub(lambda found: _typeset(f"{{{found[2]}}}".format_map(known_numbers(found[1]))), text)
 
 
 @cache

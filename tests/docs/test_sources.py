@@ -18,6 +18,7 @@ from fences import ROOT, fences
 
 from martensite.physics.materials.base import load_material
 from martensite.studies.base import load_study
+from martensite_studies.tables import printed_numbers
 
 FOLDER = ROOT / "docs" / "sources"
 PAGES = sorted(path for path in FOLDER.glob("*.md") if path.stem != "index")
@@ -28,12 +29,23 @@ SECTIONS = [
 FIELD = re.compile(r"\{\{([a-z-]+): .+?\}\}")
 PUBLIC = re.compile(r"(?:from|import) (page_setup|martensite as ms|math|numpy as np|matplotlib\.pyplot as plt)\b")
 SHEET = load_material("migaone-15").values
+SPRING = printed_numbers("platform")
+MEAN = SPRING.coil_diameter - SPRING.diameter
+RATE = SPRING.G_M * SPRING.diameter**4 / (8 * MEAN**3 * SPRING.turns)
+CONTRACTION = SPRING.height - SPRING.turns * SPRING.diameter
 TYPED = {
+    "platform": {
+        "837 J/(kg K)": SHEET["heat_capacity"].value,
+        "24.2 kJ/kg": SHEET["latent_heat"].value / 1e3,
+        "15 mm": 1e3 * SPRING.turns * SPRING.diameter,
+        "60 mm": 1e3 * SPRING.height,
+        "574 MPa": RATE * CONTRACTION * 8 * math.sqrt(3) * MEAN / (math.pi * SPRING.diameter**3) / 1e6,
+    },
     "migaone": {
         "34 MPa": 0.4 * 9.80665 / (math.pi / 4 * 0.381e-3**2) / 1e6,
         "837 J/(kg K)": SHEET["heat_capacity"].value,
         "24.2 kJ/kg": SHEET["latent_heat"].value / 1e3,
-    }
+    },
 }
 """Numbers that stand on a page as they are, with where they come from."""
 
