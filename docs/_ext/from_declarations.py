@@ -32,7 +32,11 @@ DRAWN = ("migaone", "wire-heating", "platform", "sommerfeld", "finger", "finger-
 """Studies whose figure is shown; the others need a record that may be absent."""
 PAGES = ("brinson", "elahinia", "lagoudas", "liang-rogers", "mas", "mas-hybrid", "mas-polycrystal", "tanaka")
 """Laws whose page lists their parameters."""
-SOURCES = {"migaone-paper": ("migaone",), "ranjith2018": ("platform",)}
+SOURCES = {
+    "migaone-paper": ("migaone",),
+    "ranjith2018": ("platform",),
+    "finger-paper": ("finger", "finger-calibration"),
+}
 """Works that have a page of their own, with the studies of each."""
 REBUILT = [name for studies in SOURCES.values() for name in studies]
 SECTIONS: dict[str, Callable[[], str]] = {

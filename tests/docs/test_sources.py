@@ -33,6 +33,8 @@ SPRING = printed_numbers("platform")
 MEAN = SPRING.coil_diameter - SPRING.diameter
 RATE = SPRING.G_M * SPRING.diameter**4 / (8 * MEAN**3 * SPRING.turns)
 CONTRACTION = SPRING.height - SPRING.turns * SPRING.diameter
+FINGER = printed_numbers("finger")
+SEARCHED = {row.name: row.value for row in printed_numbers("finger_calibration").searched}
 TYPED = {
     "platform": {
         "837 J/(kg K)": SHEET["heat_capacity"].value,
@@ -40,6 +42,11 @@ TYPED = {
         "15 mm": 1e3 * SPRING.turns * SPRING.diameter,
         "60 mm": 1e3 * SPRING.height,
         "574 MPa": RATE * CONTRACTION * 8 * math.sqrt(3) * MEAN / (math.pi * SPRING.diameter**3) / 1e6,
+    },
+    "finger": {
+        "319.75 K": SEARCHED["T_L"] - SEARCHED["sigma_L"] / SEARCHED["dsigma_dT"],
+        "12.5 MPa/K": FINGER.latent_heat * 6500.0 / (325.0 * FINGER.eps_T) / 1e6,
+        "10.6 mm": (250.0 - (1 + FINGER.eps_T) * 500.0 * FINGER.length) / 2,
     },
     "migaone": {
         "34 MPa": 0.4 * 9.80665 / (math.pi / 4 * 0.381e-3**2) / 1e6,
