@@ -25,7 +25,7 @@ from martensite.scenario import catalogue
 from martensite.show.summaries.parts import write_default
 from martensite.simulate.measures.base import MEASURES
 from martensite.studies.base import DIGEST, VERDICTS, AbstractStudy, Answer, Claim, load_study, study_names
-from martensite_studies.shipped import find_changes
+from martensite_studies.shipped_numbers import find_changes
 from martensite_studies.tables import TableStudy
 from martensite_sweep.backends.base import BACKENDS
 from martensite_sweep.sampling.samples import DESIGNS
@@ -304,7 +304,9 @@ def _study(found: AbstractStudy, answer: Answer) -> str:
 def _warn_of_changes(found: AbstractStudy) -> None:
     """Compute a study, whose figure has left most of its runs, and compare it with what was shipped."""
     for sentence in find_changes(found) if isinstance(found, TableStudy) else ():
-        _logger.warning("Study %s: %s `python -m martensite_studies.shipped` writes it anew.", found.key, sentence)
+        _logger.warning(
+            "Study %s: %s `python -m martensite_studies.shipped_numbers` writes it anew.", found.key, sentence
+        )
 
 
 def _claim(claim: Claim) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from parts import cited, figure, plain, table, unbroken
 
 from martensite.scenario.citations import list_entries
 from martensite.studies.base import DIGEST, AbstractStudy, Answer, Claim, load_study
-from martensite_studies.shipped import read_results
+from martensite_studies.shipped_numbers import read_results
 from martensite_studies.tables import TableStudy
 
 CITATION = Path(__file__).parents[2] / "CITATION.cff"

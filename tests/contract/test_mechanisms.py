@@ -22,7 +22,7 @@ from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.simulate.api import simulate
 from martensite.simulate.result import Result
-from martensite.testing.mechanisms import is_consistent
+from martensite_testing.mechanisms import is_consistent
 
 MULTIBODY = [m for m in examples("mechanism") if isinstance(m, AbstractMultibody)]
 PULLED = [m for m in MULTIBODY if m.ports()]

@@ -33,6 +33,7 @@ ABSENT = (
     "martensite_export",
     "martensite_studies",
     "martensite_sweep",
+    "martensite_testing",
 )
 TAB = """
 import rlcompleter, martensite as ms
@@ -183,8 +184,9 @@ def test_it_works_without_any_extra(python: Path, folder: Path, code: str) -> No
     assert done.returncode == 0, done.stderr
 
 
-def test_a_law_of_ones_own_conforms(python: Path, folder: Path) -> None:
-    done = call(python, folder, "-m", "martensite", "conform", "linear_strips.py")
+def test_a_law_of_ones_own_conforms(python: Path, folder: Path, tmp_path: Path) -> None:
+    unpack_wheel(ROOT / "testing", tmp_path, tmp_path)
+    done = call(python, tmp_path, "-m", "martensite", "conform", str(folder / "linear_strips.py"))
     assert done.returncode == 0, done.stdout + done.stderr
     assert "linear-strips" in done.stdout
 
@@ -214,8 +216,16 @@ def test_exports_are_added_by_their_wheel(python: Path, folder: Path, tmp_path: 
 
 def test_sweeps_say_what_brings_them(python: Path, folder: Path) -> None:
     need = "This needs `martensite-sweep`, which is not installed; run `pip install 'martensite[sweep]'`."
-    for answer in ask_all(python, folder, "sweep wire.toml --over diameter=1..2", "sensitivity --help", "pareto"):
+    for answer in ask_all(
+        python, folder, "sweep wire.toml --over diameter=1..2", "sensitivity --help", "pareto", "design wire.toml"
+    ):
         assert answer == [2, "", f"error: {need}\n"]
+
+
+def test_suites_say_what_brings_them(python: Path, folder: Path) -> None:
+    need = "This needs `martensite-testing`, which is not installed; run `pip install 'martensite[testing]'`."
+    (answer,) = ask_all(python, folder, "conform brinson")
+    assert answer == [2, "", f"error: {need}\n"]
 
 
 def test_sweeps_are_added_by_their_wheel(python: Path, folder: Path, tmp_path: Path) -> None:

@@ -105,7 +105,8 @@ def test_make_target_exists(line: str) -> None:
 
 @pytest.mark.parametrize("line", [line for line in SHELL if line.startswith(INSTALLS)])
 def test_installation_is_of_this_checkout(line: str) -> None:
-    known = {".": "martensite"} | {f"./{one}": f"martensite-{one}" for one in ("app", "export", "studies", "sweep")}
+    apart = (path.parent.name for path in ROOT.glob("*/pyproject.toml"))
+    known = {".": "martensite"} | {f"./{one}": f"martensite-{one}" for one in apart}
     for word in line.partition("install ")[2].replace('"', "").split():
         path, _, extra = word.partition("[")
         project = tomllib.loads((ROOT / path / "pyproject.toml").read_text("utf-8"))["project"]

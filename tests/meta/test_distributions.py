@@ -1,6 +1,6 @@
 """The distributions of this repository belong together.
 
-Source of truth: their declarations, `pyproject.toml` and those in `app`, `export`, `studies` and `sweep`.
+Source of truth: their declarations, `pyproject.toml` and those in `app`, `export`, `studies`, `sweep` and `testing`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import pytest
 from martensite.studies.base import STUDIES
 
 ROOT = Path(__file__).resolve().parents[2]
-APART = ("app", "export", "studies", "sweep")
+APART = ("app", "export", "studies", "sweep", "testing")
 """Folders of what is installed apart, which are extras too."""
 
 

@@ -24,7 +24,9 @@ def lint_imports(folder: Path) -> subprocess.CompletedProcess[str]:
         str(ROOT / "pyproject.toml"),
         "--no-cache",
     ]
-    paths = os.pathsep.join([str(folder), *(str(ROOT / one / "src") for one in ("app", "export", "studies", "sweep"))])
+    paths = os.pathsep.join(
+        [str(folder), *(str(ROOT / one / "src") for one in ("app", "export", "studies", "sweep", "testing"))]
+    )
     changes = {"PYTHONPATH": paths, "PYTHONDONTWRITEBYTECODE": "1", "COLUMNS": "200"}
     environment = os.environ | changes
     return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)

@@ -38,6 +38,20 @@ def import_extra(module: str, extra: str, title: str = "") -> Any:
         ) from None
 
 
+def forward_names(module: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """Make `__getattr__` and `__dir__` of a module whose names a distribution apart defines."""
+
+    def import_name(name: str) -> Any:
+        if name.startswith("_"):  # asked for by import machinery and by consoles: no name of it
+            raise AttributeError(f"module {module!r} has no attribute {name!r}")
+        return getattr(import_extra(module, *_name_extra(module)), name)
+
+    def list_names() -> list[str]:
+        return dir(import_module(module)) if find_spec(module) else []
+
+    return import_name, list_names
+
+
 def list_public_names(package: str) -> dict[str, tuple[str, str]]:
     """Public name of a package -> the module that defines it, and its name there."""
     stub = Path(str(sys.modules[package].__file__)).with_suffix(".pyi")

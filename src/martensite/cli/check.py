@@ -10,6 +10,7 @@ import typer
 
 from martensite.base.errors import InputError
 from martensite.base.formats import write_quantity
+from martensite.base.lazy import import_extra
 from martensite.base.summary import Block, DataTable, Heading, Sentence, Summary
 from martensite.cli.app import app
 from martensite.cli.options import (
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
     from martensite.simulate.result import Result
     from martensite.simulate.trial_runs import EndState
-    from martensite.testing import Conformance
+    from martensite_testing.conformance import Conformance
 
 LEVELS = ("lowest", "highest")
 FEW = 2
@@ -219,9 +220,8 @@ def conform(
     """
     import_modules(modules)
     from martensite.show.terminal import print_summary
-    from martensite.testing import check_target
 
-    found = check_target(target)
+    found = import_extra("martensite_testing", "testing", "`martensite-testing`").check_target(target)
     blocks = [block for one in found for block in _describe_findings(one)]
     print_summary(Summary("", blocks, [_collect_findings(one) for one in found]), json)
     if not all(one.holds for one in found):

@@ -104,7 +104,7 @@ class Claim:
 
 
 @dataclass(frozen=True)
-class Report:
+class StudyReport:
     """A number computed here for which the source prints none."""
 
     id: str
@@ -121,7 +121,7 @@ class Answer:
     """All that a study, or a part of one, has found."""
 
     claims: Sequence[Claim]
-    reports: Sequence[Report] = ()
+    reports: Sequence[StudyReport] = ()
     digest: Mapping[str, str] = field(default_factory=dict[str, str])
     """Sentences by the keys of `DIGEST`."""
     made_by: str = ""

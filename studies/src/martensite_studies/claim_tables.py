@@ -45,7 +45,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from martensite.base.errors import DataError, suggest_name
-from martensite.studies.base import DIGEST, GROUNDS, Answer, Claim, Report, Verdict, judge_number
+from martensite.studies.base import DIGEST, GROUNDS, Answer, Claim, StudyReport, Verdict, judge_number
 
 HEADER = (
     *("order", "title", "cites", "guide", "caption", "scenarios", "parts", "digest", "reports"),
@@ -57,6 +57,7 @@ NEEDED = ("id", "what", "place", "unit", "why")
 REPORTED = (*NEEDED, "computed", "scale", "source", "each", "needs")
 CLAIMED = (*REPORTED, *("published", "as_printed", "tolerance", "tolerance_reason", "kind"), *GROUNDS.values())
 OMITTED = "-"
+ABSENT = "measured data that this machine lacks"
 
 
 class _Unknown:
@@ -174,19 +175,21 @@ def _list_rows(
                 yield said, names, printed, "" if known else table["absent"]
 
 
-def _settle_report(said: Mapping[str, Any], names: Mapping[str, Any], printed: Any, absent: str) -> Report:
-    id, what, unit, why = (said[key].format_map(names) for key in ("id", "what", "unit", "why"))
+def _settle_report(said: Mapping[str, Any], names: Mapping[str, Any], printed: Any, absent: str) -> StudyReport:
+    id, what, unit = (said[key].format_map(names) for key in ("id", "what", "unit"))
     computed = None if absent else _computed_number(said, names, id)
-    return Report(id, what, _name_source(said, printed), computed, unit, absent or why)
+    why = absent or said["why"].format_map(names)
+    return StudyReport(id, what, _name_source(said, printed), computed, unit, why)
 
 
 def _settle_claim(said: Mapping[str, Any], names: Mapping[str, Any], printed: Any, absent: str) -> Claim:
     """A claim with its number and its verdict; without them for the reason `absent`, if any."""
-    id, what, unit, why = (said[key].format_map(names) for key in ("id", "what", "unit", "why"))
+    id, what, unit = (said[key].format_map(names) for key in ("id", "what", "unit"))
     words = id, what, _name_source(said, printed)
     published = _published_number(said, names, printed, id)
     if absent:
-        return Claim(*words, published, None, unit, None, "not comparable", why, differs=absent)
+        return Claim(*words, published, None, unit, None, "not comparable", absent, differs=ABSENT)
+    why = said["why"].format_map(names)
     bare = "differs" in said and "computed" not in said
     computed = None if bare else _computed_number(said, names, id)
     grounds = {verdict: name for verdict, name in GROUNDS.items() if name in said}
@@ -265,6 +268,6 @@ def write_digest(
 KINDS = "claims", "reports"
 
 
-def _blank_unknown(one: Claim | Report) -> SimpleNamespace:
+def _blank_unknown(one: Claim | StudyReport) -> SimpleNamespace:
     """The fields of a claim or report, to be written into a sentence."""
     return SimpleNamespace(**{key: _Unknown() if value is None else value for key, value in vars(one).items()})

@@ -8,7 +8,7 @@
 
 and tables of rows with named columns. What stands under a place that begins with `not printed` was read or chosen for
 this project; no claim can have it as published. `claims.toml` holds words, claims, reports and the digest; see
-`martensite_studies.claim_tables`. What `results.json` holds is computed; see `martensite_studies.shipped`.
+`martensite_studies.claim_tables`. What `results.json` holds is computed; see `martensite_studies.shipped_numbers`.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from typing import Any, ClassVar
 from martensite.base.errors import DataError, suggest_name
 from martensite.studies.base import AbstractStudy, Answer, Claim
 from martensite_studies.claim_tables import check_keys, read_claims, settle_part, write_digest
-from martensite_studies.shipped import read_results
+from martensite_studies.shipped_numbers import read_results
 
 FOLDER = Path(__file__).parent
 ENTRY, TABLE = ("value", "unit", "what"), ("columns", "units", "rows")

@@ -20,7 +20,7 @@ from martensite.base.units import find_dimensions
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
 from martensite.kernels.namespace import Namespace
-from martensite.testing.conformance import require_condition
+from martensite_testing.conformance import require_condition
 
 Numbers: TypeAlias = tuple[float, ...]
 Array: TypeAlias = NDArray[np.float64]

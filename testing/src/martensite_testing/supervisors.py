@@ -9,8 +9,8 @@ from martensite.control.checks.base import AbstractCheck
 from martensite.control.loop.parts import AbstractSupervisor
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.testing.conformance import require_condition
-from martensite.testing.readings import PERIOD, draw_readings, find_range, require_same_traced
+from martensite_testing.conformance import require_condition
+from martensite_testing.readings import PERIOD, draw_readings, find_range, require_same_traced
 
 COUNT = 400
 """Samples that are tried."""

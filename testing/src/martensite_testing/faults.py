@@ -9,9 +9,9 @@ from martensite.control.faults.base import AbstractFault
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.electrical.switches import PwmVoltage
-from martensite.testing.conformance import require_condition
-from martensite.testing.examples import build_example, build_plant
-from martensite.testing.readings import require_same_traced
+from martensite_testing.conformance import require_condition
+from martensite_testing.examples import build_example, build_plant
+from martensite_testing.readings import require_same_traced
 
 MOMENTS = ((0.7, 320.0, 300.0), (0.2, 300.0, 320.0))
 """Signal, reading of a sensor, and the one before."""

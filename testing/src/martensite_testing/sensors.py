@@ -9,8 +9,8 @@ from martensite.base.errors import UnitError
 from martensite.control.sensors.base import AbstractSensor, simulate_readings
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.testing.conformance import require_condition
-from martensite.testing.readings import find_range, require_same_traced
+from martensite_testing.conformance import require_condition
+from martensite_testing.readings import find_range, require_same_traced
 
 MANY = 4000
 """Readings of which the noise is judged."""

@@ -16,9 +16,9 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import flatten_numbers
 from martensite.signals.constant import Constant
 from martensite.signals.held import Held
-from martensite.testing.conformance import require_condition
-from martensite.testing.examples import build_plant
-from martensite.testing.readings import PERIOD, find_range, observe_rest
+from martensite_testing.conformance import require_condition
+from martensite_testing.examples import build_plant
+from martensite_testing.readings import PERIOD, find_range, observe_rest
 
 SAMPLES = 40
 """Of a run on a bench."""

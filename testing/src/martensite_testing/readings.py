@@ -9,8 +9,8 @@ from martensite.base.parameters import Parametrised
 from martensite.kernels import floats
 from martensite.kernels.nested import flatten_numbers
 from martensite.kernels.program import Program
-from martensite.testing.conformance import require_condition
-from martensite.testing.examples import build_plant
+from martensite_testing.conformance import require_condition
+from martensite_testing.examples import build_plant
 
 PERIOD = 0.02
 """From one sample to the next [s]."""

@@ -12,7 +12,7 @@ from martensite.identify.blocks.side_by_side import SideBySide
 from martensite.identify.chains.chain_text import parse_block
 from martensite.identify.chains.engine import ChainEngine
 from martensite.kernels import floats
-from martensite.testing.conformance import require_condition
+from martensite_testing.conformance import require_condition
 
 DT, SAMPLES = 0.05, 40
 RANGES = ((1.0, 300.0), (0.0, 4.0), (0.0, 0.0), (1e6, 0.0))

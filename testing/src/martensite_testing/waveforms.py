@@ -9,8 +9,8 @@ from martensite.base import units
 from martensite.base.errors import MartensiteError, UnitError
 from martensite.signals.base import AbstractWaveform
 from martensite.simulate.measures.base import AbstractMeasure
-from martensite.testing.conformance import require_condition
-from martensite.testing.examples import build_plant
+from martensite_testing.conformance import require_condition
+from martensite_testing.examples import build_plant
 
 DURATION = 6.0
 """Of the time that is looked at [s]."""

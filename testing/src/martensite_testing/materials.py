@@ -8,8 +8,8 @@ from martensite.physics.laws.base import LAWS, AbstractLaw
 from martensite.physics.materials.base import Material
 from martensite.scenario.catalogue import list_registries
 from martensite.scenario.citations import read_bibliography
-from martensite.testing.conformance import require_condition
-from martensite.testing.laws import check_bounds, check_direction, check_stiffness
+from martensite_testing.conformance import require_condition
+from martensite_testing.laws import check_bounds, check_direction, check_stiffness
 
 ASCENDING = (("M_f", "M_s"), ("A_s", "A_f"), ("M_s", "A_f"), ("sigma_s", "sigma_f"))
 """Pairs of numbers of which the first is the smaller one."""

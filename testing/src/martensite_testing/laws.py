@@ -13,7 +13,7 @@ from martensite.kernels.compute_once import cache_answers
 from martensite.kernels.nested import NestedShape, flatten_numbers
 from martensite.kernels.program import Program
 from martensite.physics.laws.base import AbstractLaw, Fractions
-from martensite.testing.conformance import require_condition
+from martensite_testing.conformance import require_condition
 
 Point = tuple[float, float]
 """Stress [Pa], temperature [K]."""

@@ -3,7 +3,7 @@
 The file holds the numbers of every part, the version of the package and a fingerprint of the files of the study
 that made them; words and verdicts are those of `claims.toml`, which may be changed without computing anything.
 
-    python -m martensite_studies.shipped NAME...     compute the numbers of studies anew, and write their files
+    python -m martensite_studies.shipped_numbers NAME...     compute the numbers of studies anew, and write their files
 
 A test compares fingerprints, and two quick studies with what is computed; the pages of the documentation, for which
 all studies are computed, warn of every number that has become another.
@@ -34,7 +34,7 @@ COMPUTING = (".py", ".toml", ".csv")
 ABOUT_WORDS = re.compile(r"claims\.toml|__init__\.py|.*figure\.py|.*panels\.py")
 """Files of a study that no number depends on."""
 OTHERS = re.compile(r"^from martensite_studies\.(\w+)", re.MULTILINE)
-SHARED = ("tables", "claim_tables", "shipped", "figures", "result_cache")
+SHARED = ("tables", "claim_tables", "shipped_numbers", "figures", "result_cache")
 """What all studies use and no number depends on."""
 DIGITS = 12
 """Significant digits that are kept."""
@@ -91,7 +91,7 @@ def _simplify(value: Any) -> Any:
             return float(f"{float(value):.{DIGITS}g}")
         case Mapping():
             return {str(key): _simplify(one) for key, one in value.items()}
-        case list() | tuple():
+        case list() | tuple() if not hasattr(value, "_fields"):
             return [_simplify(one) for one in value]
         case _:
             return {name: _simplify(one) for name, one in _list_attributes(value)}
@@ -100,7 +100,8 @@ def _simplify(value: Any) -> Any:
 def _list_attributes(value: Any) -> Iterator[tuple[str, Any]]:
     """Public fields and properties of an object, those that are numbers, texts, or lists of them."""
     known = getattr(type(value), "__dict__", {})
-    names = [*vars(value), *(name for name, one in known.items() if isinstance(one, property))]
+    fields = getattr(value, "_fields", None) or vars(value)
+    names = [*fields, *(name for name, one in known.items() if isinstance(one, property))]
     for name in names:
         found = getattr(value, name)
         if not name.startswith("_") and _is_plain(found):

@@ -14,8 +14,8 @@ from martensite.physics.fluids.base import AbstractFluid
 from martensite.physics.thermal.base import AbstractCooling, Cylinder, Environment
 from martensite.physics.thermal.ends import AbstractEnds
 from martensite.signals.moments import Moments
-from martensite.testing.conformance import require_condition
-from martensite.testing.examples import build_example
+from martensite_testing.conformance import require_condition
+from martensite_testing.examples import build_example
 
 
 def check_heat_loss(element: AbstractElement) -> None:

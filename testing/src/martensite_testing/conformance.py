@@ -16,7 +16,7 @@ from martensite.base.registry import import_modules
 from martensite.physics.materials.base import Material, load_material, material_names
 from martensite.scenario.catalogue import list_registries
 from martensite.simulate.provenance import keep_record
-from martensite.testing.examples import label_part, list_variants
+from martensite_testing.examples import label_part, list_variants
 
 Check = Callable[[Any], None]
 SUITES = {
@@ -103,7 +103,7 @@ def find_checks(kind: str, cls: type[Any]) -> list[Check]:
     """
     if kind not in SUITES:
         return []
-    module = import_module(f"martensite.testing.{SUITES[kind]}")
+    module = import_module(f"martensite_testing.{SUITES[kind]}")
     own = [one for name, one in vars(module).items() if name.startswith("check_") and one.__module__ == module.__name__]
     return [one for one in own if issubclass(cls, next(iter(get_type_hints(one).values())))]
 

@@ -9,8 +9,8 @@ from martensite.control.loop.parts import NEVER
 from martensite.control.observers.base import AbstractObserver
 from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
-from martensite.testing.conformance import require_condition
-from martensite.testing.readings import PERIOD, require_same_traced
+from martensite_testing.conformance import require_condition
+from martensite_testing.readings import PERIOD, require_same_traced
 
 Named = Mapping[str, float]
 ABSURD = ((1e9, 0.0), (-1e9, 0.0), (0.0, 0.0), (1e-300, 0.0), (1e9, NEVER))

@@ -1,0 +1,1 @@
+from martensite_testing import *
