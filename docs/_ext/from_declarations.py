@@ -34,7 +34,9 @@ PAGES = ("brinson", "elahinia", "lagoudas", "liang-rogers", "mas", "mas-hybrid",
 """Laws whose page lists their parameters."""
 SOURCES = {
     "migaone-paper": ("migaone",),
+    "copaci2019": ("hammerstein-wiener",),
     "ranjith2018": ("platform",),
+    "kossoski2018": ("wire-heating", "sommerfeld"),
     "finger-paper": ("finger", "finger-calibration"),
 }
 """Works that have a page of their own, with the studies of each."""

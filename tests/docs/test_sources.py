@@ -33,6 +33,7 @@ SPRING = printed_numbers("platform")
 MEAN = SPRING.coil_diameter - SPRING.diameter
 RATE = SPRING.G_M * SPRING.diameter**4 / (8 * MEAN**3 * SPRING.turns)
 CONTRACTION = SPRING.height - SPRING.turns * SPRING.diameter
+HEATED, MOTOR = printed_numbers("wire_heating"), printed_numbers("sommerfeld")
 FINGER = printed_numbers("finger")
 SEARCHED = {row.name: row.value for row in printed_numbers("finger_calibration").searched}
 TYPED = {
@@ -42,6 +43,12 @@ TYPED = {
         "15 mm": 1e3 * SPRING.turns * SPRING.diameter,
         "60 mm": 1e3 * SPRING.height,
         "574 MPa": RATE * CONTRACTION * 8 * math.sqrt(3) * MEAN / (math.pi * SPRING.diameter**3) / 1e6,
+    },
+    "sommerfeld": {
+        "24.2 kJ/kg": SHEET["latent_heat"].value / 1e3,
+        "13 times": MOTOR.constant**2 / MOTOR.resistance / MOTOR.friction,
+        "1.3 Ω": HEATED.resistance_A * HEATED.length,
+        "1.5 Ω": HEATED.resistance_M * HEATED.length,
     },
     "finger": {
         "319.75 K": SEARCHED["T_L"] - SEARCHED["sigma_L"] / SEARCHED["dsigma_dT"],
