@@ -24,7 +24,7 @@ from martensite.physics.materials.base import DOUBTFUL, NAMES, Material, load_ma
 from martensite.scenario import catalogue
 from martensite.show.summaries.parts import write_default
 from martensite.simulate.measures.base import MEASURES
-from martensite.studies.base import DIGEST, VERDICTS, AbstractStudy, Answer, Claim, load_study, study_names
+from martensite.studies.base import VERDICTS, AbstractStudy, Answer, Claim, load_study, study_names
 from martensite_studies.shipped_numbers import find_changes
 from martensite_studies.tables import TableStudy
 from martensite_sweep.backends.base import BACKENDS
@@ -271,6 +271,12 @@ def all_studies() -> str:
     return "\n".join([_tally(answers), *(_study(study, answer) for study, answer in answers.items())])
 
 
+def digest(name: str) -> str:
+    """The digest of a study, as it is shipped."""
+    answer = load_study(name).find_answer()
+    return "\n".join(f"{key.replace('_', ' ')}\n: {plain(text)}\n" for key, text in answer.digest.items())
+
+
 def _tally(answers: Mapping[AbstractStudy, Answer]) -> str:
     """How many claims of each verdict every source has, and how many reports."""
     counts: dict[str, Counter[str]] = {}
@@ -285,13 +291,12 @@ def _study(found: AbstractStudy, answer: Answer) -> str:
     _warn_of_changes(found)
     counted = ", ".join(f"{count} {name}" for name, count in answer.count_all().items() if count)
     columns = ("claim", "published", "computed", "unit", "verdict", "why")
-    told = (f"{key.replace('_', ' ')}\n: {plain(answer.digest[key])}\n" for key in DIGEST if key in answer.digest)
     reports = [(plain(one.statement), _number(one.computed), one.unit, plain(one.why)) for one in answer.reports]
     return "\n".join(
         [
             f"## `{found.key}`\n",
             f"{found.title}. Source: {', '.join(cited(key) for key in found.cites[:1])}.\n",
-            *told,
+            digest(found.key),
             f"{counted}.\n",
             table(columns, [_claim(claim) for claim in answer.claims]),
             "\n<details><summary>Reports: computed here, printed nowhere</summary>\n",

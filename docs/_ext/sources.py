@@ -1,4 +1,4 @@
-"""Markdown of the pages about a source: its entry, what its studies found, and numbers within the text.
+"""Markdown of the pages about a source: its entry, the claims of its studies, and numbers within the text.
 
 `{{STUDY: NAME:FORMAT}}` in a page stands for a number of a study: `printed.NAME`, `claims[ID].computed`,
 `reports[ID].computed`, or a computed number by its name. A page that names none such does not build.
@@ -18,7 +18,7 @@ import yaml
 from parts import cited, figure, plain, table, unbroken
 
 from martensite.scenario.citations import list_entries
-from martensite.studies.base import DIGEST, AbstractStudy, Answer, Claim, load_study
+from martensite.studies.base import AbstractStudy, Answer, Claim, load_study
 from martensite_studies.shipped_numbers import read_results
 from martensite_studies.tables import TableStudy
 
@@ -57,15 +57,13 @@ def find_answer(name: str) -> tuple[AbstractStudy, Answer]:
     return study, study.find_answer()
 
 
-def findings(name: str) -> str:
-    """Digest and claims of a study; what their verdicts rest on is folded away."""
+def claims(name: str) -> str:
+    """The claims of a study with their verdicts; what these rest on is folded away."""
     _, answer = find_answer(name)
-    told = (f"{key.replace('_', ' ')}\n: {plain(answer.digest[key])}\n" for key in DIGEST if key in answer.digest)
     counted = ", ".join(f"{count} {words}" for words, count in answer.count_all().items() if count)
     reasons = (f"- *{plain(one.statement)}* ({one.verdict}): {_reason(one)}" for one in answer.claims)
     return "\n".join(
         [
-            *told,
             f"{counted}.\n",
             _contained("claims", table(("claim", "printed", "computed", "verdict"), map(_row, answer.claims))),
             "\n<details><summary>What each verdict rests on</summary>\n",
@@ -102,7 +100,7 @@ def _write(number: float | None, unit: str) -> str:
 
 
 def _write_unit(unit: str) -> str:
-    return _UNITS.get(unit) or unit.replace("^2", "²").replace("^3", "³").replace("*", " ") if unit != "1" else ""
+    return _UNITS[unit] if unit in _UNITS else unit.replace("^2", "²").replace("^3", "³").replace("*", " ")
 
 
 def _typeset(words: str) -> str:

@@ -91,11 +91,9 @@ def _summarise_all(found: list[AbstractStudy]) -> Summary:
 
 def summarise_answer(study: AbstractStudy, answer: Answer, *, claims: bool = True, reasons: bool = False) -> Summary:
     """The digest of a study, how many claims there are of each verdict, and the claims; then reasons and reports."""
-    from martensite.studies.base import DIGEST
-
     counted = ", ".join(f"{count} {kind}" for kind, count in answer.count_all().items() if count)
     blocks: list[Block] = [
-        DataTable(("", "digest"), [(key.replace("_", " "), answer.digest.get(key, "")) for key in DIGEST]),
+        DataTable(("", "digest"), [(key.replace("_", " "), text) for key, text in answer.digest.items()]),
         *map(Sentence, wrap(f"{counted}.", PAGE_WIDTH)),
     ]
     if claims:

@@ -1,7 +1,6 @@
 """What every study answers: a digest, claims with verdicts, reports, and a figure.
 
-Studies register by entry points of the group `martensite.studies`. Those of published works are a
-distribution of their own, `martensite-studies`, which the extra `martensite[studies]` brings.
+Studies register by entry points of the group `martensite.studies`; `martensite[studies]` brings those of papers.
 
 A claim sets a number that a source prints beside a computed one. It has one of six verdicts:
 
