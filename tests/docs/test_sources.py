@@ -51,6 +51,7 @@ TYPED = {
         "1.5 Ω": HEATED.resistance_M * HEATED.length,
     },
     "finger": {
+        "6500 kg/m³": load_material("finger-mas").values["density"].value,
         "319.75 K": SEARCHED["T_L"] - SEARCHED["sigma_L"] / SEARCHED["dsigma_dT"],
         "12.5 MPa/K": FINGER.latent_heat * 6500.0 / (325.0 * FINGER.eps_T) / 1e6,
         "10.6 mm": (250.0 - (1 + FINGER.eps_T) * 500.0 * FINGER.length) / 2,
