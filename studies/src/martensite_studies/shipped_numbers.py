@@ -5,6 +5,8 @@ that made them; words and verdicts are those of `claims.toml`, which may be chan
 
     python -m martensite_studies.shipped_numbers NAME...     compute the numbers of studies anew, and write their files
 
+Compile as users do, without `MARTENSITE_CFLAGS`: searches may end elsewhere where rounding differs.
+
 A test compares fingerprints, and two quick studies with what is computed; the pages of the documentation, for which
 all studies are computed, warn of every number that has become another.
 """
