@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -29,6 +31,7 @@ from martensite_sweep.backends.base import BACKENDS
 from martensite_sweep.sampling.samples import DESIGNS
 
 _logger = logging.getLogger(__name__)
+_SPACES = re.compile(r"[ \t\n]+")  # not those that keep words together
 PLURALS = {
     "element": "Elements",
     "ends": "Ends of elements",
@@ -55,7 +58,7 @@ def table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def _cell(text: str) -> str:
-    return " ".join(text.split()).replace("|", r"\|")
+    return " ".join(_SPACES.split(text.strip())).replace("|", r"\|")
 
 
 def plain(text: str) -> str:
@@ -252,8 +255,9 @@ FIGURES = Path(__file__).parents[1] / "_figures"
 """Where figures of studies are drawn; the claims that follow reuse their runs."""
 
 
+@cache
 def figure(name: str) -> str:
-    """The figure of a study, drawn now."""
+    """The figure of a study, drawn once in a build."""
     found = load_study(name)
     FIGURES.mkdir(exist_ok=True)
     found.figure(FIGURES / f"{name}.svg")
@@ -280,7 +284,7 @@ def _tally(answers: Mapping[AbstractStudy, Answer]) -> str:
         counts.setdefault(study.cites[0], Counter()).update(answer.count_all())
     columns = (*VERDICTS, "reports")
     rows = [(cited(source), *(str(found[name]) for name in columns)) for source, found in counts.items()]
-    return table(("source", *map(_unbroken, columns)), rows) + "\n"
+    return table(("source", *map(unbroken, columns)), rows) + "\n"
 
 
 def _study(found: AbstractStudy, answer: Answer) -> str:
@@ -315,12 +319,13 @@ def _claim(claim: Claim) -> tuple[str, ...]:
     if claim.tolerance is not None:
         printed += f" ± {claim.tolerance:.2g}"
     why = plain(claim.describe_reason())
-    return plain(claim.statement), printed, _number(claim.computed), claim.unit, _unbroken(claim.verdict), why
+    return plain(claim.statement), printed, _number(claim.computed), claim.unit, unbroken(claim.verdict), why
 
 
 def _number(number: float | None) -> str:
     return "" if number is None else f"{number:.4g}"
 
 
-def _unbroken(words: str) -> str:
+def unbroken(words: str) -> str:
+    """Words that stay in one line."""
     return words.replace(" ", "\N{NO-BREAK SPACE}")
