@@ -184,6 +184,13 @@ def fmu(
             "[default: all that gcc is there for].",
         ),
     ] = None,
+    ports: Annotated[
+        bool,
+        Option(
+            "--ports", help="The element alone: its elongation, drive and surroundings in; force and temperature out."
+        ),
+    ] = False,
+    port: Port = None,
     sources_only: Annotated[bool, Option("--sources-only", help="Compile nothing.")] = False,
     force: Force = False,
     json: Json = False,
@@ -191,11 +198,14 @@ def fmu(
     """Write a scenario as an FMU for co-simulation: the model in C, compiled and as sources.
 
     Drives are inputs, everything that can be observed is an output, all numbers of the scenario
-    are parameters; a closed loop has its reference as an input.
+    are parameters; a closed loop has its reference as an input. With `--ports` it is the element
+    alone, for a host that has the mechanism.
     """
     from martensite.show.terminal import print_summary
     from martensite_export.fmu import to_fmu
 
+    if port is not None and not ports:
+        raise InputError("Option `--port` chooses the element of an FMU with `--ports`.")
     if sources_only and platforms:
         raise InputError("Options `--sources-only` and `--platform` exclude each other.")
     loaded = source.load()
@@ -203,7 +213,7 @@ def fmu(
     Outputs(out, None).check(force, data=(".fmu",))
     chosen = read_quantity("step", step, "s")
     compiled = [] if sources_only else platforms or None
-    made = to_fmu(loaded, out, fmi=fmi, step=chosen, name=name, platforms=compiled)
+    made = to_fmu(loaded, out, fmi=fmi, step=chosen, name=name, platforms=compiled, ports=ports, port=port)
     print_summary(_summarise_fmu(made), json)
 
 
