@@ -80,10 +80,11 @@ class CCore:
 
     @property
     def operations(self) -> dict[str, dict[str, int]]:
-        """The most that `prepare`, `start`, `step` and `observe` take, by kind."""
+        """The most that `prepare`, `start`, `step`, `observe` and, of a port, one `try` at once take, by kind."""
         graph, known = self.program.graph, self.program.hoisted_nodes
         found = {"prepare": count_operations(graph, known)}
-        for name, label in {"init": "start", "step": "step", "observe": "observe"}.items():
+        labels = {"init": "start", "step": "step", "observe": "observe"} | ({"respond": "try"} if self.answers else {})
+        for name, label in labels.items():
             found[label] = count_operations(graph, self.program.functions[name].outputs, known)
         return found
 

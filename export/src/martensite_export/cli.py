@@ -16,7 +16,7 @@ from martensite.base.formats import write_quantity
 from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.cli.options import Force, Json, ScenarioSource, Text, Texts, read_quantity, spread_options
 from martensite.cli.outputs import Outputs
-from martensite_export.cli_ports import Port, opensees, umat, write_core_alone
+from martensite_export.cli_ports import Port, modelica, opensees, umat, write_core_alone
 
 if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
@@ -402,3 +402,4 @@ def _summarise_model(loaded: Scenario) -> Summary:
 
 export.command("umat")(umat)
 export.command("opensees")(opensees)
+export.command("modelica")(modelica)

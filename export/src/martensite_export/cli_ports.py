@@ -89,6 +89,42 @@ def _compile_material(
     return compile_port(build_material_port(system, port=port, preload=stress, compressed=side)), called
 
 
+@spread_options
+def modelica(
+    source: ScenarioSource,
+    out: Annotated[Path | None, Option(metavar="FOLDER", help="Package to write [default: ./NAME].")] = None,
+    name: Annotated[Text, Option(help="Name of the package [default: SCENARIO].")] = None,
+    port: Port = None,
+    period: Annotated[str, Option(help="From sample to sample of the element.")] = "10 ms",
+    force: Force = False,
+    json: Json = False,
+) -> None:
+    """Write an element of a scenario as a Modelica package: a model between two flanges, on functions in C.
+
+    Written by the specification of the language; it has not been run in a Modelica tool.
+    """
+    from martensite.base.files import make_folder
+    from martensite_export.c_names import checked_identifier, make_identifier
+    from martensite_export.ports.element import build_element_port
+    from martensite_export.ports.kernel import compile_port
+    from martensite_export.ports.modelica import write_modelica
+
+    called = checked_identifier(name or make_identifier(source.file.stem))
+    length = read_quantity("period", period, "s")
+    if length is None or length <= 0.0:
+        raise InputError(f"Option `--period` must be above 0 s, but is {period}.")
+    kernel = compile_port(build_element_port(source.load().system, port=port))
+    folder = out or Path(called)
+    texts = write_modelica(kernel, called, length)
+    for path in texts:
+        if (folder / path).parent.exists():
+            Outputs(folder / path, None).check(force, data=(Path(path).suffix,))
+    for below in (folder, folder / "Resources", folder / "Resources" / "Include"):
+        make_folder(below)
+    files = _write_texts(folder, "", texts, True)
+    _say_written(kernel, called, ["not run in a Modelica tool: none was at hand"], files, json)
+
+
 def write_core_alone(system: AbstractSystem, part: str, port: str | None, name: str, precision: str) -> CCore:
     """The core of an element, or of its material, for a host."""
     from martensite_export.ports.element import build_element_port
