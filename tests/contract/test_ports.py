@@ -31,7 +31,7 @@ from martensite_export.ports.kernel import compile_port
 
 WARM = 335.0
 """[K]; superelastic."""
-LAW_NAMES = ("lagoudas", "mas", "brinson", "elahinia", "liang-rogers", "r-phase", "tanaka")
+LAW_NAMES = ("brinson", "mas", "lagoudas", "elahinia", "liang-rogers", "r-phase", "tanaka")
 PATH = np.concatenate(
     [np.linspace(0.0, 0.05, 21)[1:], np.linspace(0.05, 0.012, 16)[1:], np.linspace(0.012, 0.03, 8)[1:]]
 )

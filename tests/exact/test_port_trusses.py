@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import copy
 import itertools
+import math
 import os
 import re
 import shutil
@@ -87,9 +88,13 @@ def walk(bar: Bar) -> list[float]:
     return [bar.step(end, warming) for end, warming in COURSE]
 
 
-def test_newton_converges_in_the_second_order(tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def host(tmp_path_factory: pytest.TempPathFactory) -> UmatHost:
+    return UmatHost(tmp_path_factory.mktemp("umat"), material_of(example(LAWS["brinson"])))
+
+
+def test_newton_converges_in_the_second_order(host: UmatHost) -> None:
     """In a bar that is thicker and warmer towards its end: near a solution a residual is as the square of the last."""
-    host = UmatHost(tmp_path, material_of(example(LAWS["brinson"])))
     share, pairs = np.linspace(0.0, 1.0, COUNT), []
     bar = Bar(host, 0.785 * (1.0 + 0.005 * share), 0.3 * share)
     forces = []
@@ -100,11 +105,6 @@ def test_newton_converges_in_the_second_order(tmp_path: Path) -> None:
         pairs += [(a, b) for a, b in itertools.pairwise(found) if a < 0.05 and b > 1e-10]
     assert max(forces) > 300.0 and len(pairs) > 50
     assert max(b / a**2 for a, b in pairs) < 10.0
-
-
-@pytest.fixture(scope="module")
-def host(tmp_path_factory: pytest.TempPathFactory) -> UmatHost:
-    return UmatHost(tmp_path_factory.mktemp("umat"), material_of(example(LAWS["lagoudas"])))
 
 
 def test_equal_elements_are_one(host: UmatHost) -> None:
@@ -133,6 +133,8 @@ def test_fibres_in_solids(host: UmatHost) -> None:
     np.testing.assert_array_equal(state, same)
     assert np.count_nonzero(tangent) == 6
     truss.props = [1e6, ZERO, 0.0, WARM - ZERO, *[truss.kernel.values[i] for i in truss.kernel.write_core().kept]]
+    failed, *_ = truss.call(np.zeros(truss.states), [0.0], [math.nan], *args)
+    assert np.isnan(failed).all() and truss.answer["pnewdt"] == 0.5  # a host that does not look cannot go on
     again, *_ = truss.call(np.zeros(truss.states), [0.0], [0.02], *args)
     np.testing.assert_array_equal(again, alone)
 
