@@ -34,10 +34,11 @@ TWO = (
 )
 CASES = {"a weight": (*ONE, 1e-11), "two against each other, damped": (*TWO, 1e-8)}
 """With the difference of forces, as a share: the bridge balances several elements to 1e-6 only."""
-POINT = """<mujoco><option timestep="0.002" gravity="0 0 0"/><worldbody><body>
+POINT = """<mujoco><option timestep="0.002" gravity="0 0 0"/>
+<default><general ctrlrange="-3 3" forcerange="-1 1" gear="3"/><motor ctrlrange="-9 9"/></default><worldbody><body>
 <joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1 0"/>
 <geom size="0.01" mass="0.1"/></body></worldbody><tendon><fixed name="wire"><joint joint="x" coef="1"/></fixed></tendon>
-<actuator><motor name="push" joint="x"/></actuator></mujoco>"""
+<actuator><motor name="push" joint="x" gear="1" forcerange="-2 2"/></actuator></mujoco>"""
 
 
 def without_actuators(text: str) -> str:
@@ -110,15 +111,18 @@ def test_all_that_is_remembered_stands_in_the_data() -> None:
 
 
 def test_what_else_acts_is_in_the_line() -> None:
-    """A motor that pulls as the wire is assembled keeps it in its place, and a control is read where it stands."""
+    """A motor at its limit pulls as the wire is assembled and keeps it in its place; a control is read where it stands.
+
+    Defaults of the model, which would limit and scale, are not for the wire.
+    """
     ours = MujocoActuators(POINT, [actuator(start_force=2.0)])
     data = mujoco.MjData(ours.model)
     assert [ours.model.actuator(k).name for k in range(2)] == ["push", "wire"]
-    data.ctrl[:] = 2.0, 0.0
+    data.ctrl[:] = 5.0, 0.0
     mujoco.mj_step(ours.model, data, nstep=100)
     assert abs(data.qpos[0]) < 1e-12
     assert ours.list_steps(data)[0].force == pytest.approx(2.0, rel=1e-9)
-    data.ctrl[:] = 2.0, 8.0
+    data.ctrl[:] = 5.0, 8.0
     mujoco.mj_step(ours.model, data, nstep=500)
     assert data.qpos[0] < -1e-4
     assert ours.observe(data)["wire"]["temperature"] > 300.0
@@ -143,6 +147,7 @@ def test_a_step_that_fails_is_told() -> None:
 WRONG = [
     (ONE[0], "wir", "wire"),
     (ONE[0].replace("<option", '<option integrator="RK4"'), "wire", "Euler"),
+    (ONE[0].replace('"/>', '"><flag actuation="disable"/></option>', 1), "wire", "disables actuation"),
     (ONE[0].replace("</tendon>", "</tend>"), "wire", "cannot read the model"),
     ("no_such.xml", "wire", "no MJCF file"),
 ]

@@ -176,7 +176,7 @@ def trace_strands(model: Any, data: Any, actuators: Sequence[TendonActuator]) ->
     """Elements along the tendons of a model, in the pose of its data.
 
     Raises:
-        InputError: there is no such tendon, or the integrator asks for forces within a step.
+        InputError: there is no such tendon, nothing is actuated, or the integrator asks for forces within a step.
     """
     mujoco = load_mujoco()
     if model.opt.integrator not in (
@@ -185,6 +185,8 @@ def trace_strands(model: Any, data: Any, actuators: Sequence[TendonActuator]) ->
         mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
     ):
         raise InputError("Elements are solved once in a step: set `integrator` to Euler, implicit or implicitfast.")
+    if model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_ACTUATION):
+        raise InputError("The model disables actuation: its tendons cannot be driven.")
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_tendon(model, data)
@@ -223,7 +225,8 @@ def add_actuators(spec: Any, tendons: Sequence[str], group: tuple[int, int], end
     for k, tendon in enumerate(tendons):
         one = spec.add_actuator(name=tendon, trntype=mujoco.mjtTrn.mjTRN_TENDON, target=tendon)
         one.gaintype, one.biastype = mujoco.mjtGain.mjGAIN_FIXED, mujoco.mjtBias.mjBIAS_USER
-        one.gainprm[0] = 0.0
+        one.dyntype, one.gainprm[0], one.gear[:] = mujoco.mjtDyn.mjDYN_NONE, 0.0, (1.0, *[0.0] * 5)
+        one.ctrllimited = one.forcelimited = one.actlimited = 0  # whatever the defaults of the model are
         one.biasprm[:3] = group[0], k, group[1]
     spec.nuserdata = end
     try:

@@ -104,7 +104,7 @@ static int damps_at_end(const mjModel *m) {
 }
 
 /* Where the paths end without the elements, reach[i] above their reference, and what they yield, S[i][j] [m/N]. */
-static int lay_lines(const Group *group, const mjModel *m, const mjData *d, const int *rows, double *reach,
+static int lay_lines(const Group *group, const mjModel *m, const mjData *d, int first, const int *rows, double *reach,
                      double S[STRANDS][STRANDS]) {
     double dt = m->opt.timestep, *room, *f, *x[STRANDS];
     int i, j, k, nv = m->nv;
@@ -114,7 +114,13 @@ static int lay_lines(const Group *group, const mjModel *m, const mjData *d, cons
     mass.m = m, mass.dt = dt, mass.L = room, mass.inverse = room + m->nC, f = mass.inverse + nv;
     factor_mass(&mass, d, damps_at_end(m));
     for (k = 0; k < nv; k++) f[k] = d->qfrc_passive[k] - d->qfrc_bias[k] + d->qfrc_applied[k] + d->qfrc_constraint[k];
-    for (k = 0; k < rows[0]; k++) add_row(d, k, d->actuator_force[k], f);
+    for (k = 0; k < first; k++)
+        for (j = m->actuator_outadr[k]; j < m->actuator_outadr[k] + m->actuator_outnum[k]; j++) {
+            double force = d->actuator_force[j];
+            if (m->actuator_forcelimited[k]) /* MuJoCo does so after it has asked for all forces */
+                force = fmin(fmax(force, m->actuator_forcerange[2 * k]), m->actuator_forcerange[2 * k + 1]);
+            add_row(d, j, force, f);
+        }
     for (i = 0; i < STRANDS; i++) {
         x[i] = f + (i + 1) * nv;
         memset(x[i], 0, sizeof(double) * (size_t)nv);
@@ -207,7 +213,7 @@ static int solve_strands(Group *group, const mjModel *m, const mjData *d, int fi
         rows[i] = m->actuator_outadr[first + i];
         kept[strands[i].place + 1] = d->ctrl[m->actuator_ctrladr[first + i]];
     }
-    if (!lay_lines(group, m, d, rows, reach, S)) return NO_ROOM;
+    if (!lay_lines(group, m, d, first, rows, reach, S)) return NO_ROOM;
     return balance_strands(group, kept, reach, S, m->opt.timestep);
 }
 
