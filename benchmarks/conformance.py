@@ -15,6 +15,7 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -110,8 +111,8 @@ def list_kernel_machines() -> dict[str, Callable[..., Any]]:
         "JAX": on_jax,
         "C": on_c,
         "C lanes": on_lanes,
-        "exported C core": lambda *one: run_core_kernel(*one, "float64"),
-        "exported C core, float32": lambda *one: run_core_kernel(*one, "float32"),
+        "exported C core": partial(run_core_kernel, precision="float64"),
+        "exported C core, float32": partial(run_core_kernel, precision="float32"),
     }
 
 

@@ -266,7 +266,7 @@ class PlayedFmu:
             path = Path(folder) / "model.fmu"
             path.write_bytes(self.archive)
             one, names = Instance(path), [drive.name for drive in self.program.system.drives()]
-            given = [dict(zip(names, row, strict=True)) for row in self.program.signals.tolist()]
+            given: list[Any] = [dict(zip(names, row, strict=True)) for row in self.program.signals.tolist()]
             one.begin(given[0])
             dt = self.program.dt
             rows, begin = [one.get(*self.outputs)], time.process_time()

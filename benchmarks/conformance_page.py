@@ -26,7 +26,8 @@ FOOT = """
   largest value of that output, with the kernel that has it. C is compiled with `-O1` for this. The contract tests run
   them all, in every form.
 - **whole steps**: of how many systems, and the least and largest of their differences, of all outputs in {steps} steps
-  under random signals; 0 is equal to the last bit. There are {count}: {names}. What compiles for minutes is left to fewer machines.
+  under random signals; 0 is equal to the last bit. There are {count}:
+  {names}. What compiles for minutes is left to fewer machines.
 - **size**: of what the machine is handed for the wire of README.md, compressed: {handed}.
 - **step**: CPU time of a step of that wire, best of rounds, and its ratio to C. NumPy, JAX and C lanes take 256 lanes
   at once and are told per lane; a single step of NumPy or JAX costs some 256 times as much. The FMU is called from
@@ -51,12 +52,13 @@ def format_row(row: dict[str, Any], base: float) -> str:
     if "missing" in row:
         return f"| {row['machine']} | {ABSENT}: there is no {row['missing']} | | | | |"
     kernels = row.get("kernels")
+    where = f" ({kernels['where']})" if kernels and kernels["largest"] else ""
     shares = sorted(row["steps"].values())
     span = f"{format_share(shares[0])} to {format_share(shares[-1])}" if shares[-1] else "0"
     refused = f"; a step refused: {'; '.join(row['unsolved'])}" if "unsolved" in row else ""
     cells = [
         row["machine"],
-        f"{kernels['count']}: {format_share(kernels['largest'])} ({kernels['where']})" if kernels else "",
+        f"{kernels['count']}: {format_share(kernels['largest'])}{where}" if kernels else "",
         "meant" if row["machine"] == REFERENCE else f"{len(shares)}: {span}{refused}",
         f"{row['bytes'] / 1e3:.1f}",
         "" if row["step_us"] is None else f"{row['step_us']:.3g}",

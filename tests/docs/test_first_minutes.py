@@ -216,7 +216,9 @@ def test_exports_are_added_by_their_wheel(python: Path, folder: Path, tmp_path: 
 
 def test_sweeps_say_what_brings_them(python: Path, folder: Path) -> None:
     need = "This needs `martensite-sweep`, which is not installed; run `pip install 'martensite[sweep]'`."
-    for answer in ask_all(python, folder, "sweep wire.toml --over diameter=1..2", "sensitivity --help", "pareto"):
+    for answer in ask_all(
+        python, folder, "sweep wire.toml --over diameter=1..2", "sensitivity --help", "pareto", "design wire.toml"
+    ):
         assert answer == [2, "", f"error: {need}\n"]
 
 

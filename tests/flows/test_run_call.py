@@ -80,3 +80,12 @@ def test_wrong_arguments_are_a_sentence() -> None:
         ms.simulate.compute_sensitivity(ms.load(EXAMPLE), PULSE, 1.0, ["h0"], step=0.1)  # type: ignore[arg-type]
     with pytest.raises(ms.InputError, match="`load` cannot be called so"):
         ms.load()  # type: ignore[call-arg]
+
+
+@pytest.mark.parametrize("rows", [255, 256])
+def test_a_table_that_fills_the_window_of_c_ends(rows: int, c_compiler: str) -> None:
+    """C knows 256 segments of a drive at first, and asks for more."""
+    times = np.linspace(0.0, 8.0, rows)
+    drive = ms.signals.Table(times=tuple(times), values=tuple(2.0 * (times % 1.0 < 0.4)))
+    found, same = (ms.run(problem_a(), drive, 8.0, samples=9, runtime=one, budget=20.0) for one in ("c", "floats"))
+    assert found["temperature"] == pytest.approx(same["temperature"], abs=0.05)

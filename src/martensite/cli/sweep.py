@@ -1,4 +1,4 @@
-"""`sweep`, `sensitivity`, `pareto`: the commands that the distribution `martensite-sweep` brings."""
+"""`design`, `sweep`, `sensitivity`, `pareto`: the commands that the distribution `martensite-sweep` brings."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from martensite.base.lazy import import_extra
 from martensite.cli.app import app
 
 ABOUT = {
+    "design": "Find numbers for which a goal is best and limits are kept.",
     "sweep": "Run many variants of a scenario; go on where it stopped.",
     "sensitivity": "Say which numbers of a sweep explain its variance.",
     "pareto": "Find the runs of a sweep that no other beats.",

@@ -93,7 +93,7 @@ def tune(
     options.check()
     loaded = source.load()
     from martensite.cli.tune_run import run_tuning, write_tuned
-    from martensite.show.figures.design import plot_tuning
+    from martensite.show.figures.tuning import plot_tuning
     from martensite.show.summaries.tuning import summarise_tuning
 
     found = run_tuning(loaded, options, name_interrupted(save, source.file))

@@ -1,4 +1,4 @@
-"""Questions to a model: size, design, tune; sweep, by `martensite-sweep`."""
+"""Questions to a model: size and tune; design and sweep, by `martensite-sweep`."""
 
 from martensite.base.lazy import attach_names
 

@@ -1,8 +1,4 @@
 from martensite.base.errors import StoppedError as StoppedError
-from martensite.design.optimise.optimise import optimise_design as optimise_design
-from martensite.design.optimise.optimised_design import OptimisedDesign as OptimisedDesign
-from martensite.design.optimise.search import DesignSearch as DesignSearch
-from martensite.design.optimise.search import scan_designs as scan_designs
 from martensite.design.rules.formulas import RULES as RULES
 from martensite.design.rules.formulas import FirstOrder as FirstOrder
 from martensite.design.rules.formulas import Integrating as Integrating
@@ -53,6 +49,10 @@ from martensite_sweep.frequency_response import FrequencyResponse as FrequencyRe
 from martensite_sweep.frequency_response import measure_frequency_response as measure_frequency_response
 from martensite_sweep.indices import SensitivityIndices as SensitivityIndices
 from martensite_sweep.indices import compute_sensitivity as compute_sensitivity
+from martensite_sweep.optimise.optimise import optimise_design as optimise_design
+from martensite_sweep.optimise.optimised_design import OptimisedDesign as OptimisedDesign
+from martensite_sweep.optimise.search import DesignSearch as DesignSearch
+from martensite_sweep.optimise.search import scan_designs as scan_designs
 from martensite_sweep.pareto import ParetoFront as ParetoFront
 from martensite_sweep.pareto import find_pareto_front as find_pareto_front
 from martensite_sweep.reading import open_sweep as open_sweep

@@ -1,5 +1,6 @@
 from martensite.actuators.elements.base import ELEMENTS as ELEMENTS
 from martensite.actuators.elements.base import AbstractElement as AbstractElement
+from martensite.actuators.elements.base import Heating as Heating
 from martensite.actuators.mechanisms.base import MECHANISMS as MECHANISMS
 from martensite.actuators.mechanisms.base import AbstractMechanism as AbstractMechanism
 from martensite.actuators.mechanisms.base import MechanicalEnergy as MechanicalEnergy

@@ -284,7 +284,7 @@ class _Marching(MarchArrays):
         now, first = self._where()
         row = self.windows[first if self.runs.own is not None else 0]
         for window in row:
-            if window.known_until() < self.plan.times[-1]:
+            if window.known_until() < np.inf:
                 window.extend(now)
         self.fill_drives(_get_address)
         self.library.forget_cursors(ctypes.byref(self.block))

@@ -17,6 +17,7 @@ from martensite.base.errors import InputError
 from martensite.cli.options import Json, ScenarioSource, Text, Texts, read_quantity, spread_options
 from martensite.cli.outputs import AnswerOptions, Outputs
 from martensite.cli.progress import open_bar, show_spinner
+from martensite_sweep.optimise.cli import designs
 
 if TYPE_CHECKING:
     from martensite_sweep.api import Progress, SweepExecution
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from martensite_sweep.table import SweepTable
 
 sweeps = typer.Typer()
+sweeps.add_typer(designs)
 StoreFolder = Annotated[Path, typer.Argument(metavar="STORE", help="A sweep (Zarr).")]
 
 

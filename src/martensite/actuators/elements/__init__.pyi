@@ -1,3 +1,4 @@
+from martensite.actuators.elements import coil_theory as coil_theory
 from martensite.actuators.elements.arms import BendingBeam as BendingBeam
 from martensite.actuators.elements.arms import TorsionWire as TorsionWire
 from martensite.actuators.elements.axial_wire import AxialWire as AxialWire

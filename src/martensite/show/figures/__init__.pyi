@@ -1,5 +1,4 @@
 from martensite.show.figures.bench import plot_bench as plot_bench
-from martensite.show.figures.design import plot_tuning as plot_tuning
 from martensite.show.figures.fit import plot_fit as plot_fit
 from martensite.show.figures.fit import plot_fit_loops as plot_fit_loops
 from martensite.show.figures.fit import plot_fit_residuals as plot_fit_residuals
@@ -15,6 +14,7 @@ from martensite.show.figures.model import plot_model as plot_model
 from martensite.show.figures.model import plot_model_loop as plot_model_loop
 from martensite.show.figures.model import plot_model_tests as plot_model_tests
 from martensite.show.figures.overview import plot_profile as plot_profile
+from martensite.show.figures.tuning import plot_tuning as plot_tuning
 from martensite_studies.platform.workspace_figure import plot_workspace as plot_workspace
 from martensite_sweep.analysis_figures import plot_pareto as plot_pareto
 from martensite_sweep.analysis_figures import plot_sensitivity as plot_sensitivity

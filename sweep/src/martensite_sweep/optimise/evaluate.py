@@ -27,13 +27,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from martensite.design.optimise.question import DesignAim, DesignQuestion
 from martensite.search.batch_runner import BatchRunner
 from martensite.search.box_search import FAILED_GOAL, LARGEST_SLACK, JudgedPoints, PointSlopes
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.drive_waveforms import grid_of
 from martensite.simulate.measures.base import list_needed
 from martensite.simulate.waveform_levels import Level, WaveformLevels
+from martensite_sweep.optimise.question import DesignAim, DesignQuestion
 
 CLOUD_SPREAD = 0.05
 """How far points of a cloud around a design are scattered, as a share of ranges."""

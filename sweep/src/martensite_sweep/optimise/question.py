@@ -30,10 +30,10 @@ from dataclasses import dataclass
 from martensite.actuators.assembly import Actuator
 from martensite.base import units
 from martensite.base.errors import ParameterError, UnitError, suggest_name
-from martensite.design.optimise.targets import find_alike, list_targets, read_design_number
 from martensite.search.free_numbers import BOX_TEMPERATURE, FreeNumber, Target
 from martensite.simulate.measures.base import MEASURES, AbstractMeasure, parse_measure
 from martensite.simulate.waveform_levels import WaveformLevels
+from martensite_sweep.optimise.targets import find_alike, list_targets, read_design_number
 
 _CONSTRAINT = re.compile(r"^(.*?[^<>=\s])\s*(<=|>=|<|>|≤|≥)\s*(.*?)\s*$")
 _SETTING = re.compile(r"^\s*([^=\s]+)\s*=\s*(.*?)\s*$")

@@ -16,14 +16,13 @@ import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
-from martensite.design.optimise.evaluate import DesignEvaluator, Numbers, apply_numbers
-from martensite.design.optimise.optimised_design import (
-    OptimisedDesign,
-    ReportedMeasure,
-    RoundedDesign,
-    find_multipliers,
-)
-from martensite.design.optimise.question import (
+from martensite.search.box_search import FEASIBLE_VIOLATION, BoxPoint, SearchMark, Tell
+from martensite.simulate.api import longest_step
+from martensite.simulate.drive_waveforms import Waveforms
+from martensite.simulate.waveform_levels import WaveformLevels
+from martensite_sweep.optimise.evaluate import DesignEvaluator, Numbers, apply_numbers
+from martensite_sweep.optimise.optimised_design import OptimisedDesign, ReportedMeasure, RoundedDesign, find_multipliers
+from martensite_sweep.optimise.question import (
     DesignAim,
     DesignQuestion,
     build_life_constraints,
@@ -31,11 +30,7 @@ from martensite.design.optimise.question import (
     read_aim,
     read_question,
 )
-from martensite.design.optimise.search import DesignSearch, Keep, round_design, search_designs, start_search
-from martensite.search.box_search import FEASIBLE_VIOLATION, BoxPoint, SearchMark, Tell
-from martensite.simulate.api import longest_step
-from martensite.simulate.drive_waveforms import Waveforms
-from martensite.simulate.waveform_levels import WaveformLevels
+from martensite_sweep.optimise.search import DesignSearch, Keep, round_design, search_designs, start_search
 
 ACCURACY = 1e-3
 """Accepted change on halving the step, as a share of limits and of the goal."""

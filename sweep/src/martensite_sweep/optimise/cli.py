@@ -9,20 +9,21 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from typer import Exit, Option
+from typer import Exit, Option, Typer
 
 from martensite.base.errors import InputError, ParameterError
 from martensite.base.interrupts import rescue_answer
-from martensite.cli.app import app
 from martensite.cli.options import ScenarioSource, Text, Texts, read_quantity, refuse_idle, spread_options
 from martensite.cli.outputs import AnswerOptions, BestSoFar, name_interrupted
 from martensite.cli.progress import show_share
 
 if TYPE_CHECKING:
-    from martensite.design.optimise.optimised_design import OptimisedDesign
-    from martensite.design.optimise.question import DesignQuestion
     from martensite.scenario.scenario import Scenario
     from martensite.search.free_numbers import Target
+    from martensite_sweep.optimise.optimised_design import OptimisedDesign
+    from martensite_sweep.optimise.question import DesignQuestion
+
+designs = Typer()
 
 
 @dataclass(frozen=True)
@@ -83,8 +84,8 @@ class DesignOptions:
             InputError: the scenario is no open loop, or an option does not fit it.
             SolveError: no design can be run.
         """
-        from martensite.design.optimise.optimise import optimise_design
-        from martensite.design.optimise.search import DesignSearch
+        from martensite_sweep.optimise.optimise import optimise_design
+        from martensite_sweep.optimise.search import DesignSearch
 
         if scenario.bench is not None:
             raise InputError(
@@ -119,14 +120,14 @@ class DesignOptions:
             )
             if self.grid is None:
                 return found
-            from martensite.design.optimise.search import scan_designs
+            from martensite_sweep.optimise.search import scan_designs
 
             watch = None if tell is None else partial(tell, "grid")
             compared = scan_designs(found.designs, self.grid, watch)
             return replace(found, scan=compared)
 
 
-@app.command()
+@designs.command()
 @spread_options
 def design(
     source: ScenarioSource,
@@ -144,8 +145,8 @@ def design(
     options.check()
     loaded = source.load()
     found = options.search(loaded, name_interrupted(save, source.file), saved=save is not None)
-    from martensite.show.figures.design import plot_design
-    from martensite.show.summaries.tuning import summarise_design
+    from martensite_sweep.optimise.design_figure import plot_design
+    from martensite_sweep.optimise.design_summary import summarise_design
 
     outputs.answer(
         summarise_design(found, loaded.title),
@@ -159,9 +160,9 @@ def design(
 
 def name_targets(scenario: Scenario) -> dict[str, str]:
     """Path in the system of every number that may be free -> its path in the scenario."""
-    from martensite.design.optimise.targets import name_level
     from martensite.scenario.assemble import waveform_path
     from martensite.simulate.waveform_levels import PEAK, WaveformLevels
+    from martensite_sweep.optimise.targets import name_level
 
     system, places = scenario.system, scenario.places
     found = {leaf.path: places.path(leaf.path) for leaf in system.leaves()}

@@ -27,11 +27,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.errors import ParameterError, SolveError
-from martensite.design.optimise.evaluate import DesignEvaluator, Numbers, RunCounts
-from martensite.design.optimise.question import DesignQuestion
 from martensite.search.box_search import FAILED_GOAL, BoxPoint, BoxSearch, JudgedPoints, Tell
 from martensite.search.free_numbers import FreeNumber
 from martensite.search.starts import choose_apart, start_sobol
+from martensite_sweep.optimise.evaluate import DesignEvaluator, Numbers, RunCounts
+from martensite_sweep.optimise.question import DesignQuestion
 
 BATCH = 1024
 """Designs of a grid that are judged together."""

@@ -20,12 +20,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from martensite.base.formats import write_difference
-from martensite.design.optimise.evaluate import DesignEvaluator, RunCounts
-from martensite.design.optimise.question import DesignQuestion
-from martensite.design.optimise.search import DesignScan
 from martensite.search.box_search import SearchMark
 from martensite.search.free_numbers import BOX_TEMPERATURE
 from martensite.simulate.waveform_levels import WaveformLevels
+from martensite_sweep.optimise.evaluate import DesignEvaluator, RunCounts
+from martensite_sweep.optimise.question import DesignQuestion
+from martensite_sweep.optimise.search import DesignScan
 
 ACTIVE = 2e-3
 """Slack up to which a constraint counts as active, as a share of its limit."""
