@@ -49,10 +49,13 @@ DRIVES: dict[str, Any] = {
 
 
 def test_gymnasium_finds_them_by_their_names() -> None:
-    """In a process of its own: at first by a name that says what to import, which is light, then without."""
+    """In a process of its own: by a name that says what to import, though the package is known; and after Gymnasium."""
     program = (
-        "import sys, gymnasium\n"
-        "print(gymnasium.make('martensite_export:martensite/Wire-v0').action_space.shape)\n"
+        "import sys, martensite_export, gymnasium\n"
+        "assert not any('martensite' in n for n in gymnasium.registry)\n"
+        "print(gymnasium.make('martensite_export.gymnasium:martensite/Wire-v0').action_space.shape)\n"
+        "gymnasium.registry.clear()\n"
+        "del sys.modules['martensite_export']\n"
         "import martensite_export\n"
         "print(sorted(n for n in gymnasium.registry if 'martensite' in n))\n"
     )

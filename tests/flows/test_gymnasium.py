@@ -50,7 +50,7 @@ def roll(env: SmaEnv, given: Any, seed: int = 1, **options: Any) -> list[Any]:
 
 
 def test_it_is_an_environment_by_its_checker(bench: Bench) -> None:
-    made = gymnasium.make("martensite_export:martensite/Bench-v0", bench=bench, task=TASK)
+    made = gymnasium.make("martensite_export.gymnasium:martensite/Bench-v0", bench=bench, task=TASK)
     assert isinstance(made.unwrapped, SmaEnv)
     check_env(made.unwrapped)
 

@@ -1,7 +1,8 @@
 """Names of the environments that `gymnasium.make` finds.
 
-They are registered when this package is imported after Gymnasium, which has had no entry points for that since its
-version 1.0. A name may say itself what is to be imported: `martensite_export:martensite/Finger-v0`.
+They are registered when `martensite_export.gymnasium` is imported, or this package after Gymnasium, which has had no
+entry points for that since its version 1.0. A name may say itself what to import, in whatever order all else was:
+`martensite_export.gymnasium:martensite/Finger-v0`.
 """
 
 from __future__ import annotations
