@@ -1,8 +1,8 @@
 """`python -m benchmarks [SECTION ...]`: martensite beside other solvers, all in one run.
 
 `python -m benchmarks peers` runs every section with the peers alone; `python -m benchmarks page`
-writes the page of the documentation. Compare ratios within one run, not times between runs: the
-machine's load is in all of them.
+writes the page of the documentation, and `python -m benchmarks conformance` that of all machines. Compare
+ratios within one run, not times between runs: the machine's load is in all of them.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from rich.console import Console
 
 from benchmarks import (  # noqa: F401  (enter theirs)
     app,
+    conformance,
     page,
     sections_chains,
     sections_cuda,
@@ -58,6 +59,9 @@ def main() -> None:
     """Run the chosen sections and print their tables, or write the page."""
     if sys.argv[1:2] == ["page"]:
         page.main(sys.argv[2:])
+        return
+    if sys.argv[1:2] == ["conformance"]:
+        conformance.main(sys.argv[2:])
         return
     chosen = parser().parse_args()
     names = [name for name in chosen.what if name != "peers"] or list(SECTIONS)

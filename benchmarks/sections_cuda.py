@@ -31,7 +31,7 @@ from martensite.scenario.scenario import load
 from martensite.simulate.arrays import devices_of
 from martensite.simulate.batch import simulate_batch
 from martensite.simulate.native import march_lanes
-from martensite_sweep.cuda.device import Resources, call, compile_source, open_device
+from martensite_sweep.cuda.device import Resources, compile_source, open_device, take_answer
 from martensite_sweep.cuda.march import GivenStepsMarch, load_march, march_batch
 from martensite_sweep.cuda.source import MarchSource
 
@@ -261,20 +261,20 @@ def measure_peak(precision: str, blocks: int = 4096, threads: int = 256, turns: 
     device, number = open_device(), {"float64": "double", "float32": "float"}[precision]
     driver = device.driver
     code = compile_source(PEAK.replace("NUMBER", number), f"sm_{device.capability}")
-    call(driver.cuCtxSetCurrent(device.context))
-    module = call(driver.cuModuleLoadData(code))
-    function = call(driver.cuModuleGetFunction(module, b"products"))
-    room = call(driver.cuMemAlloc(8 * blocks * threads))
-    clock = [call(driver.cuEventCreate(0)) for _ in range(2)]
+    take_answer(driver.cuCtxSetCurrent(device.context))
+    module = take_answer(driver.cuModuleLoadData(code))
+    function = take_answer(driver.cuModuleGetFunction(module, b"products"))
+    room = take_answer(driver.cuMemAlloc(8 * blocks * threads))
+    clock = [take_answer(driver.cuEventCreate(0)) for _ in range(2)]
     packed = (int(room), turns), (ctypes.c_longlong, ctypes.c_int)
     seconds = []
     for _ in range(3):
-        call(driver.cuEventRecord(clock[0], 0))
-        call(driver.cuLaunchKernel(function, blocks, 1, 1, threads, 1, 1, 0, 0, packed, 0))
-        call(driver.cuEventRecord(clock[1], 0))
-        call(driver.cuCtxSynchronize())
-        seconds.append(1e-3 * call(driver.cuEventElapsedTime(*clock)))
-    call(driver.cuMemFree(room))
+        take_answer(driver.cuEventRecord(clock[0], 0))
+        take_answer(driver.cuLaunchKernel(function, blocks, 1, 1, threads, 1, 1, 0, 0, packed, 0))
+        take_answer(driver.cuEventRecord(clock[1], 0))
+        take_answer(driver.cuCtxSynchronize())
+        seconds.append(1e-3 * take_answer(driver.cuEventElapsedTime(*clock)))
+    take_answer(driver.cuMemFree(room))
     return 2 * 8 * turns * blocks * threads / min(seconds)
 
 

@@ -38,9 +38,9 @@ def built(arguments: Sequence[str], path: Path) -> None:
 class Called:
     """One model of a compiled core."""
 
-    def __init__(self, core: CCore, folder: Path) -> None:
+    def __init__(self, core: CCore, folder: Path, *arguments: str) -> None:
         self.core = core
-        self.path = compiled(core, folder, "-fPIC", "-shared")
+        self.path = compiled(core, folder, "-fPIC", "-shared", *arguments)
         library = ctypes.CDLL(str(self.path))
         number: Any = ctypes.c_double if core.precision == "float64" else ctypes.c_float
         counts = {"p": len(core.parameters), "c": core.constants, "x": core.states}

@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 from app_server import Bench
 
+from martensite.actuators.assembly.lengths import measure_lengths as lengths_of
 from martensite.actuators.mechanisms.drawing import KINDS
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.simulate.result import Result
 from martensite_app.documents import FOLDER, list_standalone
 from martensite_app.views.scene import LEAST, MOST, describe_scene, draw_row
-from martensite_app.views.scene import measure_lengths as lengths_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 
@@ -50,7 +50,7 @@ def placed(found: dict[str, Any], picture: int) -> dict[str, list[list[float]]]:
 def test_pictures_are_the_drawings(which: str, request: pytest.FixtureRequest) -> None:
     scenario, result = request.getfixturevalue(which)
     found = describe_scene(scenario, result)
-    lengths, names = lengths_of(scenario.system, result), list(scenario.system.mechanism.outputs())
+    lengths, names = lengths_of(scenario.system, result.columns), list(scenario.system.mechanism.outputs())
     for picture in (0, len(found["times"]) // 2, -1):
         row = result.times.index(found["times"][picture])
         points = placed(found, picture)

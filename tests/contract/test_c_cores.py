@@ -14,13 +14,14 @@ from builders import example, example_system, registered
 from c_cores import LONG_STEP, UNSOLVED, Called, compiled
 
 from martensite.base.parameters import Parametrised
+from martensite.scenario.scenario import load
 from martensite.simulate.compiled import compile_system
 from martensite.simulate.march import SOLVED
 from martensite_export.c_core import build_c_core
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
 
-STEPS = 150
+STEPS, ROOT = 150, Path(__file__).parents[2]
 CHOSEN = {
     "cooling": ("churchill-bernstein",),
     "element": ("coil-spring",),
@@ -43,6 +44,14 @@ def things() -> list[Any]:
         )
         for cls in (*registered("law"), *others)
     ]
+
+
+def test_its_numbers_are_what_they_are_for_the_processor_at_hand(tmp_path: Path) -> None:
+    """gcc 12 made of a row `1, 1, 1, 1, 0, 0, 0, 0` of the table eight ones, for processors with AVX-512."""
+    core = build_c_core(load(ROOT / "examples" / "closed_loop.toml").system, name="core")
+    defaults = [one.default for one in core.parameters]
+    assert "1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0" in str(defaults)
+    assert list(Called(core, tmp_path, "-O2", "-march=native").model.p) == defaults
 
 
 @pytest.mark.parametrize("thing", things())

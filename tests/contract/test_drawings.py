@@ -17,6 +17,7 @@ from builders import FunctionWaveform, examples, label
 from elastic import REST, SURROUNDINGS, Elastic
 
 from martensite.actuators.assembly import Actuator, Group, Machine
+from martensite.actuators.assembly.lengths import measure_lengths
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
 from martensite.actuators.mechanisms.beam_siblings import BeamHarvester, BeamMotors
@@ -33,7 +34,7 @@ from martensite.actuators.mechanisms.multibody import AbstractMultibody
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley
 from martensite.physics.electrical.sources import PrescribedTemperature
 from martensite.simulate.api import simulate
-from martensite_app.views.scene import draw_row, measure_lengths
+from martensite_app.views.scene import draw_row
 
 NATURAL = 0.25
 """Length of the elements of the tests at zero elongation [m]."""
@@ -63,7 +64,7 @@ class Pictures:
             self.system.drive_at(p): wave(2.0 if k % 2 == 0 else 0.0, REST) for k, p in enumerate(mechanism.ports())
         }
         self.result = simulate(self.system, drives, 0.06, step=1e-3, samples=9, runtime="floats")
-        lengths = measure_lengths(self.system, self.result)
+        lengths = measure_lengths(self.system, self.result.columns)
         names = list(mechanism.outputs())
         self.rows = [draw_row(self.system, self.result, lengths, names, k) for k in range(9)]
 

@@ -17,6 +17,7 @@ from martensite_export.mjcf import bridge_of as bridge_of
 from martensite_export.mjcf import tendon_signals as tendon_signals
 from martensite_export.mjcf import to_mjcf as to_mjcf
 from martensite_export.mjcf_snippet import to_mjcf_snippet as to_mjcf_snippet
+from martensite_export.mujoco_actuators import MujocoActuators as MujocoActuators
 from martensite_export.mujoco_bridge import MujocoBridge as MujocoBridge
 from martensite_export.mujoco_bridge import TendonActuator as TendonActuator
 from martensite_export.mujoco_bridge import holding_tensions as holding_tensions

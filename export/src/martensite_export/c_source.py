@@ -120,8 +120,9 @@ int ${NAME}_prepare(${NAME}_model *m) {
 }
 
 void ${NAME}_defaults(${NAME}_model *m) {
+    const volatile $REAL *value = ${NAME}_value; /* gcc 12 folds rows of a table wrongly into vectors of 512 bits */
     int i;
-    for (i = 0; i < ${NAME}_PARAMETERS; i++) m->p[i] = ${NAME}_value[i];
+    for (i = 0; i < ${NAME}_PARAMETERS; i++) m->p[i] = value[i];
     for (i = 0; i < ${NAME}_CONSTANTS; i++) m->c[i] = $ZERO;
     for (i = 0; i < ${NAME}_STATES; i++) m->x[i] = $ZERO;
     m->residual = $ZERO;

@@ -4,8 +4,8 @@ Every environment is a lane of one `Lanes`. What an episode needs is drawn when 
 random numbers of that environment alone: its reference, its plant, the noise of its sensors. So
 an environment goes the same way alone as beside others.
 
-Actions go from -1 to 1 between the lowest and highest signal of a drive. Observations are readings, the reference now
-and its preview, scaled so that their ranges become -1 to 1, and cut at ±2.
+Actions go from -1 to 1 between the lowest and highest signal of a drive. Observations are readings, the references
+now and their previews, scaled so that their ranges become -1 to 1, and cut at ±2.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from martensite_export.learning_task import (
 BOUND = 2.0
 """Bound of observations."""
 SHOWN = ("reference", "output", "power", "hottest")
-"""What an environment tells besides, in SI."""
+"""What an environment tells besides, in SI; of several outputs as `reference.NAME` and `output.NAME`."""
 OPTIONS = ("reference", "values")
 
 
@@ -50,7 +50,7 @@ class Outcome(NamedTuple):
     truncated: Any
     """Where the time is over."""
     shown: dict[str, Numbers]
-    """By the names of `SHOWN`."""
+    """By the names of `SHOWN`, each of shape (environments,)."""
 
 
 class Episodes:
@@ -80,6 +80,8 @@ class Episodes:
         self._spreads = spreads_of(bench, task)
         self._values: dict[str, Numbers] = {one.path: np.full(count, one.middle) for one in self._spreads}
         self._lanes = Lanes(bench, count, self._values, native)
+        self.rows: Numbers = np.zeros((len(self._lanes.names), count))
+        """Outputs of the bench at the end of the last period, shape (outputs, environments)."""
         self._find_places()
         self._set_tables()
 
@@ -90,23 +92,28 @@ class Episodes:
         self._acting = [drives.index(name) for name in self.signals]
         self._noisy = [k for k, name in enumerate(drives) if name.startswith((NOISE, JITTER))]
         self._followed = [drives.index(name) for name in list_references(bench)]
-        if task.output not in plant.outputs():
-            raise InputError(f"There is no output `{task.output}`. {suggest_name(task.output, plant.outputs())}")
-        self._output, self._read = seen(task.output), [seen(name) for name in self.observed]
+        for name in task.outputs:
+            if name not in plant.outputs():
+                raise InputError(f"There is no output `{name}`. {suggest_name(name, plant.outputs())}")
+        self._output = [seen(name) for name in task.outputs]
+        self._labels = [""] if isinstance(task.output, str) else [f".{name}" for name in task.outputs]
+        self._read = [seen(name) for name in self.observed]
         ports = list(plant.actuators())
         self._power, self._hottest, self._stress = (
             [seen(plant.label(port, name)) for port in ports] for name in ("power", "hottest", "stress")
         )
         limits = [one.element.limits for one in plant.actuators().values()]
         hot, high = task.temperature_limit, task.stress_limit
-        self._most_heat = np.array([hot or one.temperature_limit for one in limits])[:, None]
+        self.temperature_limits = [hot or one.temperature_limit for one in limits]
+        """Of the element at each port [K]."""
+        self._most_heat = np.array(self.temperature_limits)[:, None]
         self._most_stress = np.array([high or one.stress_limit for one in limits])[:, None]
 
     def _set_tables(self) -> None:
         """Room for what is drawn, and what is played to the controllers of the bench."""
         self._at = np.zeros(self.count, int)
         self._times: Numbers = self.bench.period * np.arange(self.length + 1.0 + max(self._ahead))
-        self._reference = np.zeros((len(self._times), self.count))
+        self._reference = np.zeros((len(self._times), len(self._output), self.count))
         self._noise = np.zeros((self.length + 2, len(self._noisy), self.count))
         played = list(reference_waveforms(self.bench).values())
         self._played = np.array(
@@ -115,7 +122,8 @@ class Episodes:
         low, high = np.array(list(self.signals.values())).T
         self._low, self._span = low[:, None], (high - low)[:, None]
         self._idle = np.clip(0.0, low, high)[:, None]
-        self._ranges = [*self.observed.values(), *[(self.task.low, self.task.high)] * len(self._ahead)]
+        followed = len(self._ahead) * len(self._output)
+        self._ranges = [*self.observed.values(), *[(self.task.low, self.task.high)] * followed]
 
     @property
     def sizes(self) -> tuple[int, int]:
@@ -132,8 +140,8 @@ class Episodes:
         Args:
             which: in which, shape (environments,).
             random: one generator per environment.
-            options: `reference`, a waveform to follow, and `values`, parameters of the bench by
-                path, in place of what would be drawn.
+            options: `reference`, a waveform to follow or one by name of the output, and `values`, parameters of the
+                bench by path, in place of what would be drawn.
 
         Returns:
             Observations of all environments, and what is shown of them.
@@ -156,25 +164,31 @@ class Episodes:
         others = np.flatnonzero(~np.asarray(which, bool))
         self._lanes.state[:, others] = state[:, others]
         self._lanes.worst[:, others] = worst[:, others]
-        rows = self._lanes.observe(signals)
-        return self._observation(rows), self._list_extras(rows)
+        self.rows = self._lanes.observe(signals)
+        return self._observation(self.rows), self._list_extras(self.rows)
 
     def _draw(self, k: int, rng: np.random.Generator, options: Mapping[str, Any]) -> bool:
         """Draw an episode of one environment; true if its plant is another."""
         before = [column[k] for column in self._values.values()]
         for spread in self._spreads:
             self._values[spread.path][k] = spread.draw(rng)
-        reference = self.task.reference(rng, self._times)
+        self._reference[:, :, k] = np.transpose([self.task.reference(rng, self._times) for _ in self._output])
         self._noise[:, :, k] = rng.standard_normal(self._noise.shape[:2])
         for path, value in dict(options.get("values", {})).items():
             name = self.bench.resolve(path)
             nominal = self.bench.value_of(name)
             self._values.setdefault(name, np.full(self.count, nominal))[k] = value
-        wave: AbstractWaveform | None = options.get("reference")
-        if wave is not None:
-            reference = np.array([wave.value(float(t)) for t in self._times])
-        self._reference[:, k] = reference
+        self._play_references(k, options.get("reference", {}))
         return before != [column[k] for column in self._values.values()]
+
+    def _play_references(self, k: int, given: AbstractWaveform | Mapping[str, AbstractWaveform]) -> None:
+        """Let one environment follow waveforms where they are given."""
+        outputs = self.task.outputs
+        waves = given if isinstance(given, Mapping) else dict.fromkeys(outputs, given)
+        for name, wave in waves.items():
+            if name not in outputs:
+                raise InputError(f"No output `{name}` follows a reference. {suggest_name(name, outputs)}")
+            self._reference[:, outputs.index(name), k] = [wave.value(float(t)) for t in self._times]
 
     def step(self, actions: Any) -> Outcome:
         """One period of all environments.
@@ -184,19 +198,28 @@ class Episodes:
         """
         share = 0.5 * (np.clip(np.asarray(actions, float), -1.0, 1.0).T + 1.0)
         signals = self._signals_at(self._low + share * self._span, 1)
-        rows = self._lanes.advance(signals[None], self.bench.period)[0]
+        rows = self.rows = self._lanes.advance(signals[None], self.bench.period)[0]
         self._at = np.minimum(self._at + 1, self.length)
         shown = self._list_extras(rows)
         solved = np.isfinite(rows).all(axis=0) & (self._lanes.worst[0] <= SOLVED)
         hot = (rows[self._hottest] > self._most_heat).any(axis=0)
         strained = (np.abs(rows[self._stress]) > self._most_stress).any(axis=0)
         over = hot | strained | ~solved
-        error = np.abs(shown["reference"] - shown["output"]) / (self.task.high - self.task.low)
+        error = np.abs(self._wanted() - rows[self._output]).mean(axis=0) / (self.task.high - self.task.low)
         cost = self.task.energy_weight * self.bench.period * shown["power"]
-        rewards = np.where(solved, -error - cost, 0.0) - self.task.penalty * over
+        lost = self.task.penalty + (self.length - self._at)
+        rewards = np.where(solved, -error - cost, -1.0) - lost * over
         return Outcome(self._observation(rows), rewards, over, self._at >= self.length, shown)
 
     # ---------------------------------------------------------------- rows
+
+    def list_outputs(self, k: int) -> dict[str, float]:
+        """Outputs of one environment now [SI], by name."""
+        return dict(zip(self._lanes.names, self.rows[:, k].tolist(), strict=True))
+
+    def list_followed(self) -> tuple[Numbers, Numbers, Any]:
+        """References and outputs now, shape (outputs, environments), and the periods since the episodes began."""
+        return self._wanted(), self.rows[self._output], self._at
 
     def _signals_at(self, acting: Numbers, later: int) -> Numbers:
         """Signals of all drives: references and noise are those at the end of the period."""
@@ -210,18 +233,19 @@ class Episodes:
     def _observation(self, rows: Numbers) -> Any:
         """What a learner sees, shape (environments, observations)."""
         ahead = self._at[None, :] + np.array(self._ahead)[:, None]
-        wanted = self._reference[ahead, np.arange(self.count)[None, :]]
-        found = scale_values(np.concatenate([rows[self._read], wanted]), self._ranges)
+        lanes = np.arange(self.count)
+        wanted = [self._reference[at, :, lanes].T for at in ahead]
+        found = scale_values(np.concatenate([rows[self._read], *wanted]), self._ranges)
         cut = np.clip(np.nan_to_num(found, nan=0.0), -BOUND, BOUND)
         return np.ascontiguousarray(cut.T, np.float32)
 
+    def _wanted(self) -> Numbers:
+        """References now, shape (outputs, environments)."""
+        return self._reference[self._at, :, np.arange(self.count)].T
+
     def _list_extras(self, rows: Numbers) -> dict[str, Numbers]:
         """What is told besides, in the order of `SHOWN`."""
-        wanted = self._reference[self._at, np.arange(self.count)]
-        columns = (
-            wanted,
-            rows[self._output],
-            rows[self._power].sum(axis=0),
-            rows[self._hottest].max(axis=0, initial=0.0),
-        )
-        return dict(zip(SHOWN, columns, strict=True))
+        found = {f"reference{name}": row for name, row in zip(self._labels, self._wanted(), strict=True)}
+        found |= {f"output{name}": rows[k] for name, k in zip(self._labels, self._output, strict=True)}
+        hottest = rows[self._hottest].max(axis=0, initial=0.0)
+        return found | {"power": rows[self._power].sum(axis=0), "hottest": hottest}

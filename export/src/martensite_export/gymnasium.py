@@ -3,8 +3,7 @@
     environment = SmaEnv(bench, Task(output="position", low=0.0, high=4e-3, duration=20.0))
 
 What is observed, rewarded and drawn is said in `martensite_export.episodes` and
-`martensite_export.learning_task`. Importing this module registers `martensite/Bench-v0`, so that
-`gymnasium.make("martensite_export.gymnasium:martensite/Bench-v0", bench=..., task=...)` works.
+`martensite_export.learning_task`. What `gymnasium.make` finds by name says `martensite_export.gymnasium_names`.
 
 Gymnasium comes with `pip install 'martensite[gymnasium]'`.
 """
@@ -14,16 +13,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from importlib import import_module
 from importlib.util import find_spec
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
+from martensite.base.errors import InputError, suggest_name
 from martensite.base.lazy import import_extra
 from martensite.control.loop.bench import Bench
 from martensite_export.episodes import BOUND, Episodes
+from martensite_export.frames import Frames
+from martensite_export.gymnasium_names import register_environments
 from martensite_export.learning_task import LearningTask
+from martensite_export.packaged_tasks import find_bench
 
-NAME = "martensite/Bench-v0"
+RENDER_MODES = ("rgb_array",)
 HERE = find_spec("gymnasium") is not None
 BASE: Any = import_module("gymnasium").Env if HERE else object
 
@@ -44,6 +47,17 @@ def build_spaces(episodes: Episodes) -> tuple[Any, Any]:
     return box(-1.0, 1.0, (actions,), np.float32), box(-BOUND, BOUND, (observations,), np.float32)
 
 
+def describe_rendering(bench: Bench, render_mode: str | None) -> dict[str, Any]:
+    """Metadata of an environment: what can be rendered, and how many periods are in a second.
+
+    Raises:
+        InputError: there is no such mode.
+    """
+    if render_mode not in (None, *RENDER_MODES):
+        raise InputError(f"There is no render mode `{render_mode}`. {suggest_name(render_mode, RENDER_MODES)}")
+    return {"render_modes": list(RENDER_MODES), "render_fps": max(1, round(1.0 / bench.period))}
+
+
 class SmaEnv(BASE):
     """A bench as a `gymnasium.Env`.
 
@@ -51,25 +65,33 @@ class SmaEnv(BASE):
     reference and its preview, from -2 to 2. Both are of 32 bits.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES)}  # noqa: RUF012 - as Gymnasium has it
 
     def __init__(
-        self, bench: Bench, task: LearningTask, *, native: bool | None = None, render_mode: None = None
+        self,
+        bench: Bench | str,
+        task: LearningTask | Mapping[str, Any] | None = None,
+        *,
+        native: bool | None = None,
+        render_mode: str | None = None,
     ) -> None:
         """An environment that has not been reset.
 
         Args:
-            bench: with at least one drive that nobody has.
-            task: what shall be done on it.
+            bench: with at least one drive that nobody has; or the name of a packaged task.
+            task: what shall be done on it; for a packaged task the fields that shall be others, if any.
             native: whether to run in C; by default if there is a compiler.
-            render_mode: nothing is rendered.
+            render_mode: `rgb_array`, if pictures are wanted.
 
         Raises:
             InputError: Gymnasium is not installed, or a name or range does not fit.
             ParameterError: a spread does not fit.
         """
         import_gymnasium()
+        bench, task = find_bench(bench, task)
+        self.metadata = type(self).metadata | describe_rendering(bench, render_mode)
         self._episodes = Episodes(bench, task, 1, native)
+        self._frames: Frames | None = None
         self.action_space, self.observation_space = build_spaces(self._episodes)
         self.render_mode = render_mode
 
@@ -86,11 +108,13 @@ class SmaEnv(BASE):
         """
         super().reset(seed=seed)
         found, shown = self._episodes.begin(np.ones(1, bool), [self.np_random], options)
+        self._frames = watch_episodes(self._frames, self._episodes, self.render_mode)
         return found[0], {name: float(row[0]) for name, row in shown.items()}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """One period: observation, reward, terminated, truncated, and what is true [SI]."""
         found = self._episodes.step(np.asarray(action, float)[None])
+        self._frames = watch_episodes(self._frames, self._episodes, self.render_mode)
         shown = {name: float(row[0]) for name, row in found.shown.items()}
         return (
             found.observations[0],
@@ -100,8 +124,19 @@ class SmaEnv(BASE):
             shown,
         )
 
+    def render(self) -> Any:
+        """The picture now, of 8 bits, shape (height, width, 3); none without a `render_mode` or before `reset`."""
+        return None if self._frames is None else self._frames.draw(0)
+
+
+def watch_episodes(frames: Frames | None, episodes: Episodes, render_mode: str | None) -> Frames | None:
+    """Frames that know the last period, if any are wanted."""
+    if render_mode is None:
+        return None
+    frames = frames or Frames(episodes)
+    frames.watch()
+    return frames
+
 
 if HERE:
-    import_gymnasium().register(
-        NAME, entry_point=f"{__name__}:SmaEnv", vector_entry_point=f"{__name__}_vector:SmaVectorEnv"
-    )
+    register_environments()

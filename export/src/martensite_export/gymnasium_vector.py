@@ -17,8 +17,17 @@ import numpy as np
 from martensite.base.errors import InputError, suggest_name
 from martensite.control.loop.bench import Bench
 from martensite_export.episodes import Episodes, Outcome
-from martensite_export.gymnasium import HERE, build_spaces, import_gymnasium
+from martensite_export.frames import Frames
+from martensite_export.gymnasium import (
+    HERE,
+    RENDER_MODES,
+    build_spaces,
+    describe_rendering,
+    import_gymnasium,
+    watch_episodes,
+)
 from martensite_export.learning_task import LearningTask
+from martensite_export.packaged_tasks import find_bench
 
 VECTOR: Any = import_module("gymnasium.vector") if HERE else None
 BASE: Any = VECTOR.VectorEnv if HERE else object
@@ -28,27 +37,27 @@ MODES: dict[str, Any] = {one.value: one for one in VECTOR.AutoresetMode} if HERE
 class SmaVectorEnv(BASE):
     """A bench as a `gymnasium.vector.VectorEnv`."""
 
-    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012 - as Gymnasium has it
+    metadata: dict[str, Any] = {"render_modes": list(RENDER_MODES)}  # noqa: RUF012 - as Gymnasium has it
 
     def __init__(
         self,
-        bench: Bench,
-        task: LearningTask,
+        bench: Bench | str,
+        task: LearningTask | Mapping[str, Any] | None = None,
         num_envs: int = 1,
         *,
         autoreset_mode: Any = "NextStep",
         native: bool | None = None,
-        render_mode: None = None,
+        render_mode: str | None = None,
     ) -> None:
         """Environments that have not been reset.
 
         Args:
-            bench: with at least one drive that nobody has.
-            task: what shall be done on it.
+            bench: with at least one drive that nobody has; or the name of a packaged task.
+            task: what shall be done on it; for a packaged task the fields that shall be others, if any.
             num_envs: how many.
             autoreset_mode: one of `gymnasium.vector.AutoresetMode`.
             native: whether to run in C; by default if there is a compiler.
-            render_mode: nothing is rendered.
+            render_mode: `rgb_array`, if pictures are wanted.
 
         Raises:
             InputError: Gymnasium is not installed, or a name or range does not fit.
@@ -56,7 +65,9 @@ class SmaVectorEnv(BASE):
         """
         import_gymnasium()
         self._mode = _find_mode(getattr(autoreset_mode, "value", autoreset_mode))
-        self.metadata = {**type(self).metadata, "autoreset_mode": self._mode}
+        bench, task = find_bench(bench, task)
+        self.metadata = {**describe_rendering(bench, render_mode), "autoreset_mode": self._mode}
+        self._frames: Frames | None = None
         self.num_envs, self.render_mode = num_envs, render_mode
         self._episodes = Episodes(bench, task, num_envs, native)
         single = build_spaces(self._episodes)
@@ -83,7 +94,12 @@ class SmaVectorEnv(BASE):
         self._seed_environments(seed, which)
         found, shown = self._episodes.begin(which, self._random, given)
         self._over &= ~which
+        self._frames = watch_episodes(self._frames, self._episodes, self.render_mode)
         return found, _arrange_info(shown, which)
+
+    def render(self) -> tuple[Any, ...] | None:
+        """A picture of every environment, each of shape (height, width, 3)."""
+        return None if self._frames is None else tuple(map(self._frames.draw, range(self.num_envs)))
 
     def _seed_environments(self, seed: int | Sequence[int | None] | None, which: Any) -> None:
         count, fresh = self.num_envs, import_gymnasium().utils.seeding.np_random
@@ -97,6 +113,11 @@ class SmaVectorEnv(BASE):
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         """One period of all environments: arrays, and what is true by name [SI]."""
+        answer = self._step_all(actions)
+        self._frames = watch_episodes(self._frames, self._episodes, self.render_mode)
+        return answer
+
+    def _step_all(self, actions: Any) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
         found, before = self._episodes.step(actions), self._over
         over = found.terminated | found.truncated
         if self._mode is MODES["NextStep"]:

@@ -1,9 +1,12 @@
 """What a learner shall do on a bench: what follows which references, between which bounds.
 
-    r = −|y* − y| / (high − low) − w P T − penalty where a limit is exceeded
+    r = −|y* − y| / (high − low) − w P T
 
 is the reward of a period T, with the true output y, its reference y*, the electrical power P of all elements and the
-weight w. Every episode draws its own reference and, within declared spreads, its own plant:
+weight w; the error is the mean over the outputs if there are several. Where a limit is exceeded the episode ends, and
+the last reward is less by the penalty and by 1, the error of the whole range, for every period that is left. So an
+early end never pays: to idle from there on would cost no more. Every episode draws its own references and, within
+declared spreads, its own plant:
 
     p = p₀ (1 + s z),    temperatures p = p₀ + s z,    z evenly spread in [-1, 1]
 
@@ -36,8 +39,8 @@ TURNS = (1.0, 4.0)
 class LearningTask:
     """What a learner shall do; all numbers in SI."""
 
-    output: str
-    """Output of the plant that shall follow the reference."""
+    output: str | tuple[str, ...]
+    """Output of the plant that shall follow the reference, or several, each with a reference of its own."""
     low: float
     """Lowest reference."""
     high: float
@@ -47,7 +50,7 @@ class LearningTask:
     signals: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, Any])
     """Lowest and highest signal by drive; drives that take a duty need none and get 0 to 1."""
     observed: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, Any])
-    """Range by name of the reading; by default that of `output`, with the range of references."""
+    """Range by name of the reading; by default those of `output`, with the range of references."""
     preview: tuple[float, ...] = ()
     """How far ahead the reference is seen, besides now [s]."""
     references: tuple[str, ...] = ("steps", "sines")
@@ -62,7 +65,7 @@ class LearningTask:
     energy_weight: float = 0.0
     """What an electrical joule costs."""
     penalty: float = 10.0
-    """What it costs to exceed a limit, which ends the episode."""
+    """What it costs to exceed a limit, which ends the episode, besides 1 for every period that is left."""
     temperature_limit: float | None = None
     """Highest temperature of any element [K]; by default that of the limits of each."""
     stress_limit: float | None = None
@@ -80,6 +83,13 @@ class LearningTask:
                 raise ParameterError(f"No reference is named `{kind}`. {suggest_name(kind, KINDS)}")
         if min(self.preview, default=0.0) < 0.0:
             raise ParameterError(f"A preview is ahead, but one is {min(self.preview):g} s.")
+        if not self.outputs:
+            raise ParameterError("A task needs an output that shall follow a reference.")
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of all outputs that follow a reference."""
+        return (self.output,) if isinstance(self.output, str) else tuple(self.output)
 
     def reference(self, rng: np.random.Generator, times: Numbers) -> Numbers:
         """A reference of an episode at times [s], shape (samples,)."""
@@ -179,7 +189,7 @@ def observed_readings(bench: Bench, task: LearningTask) -> dict[str, tuple[float
         InputError: there is no such reading, or a range is none.
     """
     known = [name for name in list_readings(bench) if not name.endswith(AGE)]
-    wanted = dict(task.observed) or {task.output: (task.low, task.high)}
+    wanted = dict(task.observed) or dict.fromkeys(task.outputs, (task.low, task.high))
     for name in wanted:
         if name not in known:
             raise InputError(f"There is no reading `{name}` to observe. {suggest_name(name, known)}")

@@ -9,10 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from martensite.actuators.assembly import AbstractSystem, Actuator
+from martensite.actuators.assembly import AbstractSystem
+from martensite.actuators.assembly.lengths import measure_lengths
 from martensite.actuators.elements.base import AbstractElement
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, Point
-from martensite.kernels import floats
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.result import Result
 from martensite_app.messages import JsonTable
@@ -24,15 +24,13 @@ MOST_NUMBERS = 60_000
 """Coordinates of all pictures together."""
 FINENESS = 1e-5
 """Quantum as a share of the size of the picture."""
-UNKNOWN_LENGTH = 0.1
-"""Length of an element that has none of its own [m]."""
 SHOWN = ("temperature", "martensite_fraction", "force")
 
 
 def describe_scene(scenario: Scenario, result: Result) -> JsonTable:
     """Shapes and pictures of a run; see `Scene` in the page's types for what is what."""
     system: AbstractSystem = scenario.system
-    lengths = measure_lengths(system, result)
+    lengths = measure_lengths(system, result.columns)
     names = list(system.mechanism.outputs())
     first = draw_row(system, result, lengths, names, 0)
     numbers = 3 * sum(len(shape.points) for shape in first)
@@ -68,32 +66,6 @@ def draw_row(
 ) -> list[DrawingShape]:
     """The mechanism at one row of the result, from its outputs by name."""
     return system.mechanism.draw_shapes(DrawingState({n: result.columns[n][row] for n in names}, lengths))
-
-
-def measure_lengths(system: AbstractSystem, result: Result) -> dict[str, float]:
-    """Length of the element at each port as the mechanism is assembled [m]."""
-    mechanism, actuators = system.mechanism, system.actuators()
-    signals = [result.columns[name][0] for name in mechanism.signals()]
-    forces = mechanism.first_forces(floats, signals)
-    return {
-        port: _measure_length(one, force, result.columns[system.label(port, "drive")][0])
-        for (port, one), force in zip(actuators.items(), forces, strict=True)
-    }
-
-
-def _measure_length(actuator: Actuator, force: float, drive: float) -> float:
-    """Of an element at rest under a force [N] and a drive signal [m]."""
-    element = actuator.element
-    state = actuator.start(floats, force, drive)
-    return _find_natural_length(element) + element.elongation(floats, state, force)
-
-
-def _find_natural_length(element: AbstractElement) -> float:
-    """Length from which elongation counts [m]."""
-    one = getattr(element, "one", None)
-    if isinstance(one, AbstractElement):
-        return _find_natural_length(one) * getattr(element, "behind", lambda: 1.0)()
-    return getattr(element, "length", getattr(element, "free_length", UNKNOWN_LENGTH))
 
 
 def _describe_shape(shape: DrawingShape, stands: bool, system: AbstractSystem, quantum: float) -> JsonTable:

@@ -53,22 +53,26 @@ def open_device() -> Device:
     """
     driver = import_extra("cuda.bindings.driver", "cuda", "`cuda-bindings`")
     try:
-        call(driver.cuInit(0))
-        if not call(driver.cuDeviceGetCount()):
+        take_answer(driver.cuInit(0))
+        if not take_answer(driver.cuDeviceGetCount()):
             raise DeviceError("the driver lists none")
-        device = call(driver.cuDeviceGet(0))
+        device = take_answer(driver.cuDeviceGet(0))
         attributes = driver.CUdevice_attribute
-        major = call(driver.cuDeviceGetAttribute(attributes.CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR, device))
-        minor = call(driver.cuDeviceGetAttribute(attributes.CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR, device))
-        name = call(driver.cuDeviceGetName(128, device)).split(b"\0")[0].decode()
-        context = call(driver.cuDevicePrimaryCtxRetain(device))
+        major = take_answer(
+            driver.cuDeviceGetAttribute(attributes.CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MAJOR, device)
+        )
+        minor = take_answer(
+            driver.cuDeviceGetAttribute(attributes.CU_DEVICE_ATTRIBUTE_COMPUTE_CAPABILITY_MINOR, device)
+        )
+        name = take_answer(driver.cuDeviceGetName(128, device)).split(b"\0")[0].decode()
+        context = take_answer(driver.cuDevicePrimaryCtxRetain(device))
     except RuntimeError as error:  # that of a missing driver is one too
         reason = error.name if isinstance(error, DeviceError) else "there is no NVIDIA driver"
         raise InputError(f"No CUDA device was found ({reason}); {ELSE}.") from None
     return Device(driver, context, name, 10 * major + minor)
 
 
-def call(answer: tuple[Any, ...]) -> Any:
+def take_answer(answer: tuple[Any, ...]) -> Any:
     """What a function of the driver or of NVRTC returns.
 
     Raises:
@@ -85,7 +89,7 @@ def call(answer: tuple[Any, ...]) -> Any:
 
 def list_architectures() -> list[int]:
     """Compute capabilities that NVRTC compiles for, without minor letters."""
-    return sorted(call(_load_nvrtc().nvrtcGetSupportedArchs()))
+    return sorted(take_answer(_load_nvrtc().nvrtcGetSupportedArchs()))
 
 
 def choose_target(capability: int, known: Iterable[int]) -> str:
@@ -112,16 +116,16 @@ def compile_source(text: str, target: str, more: Sequence[str] = ()) -> bytes:
     """
     nvrtc = _load_nvrtc()
     options = [f"--gpu-architecture={target}", *FLAGS, *more]
-    program = call(nvrtc.nvrtcCreateProgram(text.encode(), b"march.cu", 0, [], []))
+    program = take_answer(nvrtc.nvrtcCreateProgram(text.encode(), b"march.cu", 0, [], []))
     try:
         status = nvrtc.nvrtcCompileProgram(program, len(options), [one.encode() for one in options])[0]
         if int(status) != 0:
-            log = b" " * call(nvrtc.nvrtcGetProgramLogSize(program))
-            call(nvrtc.nvrtcGetProgramLog(program, log))
+            log = b" " * take_answer(nvrtc.nvrtcGetProgramLogSize(program))
+            take_answer(nvrtc.nvrtcGetProgramLog(program, log))
             raise CompileError(f"NVRTC failed: {log.decode().strip()[:500]}")
         kind = "CUBIN" if target.startswith("sm_") else "PTX"
-        made = b" " * call(getattr(nvrtc, f"nvrtcGet{kind}Size")(program))
-        call(getattr(nvrtc, f"nvrtcGet{kind}")(program, made))
+        made = b" " * take_answer(getattr(nvrtc, f"nvrtcGet{kind}Size")(program))
+        take_answer(getattr(nvrtc, f"nvrtcGet{kind}")(program, made))
     finally:
         nvrtc.nvrtcDestroyProgram(program)
     return made
@@ -131,7 +135,7 @@ def compile_source(text: str, target: str, more: Sequence[str] = ()) -> bytes:
 def _load_nvrtc() -> Any:
     nvrtc = import_extra("cuda.bindings.nvrtc", "cuda", "`cuda-bindings`")
     try:
-        call(nvrtc.nvrtcVersion())
+        take_answer(nvrtc.nvrtcVersion())
     except RuntimeError:
         raise InputError("NVRTC was not found; run `pip install 'martensite[cuda]'`.") from None
     return nvrtc
@@ -139,7 +143,7 @@ def _load_nvrtc() -> Any:
 
 def _compile_once(text: str, target: str, more: tuple[str, ...]) -> bytes:
     """The same, kept in the cache folder, where it can be written."""
-    said = repr((text, target, FLAGS, more, call(_load_nvrtc().nvrtcVersion())))
+    said = repr((text, target, FLAGS, more, take_answer(_load_nvrtc().nvrtcVersion())))
     path: Path | None = None
     with suppress(OSError, RuntimeError):
         path = cache_folder() / "cuda" / f"{hashlib.sha256(said.encode()).hexdigest()[:24]}.bin"
@@ -178,36 +182,38 @@ class DeviceProgram:
         target = choose_target(self.device.capability, list_architectures())
         code = _compile_once(text, target, more)
         driver = self.device.driver
-        call(driver.cuCtxSetCurrent(self.device.context))
-        self._module = call(driver.cuModuleLoadData(code))
-        self._clock = call(driver.cuEventCreate(0)), call(driver.cuEventCreate(0))
+        take_answer(driver.cuCtxSetCurrent(self.device.context))
+        self._module = take_answer(driver.cuModuleLoadData(code))
+        self._clock = take_answer(driver.cuEventCreate(0)), take_answer(driver.cuEventCreate(0))
         self.seconds = 0.0
         """Of the last launch, without what was copied."""
 
     def locate(self, name: str) -> int:
         """Address of a variable."""
-        return int(call(self.device.driver.cuModuleGetGlobal(self._module, name.encode()))[0])
+        return int(take_answer(self.device.driver.cuModuleGetGlobal(self._module, name.encode()))[0])
 
     def launch(self, name: str, threads: int, arguments: Sequence[ctypes.c_int | ctypes.c_longlong]) -> None:
         """Run a kernel in so many threads, and wait for it."""
         driver = self.device.driver
         packed = tuple(one.value for one in arguments), tuple(type(one) for one in arguments)
-        call(driver.cuEventRecord(self._clock[0], 0))
-        call(driver.cuLaunchKernel(self._find(name), -(-threads // THREADS), 1, 1, THREADS, 1, 1, 0, 0, packed, 0))
-        call(driver.cuEventRecord(self._clock[1], 0))
-        call(driver.cuCtxSynchronize())
-        self.seconds = 1e-3 * call(driver.cuEventElapsedTime(*self._clock))
+        take_answer(driver.cuEventRecord(self._clock[0], 0))
+        take_answer(
+            driver.cuLaunchKernel(self._find(name), -(-threads // THREADS), 1, 1, THREADS, 1, 1, 0, 0, packed, 0)
+        )
+        take_answer(driver.cuEventRecord(self._clock[1], 0))
+        take_answer(driver.cuCtxSynchronize())
+        self.seconds = 1e-3 * take_answer(driver.cuEventElapsedTime(*self._clock))
 
     def measure(self, name: str) -> Resources:
         """What a thread of a kernel takes."""
         driver, kinds, kernel = self.device.driver, self.device.driver.CUfunction_attribute, self._find(name)
-        registers = call(driver.cuFuncGetAttribute(kinds.CU_FUNC_ATTRIBUTE_NUM_REGS, kernel))
-        stack = call(driver.cuFuncGetAttribute(kinds.CU_FUNC_ATTRIBUTE_LOCAL_SIZE_BYTES, kernel))
-        blocks = call(driver.cuOccupancyMaxActiveBlocksPerMultiprocessor(kernel, THREADS, 0))
+        registers = take_answer(driver.cuFuncGetAttribute(kinds.CU_FUNC_ATTRIBUTE_NUM_REGS, kernel))
+        stack = take_answer(driver.cuFuncGetAttribute(kinds.CU_FUNC_ATTRIBUTE_LOCAL_SIZE_BYTES, kernel))
+        blocks = take_answer(driver.cuOccupancyMaxActiveBlocksPerMultiprocessor(kernel, THREADS, 0))
         return Resources(registers, stack, THREADS * blocks)
 
     def _find(self, name: str) -> Any:
-        return call(self.device.driver.cuModuleGetFunction(self._module, name.encode()))
+        return take_answer(self.device.driver.cuModuleGetFunction(self._module, name.encode()))
 
 
 class DeviceMemory:
@@ -218,7 +224,7 @@ class DeviceMemory:
         self._taken: list[int] = []
 
     def __enter__(self) -> DeviceMemory:
-        call(self.device.driver.cuCtxSetCurrent(self.device.context))
+        take_answer(self.device.driver.cuCtxSetCurrent(self.device.context))
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -227,29 +233,29 @@ class DeviceMemory:
 
     def count_free(self) -> int:
         """Bytes for arrays; some are left for what the driver needs."""
-        return int(SHARE * call(self.device.driver.cuMemGetInfo())[0])
+        return int(SHARE * take_answer(self.device.driver.cuMemGetInfo())[0])
 
     def take(self, size: int, fill: int | None = None) -> int:
         """Address of so many bytes, which are all `fill` if that is given."""
-        place = int(call(self.device.driver.cuMemAlloc(max(size, 1))))
+        place = int(take_answer(self.device.driver.cuMemAlloc(max(size, 1))))
         self._taken.append(place)
         if fill is not None and size:
-            call(self.device.driver.cuMemsetD8(place, fill, size))
+            take_answer(self.device.driver.cuMemsetD8(place, fill, size))
         return place
 
     def give(self, array: Any) -> int:
         """Address of a copy of an array."""
         place = self.take(array.nbytes)
         if array.nbytes:
-            call(self.device.driver.cuMemcpyHtoD(place, array.ctypes.data, array.nbytes))
+            take_answer(self.device.driver.cuMemcpyHtoD(place, array.ctypes.data, array.nbytes))
         return place
 
     def move(self, source: int, target: int, size: int) -> None:
         """Copy bytes from address to address."""
         if size:
-            call(self.device.driver.cuMemcpyDtoD(target, source, size))
+            take_answer(self.device.driver.cuMemcpyDtoD(target, source, size))
 
     def fetch(self, place: int, array: Any) -> None:
         """Fill an array with what lies at an address."""
         if array.nbytes:
-            call(self.device.driver.cuMemcpyDtoH(array.ctypes.data, place, array.nbytes))
+            take_answer(self.device.driver.cuMemcpyDtoH(array.ctypes.data, place, array.nbytes))
