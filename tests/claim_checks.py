@@ -5,34 +5,40 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from martensite.scenario.citations import read_bibliography
-from martensite.studies.base import Claim
-from martensite_studies.tables import TableStudy, settle_claims
+from martensite.studies.base import GROUNDS, Answer, Claim
+from martensite_studies.claim_tables import settle_part
+from martensite_studies.tables import TableStudy
 
 
-def check_complete(claims: Sequence[Claim], *, all_computed: bool = True) -> None:
-    """Every claim has all that it needs, under a name of its own, and goes into JSON."""
-    assert len({claim.id for claim in claims}) == len(claims)
-    for claim in claims:
-        assert claim.statement and claim.why and claim.unit
-        assert claim.source.split(",")[0] in read_bibliography()
-        if all_computed or claim.computed is not None:
-            assert claim.computed is not None and math.isfinite(claim.computed)
-    json.dumps([claim.to_dict() for claim in claims], allow_nan=False)
+def check_complete(answer: Answer, *, all_computed: bool = True) -> None:
+    """Every claim and report has all that it needs, under a name of its own, and goes into JSON."""
+    both = [*answer.claims, *answer.reports]
+    assert len({one.id for one in both}) == len(both)
+    for one in both:
+        assert one.statement and one.why and one.unit
+        assert one.source.split(",")[0] in read_bibliography()
+        bare = isinstance(one, Claim) and one.verdict == "not comparable"
+        if (all_computed and not bare) or one.computed is not None:
+            assert one.computed is not None and math.isfinite(one.computed)
+    json.dumps(asdict(answer), allow_nan=False)
 
 
 def check_decides(claims: Iterable[Claim]) -> None:
-    """The published number decides the verdict: just inside the tolerance, and just outside."""
+    """The distance decides between reproduced and all else: just inside of the tolerance, and just outside."""
+    bare = dict.fromkeys(GROUNDS.values(), "") | {"as_printed": None}
     for claim in claims:
-        fields = asdict(claim)
-        del fields["verdict"]
-        wrong = fields["computed"] + 1.01 * fields["tolerance"] + 1e-9
-        assert Claim.checked(**fields | {"published": wrong}).verdict == "not reproduced"
-        right = fields["computed"] - 0.99 * fields["tolerance"]
-        assert Claim.checked(**fields | {"published": right}).verdict == "reproduced"
+        if claim.tolerance is None or claim.computed is None:
+            continue
+        printed = claim.published if claim.published is not None else claim.as_printed
+        assert printed is not None
+        far, near = printed + 1.01 * claim.tolerance + 1e-9, printed + 0.99 * claim.tolerance
+        fields = {**bare, "published": printed}
+        assert replace(claim, **fields, computed=far, verdict="disagrees").verdict == "disagrees"
+        assert replace(claim, **fields, computed=near, verdict="reproduced").verdict == "reproduced"
 
 
 def verdict_of(claims: Iterable[Claim], id: str) -> str:
@@ -40,14 +46,27 @@ def verdict_of(claims: Iterable[Claim], id: str) -> str:
     return next(claim.verdict for claim in claims if claim.id == id)
 
 
+def verdicts_of(claims: Iterable[Claim]) -> dict[str, set[str]]:
+    """The names of the claims of each verdict that there is."""
+    found: dict[str, set[str]] = {}
+    for claim in claims:
+        found.setdefault(claim.verdict, set()).add(claim.id)
+    return found
+
+
 def with_verdict(claims: Iterable[Claim], verdict: str) -> set[str]:
     """The claims that have a verdict."""
     return {claim.id for claim in claims if claim.verdict == verdict}
 
 
+def numbers_of(answers: Sequence[Answer]) -> dict[str, float | None]:
+    """Every computed number by its name, of claims and of reports."""
+    return {one.id: one.computed for answer in answers for one in (*answer.claims, *answer.reports)}
+
+
 def settle_some(study: TableStudy, part: str, numbers: Mapping[str, Any], *names: str) -> dict[str, str]:
     """Verdicts of the claims of a part of some names, from given numbers."""
     blocks = ([row for row in block if row["id"] in names] for block in study.table[part])
-    table = {**study.table, part: [block for block in blocks if block]}
-    found = settle_claims(table, part, numbers, study.printed)
-    return {claim.id: claim.verdict for claim in found}
+    table = {**study.table, part: [block for block in blocks if block], "reports": {part: []}}
+    found = settle_part(table, part, numbers, study.printed)
+    return {claim.id: claim.verdict for claim in found.claims}

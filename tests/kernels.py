@@ -242,7 +242,7 @@ def mechanism_steps(mechanism: AbstractMechanism, xp: Any, x: Any, y: Any, dt: A
 def source_current(source: Any, xp: Any, drive: Any, ohms: Any) -> Any:
     """The current, and of a switch the share of the time for which it is closed."""
     shares = [source.share(xp, drive, 100.0)] if isinstance(source, AbstractSwitch) else []
-    return source.current(xp, drive, ohms), *shares
+    return source.current(xp, drive, ohms), source.drawn(xp, drive, ohms), *shares
 
 
 def source_heat(source: Any, xp: Any, low: Any, high: Any, share: Any, ohms: Any) -> Any:
@@ -332,6 +332,16 @@ def supervisor_course(supervisor: Any, xp: Any, u: Any, v: Any, x: Any, y: Any, 
 
 FRACTION, STRESS, TEMPERATURE = (0.0, 1.0), (0.0, 400e6), (275.0, 400.0)
 POINTS = {f"{name}{i}": r for i in range(3) for name, r in (("s", STRESS), ("t", TEMPERATURE))}
+
+
+def driven_cooling(cooling, xp, u, v, T, ambient):
+    """Losses at rest, at a level of the signal, and over a step in which it changes."""
+    shape, brought = Cylinder(2e-4, 0.2), Moments(u, u * u + 0.3 * v * v, u - v, u + v)
+    models = [cooling, *(cooling.driven(xp, dict.fromkeys(cooling.signals(), given)) for given in (u, brought))]
+    rows = [(one.film(xp, T, ambient, shape), one.pumped(xp, T, ambient, shape)) for one in models]
+    return tuple(number for row in rows for number in row if number is not None)
+
+
 START = {"x": FRACTION, "s0": STRESS, "t0": TEMPERATURE}
 SAMPLES = {"u": (-1.0, 1.0), "v": (-1.0, 1.0), "x": FRACTION, "y": FRACTION, "dt": (0.0, 0.5)}
 
@@ -345,7 +355,10 @@ KERNELS: dict[str, dict[str, Kernel]] = {
         "film": Kernel(
             {"T": (250.0, 450.0), "ambient": (270.0, 310.0), "d": (5e-5, 1e-3), "l": (0.05, 1.0)},
             lambda cooling, xp, T, ambient, d, l: cooling.film(xp, T, ambient, Cylinder(d, l)),
-        )
+        ),
+        "driven": Kernel(
+            {"u": (0.0, 3.0), "v": (0.0, 0.3), "T": (250.0, 450.0), "ambient": (270.0, 310.0)}, driven_cooling
+        ),
     },
     "ends": {
         "conductance": Kernel(

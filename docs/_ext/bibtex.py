@@ -14,6 +14,11 @@ def bibliography() -> str:
     return "\n".join(_entry(key, known[key]) for key in sorted(known))
 
 
+def describe_work(key: str) -> str:
+    """Authors, title and place of a work, in a sentence."""
+    return _sentence(read_fields(citations.read_bibliography()[key]))
+
+
 def _entry(key: str, text: str) -> str:
     return f"(bib-{key})=\n**{key}**\n: {_sentence(read_fields(text))}\n"
 

@@ -17,6 +17,7 @@ import bibtex
 import blocks
 import commands
 import parts
+import sources
 
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.control.loop.parts import MountedSensor
@@ -31,6 +32,15 @@ DRAWN = ("migaone", "wire-heating", "platform", "sommerfeld", "finger", "finger-
 """Studies whose figure is shown; the others need a record that may be absent."""
 PAGES = ("brinson", "elahinia", "lagoudas", "liang-rogers", "mas", "mas-hybrid", "mas-polycrystal", "tanaka")
 """Laws whose page lists their parameters."""
+SOURCES = {
+    "migaone-paper": ("migaone",),
+    "copaci2019": ("hammerstein-wiener",),
+    "ranjith2018": ("platform",),
+    "kossoski2018": ("wire-heating", "sommerfeld"),
+    "finger-paper": ("finger", "finger-calibration"),
+}
+"""Works that have a page of their own, with the studies of each."""
+REBUILT = [name for studies in SOURCES.values() for name in studies]
 SECTIONS: dict[str, Callable[[], str]] = {
     "parts": parts.all_parts,
     "blocks": blocks.all_blocks,
@@ -43,6 +53,11 @@ SECTIONS: dict[str, Callable[[], str]] = {
     "commands": commands.all_commands,
     "bibliography": bibtex.bibliography,
     **{f"figure-{name}": partial(parts.figure, name) for name in DRAWN},
+    **{f"figure-again-{name}": partial(sources.drawing, name) for name in REBUILT},
+    **{f"claims-{name}": partial(sources.claims, name) for name in REBUILT},
+    **{f"source-{key}": partial(sources.entry, key) for key in SOURCES},
+    **{f"cite-{key}": partial(sources.both_entries, key) for key in SOURCES},
+    **{f"digest-{name}": partial(parts.digest, name) for name in REBUILT},
     **{f"law-{name}": partial(parts.parameters_of, LAWS[name]) for name in PAGES},
     "studies": parts.all_studies,
     "run": lambda: parts.parameters_of(Run),
@@ -61,8 +76,8 @@ _MARK = re.compile(r"<!-- from-declarations: ([\w-]+) -->")
 
 
 def filled(text: str) -> str:
-    """The text with every mark replaced by what it stands for."""
-    return _MARK.sub(lambda mark: SECTIONS[mark[1]](), text)
+    """The text with every mark, and every field of a number, replaced by what it stands for."""
+    return _MARK.sub(lambda mark: SECTIONS[mark[1]](), sources.with_numbers(text))
 
 
 def _fill(app: Any, page: str, content: list[str]) -> None:

@@ -10,8 +10,16 @@ from IPython import get_ipython
 
 from martensite.show.figures.style import STYLE
 
-EXAMPLES = Path(__file__).parents[2] / "examples"
+CHECKOUT = Path(__file__).parents[2]
+EXAMPLES = CHECKOUT / "examples"
 """The example scenarios of the repository; a page runs in a folder of its own."""
+
+
+def link_checkout() -> None:
+    """Link the folders of the repository that commands name by their path in it."""
+    for name in ("examples", "studies"):
+        Path(name).symlink_to(CHECKOUT / name)
+
 
 shell: Any = get_ipython()  # type: ignore[no-untyped-call]
 shell.run_line_magic("matplotlib", "inline")

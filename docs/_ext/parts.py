@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 from typing import Any
+
+from sphinx.util import logging
 
 import martensite
 from martensite.actuators.assembly import OUTPUTS
@@ -20,10 +24,14 @@ from martensite.physics.materials.base import DOUBTFUL, NAMES, Material, load_ma
 from martensite.scenario import catalogue
 from martensite.show.summaries.parts import write_default
 from martensite.simulate.measures.base import MEASURES
-from martensite.studies.base import AbstractStudy, Claim, load_study, study_names
+from martensite.studies.base import VERDICTS, AbstractStudy, Answer, Claim, load_study, study_names
+from martensite_studies.shipped_numbers import find_changes
+from martensite_studies.tables import TableStudy
 from martensite_sweep.backends.base import BACKENDS
 from martensite_sweep.sampling.samples import DESIGNS
 
+_logger = logging.getLogger(__name__)
+_SPACES = re.compile(r"[ \t\n]+")  # not those that keep words together
 PLURALS = {
     "element": "Elements",
     "ends": "Ends of elements",
@@ -50,7 +58,7 @@ def table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
 
 
 def _cell(text: str) -> str:
-    return " ".join(text.split()).replace("|", r"\|")
+    return " ".join(_SPACES.split(text.strip())).replace("|", r"\|")
 
 
 def plain(text: str) -> str:
@@ -247,8 +255,9 @@ FIGURES = Path(__file__).parents[1] / "_figures"
 """Where figures of studies are drawn; the claims that follow reuse their runs."""
 
 
+@cache
 def figure(name: str) -> str:
-    """The figure of a study, drawn now."""
+    """The figure of a study, drawn once in a build."""
     found = load_study(name)
     FIGURES.mkdir(exist_ok=True)
     found.figure(FIGURES / f"{name}.svg")
@@ -256,28 +265,67 @@ def figure(name: str) -> str:
 
 
 def all_studies() -> str:
-    """The claims of every study, computed now."""
-    return "\n".join(_study(load_study(name)) for name in study_names())
+    """Digest, claims and reports of every study, with a warning of what is not as it was shipped."""
+    studies = [load_study(name) for name in study_names()]
+    answers = {study: study.find_answer() for study in studies}
+    return "\n".join([_tally(answers), *(_study(study, answer) for study, answer in answers.items())])
 
 
-def _study(found: AbstractStudy) -> str:
-    claims = found.claims()
-    counted = Counter(claim.verdict for claim in claims)
+def digest(name: str) -> str:
+    """The digest of a study, as it is shipped."""
+    answer = load_study(name).find_answer()
+    return "\n".join(f"{key.replace('_', ' ')}\n: {plain(text)}\n" for key, text in answer.digest.items())
+
+
+def _tally(answers: Mapping[AbstractStudy, Answer]) -> str:
+    """How many claims of each verdict every source has, and how many reports."""
+    counts: dict[str, Counter[str]] = {}
+    for study, answer in answers.items():
+        counts.setdefault(study.cites[0], Counter()).update(answer.count_all())
+    columns = (*VERDICTS, "reports")
+    rows = [(cited(source), *(str(found[name]) for name in columns)) for source, found in counts.items()]
+    return table(("source", *map(unbroken, columns)), rows) + "\n"
+
+
+def _study(found: AbstractStudy, answer: Answer) -> str:
+    _warn_of_changes(found)
+    counted = ", ".join(f"{count} {name}" for name, count in answer.count_all().items() if count)
     columns = ("claim", "published", "computed", "unit", "verdict", "why")
+    reports = [(plain(one.statement), _number(one.computed), one.unit, plain(one.why)) for one in answer.reports]
     return "\n".join(
         [
             f"## `{found.key}`\n",
             f"{found.title}. Source: {', '.join(cited(key) for key in found.cites[:1])}.\n",
-            ", ".join(f"{count} {verdict}" for verdict, count in counted.items()) + ".\n",
-            table(columns, [_claim(claim) for claim in claims]),
+            digest(found.key),
+            f"{counted}.\n",
+            table(columns, [_claim(claim) for claim in answer.claims]),
+            "\n<details><summary>Reports: computed here, printed nowhere</summary>\n",
+            table(("number", "computed", "unit", "why"), reports),
+            "</details>\n",
         ]
     )
 
 
+def _warn_of_changes(found: AbstractStudy) -> None:
+    """Compute a study, whose figure has left most of its runs, and compare it with what was shipped."""
+    for sentence in find_changes(found) if isinstance(found, TableStudy) else ():
+        _logger.warning(
+            "Study %s: %s `python -m martensite_studies.shipped_numbers` writes it anew.", found.key, sentence
+        )
+
+
 def _claim(claim: Claim) -> tuple[str, ...]:
-    published = "" if claim.published is None else f"{claim.published:.4g}"
+    printed = _number(claim.published) if claim.as_printed is None else f"({_number(claim.as_printed)})"
     if claim.tolerance is not None:
-        published += f" ± {claim.tolerance:.2g}"
-    computed = "" if claim.computed is None else f"{claim.computed:.4g}"
-    verdict = claim.verdict.replace("not ", "not\N{NO-BREAK SPACE}")
-    return plain(claim.statement), published, computed, claim.unit, verdict, plain(claim.why)
+        printed += f" ± {claim.tolerance:.2g}"
+    why = plain(claim.describe_reason())
+    return plain(claim.statement), printed, _number(claim.computed), claim.unit, unbroken(claim.verdict), why
+
+
+def _number(number: float | None) -> str:
+    return "" if number is None else f"{number:.4g}"
+
+
+def unbroken(words: str) -> str:
+    """Words that stay in one line."""
+    return words.replace(" ", "\N{NO-BREAK SPACE}")

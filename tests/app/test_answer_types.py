@@ -18,7 +18,7 @@ def ask(call: str, **request: Any) -> Any:
     return find_call(call)(request, Desk(Path()))
 
 
-@pytest.mark.parametrize("name", ["finger", "antagonistic_wires", "closed_loop_guarded"])
+@pytest.mark.parametrize("name", ["finger", "three_rails", "closed_loop_guarded"])
 def test_a_run_and_its_form(name: str) -> None:
     text = list_standalone()[name]
     check_answer(ask("run", text=text), "lib", "Run")

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from claim_checks import check_complete, check_decides, settle_some, verdict_of, with_verdict
+from claim_checks import check_complete, check_decides, numbers_of, verdicts_of
 
 from martensite.kernels.compiler import find_compiler
 from martensite.scenario.citations import read_bibliography
@@ -38,12 +38,17 @@ needs_compiler = pytest.mark.skipif(find_compiler() is None, reason="needs a C c
 
 
 @pytest.fixture(scope="module")
-def listed():
-    return FingerCalibration().claims()
+def answer():
+    return FingerCalibration().compute()
+
+
+@pytest.fixture(scope="module")
+def listed(answer):
+    return numbers_of([answer])
 
 
 def computed(listed, id: str) -> float:
-    return next(claim.computed for claim in listed if claim.id == id)
+    return listed[id]
 
 
 @needs_compiler
@@ -225,7 +230,7 @@ class TestGauges:
 class TestWhole:
     def test_coordinate_search_stalls(self, listed):
         for data in (NEAR, FAR):
-            assert verdict_of(listed, f"minimum-{data.key}") == "not reproduced"
+            assert computed(listed, f"minimum-{data.key}") > 0.02  # a fiftieth of the noise: there a search has arrived
             for start in FEW:
                 found = run_search(data, start, COORDINATE, PRINTED)
                 assert found.rms > best_fit(data, PRINTED).rms
@@ -242,23 +247,20 @@ class TestWhole:
                 assert found.path[-1].numbers == pytest.approx(found.fit.numbers, rel=1e-9)
                 assert found.path[0].runs == 1
 
-    def test_verdicts(self, listed):
-        check_complete(listed)
-        assert with_verdict(listed, "not reproduced") == {
-            "minimum-8mm",
-            "minimum-16mm",
-            "count",
-            "no-latent-heat",
-            "chosen",
-        }
+    def test_verdicts(self, answer):
         sets = ("8mm", "16mm", "joint")
-        again = {f"{id}-{data}" for id in ("slope", "ratio", "T", "E_M") for data in sets}
-        assert with_verdict(listed, "reproduced") == again
+        assert verdicts_of(answer.claims) == {
+            "self-contradictory": {"count", "no-latent-heat"},
+            "not comparable": {"chosen"},
+            "recovery": {f"{id}-{data}" for id in ("slope", "ratio", "T", "E_M") for data in sets},
+        }
+        check_complete(answer)
+        check_decides(answer.claims)
 
-    def test_each_published_number_decides_its_verdict(self, listed):
-        checked = [claim for claim in listed if claim.tolerance is not None]
-        assert len(checked) == 17
-        check_decides(checked)
+    def test_least_squares_find_table_1_again(self):
+        """Within two standard errors, from each set of records."""
+        rows = [row for data in EVERY for row in record_numbers.list_again(data, PRINTED)]
+        assert [row["name"] for row in rows if abs(row["found"] - row["true"]) > row["sure"]] == []
 
     def test_latent_heat_goes_into_the_hysteresis(self, listed):
         assert computed(listed, "no-latent-heat") == pytest.approx(96.0, abs=5.0)
@@ -299,11 +301,12 @@ def test_sources_are_known():
 
 
 def test_without_a_compiler_it_says_so(monkeypatch, tmp_path):
-    for module in ("tables", "finger_calibration.figure"):
-        monkeypatch.setattr(f"martensite_studies.{module}.find_compiler", lambda: None)
+    for module in ("martensite.kernels.compiler", "martensite_studies.finger_calibration.figure"):
+        monkeypatch.setattr(f"{module}.find_compiler", lambda: None)
     (claim,) = FingerCalibration().claims()
-    assert claim.verdict == "not checkable"
+    assert (claim.verdict, claim.differs) == ("not comparable", "this machine has no C compiler")
     assert "C compiler" in claim.why
+    assert FingerCalibration().shipped() is not None
     FingerCalibration().figure(tmp_path / "empty.png")
     assert (tmp_path / "empty.png").stat().st_size > 0
 
@@ -314,6 +317,5 @@ def test_a_wrong_number_is_noticed():
     """A table with another hysteresis than the record was made with is not found again."""
     other = [one.with_numbers(value=60e6) if one.name == "Delta_sigma" else one for one in PRINTED.searched]
     wrong = PRINTED.with_numbers(searched=PrintedRows(other))
-    numbers = {"again": record_numbers.list_again(NEAR, wrong)}
-    found = settle_some(FingerCalibration(wrong), "record", numbers, "{name}-{key}")
-    assert {id for id, verdict in found.items() if verdict == "not reproduced"} == {"ratio-8mm"}
+    rows = record_numbers.list_again(NEAR, wrong)
+    assert [row["name"] for row in rows if abs(row["found"] - row["true"]) > row["sure"]] == ["ratio"]

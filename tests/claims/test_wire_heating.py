@@ -11,13 +11,13 @@ import math
 
 import numpy as np
 import pytest
-from claim_checks import check_complete, check_decides, verdict_of, with_verdict
+from claim_checks import check_complete, check_decides, numbers_of, settle_some, verdict_of, verdicts_of
 from scipy import optimize
 
 from martensite.base.errors import DataError
 from martensite.scenario.citations import read_bibliography
 from martensite.simulate.result import Result
-from martensite.studies.base import Claim, load_study, study_names
+from martensite.studies.base import Answer, load_study, study_names
 from martensite_studies.tables import Printed, printed_numbers
 from martensite_studies.wire_heating import WireHeating, bench, closures, steady_numbers
 
@@ -65,12 +65,17 @@ def steady(power: float, ambient: float) -> float:
 
 
 @pytest.fixture(scope="module")
-def listed() -> dict[str, Claim]:
-    return {claim.id: claim for claim in load_study("wire-heating").claims()}
+def answer() -> Answer:
+    return load_study("wire-heating").compute()
 
 
-def computed(listed: dict[str, Claim], id: str) -> float:
-    number = listed[id].computed
+@pytest.fixture(scope="module")
+def listed(answer: Answer) -> dict[str, float | None]:
+    return numbers_of([answer])
+
+
+def computed(listed: dict[str, float | None], id: str) -> float:
+    number = listed[id]
     assert number is not None
     return number
 
@@ -78,43 +83,36 @@ def computed(listed: dict[str, Claim], id: str) -> float:
 # ---------------------------------------------------------------- verdicts
 
 
-def test_verdicts(listed: dict[str, Claim]) -> None:
-    kinds = ("reproduced", "not reproduced", "calibrated", "not checkable")
-    found = {kind: with_verdict(listed.values(), kind) for kind in kinds}
-    steps = [f"{volts:.1f}V" for volts in VOLTS]
-    assert found["reproduced"] == set()
-    assert found["not reproduced"] == {
-        "resistance",
-        *(f"steady-{kind}-{s}" for kind in ("as-printed", "per-metre") for s in steps),
+def test_verdicts(answer: Answer) -> None:
+    assert verdicts_of(answer.claims) == {
+        "misprint": {"resistance", "prandtl"},
+        "self-contradictory": {"balance-as-printed", "balance-per-metre", "complete"},
+        "recovery": {"closure-a-resistance", "closure-b-film", "closure-b-free-film", "closure-b-single-film"},
     }
-    assert {id for id in found["calibrated"] if not id.startswith("closure-")} == set()
-    assert found["not checkable"] == {"film-line", "film-ambient", "time-constants", *(f"film-{s}" for s in steps)}
-
-
-def test_every_claim_is_complete(listed: dict[str, Claim]) -> None:
-    check_complete(list(listed.values()))
-
-
-def test_each_published_number_decides_its_verdict(listed: dict[str, Claim]) -> None:
-    checked = [claim for claim in listed.values() if claim.tolerance is not None]
-    assert checked
-    check_decides(checked)
+    check_complete(answer)
+    check_decides(answer.claims)
 
 
 def test_other_printed_numbers_would_be_reproduced() -> None:
-    right = PRINTED.with_numbers(resistance_A=1.3, resistance_M=1.5)
-    assert verdict_of(WireHeating(right).claims(), "resistance") == "reproduced"
+    right, numbers = PRINTED.with_numbers(current=0.07), {"measured_resistance": 0.9 / 0.07}
+    assert settle_some(WireHeating(right), "steady", numbers, "resistance") == {"resistance": "reproduced"}
     ohms = closures.closure_a(PRINTED).resistance
     assert ohms is not None
     right = PRINTED.with_numbers(resistance_A=ohms, resistance_M=ohms)
-    verdicts = [c.verdict for c in WireHeating(right).claims() if c.id.startswith("steady-as-")]
-    assert verdicts.count("reproduced") == 8  # all but 0.9 V, which no closure meets
+    assert verdict_of(WireHeating(right).settle_part("steady").claims, "balance-as-printed") == "reproduced"
+
+
+def test_the_last_prandtl_number_is_not_that_of_air() -> None:
+    """All others agree with a textbook's air to the digits printed."""
+    found = [bench.textbook_prandtl(row) - row.prandtl for row in PRINTED.rows]
+    assert max(map(abs, found[:4])) < 1e-4 and max(map(abs, found[:-1])) < 2e-3
+    assert found[-1] > 9e-3
 
 
 # ---------------------------------------------------------------- film coefficient
 
 
-def test_film_coefficients(listed: dict[str, Claim]) -> None:
+def test_film_coefficients(listed: dict[str, float | None]) -> None:
     for row in PRINTED.rows:
         expected = h_of(row.temperature, 22.0, row.conductivity, row.diffusivity, row.viscosity, row.prandtl)
         found = computed(listed, f"film-{row.voltage:.1f}V")
@@ -146,7 +144,7 @@ def test_textbook_air_agrees_with_the_printed_rows() -> None:
 # ---------------------------------------------------------------- the balance
 
 
-def test_the_balance_does_not_close(listed: dict[str, Claim]) -> None:
+def test_the_balance_does_not_close(listed: dict[str, float | None]) -> None:
     assert computed(listed, "resistance") == pytest.approx(0.9 / 0.69)
     for kind, scale in (("as-printed", 1.0), ("per-metre", 0.1)):
         errors = []
@@ -160,7 +158,7 @@ def test_the_balance_does_not_close(listed: dict[str, Claim]) -> None:
         assert len({error > 0.0 for error in errors}) == 1  # all too cold, or all too hot
 
 
-def test_closure_a(listed: dict[str, Claim]) -> None:
+def test_closure_a(listed: dict[str, float | None]) -> None:
     def errors(p: np.ndarray) -> list[float]:
         return [steady(v * v / p[0], p[1]) - at for v, at in zip(VOLTS, AT, strict=True)]
 
@@ -173,7 +171,7 @@ def test_closure_a(listed: dict[str, Claim]) -> None:
     assert computed(listed, "closure-a-ambient") == pytest.approx(22.0, abs=0.5)
 
 
-def test_closure_b(listed: dict[str, Claim]) -> None:
+def test_closure_b(listed: dict[str, float | None]) -> None:
     ohms = np.where(VOLTS > 0.95, 1.3, 1.5)
     rises = VOLTS**2 / (ohms * SURFACE)
     held = optimize.minimize_scalar(
@@ -201,7 +199,7 @@ def test_scenarios_are_the_closures(closure: str) -> None:
     assert scenario.single_waveform.value(1.0) == 1.2
 
 
-def test_simulated_closures(listed: dict[str, Claim]) -> None:
+def test_simulated_closures(listed: dict[str, float | None]) -> None:
     fit = closures.closure_a(PRINTED)
     assert steady_numbers.simulated_errors("a", PRINTED) == pytest.approx(fit.errors, abs=0.05)
     errors = steady_numbers.simulated_errors("b", PRINTED)
@@ -229,7 +227,7 @@ def test_figure(tmp_path) -> None:
         study.figure(tmp_path / "heating.txt")
 
 
-def test_readme_has_the_computed_numbers(listed: dict[str, Claim]) -> None:
+def test_readme_has_the_computed_numbers(listed: dict[str, float | None]) -> None:
     text = (bench.FOLDER / "README.md").read_text(encoding="utf-8")
     films = [computed(listed, f"film-{volts:.1f}V") for volts in VOLTS]
     assert f"gives {min(films):.1f} to {max(films):.1f} W/(m² K)" in text

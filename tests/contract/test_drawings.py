@@ -20,6 +20,7 @@ from martensite.actuators.assembly import Actuator, Group, Machine
 from martensite.actuators.assembly.lengths import measure_lengths
 from martensite.actuators.mechanisms.base import AbstractMechanism
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
+from martensite.actuators.mechanisms.beam_siblings import BeamHarvester, BeamMotors
 from martensite.actuators.mechanisms.drawing import (
     KINDS,
     DrawingShape,
@@ -39,7 +40,10 @@ NATURAL = 0.25
 """Length of the elements of the tests at zero elongation [m]."""
 AGREES = 1e-6
 """Share of its length by which a drawn wire may be wrong."""
-KEPT = {BeamMotor: "its path is the length of the wire, whatever the element's: changes are compared"}
+KEPT = dict.fromkeys(
+    (BeamMotor, BeamMotors, BeamHarvester),
+    "its path is the length of the wire, whatever the element's: changes are compared",
+)
 """Mechanisms whose geometry says how long a path is."""
 
 

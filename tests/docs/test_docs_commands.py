@@ -18,6 +18,8 @@ import pytest
 import typer
 from fences import ROOT, fences, pages
 
+import martensite
+
 SHELL = re.compile(r"^!?(martensite [^#\n]*)", re.MULTILINE)
 INLINE = re.compile(r"`martensite ([a-z]+)[^`]*`")
 USAGE = typer.BadParameter.__mro__[1]
@@ -71,6 +73,19 @@ def test_a_wrong_command_line_does_not_parse(line: str) -> None:
 def test_commands_named_in_text_exist(page: Path) -> None:
     named = INLINE.findall(page.read_text(encoding="utf-8"))
     assert [name for name in named if name not in program().commands] == []
+
+
+PUBLIC = re.compile(r"from martensite\.(\w+) import|from martensite import|import martensite as ms\b")
+
+
+@pytest.mark.parametrize("page", pages(), ids=lambda page: str(page.relative_to(ROOT)))
+def test_pages_import_public_names(page: Path) -> None:
+    """What a reader copies is promised to stay: names of `martensite` and of the packages that it offers."""
+    blocks = [f.text for f in fences(page) if "python" in f.language]
+    lines = [one for text in blocks for one in text.splitlines() if re.match(r"\s*(from|import) martensite", one)]
+    found = [(one, PUBLIC.match(one.strip())) for one in lines]
+    offered = {*dir(martensite), "scenario", None}
+    assert [one for one, public in found if public is None or public[1] not in offered] == []
 
 
 def test_toml_blocks_are_toml() -> None:

@@ -84,6 +84,7 @@ MODELS: dict[str, AbstractSystem] = {
     "finger of three passes": finger(passes=3.0, damping=2e-3),
     "finger of one pass and a half": finger(5.5e-3, passes=1.5),
     "finger on a fixed spring": finger(spring="fixed", height=0.05),
+    "finger with a weight": finger(weight="given", mass=0.02, tilt=-0.7),
     "platform": platform(),
     "platform on a low joint": platform(eccentricity=0.02, preload=2.0),
     "platform of a given inertia, hanging": platform(eccentricity=-0.01, inertia=8e-5, gravity=-9.81, side=0.12),
@@ -333,3 +334,36 @@ def test_a_writer_of_ones_own() -> None:
 def test_timesteps_that_are_refused(timestep: float) -> None:
     with pytest.raises(ParameterError, match="`timestep` must be above 0 s and below 1 s"):
         to_mjcf(finger(), timestep=timestep)
+
+
+def test_a_static_grip_is_that_of_soft_contacts() -> None:
+    """MuJoCo's contact gives way by nanometres: forces of wire and contact are equal to some millionths."""
+    grip = {"contact": "cylinder", "cylinder_along": 0.025, "cylinder_inwards": 0.03, "weight": "given", "tilt": -0.35}
+    rise = Table(times=(0.0, 0.2, 1.2, 9.0), values=(0.0, 0.0, 2.0, 2.0))
+    still = finger(**grip, motion="quasi-static")
+    ours = simulate(still, rise, 7.0, samples=5, tolerance=1e-4)
+    system = finger(**grip, damping=1e-3)
+    _, bridge = bridge_of(system, timestep=4e-3)
+    theirs = bridge.run(7.0, tendon_signals(system, rise), samples=5)
+    force = np.zeros(6)
+    mujoco.mj_contactForce(bridge.model, bridge.data, 0, force)
+    assert bridge.data.ncon == 1
+    assert force[0] == pytest.approx(ours["contact_force"][-1], rel=1e-5)
+    assert force[0] > 0.1
+    assert -1e-7 < bridge.data.contact[0].dist < 0.0
+    assert theirs["element.force"][-1] == pytest.approx(ours["force"][-1], rel=1e-5)
+
+
+def test_a_rigid_stop_is_a_limit() -> None:
+    rise = Table(times=(0.0, 0.2, 1.2, 9.0), values=(0.0, 0.0, 2.0, 2.0))
+    ours = simulate(finger(contact="stops", highest=0.5, motion="quasi-static"), rise, 7.0, samples=5, tolerance=1e-4)
+    system = finger(contact="stops", highest=0.5, damping=1e-3)
+    _, bridge = bridge_of(system, timestep=4e-3)
+    bridge.run(7.0, tendon_signals(system, rise), samples=5)
+    assert bridge.data.qfrc_constraint[0] == pytest.approx(ours["stop_moment"][-1], rel=1e-5)
+    assert ours["stop_moment"][-1] < -1e-3
+
+
+def test_a_mass_needs_inertia_about_its_centre() -> None:
+    with pytest.raises(InputError, match="nothing is left about the centre"):
+        to_mjcf(finger(weight="given", motion="quasi-static", inertia=4e-6))

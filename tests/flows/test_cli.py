@@ -327,8 +327,10 @@ def test_kinds_are_listed_and_known_in_the_plural() -> None:
 
 
 def test_studies_are_listed_and_none_is_computed() -> None:
-    assert {"migaone", "finger"} <= {one["key"] for one in parsed("study")}
-    assert "what is rebuilt" in fine("study")
+    listed = parsed("study")
+    assert [one["key"] for one in listed][:3] == ["migaone", "hammerstein-wiener", "platform"]
+    assert all(sum(one["tally"].values()) > 0 for one in listed)
+    assert "all of kossoski2018" in fine("study")
 
 
 @pytest.mark.parametrize("columns", ["80"])
@@ -389,22 +391,30 @@ def test_data_sets_are_listed_and_shown() -> None:
     assert "Did you mean" in refused("data", "fetch", "flexinol-isobarik")
 
 
-def test_study_prints_every_claim_with_a_verdict() -> None:
-    (report,) = parsed("study", "migaone")
+def test_study_shows_digest_claims_and_reasons() -> None:
+    (told,) = parsed("study", "migaone")
     needed = {"id", "source", "published", "computed", "unit", "tolerance", "verdict", "why"}
-    assert report["claims"]
-    assert all(needed <= claim.keys() for claim in report["claims"])
-    verdicts = {"reproduced", "not reproduced", "calibrated", "not checkable"}
-    assert {claim["verdict"] for claim in report["claims"]} <= verdicts
-    printed = fine("study", "migaone")
-    assert all(claim["id"] in printed for claim in report["claims"])
+    assert told["claims"] and told["reports"] and told["digest"]["use_instead"]
+    assert all(needed <= claim.keys() for claim in told["claims"])
+    assert sum(told["tally"].values()) == len(told["claims"]) + len(told["reports"])
+    brief, whole = fine("study", "migaone"), fine("study", "migaone", "--all")
+    assert brief.index("use instead") < brief.index("self-contradictory")
+    assert "actuation-time-thin" in whole and "actuation-time-thin" not in brief
+    assert all(claim["id"] in whole for claim in told["claims"])
     assert "No study named `migatwo`" in refused("study", "migatwo")
     assert "@" in fine("cite", "migaone")
 
 
+def test_a_study_is_computed_on_demand() -> None:
+    (shipped,), (now,) = parsed("study", "migaone"), parsed("study", "migaone", "--recompute")
+    assert shipped["made_by"] and not now["made_by"]
+    assert shipped["digest"] == now["digest"]
+
+
 def test_demo_runs_again_over_its_own_files(folder: Path) -> None:
-    assert parsed("demo")["claims"]
-    assert "migaone" in fine("demo")
+    assert parsed("demo")["study"]["digest"]
+    printed = fine("demo")
+    assert printed.index("use instead") < printed.index("martensite study migaone")
     assert names(folder) == {"wire.toml", "migaone.nc", "migaone.png"}
 
 

@@ -191,6 +191,19 @@ def test_hand_closes_finger_by_finger_and_opens_again(changes: dict[str, Any]) -
         assert changes or opened < 4.0
 
 
+def test_a_hand_grips_a_cylinder_as_its_comments_say() -> None:
+    forces = []
+    for changes in ({}, {"mechanism.cylinder_radius": "12 mm"}):
+        result = load(EXAMPLES / "grasp.toml", changes).run()
+        assert result.warnings == []
+        forces.append(max(result["grasp_force"]))
+        for joint, name in itertools.product(("proximal", "distal"), ("thumb", "index", "middle")):
+            touching = [force > 0.0 for force in result[f"{name}_{joint}_contact_force"]]
+            assert sum(a != b for a, b in itertools.pairwise(touching)) == 2
+            assert min(result[f"{name}_{joint}_gap"]) > -1e-9
+    assert forces == pytest.approx([1.22, 0.92], abs=5e-3)
+
+
 def test_constant_power_example_delivers_what_it_demands_also_in_pulses() -> None:
     scenario = load(EXAMPLES / "constant_power.toml", {"run.duration": "5 s"})
     result = scenario.run(tolerance=1e-3)

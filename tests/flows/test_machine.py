@@ -148,7 +148,7 @@ class TestResult:
     def test_a_saved_result_is_the_dataset(self, tmp_path: Path):
         save_result(run(), tmp_path / "a.nc", example().text)
         made, read = describe_result(run(), example().text).to_xarray(), open_result(tmp_path / "a.nc").to_xarray()
-        assert dict(read.sizes) == {"time": 41, "actuator": 2}
+        assert {name: read.sizes[name] for name in ("time", "actuator")} == {"time": 41, "actuator": 2}
         assert list(read["actuator"].values) == ["protagonist", "antagonist"]
         one = read["temperature"].sel(actuator="protagonist")
         np.testing.assert_array_equal(one, run()["protagonist.temperature"])

@@ -23,5 +23,9 @@ from martensite_export.mujoco_bridge import TendonActuator as TendonActuator
 from martensite_export.mujoco_bridge import holding_tensions as holding_tensions
 from martensite_export.mujoco_render import render_mujoco as render_mujoco
 from martensite_export.mujoco_result import MujocoResult as MujocoResult
+from martensite_export.ports.batch import PortBatch as PortBatch
+from martensite_export.ports.batch import UniaxialModel as UniaxialModel
+from martensite_export.ports.element import build_element_port as build_element_port
+from martensite_export.ports.material import build_material_port as build_material_port
 from martensite_export.wasm.module import WasmModule as WasmModule
 from martensite_export.wasm.module import build_wasm as build_wasm

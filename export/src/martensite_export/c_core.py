@@ -58,6 +58,10 @@ class CCore:
     """Sample time of a system in discrete time, in C; None if a step may have any length."""
     sample_time: float
     """The length of every step [s] of a system in discrete time; else 0."""
+    answers: tuple[str, ...] = ()
+    """Outputs whose slopes a function `respond` gives, with a step that is tried; none without it."""
+    probes: tuple[float, ...] = ()
+    """Changes of inputs for differences, where steps may be taken in parts: see `ports.kernel`."""
 
     @cached_property
     def header(self) -> str:
@@ -76,10 +80,11 @@ class CCore:
 
     @property
     def operations(self) -> dict[str, dict[str, int]]:
-        """The most that `prepare`, `start`, `step` and `observe` take, by kind."""
+        """The most that `prepare`, `start`, `step`, `observe` and, of a port, one `try` at once take, by kind."""
         graph, known = self.program.graph, self.program.hoisted_nodes
         found = {"prepare": count_operations(graph, known)}
-        for name, label in {"init": "start", "step": "step", "observe": "observe"}.items():
+        labels = {"init": "start", "step": "step", "observe": "observe"} | ({"respond": "try"} if self.answers else {})
+        for name, label in labels.items():
             found[label] = count_operations(graph, self.program.functions[name].outputs, known)
         return found
 
@@ -123,8 +128,8 @@ def build_c_core(system: AbstractSystem, *, name: str | None = None, precision: 
         system,
         compiled.program,
         compiled.size,
-        _describe_drives(system),
-        _list_outputs(system, compiled.outputs),
+        describe_drives(system),
+        list_outputs(system, compiled.outputs),
         name=name,
         precision=precision,
         reports=True,
@@ -142,11 +147,13 @@ def core_of(
     precision: str,
     reports: bool,
     pruned: bool = False,
+    answers: tuple[str, ...] = (),
+    probes: tuple[float, ...] = (),
 ) -> CCore:
     """The core of a program with functions `init`, `step` and `observe`.
 
     `reports` says whether steps end with residual and crossing, `pruned` whether parameters that
-    change nothing are left out.
+    change nothing are left out, `answers` of which outputs a function `respond` gives slopes.
     """
     timed, leaves = _sample_path(whole), list(whole.leaves())
     places = {leaf.path: i for i, leaf in enumerate(leaves)}
@@ -167,6 +174,8 @@ def core_of(
         reports=reports,
         sample=sample,
         sample_time=whole.sample_time() if sample else 0.0,
+        answers=answers,
+        probes=probes,
     )
 
 
@@ -179,7 +188,8 @@ def _sample_path(whole: AbstractSystem) -> str | None:
 # ---------------------------------------------------------------- names, units, words
 
 
-def _describe_drives(system: AbstractSystem) -> Rows:
+def describe_drives(system: AbstractSystem) -> Rows:
+    """Name, unit and words of the inputs of a system."""
     known = system.outputs()
     return [
         (one.name, one.unit, known[one.name].long_name if one.name in known else _describe_drive(one.name))
@@ -193,7 +203,7 @@ def _describe_drive(drive: str) -> str:
     return f"signal of {drive}"
 
 
-def _list_outputs(system: AbstractSystem, names: Sequence[str]) -> Rows:
+def list_outputs(system: AbstractSystem, names: Sequence[str]) -> Rows:
     """Outputs of a system, then what differs along its element."""
     known = system.outputs()
     described = [known[name] if name in known else PROFILES[name.split("[")[0]] for name in names]

@@ -14,6 +14,7 @@ from martensite.simulate.march import COARSE
 from martensite_export.c_kernels import CKernel, kernels_text, precision_of
 from martensite_export.c_names import CoreVariable
 from martensite_export.c_text import count_elements
+from martensite_export.c_tried import PARTS, print_tried
 
 if TYPE_CHECKING:
     from martensite_export.c_core import CCore
@@ -23,10 +24,13 @@ def source_text(core: CCore) -> str:
     """NAME.c."""
     traced, count = core.program.functions, len(core.inputs)
     kernels = [CKernel.of(traced["init"], 0, count)]
-    kernels += [CKernel.of(traced[name], core.states, count) for name in ("step", "observe")]
+    stepped = ("step", "observe", "respond") if core.answers else ("step", "observe")
+    kernels += [CKernel.of(traced[name], core.states, count) for name in stepped]
     prefix = f"{core.name}_"
     begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, precision_of(core.precision)) + "\n"
-    return _fill_text(core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + _print_step(core) + _SEEN)
+    return _fill_text(
+        core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + _print_step(core) + _SEEN + print_tried(core)
+    )
 
 
 def _fill_text(core: CCore, text: str) -> str:
@@ -45,6 +49,9 @@ def _fill_text(core: CCore, text: str) -> str:
         N_STATES=count_elements(core.states),
         N_RESULTS=count_elements(core.states + (2 if core.reports else 0)),
         N_OUTPUTS=count_elements(len(core.outputs)),
+        TWO=precision.literal(2.0),
+        PARTS=PARTS,
+        PROBES=", ".join(map(precision.literal, core.probes)),
     )
 
 

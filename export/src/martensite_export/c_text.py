@@ -29,6 +29,7 @@ def header_text(core: CCore) -> str:
         f"{_print_indices('Parameters: places in p', name, core.parameters)}"
         f"{_print_indices('Inputs: places in u', name, core.inputs)}"
         f"{_print_indices('Outputs: places in y', name, core.outputs)}"
+        f"{_print_answers(core)}"
         f"{_print_declarations(core)}"
         "#ifdef __cplusplus\n}\n#endif\n\n#endif\n"
     )
@@ -63,6 +64,17 @@ It is a system in discrete time: a step goes on by one sample, and dt must be th
 def _format_comment(text: str) -> str:
     lines = [f" * {line}".rstrip() for line in _escape_comment(text).split("\n")]
     return "\n".join(["/*", *lines, " */"]) + "\n"
+
+
+def _print_answers(core: CCore) -> str:
+    """Places in what `NAME_try` gives."""
+    if not core.answers:
+        return ""
+    rows = [f"    {core.name}_a_{answer} = {i},\n" for i, answer in enumerate(core.answers)]
+    last = f"    {core.name}_ANSWERS = {len(core.answers)}\n"
+    return (
+        f"/* Answers of a step that is tried, as the outputs of their names. */\nenum {{\n{''.join(rows)}{last}}};\n\n"
+    )
 
 
 def _escape_comment(text: str) -> str:
@@ -115,7 +127,8 @@ def _print_declarations(core: CCore) -> str:
         f"    {name}_real c[{count_elements(core.constants)}]; /* what follows from them */\n"
         f"    {name}_real x[{count_elements(core.states)}]; /* state */\n"
         f"    {name}_real residual, crossing; /* of the last step: mismatch that is left, share "
-        f"of a strip crossed */\n}} {name}_model;\n\n" + _PROTOTYPES.replace("NAME", name)
+        f"of a strip crossed */\n}} {name}_model;\n\n"
+        + (_PROTOTYPES + (_TRIED if core.answers else "")).replace("NAME", name)
     )
 
 
@@ -135,5 +148,16 @@ int NAME_step(NAME_model *m, const NAME_real *u, NAME_real dt);
 
 /* Outputs y[OUTPUTS] under the inputs u[INPUTS]; y is written only if all are finite. */
 int NAME_observe(const NAME_model *m, const NAME_real *u, NAME_real *y);
+
+"""
+
+_TRIED = """\
+/* Try a step from the state of m, which stays as it is, as often as wanted. It is committed by
+   keeping `after`, which may be m itself. Inputs u[INPUTS] are those at the end of the step. y[ANSWERS]
+   are answers there, and dy[a * INPUTS + i] the slope of answer a by input i, through the
+   solve of the step: the consistent tangent. Nothing is written if the step fails.
+   A step may take no time (dt = 0) where laws have no rates and the temperature is an input. */
+int NAME_try(const NAME_model *m, const NAME_real *u, NAME_real dt, NAME_model *after, NAME_real *y,
+             NAME_real *dy);
 
 """

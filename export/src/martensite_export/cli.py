@@ -16,6 +16,7 @@ from martensite.base.formats import write_quantity
 from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.cli.options import Force, Json, ScenarioSource, Text, Texts, read_quantity, spread_options
 from martensite.cli.outputs import Outputs
+from martensite_export.cli_ports import Port, modelica, opensees, umat, write_core_alone
 
 if TYPE_CHECKING:
     from martensite.scenario.scenario import Scenario
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
 export = typer.Typer()
 PARTS = ("whole", "plant", "loop")
+ALONE = ("element", "material")
 STEPS = 400
 """That the example plays at least."""
 HERE = Path("SCENARIO_driver.py")
@@ -41,9 +43,10 @@ def c(
         str,
         Option(
             help="whole; plant: without the loops around it; loop: observers, controllers and "
-            "supervisor without the plant, for a controller board."
+            "supervisor without the plant, for a controller board; element, material: alone, for a host, with slopes."
         ),
     ] = "whole",
+    port: Port = None,
     precision: Annotated[str, Option(help="float64 (double), or float32 (float).")] = "float64",
     force: Force = False,
     json: Json = False,
@@ -57,15 +60,19 @@ def c(
     from martensite.show.terminal import print_summary
     from martensite_export.c_names import checked_identifier, make_identifier
 
-    if part not in PARTS:
-        raise ParameterError(f"There is no part `{part}`. {suggest_name(part, PARTS)}")
+    if part not in (known := (*PARTS, *ALONE)):
+        raise ParameterError(f"There is no part `{part}`. {suggest_name(part, known)}")
+    if port is not None and part not in ALONE:
+        raise InputError(f"Option `--port` goes with `--part element` or `--part material`, not with `{part}`.")
     name = checked_identifier(name or make_identifier(source.file.stem))
-    files = _check_files(out, [f"{name}{end}" for end in (".h", ".c", "_example.c")], force)
-    core, example, tried = _make_core(source.load(), name, part, precision)
+    ends = (".h", ".c") if part in ALONE else (".h", ".c", "_example.c")
+    files = _check_files(out, [f"{name}{end}" for end in ends], force)
+    core, example, tried = _make_core(source.load(), name, part, precision, port)
     make_folder(out)
     with replace_together():
         core.write(out)
-        write_file(files[-1], example)
+        if example:
+            write_file(files[-1], example)
     print_summary(_summarise_core(core, part, tried), json, files)
 
 
@@ -91,8 +98,10 @@ def _check_loops(loaded: Scenario, part: str, language: str) -> None:
         )
 
 
-def _make_core(loaded: Scenario, name: str, part: str, precision: str) -> tuple[CCore, str, str]:
-    """The core of a part of a scenario, the text of its example, and how far it was tried."""
+def _make_core(loaded: Scenario, name: str, part: str, precision: str, port: str | None) -> tuple[CCore, str, str]:
+    """The core of a part of a scenario, the text of its example if it has one, and how far it was tried."""
+    if part in ALONE:
+        return write_core_alone(loaded.system, part, port, name, precision), "", ""
     from martensite_export.c_core import build_c_core, build_c_loop
     from martensite_export.c_example import (
         MOST,
@@ -175,6 +184,13 @@ def fmu(
             "[default: all that gcc is there for].",
         ),
     ] = None,
+    ports: Annotated[
+        bool,
+        Option(
+            "--ports", help="The element alone: its elongation, drive and surroundings in; force and temperature out."
+        ),
+    ] = False,
+    port: Port = None,
     sources_only: Annotated[bool, Option("--sources-only", help="Compile nothing.")] = False,
     force: Force = False,
     json: Json = False,
@@ -182,11 +198,14 @@ def fmu(
     """Write a scenario as an FMU for co-simulation: the model in C, compiled and as sources.
 
     Drives are inputs, everything that can be observed is an output, all numbers of the scenario
-    are parameters; a closed loop has its reference as an input.
+    are parameters; a closed loop has its reference as an input. With `--ports` it is the element
+    alone, for a host that has the mechanism.
     """
     from martensite.show.terminal import print_summary
     from martensite_export.fmu import to_fmu
 
+    if port is not None and not ports:
+        raise InputError("Option `--port` chooses the element of an FMU with `--ports`.")
     if sources_only and platforms:
         raise InputError("Options `--sources-only` and `--platform` exclude each other.")
     loaded = source.load()
@@ -194,7 +213,7 @@ def fmu(
     Outputs(out, None).check(force, data=(".fmu",))
     chosen = read_quantity("step", step, "s")
     compiled = [] if sources_only else platforms or None
-    made = to_fmu(loaded, out, fmi=fmi, step=chosen, name=name, platforms=compiled)
+    made = to_fmu(loaded, out, fmi=fmi, step=chosen, name=name, platforms=compiled, ports=ports, port=port)
     print_summary(_summarise_fmu(made), json)
 
 
@@ -379,3 +398,8 @@ def _summarise_model(loaded: Scenario) -> Summary:
         *(f"signal `{one}` of the mechanism is left out: it is for the model to say" for one in left_out),
     ]
     return Summary("", [Sentence(line) for line in lines], data)
+
+
+export.command("umat")(umat)
+export.command("opensees")(opensees)
+export.command("modelica")(modelica)

@@ -97,7 +97,16 @@ def bridge_of(
 
 
 def start_forces(system: AbstractSystem) -> dict[str, float]:
-    """Force of the element at each port at assembly [N]."""
+    """Force of the element at each port at assembly [N].
+
+    Raises:
+        InputError: the sources share a supply, which is not taken along.
+    """
+    if getattr(system, "supply", None) is not None:
+        raise InputError(
+            "A `supply` that several sources share is not known to a model of MuJoCo, in which every element is on its "
+            "own; leave it out, or give every source its own limits."
+        )
     found = zip(system.actuators(), system.mechanism.start_forces(floats), strict=True)
     return {port: float(force) for port, force in found}
 

@@ -14,6 +14,10 @@ the mechanism bounces. With MuJoCo's impedance d a limit that is overrun by x ho
 
     I s x/(1 - d),        hence s = K (1 - d)/I,        d = 1/(1 + I/(K t²)).
 
+With `contact` stops are limits without a stiffness of their own and, like the cylinder, as hard as MuJoCo makes them at
+this time step: it has no rigid contact. Cylinder and phalanx are capsules that collide without friction. The weight is
+that of the model, with the mass at its centre and what is left of the inertia about it.
+
 Where the brackets meet the path has no length, and past that it grows again: while they touch,
 the two agree to about a degree only.
 
@@ -31,18 +35,20 @@ from xml.etree.ElementTree import Element
 from martensite.actuators.mechanisms.finger import Finger
 from martensite.base.errors import InputError
 from martensite.kernels import floats
-from martensite_export.mjcf_model import BLUE, DARK, GREY, Model, Value, add_element, append_element
+from martensite_export.mjcf_model import BLUE, DARK, GREY, Model, Value, add_element, append_element, write_attribute
 
 SETTLES = 2.0
-"""Time constant of a limit, in steps."""
+"""Time constant of a limit or contact, in steps: the least that MuJoCo allows."""
+HARD = (0.9999, 0.9999, 1e-3)
+"""Impedance of what is rigid: the largest that MuJoCo allows."""
 
 
 def write_finger(model: Model, finger: Finger, timestep: float) -> None:
     """Write the finger.
 
     Raises:
-        InputError: it has something that MuJoCo does not: friction of the wire, or a spring
-            that is longer at rest than nothing.
+        InputError: it has something that MuJoCo does not: friction of the wire, a spring that is longer at rest
+            than nothing, or a centre of mass without inertia about it.
     """
     _check_finger(finger)
     r, g = finger.offset, finger.bracket
@@ -54,10 +60,12 @@ def write_finger(model: Model, finger: Finger, timestep: float) -> None:
     append_element(model.world, "site", name="near", pos=(-g, 0.0, -r), size=0.1 * r)
     body = append_element(model.world, "body", name="phalanx")
     append_element(body, "joint", **_describe_joint(finger, timestep))
-    append_element(body, "inertial", pos="0 0 0", mass="0.001", diaginertia=[finger.inertia] * 3)
+    _add_inertia(model, body, finger)
     append_element(body, "geom", type="cylinder", size=(0.5 * r, 0.6 * r), euler=(0.5 * math.pi, 0, 0), rgba=DARK)
     _add_phalanx(body, finger, 1.0, BLUE)
     append_element(body, "site", name="far", pos=(g, 0.0, -r), size=0.1 * r)
+    if finger.contact == "cylinder":
+        _add_contact(model.world, body, finger, SETTLES * timestep)
     add_element(model, port, ("near", "far"), start, finger.passes)
     if finger.spring == "fixed":
         _fixed_spring(model, body, finger)
@@ -81,7 +89,7 @@ def _describe_joint(finger: Finger, timestep: float) -> dict[str, Value]:
     if finger.spring == "follower":
         found["stiffness"] = finger.stiffness * finger.arm**2
         found["springref"] = -finger.extension / finger.arm
-    if finger.stop > 0.0:
+    if finger.stop > 0.0 or finger.contact != "springs":
         found |= _describe_limits(finger, SETTLES * timestep)
     return found
 
@@ -89,14 +97,45 @@ def _describe_joint(finger: Finger, timestep: float) -> dict[str, Value]:
 def _describe_limits(finger: Finger, settles: float) -> dict[str, Value]:
     """Range of the hinge, and how a limit gives way; it settles in `settles` [s]."""
     met = 2.0 * math.atan2(finger.bracket, finger.offset)
+    reach = (finger.lowest, min(finger.highest, met))
+    if finger.contact != "springs":
+        return {"limited": "true", "range": reach, "solreflimit": (settles, 1.0), "solimplimit": HARD}
     impedance = 1.0 / (1.0 + finger.inertia / (finger.stop * settles**2))
     stiffness = finger.stop * (1.0 - impedance) / finger.inertia
     return {
         "limited": "true",
-        "range": (finger.lowest, min(finger.highest, met)),
+        "range": reach,
         "solreflimit": (-stiffness, -2.0 * impedance / settles),
         "solimplimit": (impedance, impedance, 1e-3),
     }
+
+
+def _add_inertia(model: Model, body: Element, finger: Finger) -> None:
+    """About the hinge in all; with a weight, of a mass at its centre and the rest about that."""
+    if finger.weight == "none":
+        append_element(body, "inertial", pos="0 0 0", mass="0.001", diaginertia=[finger.inertia] * 3)
+        return
+    centre = finger.centre * finger.phalanx_length
+    rest = finger.inertia - finger.mass * centre**2
+    if rest <= 0.0:
+        raise InputError(
+            f"Parameter `inertia` of `finger` must be above that of its mass at its centre, "
+            f"{finger.inertia - rest:.4g} kg m^2, but is {finger.inertia:.4g} kg m^2: nothing is left about the centre."
+        )
+    append_element(body, "inertial", pos=(centre, 0.0, 0.0), mass=finger.mass, diaginertia=[rest] * 3)
+    pull = finger.gravity * math.cos(finger.tilt), 0.0, -finger.gravity * math.sin(finger.tilt)
+    model.option.set("gravity", write_attribute(pull))
+
+
+def _add_contact(world: Element, body: Element, finger: Finger, settles: float) -> None:
+    """A cylinder across the plane, and the far phalanx that collides with it."""
+    hard: dict[str, Value] = {"contype": "1", "conaffinity": "1", "condim": "1"}
+    hard |= {"solref": (settles, 1.0), "solimp": HARD, "type": "capsule"}
+    x, z, half = finger.cylinder_along, -finger.cylinder_inwards, 4.0 * finger.cylinder_radius
+    ends = (x, -half, z, x, half, z)
+    append_element(world, "geom", name="cylinder", fromto=ends, size=finger.cylinder_radius, rgba=GREY, **hard)
+    phalanx = (0.0, 0.0, 0.0, finger.phalanx_length, 0.0, 0.0)
+    append_element(body, "geom", name="touching", fromto=phalanx, size=0.5 * finger.thickness, rgba=BLUE, **hard)
 
 
 def _fixed_spring(model: Model, body: Element, finger: Finger) -> None:

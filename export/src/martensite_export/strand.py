@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 from martensite.actuators.assembly import Actuator, System
 from martensite.actuators.elements.base import AbstractElement, Pull, Spring, equilibrium_force
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, Output
-from martensite.base.errors import SolveError
+from martensite.base.errors import ParameterError, SolveError
 from martensite.base.parameters import param
 from martensite.base.status import Status
 from martensite.kernels import floats
@@ -124,6 +124,11 @@ class TracedStrand:
 
     def __init__(self, name: str, actuator: Actuator, start_force: float, slack: float, length: float) -> None:
         self.name = name
+        if driven := actuator.environment.cooling.signals():
+            raise ParameterError(
+                f"`{name}` is cooled by the signal `{next(iter(driven))}`, which a model of another simulator cannot "
+                "drive; take a cooling without a signal, such as `churchill-bernstein`."
+            )
         self.system = System(
             element=actuator.element,
             environment=actuator.environment,

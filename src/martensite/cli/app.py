@@ -11,7 +11,7 @@ from martensite.base.errors import MartensiteError
 from martensite.base.interrupts import rescue_answer
 
 GROUPS = {
-    "Simulate": ("run", "check", "law", "demo", "study"),
+    "Simulate": ("run", "steady", "check", "law", "demo", "study"),
     "From logs": ("fit", "identify"),
     "Design": ("size", "wire", "design", "tune", "sweep", "sensitivity", "pareto"),
     "Take along": ("export", "app"),

@@ -50,6 +50,8 @@ def check(source: ScenarioSource, json: Json = False) -> None:
     from martensite.show.terminal import print_summary
 
     loaded = load_without_log(source.file, source.settings, source.modules)
+    if "at" not in loaded.initial:  # to find what is to be found takes a run
+        loaded.find_start(loaded.tolerance)
     report = _collect_report(loaded) | _find_ends(loaded)
     if report["leaves"]:
         raise InputError(report["leaves"])

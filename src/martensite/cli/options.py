@@ -122,8 +122,8 @@ class ScenarioSource:
     modules: Imports = None
 
     def load(self) -> Scenario:
-        """The scenario."""
-        return load_scenario(self.file, self.settings, self.modules)
+        """The scenario, of a run that starts at home and at rest."""
+        return load_scenario(self.file, self.settings, self.modules).require_home("This command")
 
 
 def spread_options(command: Callable[..., None]) -> Callable[..., None]:

@@ -60,6 +60,15 @@ class RunOptions:
             help="auto, floats, c or jax [default: auto, what is done first; on a bench c, if there is a compiler]."
         ),
     ] = None
+    begin: Annotated[
+        Text,
+        Option(
+            "--from",
+            metavar="FILE",
+            help="Go on from a run of the same system, at its own time; needs a state kept there.",
+        ),
+    ] = None
+    at: Annotated[Text, Option(metavar="TIME", help='When, e.g. "12.3 s" [default: at its end].')] = None
     budget: Annotated[Text, Option(metavar="TIME", help='Give up after so much CPU time, e.g. "30 s".')] = None
     carrier: Annotated[
         Text,
@@ -90,6 +99,11 @@ class RunOptions:
         outer = closed and bool(loaded.outside) and self.runtime is not None
         refuse_idle("--runtime", outer, "a controller that is no kernel runs on floats")
         refuse_idle("--budget", closed and self.budget is not None, periods)
+        refuse_idle("--at", self.at is not None and self.begin is None, "there is no --from")
+        if self.begin is not None:
+            from martensite.scenario.running import go_on_from
+
+            loaded = go_on_from(loaded, self.begin, self.at)
         return loaded, log
 
     def read_record(self, scenario: Scenario, log: Record | None) -> Record | None:
@@ -178,7 +192,7 @@ def _make_pulses(scenario: Scenario, carrier: float) -> Averaging:
     from martensite.design.tuning.averaging import compare_averaging
     from martensite.signals.base import AbstractWaveform
 
-    system, waveform = scenario.system, scenario.waveform
+    system, waveform = scenario.require_home("A comparison with pulses").system, scenario.waveform
     alone = scenario.bench is None
     if alone and isinstance(system, System) and isinstance(waveform, AbstractWaveform):
         with show_spinner(f"simulating the pulses of {scenario.title}"):

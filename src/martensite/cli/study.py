@@ -3,26 +3,28 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import asdict
 from functools import partial
+from itertools import groupby
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from martensite.base.interrupts import rescue_answer
-from martensite.base.summary import DataTable, Sentence, Summary, Tone
+from martensite.base.summary import PAGE_WIDTH, Block, DataTable, Sentence, Summary, Tone
 from martensite.cli.app import app
 from martensite.cli.options import Json
 from martensite.cli.outputs import Outputs
 from martensite.cli.progress import show_spinner
 
 if TYPE_CHECKING:
-    from martensite.studies.base import AbstractStudy, Claim
+    from martensite.studies.base import AbstractStudy, Answer
 
-COLUMNS = ("claim", "published", "computed", "tolerance", "unit", "verdict", "source", "why")
-BRIEF = 6
-"""Columns without reasons."""
-TONES: dict[str, Tone] = {"reproduced": "good", "not reproduced": "bad", "calibrated": "caution"}
+TONES: dict[str, Tone] = {"reproduced": "good", "disagrees": "bad"}
+HEADS = ("repro-\nduced", "dis-\nagrees", "mis-\nprint", "contra-\ndictory", "not\ncomp.", "reco-\nvery", "re-\nports")
+"""Verdicts in the order of their declaration, at the top of narrow columns."""
 DEMONSTRATED = "migaone"
 
 
@@ -31,13 +33,15 @@ def study(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="[NAME]...", help="Studies, or `all`; without one they are listed.")
     ] = None,
+    reasons: Annotated[bool, typer.Option("--all", help="Add reasons and reports.")] = False,
+    recompute: Annotated[bool, typer.Option("--recompute", help="Compute all numbers now: up to minutes.")] = False,
     figures: Annotated[
         Path | None, typer.Option(metavar="FOLDER", help="Write the figure of each study into this folder.")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace existing figures.")] = False,
     json: Json = False,
 ) -> None:
-    """List the studies, or rebuild one: claims, numbers, verdicts."""
+    """List the studies, or show one: its digest, its claims with their verdicts."""
     from martensite.show.terminal import print_json, print_summary
     from martensite.studies.base import load_study, study_names
 
@@ -45,13 +49,15 @@ def study(
         print_summary(_summarise_all([load_study(name) for name in study_names()]), json)
         return
     found = [load_study(name) for name in (study_names() if names == ["all"] else names)]
-    drawn = _check_figures(found, figures, force)
-    reports: list[dict[str, Any]] = []
+    drawn = {} if figures is None else {one.key: figures / f"{one.key}.png" for one in found}
+    for path in drawn.values():
+        Outputs(None, path).check(force)
+    told: list[Any] = []
     for one in found:
-        done = f"Interrupted in `{one.key}`, after {len(reports)} of {len(found)} studies."
+        done = f"Interrupted in `{one.key}`, after {len(told)} of {len(found)} studies."
         with rescue_answer(partial(str, done)), show_spinner(f"computing {one.key}"):
-            summary = summarise_claims(one, one.claims())
-        reports.append(summary.data)
+            summary = summarise_answer(one, one.find_answer(recompute), reasons=reasons)
+        told.append(summary.data)
         if not json:
             print_summary(summary)
         if one.key in drawn:
@@ -60,60 +66,65 @@ def study(
             if not json:
                 typer.echo(f"wrote {drawn[one.key]}")
     if json:
-        print_json(reports)
+        print_json(told)
 
 
 def _summarise_all(found: list[AbstractStudy]) -> Summary:
-    table = DataTable(("study", "what is rebuilt"), [(one.key, one.title) for one in found])
-    told = Sentence("martensite study NAME computes its claims; `all` takes all of them.")
-    return Summary("", [table, told], [{"key": one.key, "title": one.title} for one in found])
+    """How many claims of each verdict there are, by study, and by source where it has several."""
+    from martensite.studies.base import VERDICTS
 
-
-def _check_figures(studies: list[AbstractStudy], folder: Path | None, force: bool) -> dict[str, Path]:
-    if folder is None:
-        return {}
-    found = {one.key: folder / f"{one.key}.png" for one in studies}
-    for path in found.values():
-        Outputs(None, path).check(force)
-    return found
-
-
-def summarise_claims(study: AbstractStudy, claims: list[Claim], *, brief: bool = False) -> Summary:
-    """The claims of a study as a table, and how many there are of each verdict.
-
-    The brief table holds the claims for which the source prints a number, without reasons.
-    """
-    shown = [claim for claim in claims if claim.published is not None or not brief]
-    head = COLUMNS[:BRIEF] if brief else COLUMNS
-    rows = [_write_claim(claim)[: len(head)] for claim in shown]
-    counted = Counter(claim.verdict for claim in claims)
-    blocks = [
-        DataTable(head, rows, right=(1, 2, 3), tones=TONES),
-        Sentence(", ".join(f"{count} {verdict}" for verdict, count in counted.items())),
+    rows: dict[str, Counter[str]] = {}
+    for source, studies in groupby(found, lambda one: (*one.cites, one.key)[0]):
+        counts = {one.key: Counter(shipped.count_all() if (shipped := one.shipped()) else ()) for one in studies}
+        rows |= counts if len(counts) == 1 else counts | {f"all of {source}": sum(counts.values(), Counter[str]())}
+    blocks: list[Block] = [
+        DataTable(("study", "what is rebuilt"), [(one.key, one.title) for one in found]),
+        DataTable(
+            ("claims and reports", *HEADS),
+            [(name, *(str(count[kind]) for kind in (*VERDICTS, "reports"))) for name, count in rows.items()],
+            right=range(1, len(HEADS) + 1),
+        ),
+        Sentence("martensite study NAME shows one: digest, claims, verdicts; `all` shows all."),
     ]
-    data = {
-        "key": study.key,
-        "title": study.title,
-        "cites": list(study.cites),
-        "claims": [claim.to_dict() for claim in claims],
-    }
-    return Summary(f"{study.key}: {study.title}", blocks, data)
+    return Summary("", blocks, [{"key": one.key, "title": one.title, "tally": rows[one.key]} for one in found])
 
 
-def _write_claim(claim: Claim) -> tuple[str, ...]:
-    numbers = (claim.published, claim.computed, claim.tolerance)
-    cells = ("" if number is None else f"{number:.4g}" for number in numbers)
-    own = claim.unit, claim.verdict, claim.source, claim.why
-    return f"{claim.id}: {claim.statement}", *cells, *own
+def summarise_answer(study: AbstractStudy, answer: Answer, *, claims: bool = True, reasons: bool = False) -> Summary:
+    """The digest of a study, how many claims there are of each verdict, and the claims; then reasons and reports."""
+    counted = ", ".join(f"{count} {kind}" for kind, count in answer.count_all().items() if count)
+    blocks: list[Block] = [
+        DataTable(("", "digest"), [(key.replace("_", " "), text) for key, text in answer.digest.items()]),
+        *map(Sentence, wrap(f"{counted}.", PAGE_WIDTH)),
+    ]
+    if claims:
+        rows = [
+            (c.statement, _write(c.published, c.as_printed), _write(c.computed), c.unit, c.verdict)
+            for c in answer.claims
+        ]
+        blocks.append(DataTable(("claim", "published", "computed", "unit", "verdict"), rows, right=(1, 2), tones=TONES))
+    if reasons:
+        blocks.append(DataTable(("claim", "reason"), [(one.id, one.describe_reason()) for one in answer.claims]))
+        told = [(f"{one.id}: {one.statement}", _write(one.computed), one.unit, one.why) for one in answer.reports]
+        blocks.append(DataTable(("report, without a verdict", "computed", "unit", "why"), told, right=(1,)))
+    elif claims:
+        blocks.append(Sentence(f"martensite study {study.key} --all adds reasons and reports."))
+    if answer.made_by:
+        blocks.append(Sentence(f"Numbers of {answer.made_by}; --recompute finds them anew."))
+    data = {"key": study.key, "title": study.title, "cites": list(study.cites), "tally": answer.count_all()}
+    return Summary(study.key, blocks, data | asdict(answer), study.title)
+
+
+def _write(number: float | None, by_equation: float | None = None) -> str:
+    """A number to four digits; in brackets what only follows from a printed equation."""
+    return f"({by_equation:.4g})" if by_equation is not None else "" if number is None else f"{number:.4g}"
 
 
 @app.command()
 def demo(json: Json = False) -> None:
     """Rebuild a published test; writes migaone.nc and migaone.png.
 
-    Where its study is installed, the claims of the source follow.
+    Where its study is installed, the digest of it follows.
     """
-    from martensite.cli.outputs import Outputs
     from martensite.cli.run import RunOptions, run_scenario
     from martensite.scenario.examples import EXAMPLES
     from martensite.scenario.scenario import load
@@ -122,20 +133,18 @@ def demo(json: Json = False) -> None:
 
     outputs = Outputs(Path(f"{DEMONSTRATED}.nc"), Path(f"{DEMONSTRATED}.png")).check(force=True)
     _, done = run_scenario(load(EXAMPLES / f"{DEMONSTRATED}.toml"), RunOptions(), outputs)
-    claims = None
+    told = None
     if DEMONSTRATED in STUDIES.names():
         study = STUDIES[DEMONSTRATED]()
-        claims = summarise_claims(study, study.claims(), brief=True)
+        told = summarise_answer(study, study.find_answer(), claims=False)
     if json:
-        files = [str(path) for path in outputs.paths()]
-        run = done.data | {"files": files}
-        print_json({"run": run, "claims": claims.data["claims"] if claims else None})
+        run = done.data | {"files": [str(path) for path in outputs.paths()]}
+        print_json({"run": run, "study": told.data if told else None})
         return
     print_summary(done, files=outputs.paths())
     typer.echo()
-    if claims is None:
-        typer.echo(f"The claims of its source are a study; {INSTALLATION}.")
+    if told is None:
+        typer.echo(f"What of its source holds is a study; {INSTALLATION}.")
         return
-    print_summary(claims)
-    count = len(claims.data["claims"])
-    typer.echo(f"All {count} claims with their reasons: martensite study {DEMONSTRATED}")
+    print_summary(told)
+    typer.echo(f"Every claim with its numbers: martensite study {DEMONSTRATED}")

@@ -1,4 +1,4 @@
-"""`design`, `sweep`, `sensitivity`, `pareto`: the commands that the distribution `martensite-sweep` brings."""
+"""`design`, `sweep`, `sensitivity`, `pareto`, `steady`: commands that the distribution `martensite-sweep` brings."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ ABOUT = {
     "sweep": "Run many variants of a scenario; go on where it stopped.",
     "sensitivity": "Say which numbers of a sweep explain its variance.",
     "pareto": "Find the runs of a sweep that no other beats.",
+    "steady": "Find the rest, the limit cycle or the folds of a scenario.",
 }
 """What the help text says of each where the distribution is absent."""
 WHATEVER = {"ignore_unknown_options": True, "allow_extra_args": True}

@@ -64,7 +64,7 @@ class ComparedColumn:
 
 def list_echoes(system: AbstractSystem) -> set[str]:
     """Outputs that repeat what drives a system."""
-    found = set(system.mechanism.signals())
+    found = set(system.signals())
     for port, one in system.actuators().items():
         names = ("drive", *ECHOES.get(one.source.unit, ()))
         found |= {system.label(port, name) for name in names}

@@ -104,7 +104,7 @@ def _load_scenario(log: Log) -> Scenario:
         scenario = read_scenario(given.text, given.path, log.settings)
     if scenario.bench is not None:
         raise InputError("A table of conditions is fitted to a system without controllers, but the scenario has some.")
-    return scenario
+    return scenario.require_home("A fit")
 
 
 def _build_problem(

@@ -69,10 +69,10 @@ class Log:
         """The scenario for a record."""
         given = self.scenario
         if not isinstance(given, Scenario):
-            return load(given, self.settings, log=record)
-        if self.settings or given.follows:
-            return read_scenario(given.text, given.path, self.settings, log=record)
-        return given
+            given = load(given, self.settings, log=record)
+        elif self.settings or given.follows:
+            given = read_scenario(given.text, given.path, self.settings, log=record)
+        return given.require_home("A fit")
 
 
 @dataclass(frozen=True)

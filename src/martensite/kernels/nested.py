@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, cast
 
 from martensite.kernels.namespace import Namespace, Scalar
 
@@ -30,6 +30,16 @@ def flatten_numbers(nested: Any) -> list[Any]:
     if isinstance(nested, tuple):
         return [number for item in nested for number in flatten_numbers(item)]  # type: ignore[misc]
     return [nested]
+
+
+def name_numbers(nested: Any, path: str = "") -> list[str]:
+    """Dotted names of all numbers of nested tuples, in order, such as `elements.0.memory.stress`."""
+    if not isinstance(nested, tuple):
+        return [path]
+    names: tuple[str, ...] = getattr(cast("Any", nested), "_fields", ())
+    rows = enumerate(cast("tuple[Any, ...]", nested))
+    before = f"{path}." if path else ""
+    return [one for k, item in rows for one in name_numbers(item, f"{before}{names[k] if names else k}")]
 
 
 def sum_column(column: Sequence[Scalar]) -> Scalar:

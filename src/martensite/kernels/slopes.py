@@ -59,6 +59,24 @@ def differentiate_program(
     return twin
 
 
+def differentiate_results(
+    program: Program, name: str, places: Sequence[int], inputs: Sequence[str]
+) -> list[list[Expr]]:
+    """Derivatives of some results of a function by some of its inputs, by their full names: a row for each result.
+
+    They are plain numbers of the same graph, which every runtime prints as it prints values.
+    """
+    graph, results = program.graph, program.functions[name].outputs
+    duals = _Slopes(program.xp, graph.constant(0.0))
+    columns: list[list[Expr]] = []
+    for wanted in inputs:
+        seed = graph.input(wanted, VARYING)
+        walk = TangentWalk(graph, duals, {seed.index: duals.pair(seed, graph.constant(1.0))})
+        slopes = [walk.pair(results[i].index)[1] for i in places]
+        columns.append([duals.zero if slope is None else slope for slope in slopes])
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
 def _seed_inputs(graph: Graph, duals: _Slopes, moving: Mapping[str, int]) -> dict[int, Any]:
     """Inputs, with what they depend on, as dual numbers whose tangents are inputs too."""
     return {

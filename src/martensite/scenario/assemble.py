@@ -4,8 +4,10 @@
 mechanism with several has the same actuator at each, and in [actuators.PORT] what is different
 there: tables `element`, `environment` and `drive` whose entries go over the common ones. A
 port whose drive has no waveform is not driven. [signals.NAME] is the waveform of a signal of
-the mechanism itself, such as the voltage of a motor. [driver] is another word for [drive], for one
-that a controller has.
+the mechanism itself, such as the voltage of a motor, or of what cools, such as a fan. [driver] is another
+word for [drive], for one that a controller has.
+
+[supply] is one supply for all of them, with an internal resistance and a limit of its current.
 
 [model] names the file of a model instead; its inputs are such signals.
 """
@@ -23,6 +25,7 @@ from martensite.actuators.elements.base import ELEMENTS
 from martensite.actuators.mechanisms.base import MECHANISMS, AbstractMechanism
 from martensite.base.errors import ParameterError, suggest_name
 from martensite.physics.electrical.base import SOURCES
+from martensite.physics.electrical.shared_supply import SharedSupply
 from martensite.physics.materials.base import Material, load_material
 from martensite.physics.thermal.base import Environment
 from martensite.scenario import recorded_waveforms
@@ -40,6 +43,7 @@ COMMON = ("element", "environment")
 DRIVE, DRIVER = "drive", "driver"
 GROUP = "actuators"
 SIGNALS = "signals"
+SUPPLY = "supply"
 MODEL = "model"
 
 
@@ -81,7 +85,7 @@ class Assembly:
         mechanism = Builder(origins=self.origins).choose(MECHANISMS, table, "mechanism")
         ports = mechanism.ports()
         made = self._build_single(mechanism) if len(ports) == 1 else self._build_machine(mechanism, ports)
-        self._read_signals(mechanism)
+        self._read_signals(made)
         return made
 
     def list_waveforms(self, system: AbstractSystem) -> Waveforms:
@@ -100,7 +104,7 @@ class Assembly:
         if not isinstance(table.get("file"), str):
             raise ParameterError(f'[{MODEL}] needs `file`; write `file = "model.json"`.')
         made = build_plant(read_model(self.folder / str(table["file"])))
-        self._read_signals(made.mechanism)
+        self._read_signals(made)
         names = made.mechanism.signals()
         if self.drive in self.document:
             if len(names) != 1 or self.waveforms:
@@ -119,6 +123,11 @@ class Assembly:
             raise ParameterError(
                 f"Mechanism `{mechanism.registered_name}` takes one element, described in "
                 f"[element]; there are no [{GROUP}]."
+            )
+        if SUPPLY in self.document:
+            raise ParameterError(
+                f"[{SUPPLY}] is shared by several sources, but `{mechanism.registered_name}` takes one element; "
+                f"write its limits under [{self.drive}]."
             )
         actuator = self._build_actuator(self.document, "", DRIVE, not self.controlled)
         return System(mechanism=mechanism, **actuator)
@@ -142,7 +151,11 @@ class Assembly:
                 for name in common
             }
             members[port] = Actuator(**self._build_actuator(tables, f"{path}.", port, False))
-        return Machine(mechanism=mechanism, group=Group(**members))
+        supply = section_of(self.document, SUPPLY, {})
+        if not supply:
+            return Machine(mechanism=mechanism, group=Group(**members))
+        shared = Builder(origins=self.origins).build(SharedSupply, supply, SUPPLY)
+        return Machine(mechanism=mechanism, group=Group(**members), supply=shared)
 
     def _build_actuator(self, tables: Table, prefix: str, drive: str, driven: bool) -> dict[str, Any]:
         element = section_of(tables, "element")
@@ -167,12 +180,12 @@ class Assembly:
             "source": source,
         }
 
-    def _read_signals(self, mechanism: AbstractMechanism) -> None:
-        units, tables = mechanism.signals(), section_of(self.document, SIGNALS, {})
+    def _read_signals(self, made: AbstractSystem) -> None:
+        units, tables = made.signals(), section_of(self.document, SIGNALS, {})
         for name, table in tables.items():
             if name not in units:
                 raise ParameterError(
-                    f"[{SIGNALS}.{name}]: `{mechanism.registered_name}` has no signal of that "
+                    f"[{SIGNALS}.{name}]: `{made.mechanism.registered_name}` has no signal of that "
                     f"name. {suggest_name(name, units)}"
                 )
             path = f"{SIGNALS}.{name}"
@@ -259,7 +272,7 @@ def scenario_path(path: str, drive: str = DRIVE) -> str:
 
 def waveform_path(system: AbstractSystem, name: str, drive: str = DRIVE) -> str:
     """The path, with its dot, by which a scenario reaches the waveform of the drive of a name."""
-    if name in system.mechanism.signals():
+    if name in system.signals():
         return f"{SIGNALS}.{name}."
     return f"{drive}.waveform." if name == DRIVE else f"{GROUP}.{name}.{drive}.waveform."
 

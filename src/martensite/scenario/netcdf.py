@@ -13,7 +13,7 @@ from __future__ import annotations
 import io
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
@@ -28,6 +28,7 @@ from martensite.base.files import write_file
 from martensite.base.lazy import import_extra
 from martensite.physics.materials.base import Material
 from martensite.scenario.binary_files import read_apart
+from martensite.simulate.restarts import PassState, Restart
 from martensite.simulate.result import Result, Variants
 
 if TYPE_CHECKING:
@@ -38,6 +39,9 @@ TIME = "time"
 CELL = "cell"
 ACTUATOR = "actuator"
 VARIANT = "variant"
+RESTART = "restart"
+KEPT, WORST = ("lowest", "highest", "gap of"), ("ripple", "residual")
+"""What is known of what is judged at a restart, and of the march."""
 LABELS = "labels of all variables"
 
 
@@ -100,7 +104,58 @@ def describe_result(
     attributes["scenario"] = scenario_text
     attributes["material"] = material.name if material else ""
     attributes["citations"] = ", ".join(citations)
-    return LabelledData(time | columns | _by_actuator(result) | _describe_profiles(result), attributes)
+    more = _by_actuator(result) | _describe_profiles(result) | _describe_restarts(result)
+    return LabelledData(time | columns | more, attributes)
+
+
+def _describe_restarts(result: Result) -> dict[str, Variable]:
+    """What was kept at restarts, to the last bit: for every pass its numbers in the order of their names."""
+    if not result.restarts:
+        return {}
+    judged = list(result.system.convergence_scales())
+    names = [*result.state_names, *(f"{word} {name}" for word in KEPT for name in judged), *WORST]
+    rows = [[[*_fill(one, len(judged))] for one in restart.passes] for restart in result.restarts]
+    times = _to_array(one.time for one in result.restarts)
+    words = "numbers of a state, then what the march knows of the way there"
+    return {
+        f"{RESTART}_number": _label((f"{RESTART}_number",), "", words, "", np.asarray(names, dtype=object)),
+        f"{RESTART}_time": _label((RESTART,), "s", "time at which a state is kept", "t", times),
+        f"{RESTART}_state": _label((RESTART, "pass", f"{RESTART}_number"), "", "states", "", np.asarray(rows, float)),
+    }
+
+
+def _fill(one: PassState, judged: int) -> Iterator[float]:
+    """Numbers of a pass; those that are not known are NaN."""
+    yield from one.state
+    for row in (one.low, one.high, one.gap):
+        yield from row or [np.nan] * judged
+    yield from (one.ripple, one.residual)
+
+
+def read_restarts(path: str | os.PathLike[str]) -> tuple[list[Restart], list[str]]:
+    """What a saved result kept at restarts, and the names of the numbers of a state.
+
+    Raises:
+        DataError: there is no such file, or it holds no result.
+    """
+    variables = open_result(path).variables
+    if f"{RESTART}_state" not in variables:
+        return [], []
+    names = [str(one) for one in variables[f"{RESTART}_number"].values]
+    judged = sum(one.startswith(f"{KEPT[0]} ") for one in names)
+    size = len(names) - len(KEPT) * judged - len(WORST)
+    ends = [size, size + judged, size + 2 * judged, size + 3 * judged]
+
+    def unpack(row: list[float]) -> PassState:
+        parts = [tuple(row[a:b]) for a, b in zip([0, *ends], ends, strict=False)]
+        state, *known = parts
+        low, high, gap = (() if np.isnan(one).any() else one for one in known)
+        return PassState(state, low, high, gap, *row[-len(WORST) :])
+
+    table = variables[f"{RESTART}_state"].values.tolist()
+    times = variables[f"{RESTART}_time"].values.tolist()
+    rows = zip(times, table, strict=True)
+    return [Restart(time, tuple(map(unpack, passes))) for time, passes in rows], names[:size]
 
 
 def save_result(

@@ -33,6 +33,10 @@ def run(
     runtime: str = "auto",
     budget: float | None = None,
     tell: Callable[[str, float], None] | None = None,
+    initial: Mapping[str, Any] | None = None,
+    start: Result | str | Path | None = None,
+    at: float | str | None = None,
+    restart_at: Sequence[float | str] = (),
 ) -> Result:
     """Simulate.
 
@@ -44,7 +48,7 @@ def run(
         what: the path of a scenario file, a scenario, or a `System`, a `Machine` or a bench, which
             need a `drive` (a bench without signals of its own does not) and a `duration`.
         drive: waveform in the unit of the source, or a table of them by name; of a scenario, in place of its own.
-        duration: length of the run, in seconds or as text with a unit; likewise.
+        duration: end of the run, in seconds from 0 or as text with a unit; likewise.
         over: runs a batch: by parameter path (or unique ending) one value per variant, in SI or
             as text with a unit; all of them equally many.
         tolerance: accepted error of temperatures, martensite fractions, stresses and coordinates,
@@ -55,6 +59,10 @@ def run(
         runtime: `floats`, `c`, `jax`, or `auto`, which is the fastest there is; of a batch also `cuda`.
         budget: CPU time [s] after which a single run is given up.
         tell: called now and then with what is being done and which share of it.
+        initial: where the run starts, as a table [initial] says it; else at home and at rest, or as the scenario says.
+        start: a result of the same system, or its file, that the run goes on from, at its own time.
+        at: when, in seconds or as text; by default at its end.
+        restart_at: times at which the result keeps a state beside that at its end, likewise.
 
     Raises:
         InputError: an argument is out of range, or of the wrong kind.
@@ -71,6 +79,16 @@ def run(
     if step is not None or tolerance is not None:
         given["step"] = step
     scenario = replace(scenario, **given)
+    if initial is not None:
+        from martensite.simulate.initial import read_initial
+
+        scenario = replace(scenario, initial=read_initial(scenario.whole, initial))
+    if restart_at:
+        scenario = replace(scenario, restart_at=tuple(map(_convert_time, restart_at)))
+    if start is not None:
+        scenario = go_on_from(scenario, start, at)
+    elif at is not None:
+        raise InputError("Argument `at` of `run` says when a run goes on; give what it shall `start` from.")
     if over is not None:
         return _run_batch(scenario, over, outputs, runtime)
     if outputs is not None:
@@ -78,6 +96,31 @@ def run(
     if scenario.bench is None:
         return scenario.run(runtime=runtime, budget=budget, tell=tell)
     return scenario.run(runtime=None if runtime == "auto" else runtime, tell=tell)
+
+
+def go_on_from(scenario: Scenario, what: Result | str | Path, at: float | str | None = None) -> Scenario:
+    """A scenario that goes on from a result, or its file, at a time [s] or a text; by default at its end.
+
+    Raises:
+        DataError: the file holds no result.
+        InputError: nothing was kept then, or it was another system.
+    """
+    from martensite.simulate.restarts import find_restart, require_names
+    from martensite.simulate.result import Result
+
+    if isinstance(what, Result):
+        known, names = what.restarts, what.state_names
+    else:
+        from martensite.scenario.netcdf import read_restarts
+
+        known, names = read_restarts(what)
+    found = find_restart(known, None if at is None else _convert_time(at))
+    require_names(scenario.whole, names)
+    return replace(scenario, start=found)
+
+
+def _convert_time(given: float | str) -> float:
+    return units.parse_quantity(given, "s") if isinstance(given, str) else float(given)
 
 
 def _arrange_scenario(what: Scenario | AbstractSystem, drive: Waveforms | None, duration: float | None) -> Scenario:
@@ -112,6 +155,8 @@ def _run_batch(scenario: Scenario, over: Over, outputs: Sequence[str] | None, ru
 
     if scenario.bench is not None:
         raise InputError("A bench has no batches in `run`; take `ms.design.run_sweep`.")
+    if scenario.require_home("Every run of a batch").restart_at:
+        raise InputError("Runs of a batch keep no states; give `over` without restarts.")
     system = scenario.system
     return simulate_batch(
         system,

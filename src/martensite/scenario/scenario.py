@@ -1,9 +1,9 @@
 """Scenario files: a TOML document becomes a system, a waveform and the settings of a run.
 
 Sections: [element], [environment], [mechanism], [drive] with its waveform, [run], and optionally `title`, [actuators]
-and [signals] (`martensite.scenario.assemble`), those of a bench, such as [sensor] and [controller]
-(`martensite.scenario.bench`), and [measured], a record to compare with. Quantities are text with a unit. Unknown
-names are refused with the nearest valid one; nothing is guessed.
+and [signals] (`martensite.scenario.assemble`), [initial] (`martensite.simulate.initial`), those of a bench, such as
+[sensor] and [controller] (`martensite.scenario.bench`), and [measured], a record to compare with. Quantities are text
+with a unit. Unknown names are refused with the nearest valid one; nothing is guessed.
 """
 
 from __future__ import annotations
@@ -15,14 +15,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from martensite.actuators.assembly import AbstractSystem, System
+from martensite.base import units
 from martensite.base.errors import InputError, ParameterError
 from martensite.base.files import read_text_file, toml_document
-from martensite.base.parameters import Leaf, Parametrised, param
+from martensite.base.parameters import Leaf, Parametrised, param, text
 from martensite.kernels.namespace import Scalar
 from martensite.physics.materials.base import Material
 from martensite.scenario import recorded_waveforms
 from martensite.scenario.assemble import Assembly, section_of
-from martensite.scenario.build import Builder, Table, refuse_unknown
+from martensite.scenario.build import Builder, Table, name_section, refuse_unknown
 from martensite.scenario.overrides import as_toml, change_document
 from martensite.scenario.places import Places
 from martensite.scenario.recorded_waveforms import Recorded
@@ -31,6 +32,7 @@ from martensite.scenario.sections import check_sections, has_controllers, is_ben
 from martensite.signals.base import AbstractWaveform
 from martensite.signals.edges import require_countable
 from martensite.simulate.drive_waveforms import Waveforms
+from martensite.simulate.restarts import HOME, Restart
 
 if TYPE_CHECKING:
     from martensite.control.controllers.base import AbstractController
@@ -47,7 +49,9 @@ SECTIONS = (
     "driver",
     "actuators",
     "signals",
+    "supply",
     "model",
+    "initial",
     "run",
     "measured",
     *BENCH_SECTIONS,
@@ -67,6 +71,8 @@ class Run(Parametrised):
     lead: Scalar = param(
         "s", "time before a log that is followed, to come from elsewhere to its beginning", low=0.0, default=0.0
     )
+
+    restart: str | tuple[str, ...] = text("times at which a state is kept, to go on from with --from", default=())
 
     def check(self) -> None:
         """Raise `ParameterError` if the number of samples is no whole number."""
@@ -111,6 +117,12 @@ class Scenario:
     """Of the noise on the bench; None for a run without."""
     places: Places = field(default_factory=Places)
     """Where the document holds each number of the system, or bench."""
+    initial: dict[str, Any] = field(default_factory=dict[str, Any])
+    """What is given of where a run starts, in SI, or said to be found; else it starts at home and at rest."""
+    restart_at: tuple[float, ...] = ()
+    """Times [s] at which the result keeps a state."""
+    start: Restart | None = None
+    """Where the run goes on from; None if it starts at 0."""
 
     @property
     def whole(self) -> AbstractSystem:
@@ -177,22 +189,39 @@ class Scenario:
             return self._run_bench(self.bench, runtime, tell)
         from martensite.simulate.api import simulate
 
+        chosen, accepted = runtime or "auto", tolerance or self.tolerance
         result = simulate(
             self.system,
             self.waveform,
             self.duration,
-            tolerance=tolerance or self.tolerance,
+            tolerance=accepted,
             step=None if tolerance else self.step,
             samples=self.samples,
-            runtime=runtime or "auto",
+            runtime=chosen,
             budget=budget,
             tell=tell,
+            start=self.find_start(accepted),
+            restart_at=self.restart_at,
         )
         if (interval := self.system.sample_time()) > 0.0:
             from martensite.control.loop.run import warn_of_end
 
             return warn_of_end(result, self.duration, interval)
         return result
+
+    def require_home(self, what: str) -> Scenario:
+        """Return it, or raise `InputError` if it starts elsewhere than at home and at rest, which `what` does not."""
+        if self.initial or self.start is not None:
+            raise InputError(f"{what} starts at home and at rest; take [initial] out of the scenario.")
+        return self
+
+    def find_start(self, tolerance: float) -> Restart:
+        """Where it starts; `InputError` if the system cannot be there, or a search does not find it."""
+        if self.start is None and self.initial:
+            from martensite.simulate.initial import find_start
+
+            return find_start(self.system, self.waveform, self.initial, tolerance)
+        return self.start or HOME
 
     def equal_step(self) -> float:
         """The longest of equal steps with which a run is within the tolerance [s]."""
@@ -212,6 +241,8 @@ class Scenario:
             seed=self.seed,
             runtime=runtime,
             waveforms=by_name(self.system, self.waveform),
+            start=self.start or HOME,
+            restart_at=self.restart_at,
             watch=None if tell is None else lambda share: tell("simulating", share),
         )
 
@@ -279,7 +310,24 @@ def _build_scenario(document: dict[str, Any], text: str, path: Path | None, log:
         outside=outside,
         seed=seed,
         places=places,
+        initial=_read_initial(document, system if bench is None else bench),
+        restart_at=_read_restarts(run.restart),
     )
+
+
+def _read_restarts(given: str | tuple[str, ...]) -> tuple[float, ...]:
+    """Times [s] of a text, or of several."""
+    with name_section("run.restart"):
+        return tuple(units.parse_quantity(one, "s") for one in ([given] if isinstance(given, str) else given))
+
+
+def _read_initial(document: Table, system: AbstractSystem) -> dict[str, Any]:
+    """Where the run starts, if the document says it; what reads that is loaded only then."""
+    if "initial" not in document:
+        return {}
+    from martensite.simulate.initial import read_initial
+
+    return read_initial(system, section_of(document, "initial"), with_units=True)
 
 
 def _require_countable_edges(waveform: Waveforms, duration: float) -> None:

@@ -22,7 +22,7 @@ from martensite.base.files import tell_once
 from martensite.simulate.adaptive import AdaptiveMarch
 from martensite.simulate.compiled import CompiledMarch
 from martensite.simulate.march import FixedMarch
-from martensite.simulate.marching import Marched, MarchPlan
+from martensite.simulate.marching import Marched, MarchPlan, Row
 
 Tell = Callable[[str, float], None]
 """Told what is being done, and which share of it is."""
@@ -156,7 +156,7 @@ class RunEngine:
 
 def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, float]:
     """The last run to a tolerance, and how far it may be off, as a share of the range of each judged output."""
-    compared = choose_samples(len(plan.times))
+    compared = choose_samples(len(plan.times), plan.skipped)
     local = LOCAL[plan.order] * tolerance
     some = replace(plan, times=[plan.times[k] for k in compared], recorded=False)
     found = march(replace(some, tolerance=local))
@@ -165,26 +165,35 @@ def march_to(march: March, plan: MarchPlan, tolerance: float) -> tuple[Marched, 
         local /= FINER
         found = march(replace(plan, tolerance=local, ranges=found.ranges, parted=True))
         before, rows = rows, [found.rows[k] for k in compared if k < len(found.rows)]
-        accuracy = max(bound_error(plan.compiled, before, rows, found), FLOOR * tolerance)
+        found.gaps = measure_gaps(plan.compiled, before, rows)[1 if found.gap else 0 :]
+        accuracy = max(bound_error(plan.compiled, found), FLOOR * tolerance)
         if accuracy <= tolerance:
             break
     return found, accuracy
 
 
-def choose_samples(count: int) -> list[int]:
-    """Which of so many samples are compared: not many more than `FEW`, both ends among them."""
-    every = max(1, math.ceil((count - 1) / (FEW - 1)))
-    return sorted({*range(0, count, every), count - 1})
+def choose_samples(count: int, skipped: int = 0) -> list[int]:
+    """Which of so many samples are compared: not many more than `FEW`, both ends among them.
+
+    Of a run that goes on where another one had reached the sample `skipped`, those of the whole run.
+    """
+    whole = count + skipped
+    every = max(1, math.ceil((whole - 1) / (FEW - 1)))
+    return sorted({0, *(k - skipped for k in range(0, whole, every) if k > skipped), count - 1})
 
 
-def bound_error(compiled: CompiledMarch, before: Rows, after: Rows, found: Marched) -> float:
-    """Largest difference of what is judged, with what no run shows, as a share of ranges."""
-    worst = 0.0
-    for k, (name, least) in enumerate(compiled.convergence_scales):
-        place, scale = compiled.outputs.index(name), max(found.ranges[k], least)
-        pairs = zip(before, after, strict=False)
-        apart = max((abs(a[place] - b[place]) for a, b in pairs), default=math.inf)
-        worst = max(worst, apart / scale)
+def measure_gaps(compiled: CompiledMarch, before: Rows, after: Rows) -> list[Row]:
+    """What is judged differs by between two runs, at every sample that both reached."""
+    places = [compiled.outputs.index(name) for name, _ in compiled.convergence_scales]
+    return [tuple(abs(a[k] - b[k]) for k in places) for a, b in zip(before, after, strict=False)]
+
+
+def bound_error(compiled: CompiledMarch, found: Marched) -> float:
+    """Largest of the gaps of a run, with what no run shows, as a share of ranges."""
+    worst, gaps = 0.0, [*filter(None, [found.gap]), *found.gaps]
+    for k, (_, least) in enumerate(compiled.convergence_scales):
+        apart = max((gap[k] for gap in gaps), default=math.inf)
+        worst = max(worst, apart / max(found.ranges[k], least))
     heat = max(found.ranges[0], compiled.convergence_scales[0][1]) if compiled.convergence_scales else 1.0
     total = max(SURE * worst + found.ripple / heat, found.residual, LEAST)
     return total if math.isfinite(total) else math.inf

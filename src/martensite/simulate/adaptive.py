@@ -34,7 +34,7 @@ from typing import NamedTuple
 from martensite.base.status import Status
 from martensite.signals.moments import Moments
 from martensite.simulate.compiled import Functions, feed_step
-from martensite.simulate.ledger import Ledger
+from martensite.simulate.ledger import SIMPSON, Ledger
 from martensite.simulate.march import SOLVED
 from martensite.simulate.marching import HAIR, SHORTEST, AbstractMarch, MarchPlan, Row
 
@@ -119,7 +119,7 @@ class AdaptiveMarch(AbstractMarch):
         self.last_half = plan.first
         self.rates = [0.0] * len(compiled.rates)
         """Of the half step before the last."""
-        self.nodes = [Node(0.0, self.state, self.seen)]
+        self.nodes = [Node(self.time, self.state, self.seen)]
         """Start and middle of the last step, and where it ended: here. Behind a kink of a drive
         there is but the last."""
         self.owed = [0.0] * len(compiled.widths)
@@ -127,7 +127,7 @@ class AdaptiveMarch(AbstractMarch):
         self.after_kink, self.at_kink = math.inf, False
         self.split = False
         """Whether a step before the next edge was split, in a run in parts."""
-        self.ledger = Ledger(compiled.book, functions["entries"](*self.state, *self.signals(0.0)))
+        self.ledger = Ledger(compiled.book, functions["entries"](*self.state, *self.signals(self.time)))
         self.power = 0.0
         """Temperature [K] that the last ripple made, per lapse [s] of its drive."""
         self.rough = 0.0
@@ -385,8 +385,10 @@ class AdaptiveMarch(AbstractMarch):
         flows, entries = self.functions["flows"], self.functions["entries"]
         one, two = trial.halves
         ends = (self.state, one), (trial.half, one), (trial.half, two), (trial.full, two)
-        given = sum(flows(*state, *brought)[0] for state, brought in ends)
-        self.found.put_in += 0.25 * trial.length * given
+        rows = [flows(*state, *brought) for state, brought in ends]
+        self.found.put_in += 0.25 * trial.length * sum(given for given, *_ in rows)
+        for share, (_, *lost) in zip(SIMPSON, rows, strict=True):
+            self.ledger.lost += share * trial.length * sum(lost)
         half = self.time + 0.5 * trial.length
         middle = entries(*trial.half, *self.signals(half))
         end = entries(*trial.full, *self.signals(self.time + trial.length, before=True))

@@ -10,6 +10,7 @@ and a peak between two samples is not seen: choose more samples where pulses are
 | strain | the strain is too far from the farthest value that it had before | `strain_limit` |
 | slack | the element, once under force, has none | 0 N |
 | supply | the drive asks for more (or less) than the source can deliver | `reach` of the source |
+| rig | several sources ask a supply that they share for more current | its `current_limit` |
 | drift | another share of the martensite is oriented after the first cycle | at the start |
 """
 
@@ -20,7 +21,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from martensite.actuators.assembly import AbstractSystem, Actuator
+from martensite.actuators.assembly import AbstractSystem, Actuator, Machine
+from martensite.actuators.assembly.base import AbstractSystemAround
 from martensite.base.status import Status
 from martensite.physics.electrical.base import AbstractSource
 from martensite.physics.laws.base import AbstractLaw
@@ -52,7 +54,7 @@ class Alarm:
     """One limit that was exceeded; all numbers in SI."""
 
     kind: str
-    """temperature, stress, strain, slack, supply or drift."""
+    """temperature, stress, strain, slack, supply, rig or drift."""
     quantity: str
     """Output that was judged."""
     unit: str
@@ -114,12 +116,29 @@ def _share_above(begin: float, end: float) -> float:
 def alarms_of(system: AbstractSystem, times: Sequence[float], columns: Columns) -> list[Alarm]:
     """All alarms of a run, from its sampled columns in SI."""
     found: list[Alarm] = []
-    alone = len(system.actuators()) == 1 and not system.mechanism.signals()
+    alone = len(system.actuators()) == 1 and not system.signals()
     for port, actuator in system.actuators().items():
         own = {name: columns[system.label(port, name)] for name in JUDGED}
         several = system.label(port, "stress") != "stress"
         found += [_at_port(alarm, port) if several else alarm for alarm in _of_actuator(actuator, times, own, alone)]
-    return found
+    return found + _watch_supply(system, times, columns)
+
+
+def _watch_supply(system: AbstractSystem, times: Sequence[float], columns: Columns) -> list[Alarm]:
+    """That of a supply which is shared, if there is one and it cannot give what all ask for together."""
+    plant = system.plant if isinstance(system, AbstractSystemAround) else system
+    if not isinstance(plant, Machine) or plant.supply is None:
+        return []
+    limit, demand = plant.supply.current_limit, columns["supply_demand"]
+    when = find_excursion(times, [asked - limit * (1.0 + ROUNDING) for asked in demand])
+    if when is None:
+        return []
+    at, worst = when.worst, demand[when.worst]
+    sentence = (
+        f"Warning: the sources ask the supply for {worst:.4g} A at t = {times[at]:.4g} s, more than its "
+        f"`current_limit` of {limit:.4g} A; its voltage falls to {columns['supply_voltage'][at]:.4g} V, {when.words()}."
+    )
+    return [_make_alarm(times, when, ("rig", "supply_demand", "A"), worst, limit, sentence)]
 
 
 def _at_port(alarm: Alarm, port: str) -> Alarm:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, ParameterError, suggest_name
 from martensite.base.status import Status
 from martensite.kernels import floats
-from martensite.simulate.accuracy import RunEngine, Tell, bound_error, march_to
+from martensite.simulate.accuracy import RunEngine, Tell, bound_error, choose_samples, march_to, measure_gaps
 from martensite.simulate.alarms import add_warnings
 from martensite.simulate.compiled import CompiledMarch, bind_march, compile_march
 from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms, grid_of
@@ -17,7 +18,8 @@ from martensite.simulate.envelope import describe_exit, envelope_of, rows_inside
 from martensite.simulate.grid import TimeGrid, cut_steps
 from martensite.simulate.ledger import balance_heat, balance_work
 from martensite.simulate.march import Border, march_floats
-from martensite.simulate.marching import Marched, MarchPlan
+from martensite.simulate.marching import Marched, MarchPlan, Row
+from martensite.simulate.restarts import HOME, Relay, Restart, list_samples, place_stops
 from martensite.simulate.result import Result, profiles_of
 
 RUNTIMES = ("auto", "floats", "c", "jax")
@@ -34,8 +36,10 @@ def simulate(
     runtime: str = "auto",
     budget: float | None = None,
     tell: Tell | None = None,
+    start: Restart = HOME,
+    restart_at: Sequence[float] = (),
 ) -> Result:
-    """Run a system from rest under a waveform for `duration` [s].
+    """Run a system, at home and at rest if nothing else is said, under a waveform until `duration` [s].
 
     Drives are integrated over every step, and an error control makes every step as short as it has
     to be (`martensite.simulate.adaptive`). The run is made at least twice, to different local
@@ -49,17 +53,21 @@ def simulate(
         system: a `System` of one element, or a `Machine` of several.
         waveform: drive signal in the unit of the source; for a system with several drives a
             table of them by name.
-        duration: length of the run [s].
+        duration: end of the run [s], counted from 0 also if it starts later.
         tolerance: accepted error of temperatures, martensite fractions, stresses and coordinates,
             as a share of the range of each, or of the least range that counts (1 K, 0.01, 1 MPa,
             and what the mechanism says).
         step: longest step [s]; if given, one run is made with equal steps between samples and
             edges, and nothing is estimated.
-        samples: number of equidistant samples returned, both ends included.
+        samples: number of equidistant samples returned, both ends included; of a run that starts later
+            those of the whole that are left.
         runtime: `floats`, `c` (compiled on the spot), `jax`, or `auto`: floats for what is over
             before a compiler would have started, else C, if there is a compiler.
         budget: CPU time [s] after which the run is given up; none by default.
         tell: called now and then with what is being done and which share of it.
+        start: time and state in which it starts (`martensite.simulate.restarts`).
+        restart_at: times [s] at which a state is kept with the result, as at the end; a step ends there,
+            and the march forgets its history.
 
     Raises:
         InputError: an argument is out of range.
@@ -72,9 +80,9 @@ def simulate(
         raise InputError(f"No runtime named `{runtime}`. {suggest_name(runtime, RUNTIMES)}")
     waves = arrange_waveforms(system, waveform)
     if system.sample_time():
-        return _in_discrete_time(system, waveform, duration, samples, runtime)
+        return _in_discrete_time(system, waveform, duration, samples, runtime, start, restart_at)
     compiled = compile_march(system)
-    times = [duration * k / (samples - 1) for k in range(samples)]
+    times = list_samples(duration, samples, start.time)
     plan = MarchPlan(
         compiled,
         waves,
@@ -86,16 +94,20 @@ def simulate(
         recorded=runtime == "jax" and step is None,
         halves=runtime == "jax",
         inertial=inertial_step(system),
+        skipped=samples - len(times),
     )
     chosen = "auto" if runtime == "jax" else runtime
     engine = RunEngine(compiled, compiled.values(system), chosen, tell, budget)
+    relay = Relay(engine, start, place_stops(restart_at, times))
     if step is None:
-        found, accuracy = march_to(engine, plan, tolerance)
+        found, accuracy = march_to(relay, plan, tolerance)
     else:
-        found, accuracy = engine(plan), None
+        found, accuracy = relay(plan), None
+    compared = choose_samples(len(times), plan.skipped) if step is None else [-1]
+    kept = relay.list_restarts([times[k] for k in compared])
     if runtime == "jax" and not found.status.failed:
-        found, accuracy = _on_jax(engine, plan, found, accuracy)
-    result = _build_result(system, waveform, plan, found, accuracy, engine.used)
+        found, accuracy = _on_jax(engine, plan, found, accuracy, start)
+    result = replace(_build_result(system, waveform, plan, found, accuracy, engine.used), restarts=kept)
     if accuracy is not None and accuracy > tolerance and not found.status.failed:
         result.warnings.append(
             f"Warning: the tolerance of {tolerance:.1e} was not reached in {found.steps:,} steps; "
@@ -104,17 +116,21 @@ def simulate(
     return result
 
 
-def _on_jax(engine: RunEngine, plan: MarchPlan, found: Marched, accuracy: float | None) -> tuple[Marched, float | None]:
+def _on_jax(
+    engine: RunEngine, plan: MarchPlan, found: Marched, accuracy: float | None, start: Restart
+) -> tuple[Marched, float | None]:
     """The same run on JAX: on steps that an error control found elsewhere, or the given ones."""
     from martensite.simulate.arrays import march_jax
 
     at_end = [width == 1 for width in plan.compiled.widths]
     edges = (e for w in plan.waveforms for e in w.edges(plan.times[-1]))
     steps = cut_steps({*found.ends, *edges}, plan.times, plan.step or math.inf)
-    track = march_jax(plan.compiled, engine.values, steps.grid(plan.waveforms, at_end)).require()
+    grid = steps.grid(plan.waveforms, at_end)
+    track = march_jax(plan.compiled, engine.values, grid, start=start.state).require()
     engine.used = "JAX"
     if accuracy is not None:
-        own = bound_error(plan.compiled, found.rows, track.rows, found)
+        found.gap, found.gaps = (), measure_gaps(plan.compiled, found.rows, track.rows)
+        own = bound_error(plan.compiled, found)
         accuracy = accuracy + own
     found.rows = [tuple(row) for row in track.rows]
     found.steps, found.longest = len(steps.lengths), max(steps.lengths)
@@ -122,32 +138,51 @@ def _on_jax(engine: RunEngine, plan: MarchPlan, found: Marched, accuracy: float 
 
 
 def _in_discrete_time(
-    system: AbstractSystem, waveform: Waveforms, duration: float, samples: int, runtime: str
+    system: AbstractSystem,
+    waveform: Waveforms,
+    duration: float,
+    samples: int,
+    runtime: str,
+    start: Restart,
+    restart_at: Sequence[float],
 ) -> Result:
+    if restart_at and runtime == "jax":
+        raise InputError("A system in discrete time keeps no states on the runtime `jax`; take `c` or `floats`.")
     compiled, interval = compile_march(system), system.sample_time()
-    grid = grid_of(system, waveform, duration, samples, interval)
-    found = _march_grid(system, compiled, grid, runtime).require()
-    found.steps, found.longest = len(grid.lengths), grid.longest
+    whole = grid_of(system, waveform, duration, samples, interval)
+    grid = whole.cut(start.time, whole.times[-1])
+
+    def march(plan: MarchPlan) -> Marched:
+        leg = whole.cut(plan.times[0], plan.times[-1])
+        found = _march_grid(system, compiled, leg, runtime, plan.start).require()
+        found.steps, found.longest = len(leg.lengths), leg.longest
+        return found
+
     plan = MarchPlan(compiled, (), grid.times, 0.0, interval, envelope_of(system))
+    relay = Relay(march, start, place_stops(restart_at, grid.times))
+    found = relay(plan)
     used = {"c": "C", "jax": "JAX"}.get(runtime, "floats")
-    return _build_result(system, waveform, plan, found, None, used)
+    kept = relay.list_restarts(grid.times[-1:]) if found.state else []
+    return replace(_build_result(system, waveform, plan, found, None, used), restarts=kept)
 
 
-def _march_grid(system: AbstractSystem, compiled: CompiledMarch, grid: TimeGrid, runtime: str) -> Marched:
+def _march_grid(
+    system: AbstractSystem, compiled: CompiledMarch, grid: TimeGrid, runtime: str, start: Row = ()
+) -> Marched:
     """A run on given steps; on floats if it fails elsewhere, since these say when, and where."""
     found: Marched | None = None
     limits = envelope_of(system)
     if runtime == "c":
         from martensite.simulate.native import march_c
 
-        found = march_c(compiled, compiled.values(system), grid, limits)
+        found = march_c(compiled, compiled.values(system), grid, limits, start)
     if runtime == "jax":
         from martensite.simulate.arrays import march_jax
 
-        found = march_jax(compiled, compiled.values(system), grid, limits)
+        found = march_jax(compiled, compiled.values(system), grid, limits, start)
     if found is None or found.status.failed:
         functions, size = bind_march(system)
-        found = march_floats(functions, size, grid, Border(compiled, functions, limits))
+        found = march_floats(functions, size, grid, Border(compiled, functions, limits), start)
     return found
 
 

@@ -48,6 +48,8 @@ class ArrayGrid(NamedTuple):
     """The number 1, unknown to the compiler: dividing by it makes a value worth keeping."""
     limits: Any = None
     """What no run leaves, low and high, (2, envelope); None where nobody looks."""
+    start: Any = None
+    """State at the first sample; at rest if None."""
 
 
 def build_schedule(
@@ -138,7 +140,8 @@ def build_march(
             carry, _ = jax.lax.scan(one, carry, tuple(steps))
             return carry, observe(carry[0], signals)
 
-        state = tuple(zero + v for v in functions["init"](*plan.first))
+        begin = functions["init"](*plan.first) if plan.start is None else plan.start
+        state = tuple(zero + v for v in begin)
         start = observe(state, plan.first)
         (_, reports, (_, left)), rows = jax.lax.scan(
             interval,
@@ -177,10 +180,15 @@ def jitted_jacobian(compiled: CompiledMarch, outputs: tuple[int, ...], wrt: tupl
 
 
 def march_jax(
-    compiled: CompiledMarch, values: Sequence[float], grid: TimeGrid, limits: RunLimits | None = None
+    compiled: CompiledMarch,
+    values: Sequence[float],
+    grid: TimeGrid,
+    limits: RunLimits | None = None,
+    start: Sequence[float] = (),
 ) -> Marched:
-    """One run on JAX, with every output."""
+    """One run on JAX, with every output, from a start or from rest."""
     plan, padded = build_schedule(grid, limits=limits)
+    plan = plan._replace(start=tuple(start) or None)
     rows = jitted_march(compiled, tuple(range(len(compiled.outputs))), padded)(values, plan)
     table = np.stack([np.asarray(column) for column in rows.outputs], axis=1)
     return judge_table(table, *map(float, rows.reports[:2]), left=float(rows.left))

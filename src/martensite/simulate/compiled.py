@@ -72,7 +72,8 @@ class CompiledMarch(Compiled):
 
     `judge` returns the outputs whose convergence is judged, those of the envelope, and the heat
     that the elements hold; `points` what laws without rates follow, from a state; `entries` what
-    the ledgers keep, and `flows` the power that drives bring.
+    the ledgers keep, and `flows` the power that drives bring, and that which they
+    let out if they do.
     """
 
     widths: tuple[int, ...] = ()
@@ -215,7 +216,8 @@ class _Trace:
 
         def flows(xp: Any, *numbers: Any) -> list[Any]:
             state, drives = brought(numbers)
-            return [self.system.flows(xp, state, *drives)]
+            lost = self.system.losses(xp, state, *drives)
+            return [self.system.flows(xp, state, *drives), *([] if lost is None else [lost])]
 
         def rosenbrock(xp: Any, *arguments: Any) -> list[Any]:
             *numbers, dt = arguments

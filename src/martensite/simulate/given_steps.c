@@ -9,7 +9,7 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
            const double *restrict sampled, const long *restrict counts,
            const double *restrict drives, const double *restrict lengths,
            double *restrict rows, double *restrict worst, const double *restrict limits,
-           double *restrict left) {
+           double *restrict left, double *restrict states) {
     double c[CONSTANTS * LANES], x[(SIZE + INPUTS + 1) * LANES], y[RESULTS * LANES];
     const long n = LANES;
 #if BOUNDED
@@ -23,7 +23,7 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
         left[l] = HUGE_VAL;
     }
     k_init(n, c, x, y);
-    memcpy(x, y, sizeof(double) * SIZE * n);
+    memcpy(x, isnan(states[0]) ? y : states, sizeof(double) * SIZE * n);
     for (long d = 0; d < DRIVES; d++)
         for (long l = 0; l < n; l++) x[(SIZE + d) * n + l] = first[SIGNAL(d)];
     k_observe(n, c, x, rows);
@@ -67,4 +67,5 @@ void march(long lanes, long intervals, const double *restrict p, const double *r
         rows += OUTPUTS * n;
         k_observe(n, c, x, rows);
     }
+    memcpy(states, x, sizeof(double) * SIZE * n);
 }

@@ -58,6 +58,28 @@ class TimeGrid:
         """Longest step [s]."""
         return max(self.lengths)
 
+    def cut(self, begin: float, end: float) -> TimeGrid:
+        """The part from one sample to another.
+
+        Raises:
+            InputError: there is no sample at one of these times [s]; the sentence names the nearest.
+        """
+        places = [min(range(len(self.times)), key=lambda k: abs(self.times[k] - time)) for time in (begin, end)]
+        for place, time in zip(places, (begin, end), strict=True):
+            if abs(self.times[place] - time) > 1e-9 * self.times[-1]:
+                raise InputError(f"{time:.6g} s is no sample of this run; the nearest is {self.times[place]:.6g} s.")
+        first, last = places
+        if first >= last:
+            raise InputError(f"The run goes on from {begin:.6g} s, but ends at {end:.6g} s; give a longer duration.")
+        a, b = sum(self.counts[:first]), sum(self.counts[:last])
+        return TimeGrid(
+            self.times[first : last + 1],
+            self.sampled[first : last + 1],
+            self.counts[first:last],
+            self.lengths[a:b],
+            self.drives[a:b],
+        )
+
 
 @dataclass(frozen=True)
 class LaneGrid:

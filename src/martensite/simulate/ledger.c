@@ -2,6 +2,7 @@
 
    Before this text stand martensite/simulate/marching.c with what it asks for, the kernels k_entries
    and k_flows, and: HELD energies and EFFORTS of k_entries, BALANCED if it ends with a loss;
+   FLOWS numbers of k_flows, what comes in and, if a signal lets it out, what is lost;
    ACCOUNT_OF all of them, TURNED_OVER of each effort whether it is exchanged, ENTRY_SIGNALS whether
    k_entries asks for signals. */
 
@@ -16,17 +17,18 @@ static void enter_at(const march *m, block *b, const column *states, double time
 }
 
 static void begin_ledger(const march *m, block *b) {
-    if (ENTRIES) enter_at(m, b, b->state, 0.0, 0, b->entries);
+    if (ENTRIES) enter_at(m, b, b->state, b->time, 0, b->entries);
 }
 
-/* a part of what came in in a step, from what drives bring at a state */
+/* a part of what came in in a step, and of what a signal let out, from what drives bring at a state */
 static void add_flows(block *b, const column *states, const moments (*found)[DRIVES + 1],
-                      double part) {
-    column flow[1];
+                      double part, double let_out) {
+    column flow[2];
     memcpy(b->x2, states, sizeof(column) * SIZE);
     feed(found, 0, 0.0, b->x2 + SIZE);
     k_flows(LANES, *b->c, *b->x2, *flow);
     EACH(i) b->put_in[i] += part * flow[0][i];
+    if (FLOWS > 1) EACH(i) b->lost[i] += let_out * flow[1][i];
 }
 
 /* the work of an effort in the step, all three numbers of both on parabolas */
@@ -46,10 +48,11 @@ static void add_work(block *b, long k) {
 static void keep_ledger(const march *m, block *b) {
     if (BALANCED) {
         const double part = 0.25 * b->length;
-        add_flows(b, b->state, b->one, part);
-        add_flows(b, b->half, b->one, part);
-        add_flows(b, b->half, b->two, part);
-        add_flows(b, b->full, b->two, part);
+        const double end = b->length * (1.0 / 6.0);
+        add_flows(b, b->state, b->one, part, end);
+        add_flows(b, b->half, b->one, part, 2.0 * end);
+        add_flows(b, b->half, b->two, part, 2.0 * end);
+        add_flows(b, b->full, b->two, part, end);
     }
     if (!ENTRIES) return;
     enter_at(m, b, b->half, b->time + 0.5 * b->length, 0, b->middle_entries);

@@ -24,6 +24,8 @@ from typing import NamedTuple
 from martensite.actuators.assembly.ledger import ACCOUNTS, EXCHANGED
 
 SIXTH = 1.0 / 6.0
+SIMPSON = (SIXTH, 2.0 * SIXTH, 2.0 * SIXTH, SIXTH)
+"""Shares of a step for what is known at both ends of its halves."""
 TURNED_OVER = tuple(ACCOUNTS.index(name) for name in ("work", "outside"))
 """Accounts whose work, whichever way it goes, is what is exchanged."""
 LEAST_HEAT = 1e-9

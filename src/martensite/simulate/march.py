@@ -18,8 +18,10 @@ SOLVED = 1e-8
 COARSE = 0.2
 
 
-def march_floats(functions: Functions, size: int, grid: TimeGrid, border: Border | None = None) -> Marched:
-    """Advance through the grid with traced float functions; failures are a status.
+def march_floats(
+    functions: Functions, size: int, grid: TimeGrid, border: Border | None = None, start: Row = ()
+) -> Marched:
+    """Advance through the grid with traced float functions, from a start or from rest; failures are a status.
 
     It stops where it comes to the border of the envelope, if there is one.
 
@@ -27,7 +29,7 @@ def march_floats(functions: Functions, size: int, grid: TimeGrid, border: Border
         SolveError: its first state has no outputs.
     """
     try:
-        walk, observe = FloatWalk(functions, size, grid.sampled[0]), functions["observe"]
+        walk, observe = FloatWalk(functions, size, grid.sampled[0], start), functions["observe"]
         rows = [observe(*walk.state, *grid.sampled[0])]
     except ArithmeticError as error:
         raise SolveError(f"The run fails at its start, 0 s: {error}; look for a length, width or range of 0.") from None
@@ -43,7 +45,7 @@ def march_floats(functions: Functions, size: int, grid: TimeGrid, border: Border
             rows.append(observe(*walk.state, *drives))
     except ArithmeticError:  # a division by zero or an overflow
         walk.note(math.inf, 0.0)
-    return walk.finish(rows, lambda k: math.fsum(grid.lengths[:k]))
+    return walk.finish(rows, lambda k: grid.times[0] + math.fsum(grid.lengths[:k]))
 
 
 class Border:
@@ -60,11 +62,11 @@ class Border:
 
 
 class FloatWalk:
-    """Steps of a system on plain floats from rest, of which the worst is remembered."""
+    """Steps of a system on plain floats, from rest if it has no start, of which the worst is remembered."""
 
-    def __init__(self, functions: Functions, size: int, signals: Sequence[float]) -> None:
+    def __init__(self, functions: Functions, size: int, signals: Sequence[float], start: Row = ()) -> None:
         self.step, self.size = functions["step"], size
-        self.state: Row = functions["init"](*signals)
+        self.state: Row = start or functions["init"](*signals)
         self.steps, self.gone = 0, cast("Exit | None", None)
         self.worst, self.worst_step = Status.OK, 0
 
@@ -97,7 +99,7 @@ class FloatWalk:
             return Marched(list(rows), (), Status.OUT_OF_ENVELOPE, time_of(self.steps), *self.gone, self.steps)
         finite = all(math.isfinite(value) for row in rows for value in row)
         status = self.worst if finite else Status.NOT_FINITE
-        return Marched(list(rows), (), status, time_of(self.worst_step), steps=self.steps)
+        return Marched(list(rows), (), status, time_of(self.worst_step), steps=self.steps, state=self.state)
 
 
 class FixedMarch(AbstractMarch):
@@ -157,7 +159,9 @@ def classify_step(residual: float, crossing: float) -> Status:
     return Status.LONG_STEP if crossing > COARSE else Status.OK
 
 
-def judge_table(table: Any, residual: float, crossing: float, left: float = math.inf) -> Marched:
+def judge_table(
+    table: Any, residual: float, crossing: float, left: float = math.inf, state: Sequence[float] = ()
+) -> Marched:
     """What a run did whose rows are an array (samples, outputs), from its worst reports.
 
     One that `left` the envelope at a time [s] has that status, unless it had failed before.
@@ -168,4 +172,4 @@ def judge_table(table: Any, residual: float, crossing: float, left: float = math
         return Marched([], (), Status.OUT_OF_ENVELOPE, left)
     finite = bool(np.isfinite(table).all())
     status = classify_step(residual, crossing) if finite else Status.NOT_FINITE
-    return Marched(table.tolist(), (), status, math.nan)
+    return Marched(table.tolist(), (), status, math.nan, state=tuple(state))

@@ -60,6 +60,9 @@ typedef struct {
     double *rows;         /* (runs, samples, OUTPUTS) */
     double *numbers;      /* (runs, SAID + JUDGED): what is said of a run */
     double *record;       /* ends of steps, of the first runs */
+    double *states;       /* (runs, SIZE): where runs end, and begin if they are `placed` */
+    double *extremes;     /* (runs, 2, JUDGED): lowest and highest of what is judged, before and then after */
+    long placed;
 } march;
 
 /* the drives of the runs in a block: one set, or one for every run */
@@ -163,7 +166,13 @@ static void tell(const march *m, const block *b, long i) {
     n[9] = b->put_in[i];
     n[10] = b->lost[i];
     for (long k = 0; k < ACCOUNTS; k++) n[11 + k] = b->accounts[k][i];
-    for (long k = 0; k < JUDGED; k++) n[SAID + k] = b->high[k][i] - b->low[k][i];
+    double *ends = m->extremes + (b->first_run + i) * 2 * JUDGED;
+    for (long k = 0; k < JUDGED; k++) {
+        n[SAID + k] = b->high[k][i] - b->low[k][i];
+        ends[k] = b->low[k][i];
+        ends[JUDGED + k] = b->high[k][i];
+    }
+    for (long k = 0; k < SIZE; k++) m->states[(b->first_run + i) * SIZE + k] = b->state[k][i];
 }
 
 static int is_inside(const block *b, const column *seen, long k, long i) {
@@ -245,13 +254,22 @@ static void begin_block(march *m, block *b, long run) {
     }
     b->after_edge = b->last_half = b->next;
     k_prepare(LANES, *b->p, *b->c);
-    put_signals(m, b, 0.0, 0, b->x0);
-    k_init(LANES, *b->c, *b->x0, *b->state);
+    b->time = m->times[0];
+    put_signals(m, b, b->time, 0, b->x0);
+    if (!m->placed) k_init(LANES, *b->c, *b->x0, *b->state);
+    for (long k = 0; m->placed && k < SIZE; k++)
+        EACH(i) b->state[k][i] = m->states[(run + i < m->runs ? run + i : m->runs - 1) * SIZE + k];
     memcpy(b->x2, b->state, sizeof(column) * SIZE);
-    put_signals(m, b, 0.0, 0, b->x2 + SIZE);
+    put_signals(m, b, b->time, 0, b->x2 + SIZE);
     k_judge(LANES, *b->c, *b->x2, *b->seen);
     memcpy(b->low, b->seen, sizeof(column) * JUDGED);
     memcpy(b->high, b->seen, sizeof(column) * JUDGED);
+    for (long k = 0; k < JUDGED; k++)
+        EACH(i) {
+            const double *ends = m->extremes + (run + i < m->runs ? run + i : m->runs - 1) * 2 * JUDGED;
+            b->low[k][i] = ends[k] < b->low[k][i] ? ends[k] : b->low[k][i];
+            b->high[k][i] = ends[JUDGED + k] > b->high[k][i] ? ends[JUDGED + k] : b->high[k][i];
+        }
     scale_ranges(m, b);
     k_observe(LANES, *b->c, *b->x2, *b->row);
     LIVE(i) for (long k = 0; k < OUTPUTS; k++)

@@ -55,7 +55,7 @@ class MarchPlan:
     compiled: CompiledMarch
     waveforms: Sequence[AbstractWaveform]
     times: Sequence[float]
-    """Samples [s], ascending from 0."""
+    """Samples [s], ascending from where the run begins, to where it ends."""
     tolerance: float
     """Accepted error of a step, as a share of the range of each judged output."""
     first: float
@@ -74,6 +74,12 @@ class MarchPlan:
     """Whether all steps are made in halves, for a runtime that knows no others."""
     inertial: float = 0.0
     """First step [s] of what moves with inertia; 0 if nothing does."""
+    skipped: int = 0
+    """Samples of the whole run before the first of these times."""
+    start: Row = ()
+    """State at the first of the times; as assembled, at rest, if none."""
+    extremes: tuple[Row, Row] = ((), ())
+    """Lowest and highest of what is judged before."""
 
     @property
     def shortest(self) -> float:
@@ -119,6 +125,14 @@ class Marched:
     """Energies [J], see `assembly.ledger.ACCOUNTS`: more held than in the beginning, or work."""
     ends: list[float] = field(default_factory=list[float])
     """Ends of the steps [s], if they were to be kept."""
+    state: Row = ()
+    """In the end."""
+    extremes: tuple[Row, Row] = ((), ())
+    """Lowest and highest of what is judged, since the run of which this is a part began."""
+    gap: Row = ()
+    """What is judged differs by at most, from the run before of the same, until this one began; empty for none."""
+    gaps: list[Row] = field(default_factory=list[Row])
+    """The same at every sample at which runs are compared."""
 
     @property
     def status_time(self) -> float | None:
@@ -139,12 +153,13 @@ class AbstractMarch:
     def __init__(self, plan: MarchPlan, functions: Functions) -> None:
         self.plan, self.functions, self.size = plan, functions, plan.compiled.size
         self.readers = [Reader(waveform) for waveform in plan.waveforms]
-        self.time, self.duration = 0.0, plan.times[-1]
-        signals = self.signals(0.0)
-        self.state: Row = functions["init"](*signals)[: self.size]
+        self.time, self.duration = plan.times[0], plan.times[-1]
+        signals = self.signals(self.time)
+        self.state: Row = plan.start or functions["init"](*signals)[: self.size]
         self.seen: Row = functions["judge"](*self.state, *signals)
         self.convergence_scales = len(plan.compiled.convergence_scales)
-        self.low, self.high = (list(self.seen[: self.convergence_scales]), list(self.seen[: self.convergence_scales]))
+        judged, (low, high) = self.seen[: self.convergence_scales], plan.extremes
+        self.low, self.high = list(map(min, judged, low or judged)), list(map(max, judged, high or judged))
         self.sample = 1
         self.found = Marched([functions["observe"](*self.state, *signals)])
         self.check_envelope()
@@ -160,12 +175,13 @@ class AbstractMarch:
             while self.time < self.duration and not found.status.failed:
                 self.advance()
                 if watch is not None:
-                    watch(self.time / self.duration)
+                    watch((self.time - self.plan.times[0]) / (self.duration - self.plan.times[0]))
         except ArithmeticError:  # a division by zero or an overflow
             found.status = Status.NOT_FINITE
         if found.status.failed or found.status is Status.OK:
             found.time = self.time
         found.ranges = tuple(b - a for a, b in zip(self.low, self.high, strict=True))
+        found.state, found.extremes = self.state, (tuple(self.low), tuple(self.high))
         return found
 
     def signals(self, time: float, before: bool = False) -> Row:

@@ -73,6 +73,9 @@ class _March(ctypes.Structure):
             (name, ctypes.c_void_p)
             for name in ("p", "first", "times", "drives", "limits", "ranges", "rows", "numbers", "record")
         ),
+        ("states", ctypes.c_void_p),  # what follows is for one run at a time: lanes do not know it
+        ("extremes", ctypes.c_void_p),
+        ("placed", ctypes.c_long),
     ]
 
 
@@ -166,6 +169,10 @@ class MarchRows:
     residual, heat put in and lost, accounts, and the ranges of what is judged; see `Marched`."""
     ends: list[float]
     """Ends of the steps of the first run [s], if they were to be kept."""
+    states: Numbers | None = None
+    """Where runs ended, (runs, states); None for runs in lanes."""
+    extremes: Numbers | None = None
+    """Lowest and highest of what is judged, (runs, 2, judged)."""
 
     def take_run(self, run: int, times: Sequence[float]) -> Marched:
         """One of them."""
@@ -179,6 +186,9 @@ class MarchRows:
         kept = [tuple(row) for row in rows[:reached].tolist()]
         made = Marched(kept, ranges, found, end, int(place), value, int(steps), int(rejected), *more[:5])
         made.accounts, made.ends = accounts, self.ends
+        if self.states is not None and self.extremes is not None:
+            low, high = self.extremes[run].tolist()
+            made.state, made.extremes = tuple(self.states[run].tolist()), (tuple(low), tuple(high))
         return made
 
 
@@ -215,6 +225,9 @@ class MarchArrays:
         self.rows = np.full((runs.count, len(plan.times), len(runs.outputs)), np.nan)
         self.numbers = np.zeros((runs.count, RANGES + len(compiled.convergence_scales)))
         self.record = np.empty(FIRST_RECORD if plan.recorded else 0)
+        self.states = np.array(np.broadcast_to(plan.start or 0.0, (runs.count, compiled.size)), float)
+        self.extremes = np.empty((runs.count, 2, len(compiled.convergence_scales)))
+        self.extremes[:, 0], self.extremes[:, 1] = plan.extremes[0] or np.inf, plan.extremes[1] or -np.inf
         own = [plan.waveforms] if runs.own is None else runs.own
         self.windows = [[_Window(waveform, plan.times[-1]) for waveform in row] for row in own]
         self.drives = (_Drive * max(1, sum(map(len, self.windows))))()
@@ -224,10 +237,13 @@ class MarchArrays:
                 most -= window.extend_to_end(most)
             else:
                 window.extend(0.0)
+                while not window.known_until() > plan.times[0]:
+                    window.extend(plan.times[0])
 
     def describe(self, locate: Callable[[NDArray[Any]], int]) -> _March:
         """What C is told of them, and where each lies."""
-        plan, places = self.plan, ("p", "first", "times", "limits", "ranges", "rows", "numbers", "record")
+        plan = self.plan
+        places = ("p", "first", "times", "limits", "ranges", "rows", "numbers", "record", "states", "extremes")
         self.fill_drives(locate)
         return _March(
             runs=self.runs.count,
@@ -240,6 +256,7 @@ class MarchArrays:
             duration=plan.times[-1],
             step=plan.step or 0.0,
             shortest=plan.shortest,
+            placed=bool(plan.start),
             drives=locate(np.frombuffer(memoryview(self.drives), np.uint8)),
             **{name: locate(getattr(self, name)) for name in places},
         )
@@ -270,7 +287,9 @@ class _Marching(MarchArrays):
             answer = self.library.march_on(march, block, ctypes.c_long(begin))
             begin = 0
             if answer == DONE:
-                return MarchRows(self.rows, self.numbers, self.record[: self.march.recorded].tolist())
+                ends, alone = self.record[: self.march.recorded].tolist(), self.runs.lanes == 1
+                kept = (self.states, self.extremes) if alone else ()
+                return MarchRows(self.rows, self.numbers, ends, *kept)
             if answer == SIGNALS:
                 self._extend()
             if answer == RECORD:
@@ -297,7 +316,8 @@ class _Marching(MarchArrays):
     def _done(self) -> float:
         now, first = self._where()
         runs = min(self.runs.lanes, self.runs.count - first)
-        return (first + runs * now / self.plan.times[-1]) / self.runs.count
+        begin, end = self.plan.times[0], self.plan.times[-1]
+        return (first + runs * max(now - begin, 0.0) / (end - begin)) / self.runs.count
 
 
 def _get_address(array: NDArray[Any]) -> int:
@@ -374,6 +394,7 @@ class MarchKernel:
             "HELD": len(book.held),
             "EFFORTS": len(book.efforts),
             "BALANCED": int(book.heat),
+            "FLOWS": len(traced["flows"].outputs),
             "ACCOUNTS": len(ACCOUNTS),
             "ACCOUNT_OF": _format_list([*book.held, *book.efforts]),
             "TURNED_OVER": _format_list([int(account in TURNED_OVER) for account in book.efforts]),

@@ -80,12 +80,14 @@ def march_inside(
     lanes: int,
     outputs: Sequence[int],
     limits: Any,
+    states: Any = None,
 ) -> tuple[Any, Any, Any]:
     """The same, with the time [s] at which each lane left the envelope, (lanes,).
 
     That is the end of a step, and infinite for lanes that stay inside. What is reported is that
     until then. The limits are low and high, (2, envelope) or (2, envelope, lanes), or None where
-    nobody looks.
+    nobody looks. The `states`, (states, lanes), are those in the end after it, and in the beginning
+    unless the first is no number: then it begins at rest.
     """
     bounded = limits is not None and len(compiled.envelope) > 0
     library = _load_library(compiled, lanes, tuple(outputs), isinstance(grid, LaneGrid), bounded)
@@ -94,7 +96,8 @@ def march_inside(
     worst = np.empty((len(compiled.report), lanes))
     left = np.empty(lanes)
     bounds = spread_limits(limits, lanes) if bounded else np.empty(0)
-    arrays = (parameters, *grid.arrays, rows, worst, bounds, left)
+    states = np.full((max(compiled.size, 1), lanes), np.nan) if states is None else states
+    arrays = (parameters, *grid.arrays, rows, worst, bounds, left, states)
     call_compiled(library.march, lanes, len(grid.counts), *arrays)
     return rows, worst, left
 
@@ -107,9 +110,14 @@ def spread_limits(limits: Any, runs: int) -> Any:
 
 
 def march_c(
-    compiled: CompiledMarch, values: Sequence[float], grid: TimeGrid, limits: RunLimits | None = None
+    compiled: CompiledMarch,
+    values: Sequence[float],
+    grid: TimeGrid,
+    limits: RunLimits | None = None,
+    start: Sequence[float] = (),
 ) -> Marched:
-    """One run on the C runtime."""
+    """One run on the C runtime, from a start or from rest."""
     places = range(len(compiled.outputs))
-    rows, worst, left = march_inside(compiled, values, grid, 1, places, limits)
-    return judge_table(rows[:, :, 0], *worst[:2, 0].tolist(), left=float(left[0]))
+    states = np.array(start or [np.nan] * max(compiled.size, 1), float).reshape(-1, 1)
+    rows, worst, left = march_inside(compiled, values, grid, 1, places, limits, states)
+    return judge_table(rows[:, :, 0], *worst[:2, 0].tolist(), left=float(left[0]), state=states[:, 0].tolist())

@@ -22,6 +22,7 @@ from martensite.base.summary import DataTable, Sentence, Summary
 from martensite.simulate.alarms import Alarm
 from martensite.simulate.ledger import HeatBalance, WorkBalance
 from martensite.simulate.provenance import NOT_TRIED, tell_conformance
+from martensite.simulate.restarts import Restart, name_state
 
 if TYPE_CHECKING:
     import numpy as np
@@ -107,6 +108,8 @@ class Result:
     """Temperature [K] that the mean of a drive over a step leaves out, at most."""
     variants: Variants | None = None
     """Of a batch; None for a single run."""
+    restarts: list[Restart] = field(default_factory=list["Restart"])
+    """Where another run can go on: at the end, and at times that were asked for; none of a run that stopped early."""
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         """A column by name, or the times, in SI units: (samples,), of a batch (variants, samples).
@@ -257,6 +260,11 @@ class Result:
         return "s" if name == "time" else self.outputs[name].unit
 
     @property
+    def state_names(self) -> list[str]:
+        """Names of the numbers of a state, as `restarts` have them; none of a run that kept none."""
+        return name_state(self.system) if self.restarts else []
+
+    @property
     def coordinate(self) -> str:
         """Name of the first coordinate of the mechanism: its stroke is that of the system."""
         return next(iter(self.system.mechanism.outputs()))
@@ -284,7 +292,9 @@ class Result:
             return self._describe_variants(self.variants)
         accuracy = "not estimated" if self.accuracy is None else f"{self.accuracy:.1e} of range"
         where = {"C": " in C", "": ""}.get(self.runtime, f" on {self.runtime}")
-        return f"{self.times[-1]:.6g} s in {self.steps} steps of at most {self.step:.3g} s{where}, accuracy {accuracy}"
+        begin = f"from {self.times[0]:.6g} to " if self.times[0] else ""
+        steps = f"{self.steps} steps of at most {self.step:.3g} s{where}"
+        return f"{begin}{self.times[-1]:.6g} s in {steps}, accuracy {accuracy}"
 
     @property
     def conformance(self) -> dict[str, str]:

@@ -50,7 +50,7 @@ class EndState:
 
 
 def find_end_states(system: AbstractSystem, waveform: Waveforms, duration: float) -> list[EndState]:
-    """States of rest with all drives at their lowest levels, and with all at their highest.
+    """States of rest with all drives at their lowest levels, and with all at their highest; what cools the other way.
 
     None for a system in discrete time, whose drives are set by controllers.
 
@@ -65,6 +65,9 @@ def find_end_states(system: AbstractSystem, waveform: Waveforms, duration: float
     lowest = {name: shape.low for name, shape in shapes.items()}
     highest = {name: shape.high for name, shape in shapes.items()}
     held = LONG * min(longest_step(system), duration)
+    cools = {name for one in system.actuators().values() for name in one.environment.cooling.signals()} & set(shapes)
+    for name in cools:
+        lowest[name], highest[name] = highest[name], lowest[name]
     rows = [lowest] if lowest == highest else [lowest, highest]
     return [_end_state(system, first, levels, held) for levels in rows]
 

@@ -121,6 +121,7 @@ class WaveformLevelSystem(AbstractSystem, init=False):
     actuators = hand_on("actuators")
     label = hand_on("label")
     drive_at = hand_on("drive_at")
+    signals = hand_on("signals")
     convergence_scales = hand_on("convergence_scales")
     description = hand_on("description")
     outputs = hand_on("outputs")

@@ -1,15 +1,18 @@
-"""What every study answers: claims with verdicts, and a figure.
+"""What every study answers: a digest, claims with verdicts, reports, and a figure.
 
-Studies register by entry points of the group `martensite.studies`. Those of published works are a
-distribution of their own, `martensite-studies`, which the extra `martensite[studies]` brings.
+Studies register by entry points of the group `martensite.studies`; `martensite[studies]` brings those of papers.
 
-A claim sets a published number beside a computed one. Its verdict follows from
+A claim sets a number that a source prints beside a computed one. It has one of six verdicts:
 
-    |computed - published| ≤ tolerance    reproduced, otherwise not reproduced
+    reproduced            |computed - published| ≤ tolerance
+    disagrees             it is larger, and nothing that is printed says why
+    misprint              it is larger, since what is printed is wrong: the correction is named
+    self-contradictory    it is larger, and both numbers are of printed statements: both are named
+    not comparable        the source has another wire or record, or keeps back what is needed: what differs is named
+    recovery              the number was chosen, fitted or found again with published ones: agreement says nothing
 
-and from nothing else: a claim whose verdict contradicts its numbers cannot be made. Two more verdicts stand outside
-that rule. `calibrated` marks a number that was itself chosen to meet the published one, so that agreement says nothing;
-`not checkable` one for which the source prints no number.
+The first four rest on a tolerance, which has a reason and is at most a fifth of the published number. A claim whose
+verdict contradicts its numbers cannot be made. A computed number for which no source prints one is a report.
 """
 
 from __future__ import annotations
@@ -17,35 +20,44 @@ from __future__ import annotations
 import sys
 import tomllib
 from abc import abstractmethod
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal, get_args
 
 from martensite.base.errors import InputError, ParameterError, UnknownNameError
 from martensite.base.interfaces import make_missing_error
 from martensite.base.registry import Registry
 
-Verdict = Literal["reproduced", "not reproduced", "calibrated", "not checkable"]
+Verdict = Literal["reproduced", "disagrees", "misprint", "self-contradictory", "not comparable", "recovery"]
+VERDICTS: tuple[Verdict, ...] = get_args(Verdict)
+GROUNDS = {"misprint": "correction", "self-contradictory": "against", "not comparable": "differs"}
+"""What a claim of a verdict must name, and no other may."""
+WIDEST = 0.2
+"""Largest tolerance, as a share of the published number."""
+DIGEST = ("holds", "misprinted", "contradicts_itself", "assumed", "use_instead")
+"""Keys of a digest."""
 STUDIES: Registry[AbstractStudy] = Registry("study", "martensite.studies")
 INSTALLATION = "`pip install 'martensite[studies]'` brings those of published works"
 
 
 def judge_number(published: float, computed: float, tolerance: float) -> Verdict:
-    """The verdict on a number that can be checked; one that is not finite never agrees."""
-    return "reproduced" if abs(computed - published) <= tolerance else "not reproduced"
+    """The verdict on a number by its distance alone; one that is not finite never agrees."""
+    return "reproduced" if abs(computed - published) <= tolerance else "disagrees"
 
 
 @dataclass(frozen=True)
 class Claim:
-    """One statement of a source, with the number it prints and the one computed here."""
+    """One statement of a source, with the number that it prints and the one computed here."""
 
     id: str
     statement: str
     source: str
     """Key of the source in the bibliography, and the section, table or equation there."""
     published: float | None
+    """As printed; None where only an equation is."""
     computed: float | None
     unit: str
     tolerance: float | None
@@ -53,56 +65,77 @@ class Claim:
     verdict: Verdict
     why: str
     """What the verdict rests on, or why the numbers differ."""
+    tolerance_reason: str = ""
+    as_printed: float | None = None
+    """What a misprinted equation gives as it is printed."""
+    correction: str = ""
+    """Of a misprint: what is to be used instead."""
+    against: str = ""
+    """Of a contradiction: the other printed statement and its place, from which the computed number follows."""
+    differs: str = ""
+    """Where nothing can be compared: what is another, or was kept back."""
 
     def __post_init__(self) -> None:
-        """Raise `ParameterError` if the verdict is not the one the numbers have."""
-        numbers = (self.published, self.computed, self.tolerance)
-        if self.verdict in ("calibrated", "not checkable"):
+        """Raise `ParameterError` if the verdict is not the one that the numbers and grounds have."""
+        where = f"Claim `{self.id}` is {self.verdict} and"
+        for verdict, name in GROUNDS.items():
+            if (verdict == self.verdict) != bool(getattr(self, name)):
+                raise ParameterError(f"{where} must have {'a' if verdict == self.verdict else 'no'} `{name}`.")
+        if self.verdict in ("not comparable", "recovery"):
             if self.tolerance is not None:
-                raise ParameterError(
-                    f"Claim `{self.id}` is {self.verdict} and must have no tolerance, but has {self.tolerance:g}."
-                )
-        elif self.published is None or self.computed is None or self.tolerance is None:
-            raise ParameterError(
-                f"Claim `{self.id}` is {self.verdict} and must have a published number, a "
-                f"computed one and a tolerance, but has {numbers}."
-            )
-        elif (right := judge_number(self.published, self.computed, self.tolerance)) != self.verdict:
-            raise ParameterError(f"Claim `{self.id}` must be {right} by its numbers, but is {self.verdict}.")
+                raise ParameterError(f"{where} must have no tolerance, but has {self.tolerance:g}.")
+            return
+        printed = self.as_printed if self.published is None and self.correction else self.published
+        if printed is None or self.computed is None or self.tolerance is None or not self.tolerance_reason:
+            raise ParameterError(f"{where} must have a published number, a computed one, a tolerance and its reason.")
+        if not 0.0 <= self.tolerance <= WIDEST * abs(printed):
+            most = WIDEST * abs(printed)
+            raise ParameterError(f"{where} must have a tolerance up to {most:g}, but has {self.tolerance:g}.")
+        right = judge_number(printed, self.computed, self.tolerance)
+        if (right == "reproduced") != (self.verdict == "reproduced"):
+            raise ParameterError(f"Claim `{self.id}` {right} by its numbers and cannot be {self.verdict}.")
+
+    def describe_reason(self) -> str:
+        """Place, ground and reason of the verdict in a line."""
+        grounds = [f"{name}: {getattr(self, name)}" for name in GROUNDS.values() if getattr(self, name)]
+        margin = [] if self.tolerance is None else [f"tolerance {self.tolerance:.3g}: {self.tolerance_reason}"]
+        return "; ".join([self.source, *grounds, self.why, *margin]) + "."
+
+
+@dataclass(frozen=True)
+class StudyReport:
+    """A number computed here for which the source prints none."""
+
+    id: str
+    statement: str
+    source: str
+    """Key of the source, and the place that the number is about."""
+    computed: float | None
+    unit: str
+    why: str
+
+
+@dataclass(frozen=True)
+class Answer:
+    """All that a study, or a part of one, has found."""
+
+    claims: Sequence[Claim]
+    reports: Sequence[StudyReport] = ()
+    digest: Mapping[str, str] = field(default_factory=dict[str, str])
+    """Sentences by the keys of `DIGEST`."""
+    made_by: str = ""
+    """Program that computed the numbers, if they were not computed now."""
 
     @classmethod
-    def checked(
-        cls,
-        id: str,
-        statement: str,
-        source: str,
-        published: float,
-        computed: float,
-        unit: str,
-        tolerance: float,
-        why: str,
-    ) -> Claim:
-        """A claim whose verdict follows from its numbers."""
-        if not tolerance >= 0.0:
-            raise ParameterError(f"Tolerance of claim `{id}` must be at least 0, but is {tolerance:g}.")
-        verdict = judge_number(published, computed, tolerance)
-        return cls(id, statement, source, published, computed, unit, tolerance, verdict, why)
+    def join(cls, parts: Sequence[Answer], digest: Mapping[str, str], made_by: str = "") -> Answer:
+        """The claims and reports of all parts, with a digest."""
+        claims, reports = ([one for part in parts for one in getattr(part, kind)] for kind in ("claims", "reports"))
+        return cls(claims, reports, digest, made_by)
 
-    @classmethod
-    def calibrated(
-        cls, id: str, statement: str, source: str, published: float | None, computed: float, unit: str, why: str
-    ) -> Claim:
-        """A number chosen so that the published one comes out."""
-        return cls(id, statement, source, published, computed, unit, None, "calibrated", why)
-
-    @classmethod
-    def reported(cls, id: str, statement: str, source: str, computed: float, unit: str, why: str) -> Claim:
-        """A computed number for which the source prints none."""
-        return cls(id, statement, source, None, computed, unit, None, "not checkable", why)
-
-    def to_dict(self) -> dict[str, Any]:
-        """All fields by name, for JSON."""
-        return asdict(self)
+    def count_all(self) -> dict[str, int]:
+        """How many claims there are of each verdict, and how many reports."""
+        counted = Counter(claim.verdict for claim in self.claims)
+        return {verdict: counted[verdict] for verdict in VERDICTS} | {"reports": len(self.reports)}
 
 
 class AbstractStudy:
@@ -110,6 +143,8 @@ class AbstractStudy:
 
     registered_name: ClassVar[str] = ""
     title: ClassVar[str] = ""
+    order: ClassVar[int] = sys.maxsize
+    """Where it stands in a list; those of one source stand together."""
     cites: ClassVar[tuple[str, ...]] = ()
     """Bibliography keys of the paper and of everything that the rebuild rests on."""
     guide: ClassVar[str] = ""
@@ -120,21 +155,42 @@ class AbstractStudy:
     """Scenarios of the study that run by themselves: files in its folder, or by their full path."""
     data: ClassVar[tuple[str, ...]] = ()
     """Data sets that are not part of the package, without which some claims have no number."""
+    full: bool = False
+    """Whether what takes long is computed too."""
 
     @property
     def key(self) -> str:
         """Name of the study."""
         return self.registered_name
 
-    def parts(self) -> dict[str, Callable[[], list[Claim]]]:
-        """What computes the claims, part by part, each with words for what it is about."""
+    def parts(self) -> dict[str, Callable[[], Answer]]:
+        """What computes claims and reports, part by part, each with words for what it is about."""
         if type(self).claims is AbstractStudy.claims:
             raise make_missing_error(type(self), ["claims"])
-        return {"all claims": self.claims}
+        return {"all claims": lambda: Answer(self.claims())}
 
     def claims(self) -> list[Claim]:
         """Every claim with its verdict, computed now."""
-        return [claim for part in self.parts().values() for claim in part()]
+        return [claim for part in self.parts().values() for claim in part().claims]
+
+    def digest(self) -> Mapping[str, str]:
+        """What a reader should know, in a few lines by the keys of `DIGEST`, from numbers computed now."""
+        return {}
+
+    def compute(self) -> Answer:
+        """Digest, claims and reports, computed now."""
+        return Answer.join([part() for part in self.parts().values()], self.digest())
+
+    def shipped(self) -> Answer | None:
+        """The same from numbers that came with the package; None without any."""
+        return None
+
+    def find_answer(self, recompute: bool = False) -> Answer:
+        """What came with the package; without that, or on demand, what is computed now, and in full."""
+        if not recompute and (shipped := self.shipped()):
+            return shipped
+        self.full = True
+        return self.compute()
 
     def scenarios(self) -> dict[str, str]:
         """Title and text of each of its `scenario_files`."""
@@ -146,14 +202,9 @@ class AbstractStudy:
     def figure(self, path: Path) -> None:
         """Write the figure that a reader of the paper recognises (png, svg or pdf)."""
 
-    def to_dict(self) -> dict[str, Any]:
-        """Key, title, citations and claims, for JSON."""
-        claims = [claim.to_dict() for claim in self.claims()]
-        return {"key": self.key, "title": self.title, "cites": list(self.cites), "claims": claims}
-
 
 def study_names() -> list[str]:
-    """Names of all studies that are installed.
+    """Names of all studies that are installed, those of one source together.
 
     Raises:
         InputError: there is none.
@@ -161,7 +212,7 @@ def study_names() -> list[str]:
     names = STUDIES.names()
     if not names:
         raise InputError(f"No study is installed; {INSTALLATION}.")
-    return names
+    return sorted(names, key=lambda name: STUDIES[name].order)
 
 
 def load_study(name: str) -> AbstractStudy:

@@ -27,6 +27,8 @@ from martensite.scenario.examples import EXAMPLES
 Function = TypeVar("Function", bound=Callable[..., Any])
 SOURCES = (".py", ".toml", ".json", ".csv")
 """Endings of files that a result may depend on."""
+WORDS = ("claims.toml", "results.json")
+"""Files of studies that none depends on."""
 COMPUTING = ("numpy", "scipy")
 UNREADABLE = (OSError, EOFError, pickle.UnpicklingError, AttributeError, ImportError, IndexError, ValueError)
 """What `pickle` raises over a file that is none of its own."""
@@ -76,7 +78,7 @@ def _fingerprint_program() -> str:
     for name in COMPUTING:
         digest.update(version(name).encode())
     for root in map(Path, (*martensite.__path__, *martensite_studies.__path__, EXAMPLES)):
-        for path in sorted(path for path in root.rglob("*") if path.suffix in SOURCES):
+        for path in sorted(path for path in root.rglob("*") if path.suffix in SOURCES and path.name not in WORDS):
             digest.update(str(path.relative_to(root)).encode())
             digest.update(path.read_bytes())
     return digest.hexdigest()[:16]

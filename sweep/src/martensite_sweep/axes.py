@@ -109,7 +109,7 @@ def parse_axis(words: str, targets: Mapping[str, Target]) -> SweepAxis:
             f"`{words}` is no axis; write for example `diameter=0.1..0.5 mm:9`, "
             "`A_s=68, 70 degC` or `length=250 mm +- 2 %`."
         )
-    target = _find_one(name.strip(), targets)
+    target = find_one(name.strip(), targets)
     try:
         read = _read_axis_range if ".." in numbers else _read_levels
         return read(numbers.strip(), target)
@@ -117,7 +117,8 @@ def parse_axis(words: str, targets: Mapping[str, Target]) -> SweepAxis:
         raise UnitError(f"Axis `{target.name}`: {error}") from None
 
 
-def _find_one(name: str, targets: Mapping[str, Target]) -> Target:
+def find_one(name: str, targets: Mapping[str, Target]) -> Target:
+    """What can be varied under a path, or its unique ending; `ParameterError` if there is none, or several."""
     found = find_paths(name, targets)
     if len(found) == 1:
         return targets[found[0]]

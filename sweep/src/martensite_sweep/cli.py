@@ -1,4 +1,4 @@
-"""`sweep`: many variants of a scenario, into a store; `sensitivity` and `pareto`: what it says."""
+"""`sweep`: many variants of a scenario, into a store; `sensitivity` and `pareto`: what it says; `steady`."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from martensite.cli.options import Json, ScenarioSource, Text, Texts, read_quant
 from martensite.cli.outputs import AnswerOptions, Outputs
 from martensite.cli.progress import open_bar, show_spinner
 from martensite_sweep.optimise.cli import designs
+from martensite_sweep.steady.commands import steady
 
 if TYPE_CHECKING:
     from martensite_sweep.api import Progress, SweepExecution
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from martensite_sweep.table import SweepTable
 
 sweeps = typer.Typer()
+sweeps.command()(steady)
 sweeps.add_typer(designs)
 StoreFolder = Annotated[Path, typer.Argument(metavar="STORE", help="A sweep (Zarr).")]
 

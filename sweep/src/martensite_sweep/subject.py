@@ -42,7 +42,7 @@ def build_course(
             f"The controller of `{next(iter(scenario.outside))}` is no kernel and cannot be swept; "
             "take one that is, such as `pid`."
         )
-    system, samples = scenario.whole, scenario.samples
+    system, samples = scenario.require_home("Every run of a sweep").whole, scenario.samples
     interval = system.sample_time()
     if interval:
         samples = min(samples, max(int(scenario.duration / interval + 1e-6) + 1, 2))

@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { digits } from "../lib/numbers.ts";
-import type { Claim, Verdict } from "./types.ts";
+import type { Claim, Report, Verdict } from "./types.ts";
 import { counted, TallyFilter, VerdictMark } from "./verdict.tsx";
 
 type Key = (claim: Claim) => string | number;
@@ -31,7 +31,7 @@ function compared(key: Key, down: boolean): (a: Claim, b: Claim) => number {
 }
 
 const matches = (claim: Claim, words: string): boolean =>
-  [claim.id, claim.statement, claim.why, claim.source, claim.unit].join(" ").toLowerCase().includes(words.toLowerCase());
+  [claim.id, claim.statement, reason(claim), claim.source, claim.unit].join(" ").toLowerCase().includes(words.toLowerCase());
 
 const unit = (name: string): string => (name === "1" ? "" : name.replaceAll("^2", "²").replaceAll("^3", "³"));
 
@@ -53,6 +53,13 @@ function Heading({ column, order, onOrder }: { column: number; order: Order; onO
   );
 }
 
+/** What a misprinted equation gives stands in brackets, as it is printed nowhere. */
+const published = (claim: Claim): string => (claim.as_printed === null ? digits(claim.published) : `(${digits(claim.as_printed)})`);
+
+const GROUNDS = ["correction", "against", "differs"] as const;
+const reason = (claim: Claim): string =>
+  [...GROUNDS.filter((name) => claim[name]).map((name) => `${name}: ${claim[name]}`), claim.why].join("; ");
+
 function Row({ claim }: { claim: Claim }) {
   return (
     <tr>
@@ -60,14 +67,16 @@ function Row({ claim }: { claim: Claim }) {
         <span>{claim.statement}</span>
         <code>{claim.id}</code>
       </th>
-      <td class="right">{digits(claim.published)}</td>
+      <td class="right">{published(claim)}</td>
       <td class="right">{digits(claim.computed)}</td>
-      <td class="right">{claim.tolerance === null ? "–" : `± ${digits(claim.tolerance)}`}</td>
+      <td class="right" title={claim.tolerance_reason || undefined}>
+        {claim.tolerance === null ? "–" : `± ${digits(claim.tolerance)}`}
+      </td>
       <td>{unit(claim.unit)}</td>
       <td>
         <VerdictMark verdict={claim.verdict} />
       </td>
-      <td class="small why">{claim.why}</td>
+      <td class="small why">{reason(claim)}</td>
       <td class="small soft">{claim.source}</td>
     </tr>
   );
@@ -112,5 +121,43 @@ export function Claims({ claims }: { claims: Claim[] }) {
       </div>
       {rows.length === 0 && <p class="soft">No claim has these words and this verdict.</p>}
     </section>
+  );
+}
+
+/** Numbers of ours, which no source prints: apart from the claims, and without a verdict. */
+export function Reports({ reports }: { reports: Report[] }) {
+  if (reports.length === 0) return null;
+  return (
+    <details class="panel claims">
+      <summary>
+        {reports.length} report{reports.length > 1 ? "s" : ""}: computed here, printed nowhere
+      </summary>
+      <div class="scrolling" tabIndex={0} role="region" aria-label="Table of reports">
+        <table>
+          <thead>
+            <tr>
+              {["Number", "Computed", "Unit", "Why"].map((heading) => (
+                <th key={heading} scope="col">
+                  {heading}
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {reports.map((report) => (
+              <tr key={report.id}>
+                <th scope="row">
+                  <span>{report.statement}</span>
+                  <code>{report.id}</code>
+                </th>
+                <td class="right">{digits(report.computed)}</td>
+                <td>{unit(report.unit)}</td>
+                <td class="small why">{report.why}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </details>
   );
 }

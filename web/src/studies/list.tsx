@@ -37,8 +37,8 @@ export function StudyList() {
       <div>
         <h1>Studies</h1>
         <p class="soft">
-          Published results, rebuilt: every number that a source prints beside the one that is computed here, with a tolerance
-          and a verdict.
+          Published results, rebuilt: what holds, what is misprinted, what contradicts itself; and every number that a source
+          prints beside the one that is computed here, with a verdict.
         </p>
       </div>
       {trouble.value && <Message kind="error">{trouble.value}</Message>}

@@ -3,11 +3,11 @@
 import { useEffect } from "preact/hooks";
 import { openInBench } from "../state/scenario.ts";
 import { Message } from "../ui/message.tsx";
-import { Claims } from "./claims.tsx";
+import { Claims, Reports } from "./claims.tsx";
 import { Figure } from "./figure.tsx";
 import { StudyProgress } from "./progress.tsx";
 import { begin, open, running, shown, soFar, subject, trouble } from "./state.ts";
-import type { Source, StudyPage } from "./types.ts";
+import type { Source, StudyPage, Told } from "./types.ts";
 import { Words } from "./words.tsx";
 
 function Sources({ sources }: { sources: Source[] }) {
@@ -39,6 +39,21 @@ function Guide({ study }: { study: StudyPage }) {
   );
 }
 
+function Digest({ digest }: { digest: Told[] }) {
+  return (
+    <section class="panel" aria-label="Digest">
+      <dl class="digest">
+        {digest.map(({ heading, text }) => (
+          <div key={heading}>
+            <dt>{heading}</dt>
+            <dd>{text}</dd>
+          </div>
+        ))}
+      </dl>
+    </section>
+  );
+}
+
 function Scenarios({ study }: { study: StudyPage }) {
   if (study.scenarios.length === 0) return null;
   return (
@@ -62,9 +77,11 @@ function Compute({ study }: { study: StudyPage }) {
     <section class="panel stack" aria-label="Computation">
       <h2>Compute</h2>
       <p class="small soft">
-        {results
-          ? `Computed in ${results.seconds.toFixed(0)} s; the results are kept.`
-          : `${study.parts.length} part${study.parts.length > 1 ? "s" : ""} and a figure: seconds to minutes, the longest for fits and searches.`}
+        {results?.made_by
+          ? `These numbers came with ${results.made_by}. A figure is drawn when they are computed: seconds to minutes.`
+          : results
+            ? `Computed in ${results.seconds.toFixed(0)} s; the results are kept.`
+            : `${study.parts.length} part${study.parts.length > 1 ? "s" : ""} and a figure: seconds to minutes, the longest for fits and searches.`}
       </p>
       {study.missing.map((set) => (
         <Message key={set.name} kind="caution">
@@ -75,8 +92,8 @@ function Compute({ study }: { study: StudyPage }) {
       <StudyProgress name={study.name} />
       {!running.value && (
         <div class="row">
-          <button type="button" class={results ? "" : "main"} onClick={() => void begin(study.name)}>
-            {results ? "Compute again" : "Compute claims and figure"}
+          <button type="button" class={results?.figure ? "" : "main"} onClick={() => void begin(study.name)}>
+            {results?.figure ? "Compute again" : "Compute claims and figure"}
           </button>
         </div>
       )}
@@ -99,6 +116,7 @@ export function Study({ name }: { name: string }) {
       {!study && !trouble.value && <p class="starting">Loading …</p>}
       {study && (
         <>
+          {study.results && !busy && study.results.digest.length > 0 && <Digest digest={study.results.digest} />}
           <div class="study-head">
             <Guide study={study} />
             <div class="stack">
@@ -106,8 +124,9 @@ export function Study({ name }: { name: string }) {
               <Compute study={study} />
             </div>
           </div>
-          {study.results && !busy && <Figure key={study.results.figure} name={name} file={study.results.figure} about={study.figure} />}
+          {study.results?.figure && !busy && <Figure key={study.results.figure} name={name} file={study.results.figure} about={study.figure} />}
           {claims && claims.length > 0 && <Claims claims={claims} />}
+          {study.results && !busy && <Reports reports={study.results.reports} />}
         </>
       )}
     </div>

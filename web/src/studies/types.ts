@@ -1,6 +1,6 @@
 // What the server tells of studies; see martensite_app.calls.studies.
 
-export type Verdict = "reproduced" | "not reproduced" | "calibrated" | "not checkable";
+export type Verdict = "reproduced" | "disagrees" | "misprint" | "self-contradictory" | "not comparable" | "recovery";
 export type Tally = Record<Verdict, number>;
 
 export interface Claim {
@@ -13,6 +13,30 @@ export interface Claim {
   tolerance: number | null;
   verdict: Verdict;
   why: string;
+  tolerance_reason: string;
+  /** What a misprinted equation gives as it is printed. */
+  as_printed: number | null;
+  /** Of a misprint: what is to be used instead. */
+  correction: string;
+  /** Of a contradiction: the other printed statement. */
+  against: string;
+  /** Where nothing can be compared: what is another, or was kept back. */
+  differs: string;
+}
+
+/** A number computed here for which the source prints none. */
+export interface Report {
+  id: string;
+  statement: string;
+  source: string;
+  computed: number | null;
+  unit: string;
+  why: string;
+}
+
+export interface Told {
+  heading: string;
+  text: string;
 }
 
 export interface Source {
@@ -44,9 +68,13 @@ export interface Listed extends About {
 
 export interface Results {
   name: string;
+  digest: Told[];
   claims: Claim[];
+  reports: Report[];
   tally: Tally;
-  /** Key of a file. */
+  /** What computed the numbers that came with the study; empty of those computed here. */
+  made_by: string;
+  /** Key of a file; empty where none was drawn. */
   figure: string;
   seconds: number;
 }

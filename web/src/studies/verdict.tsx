@@ -4,9 +4,11 @@ import type { Tally, Verdict } from "./types.ts";
 
 export const VERDICTS: [verdict: Verdict, sign: string, about: string][] = [
   ["reproduced", "✓", "the computed number is within the tolerance of the published one"],
-  ["not reproduced", "✗", "the computed number is outside of the tolerance"],
-  ["calibrated", "≈", "the computed number was chosen to meet the published one; agreement says nothing"],
-  ["not checkable", "?", "the source prints no number, or the measured data are not on this machine"],
+  ["disagrees", "✗", "the computed number is outside of the tolerance, and nothing printed says why"],
+  ["misprint", "!", "what is printed is wrong, as other numbers of the source or the corrected equation say"],
+  ["self-contradictory", "↯", "two printed statements cannot both hold"],
+  ["not comparable", "?", "another wire or record, or something that was needed is not published"],
+  ["recovery", "≈", "the number was chosen, fitted or found again with published ones; agreement says nothing"],
 ];
 
 const known = (verdict: Verdict): [Verdict, string, string] => VERDICTS.find(([name]) => name === verdict) ?? [verdict, "", ""];
@@ -56,7 +58,7 @@ export function TallyFilter({ tally, chosen, onChoose }: { tally: Tally; chosen:
 }
 
 export function counted(claims: { verdict: Verdict }[]): Tally {
-  const tally: Tally = { reproduced: 0, "not reproduced": 0, calibrated: 0, "not checkable": 0 };
+  const tally = Object.fromEntries(VERDICTS.map(([verdict]) => [verdict, 0])) as Tally;
   for (const claim of claims) tally[claim.verdict] += 1;
   return tally;
 }

@@ -1,7 +1,8 @@
 """Calls about studies: list and describe them, compute one, keep its results.
 
-Results are kept for one version of the package, and for the measured data that were there: they
-are computed anew once either is another.
+A study comes with computed numbers, which are shown at once, without a figure. Results that are computed here are kept
+for one version of the package, and for the measured data that were there: they are computed anew once either is
+another.
 """
 
 from __future__ import annotations
@@ -9,16 +10,15 @@ from __future__ import annotations
 import inspect
 import json
 import time
-from collections import Counter
+from dataclasses import asdict
 from importlib.metadata import version
 from pathlib import Path
-from typing import get_args
 
 from martensite.base.errors import DataError
 from martensite.base.files import write_file
 from martensite.scenario.citations import list_entries, read_fields
 from martensite.scenario.datasets import describe_dataset, is_here
-from martensite.studies.base import AbstractStudy, Verdict, load_study, study_names
+from martensite.studies.base import DIGEST, AbstractStudy, Answer, load_study, study_names
 from martensite_app.messages import JsonTable, Request, require_entry, write_message
 from martensite_app.uploads import UploadFolder
 from martensite_app.worker import Desk
@@ -74,10 +74,27 @@ def list_missing_data(study: AbstractStudy) -> list[dict[str, str]]:
     ]
 
 
-def count_verdicts(claims: list[JsonTable]) -> dict[str, int]:
-    """How many claims there are of each verdict."""
-    counted = Counter(claim["verdict"] for claim in claims)
-    return {verdict: counted[verdict] for verdict in get_args(Verdict)}
+def describe_answer(study: AbstractStudy, answer: Answer) -> JsonTable:
+    """What a study has found, without a figure: digest with words before each sentence, claims, reports, tally."""
+    told = [{"heading": key.replace("_", " "), "text": answer.digest[key]} for key in DIGEST if key in answer.digest]
+    return {
+        "name": study.key,
+        "digest": told,
+        "claims": [asdict(claim) for claim in answer.claims],
+        "reports": [asdict(report) for report in answer.reports],
+        "tally": {name: count for name, count in answer.count_all().items() if name != "reports"},
+        "made_by": answer.made_by,
+        "figure": "",
+        "seconds": 0.0,
+    }
+
+
+def find_results(study: AbstractStudy, folder: Path) -> JsonTable | None:
+    """Results that were computed here, else those that came with the study; None without any."""
+    if (kept := read_results(study, folder)) is not None:
+        return kept
+    shipped = study.shipped()
+    return None if shipped is None else describe_answer(study, shipped)
 
 
 def _locate_results(study: AbstractStudy, folder: Path) -> Path:
@@ -103,19 +120,19 @@ def write_results(study: AbstractStudy, folder: Path, results: Request) -> None:
 
 
 def list_studies(request: Request, desk: Desk) -> JsonTable:
-    """All studies, each with the tally of its verdicts if it was computed before.
+    """All studies, each with the tally of its verdicts if its numbers are known.
 
     {} -> {"studies": [{"name": …, "title": …, "sources": […], "tally": {…} or null, …}]}
     """
     found: list[JsonTable] = []
     for study in map(load_study, study_names()):
-        results = read_results(study, desk.folder)
+        results = find_results(study, desk.folder)
         found.append(describe_study(study) | {"tally": results["tally"] if results else None})
     return {"studies": found}
 
 
 def describe_study_page(request: Request, desk: Desk) -> JsonTable:
-    """One study: what it is, the scenarios to open, and its results if they were computed before.
+    """One study: what it is, the scenarios to open, and its results if they are known.
 
     {"name": …}
     -> {"name": …, "guide": […], "scenarios": [{title, text}], "results": {…} or null, …}
@@ -125,33 +142,31 @@ def describe_study_page(request: Request, desk: Desk) -> JsonTable:
     return describe_study(study) | {
         "parts": list(study.parts()),
         "scenarios": scenarios,
-        "results": read_results(study, desk.folder),
+        "results": find_results(study, desk.folder),
     }
 
 
 def compute_study(request: Request, desk: Desk) -> JsonTable:
-    """Compute a study: its claims, part by part, and its figure. Long work.
+    """Compute a study: its claims and reports, part by part, and its figure. Long work.
 
-    {"name": …} -> {"name": …, "claims": […], "tally": {…}, "figure": key of a file, …}
+    {"name": …} -> {"name": …, "digest": […], "claims": […], "reports": […], "tally": {…}, "figure": key of a file, …}
 
     Notes: {"doing": words, "done": parts, "of": parts and the figure, "claims": those of the part
     that is over}. The results are kept in the folder.
     """
     study, begun = load_named_study(request), time.perf_counter()
-    claims: list[JsonTable] = []
+    found: list[Answer] = []
     parts = study.parts()
     new: list[JsonTable] = []
     for done, (words, part) in enumerate(parts.items()):
         desk.tell({"doing": words, "done": done, "of": len(parts) + 1, "claims": new})
-        new = [claim.to_dict() for claim in part()]
-        claims += new
+        found.append(part())
+        new = [asdict(claim) for claim in found[-1].claims]
     desk.tell({"doing": "the figure", "done": len(parts), "of": len(parts) + 1, "claims": new})
     key, path = UploadFolder(desk.folder).place(f"{study.key}.svg")
     study.figure(path)
-    results = {
-        "name": study.key,
-        "claims": claims,
-        "tally": count_verdicts(claims),
+    claims, reports = ([one for part in found for one in getattr(part, kind)] for kind in ("claims", "reports"))
+    results = describe_answer(study, Answer(claims, reports, study.digest())) | {
         "figure": key,
         "missing": [one["name"] for one in list_missing_data(study)],
         "seconds": time.perf_counter() - begun,

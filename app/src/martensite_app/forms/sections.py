@@ -30,10 +30,11 @@ if TYPE_CHECKING:
 MATERIAL = "element.material"
 NO_MATERIAL = ""
 COOLING = "environment.cooling"
-ELEMENT, ENVIRONMENT, MECHANISM, DRIVE, ACTUATORS = (
+ELEMENT, ENVIRONMENT, MECHANISM, SUPPLY, DRIVE, ACTUATORS = (
     "Material and element",
     "Environment",
     "Mechanism",
+    "Supply",
     "Drive",
     "Actuators",
 )
@@ -72,11 +73,14 @@ class FormSections:
         if MODEL in self.document:
             found = [self._model(), self._drive_alone()]
         else:
-            found = [*self._actuator(), self._drive(), *self._actuators()]
+            driven = [self._drive()] if self.scenario.system.actuators() else []
+            found = [*self._actuator(), *self._mechanism(), *driven, *self._actuators()]
         loops = describe_bench(self.scenario, self.walk)
         return [*found, *loops, describe_run(self.scenario, self.walk)]
 
     def _actuator(self) -> Iterator[GroupNode]:
+        if not self.scenario.system.actuators():
+            return  # a mechanism alone, such as a beam with its motor
         port, common = self._describe_common()
         element = common.group(
             port.element, f"{self._port_prefix}element", "element", "what is made of the alloy", ELEMENTS
@@ -84,11 +88,15 @@ class FormSections:
         items: list[FormNode] = [self._material(), *element["items"]]
         yield {**element, "title": ELEMENT, "items": items, "note": self._shared_note}
         yield self._environment(port, replace(common, material=None))
+
+    def _mechanism(self) -> Iterator[GroupNode]:
         system = self.scenario.system
         yield {
             **self.walk.group(system.mechanism, f"{self.prefix}mechanism", MECHANISM, "what it pulls on", MECHANISMS),
             "title": MECHANISM,
         }
+        if (supply := getattr(system, "supply", None)) is not None:
+            yield {**self.walk.group(supply, f"{self.prefix}supply", SUPPLY, "what all sources share"), "title": SUPPLY}
 
     def _environment(self, port: Any, walk: ControlWalk) -> GroupNode:
         """The surroundings; a drive that sets the temperature needs no heat-loss model."""
@@ -203,7 +211,7 @@ class FormSections:
             group["items"] += self._describe_different(port, actuator, own)
             if group["items"]:
                 made["items"].append(group)
-        signals = [n for n in system.mechanism.signals() if n in by_name(system, self.scenario.waveform)]
+        signals = [n for n in system.signals() if n in by_name(system, self.scenario.waveform)]
         made["items"] += [one for name in signals for one in self._waveforms(name)]
         if made["items"]:
             yield made

@@ -172,7 +172,7 @@ def list_alarms(result: Result) -> list[JsonTable]:
 
 def _describe_alarm(result: Result, alarm: Alarm) -> JsonTable:
     port = alarm.port or next(iter(result.system.actuators()))
-    column = result.system.label(port, alarm.quantity)
+    column = _name_judged(result, alarm, port)
     spans = list(_find_spans(result.times, list_margins(result, alarm, port)))
     return {
         **asdict(alarm),
@@ -187,7 +187,7 @@ def _describe_alarm(result: Result, alarm: Alarm) -> JsonTable:
 def list_margins(result: Result, alarm: Alarm, port: str) -> Sequence[float]:
     """How far beyond its limit the quantity is at every sample."""
     system = result.system
-    values = result.columns[system.label(port, alarm.quantity)]
+    values = result.columns[_name_judged(result, alarm, port)]
     if alarm.kind == "slack":
         return [1.0 if value <= 0.0 else -1.0 for value in values]
     if alarm.kind == "supply":
@@ -195,6 +195,11 @@ def list_margins(result: Result, alarm: Alarm, port: str) -> Sequence[float]:
         return undelivered_margins(system.actuators()[port].source, values, ohms)
     judged = farthest_changes(values) if alarm.kind == "strain" else values
     return [value - alarm.limit for value in judged]
+
+
+def _name_judged(result: Result, alarm: Alarm, port: str) -> str:
+    """The column that an alarm is about: of an actuator, or of the supply of all."""
+    return alarm.quantity if alarm.kind == "rig" else result.system.label(port, alarm.quantity)
 
 
 def _find_spans(times: Sequence[float], margins: Sequence[float]) -> Iterator[Span]:

@@ -21,7 +21,8 @@ from martensite.scenario.scenario import Scenario
 from martensite_export.c_names import checked_identifier, make_identifier
 from martensite_export.fmu.binaries import TARGETS, build_library, checked_targets
 from martensite_export.fmu.description import build_description, write_description
-from martensite_export.fmu.plan import FmuPlan, plan_of
+from martensite_export.fmu.plan import FmuPlan, plan_of, plan_port
+from martensite_export.fmu.terminals import draw_icon, write_terminals
 from martensite_export.fmu.variables import FmuVariable, list_variables
 from martensite_export.fmu.wrapper import write_sources
 
@@ -60,6 +61,8 @@ def to_fmu(
     step: float | None = None,
     name: str | None = None,
     platforms: Sequence[str] | None = None,
+    ports: bool = False,
+    port: str | None = None,
 ) -> Fmu:
     """Write a scenario, or a system, as an FMU; whatever is at the path is replaced.
 
@@ -71,6 +74,9 @@ def to_fmu(
             that with which a run of the scenario reaches its tolerance, and for a system a tenth
             of its least thermal time constant. A system in discrete time has its period.
         name: the model identifier, an identifier of C; by default made of the name of the file.
+        ports: the element alone: its elongation, drive and surroundings are inputs, its force and
+            temperature outputs. What it pulls on is another model.
+        port: where that element stands, if there are several.
         platforms: for which to compile, such as `x86_64-linux`; by default all that the compiler
             of this machine and cross compilers of gcc are for; none for sources alone.
 
@@ -84,7 +90,9 @@ def to_fmu(
         raise InputError(f"No version of FMI named `{fmi}`. {suggest_name(fmi, VERSIONS)}")
     targets = checked_targets(platforms)
     called = checked_identifier(make_identifier(path.stem) if name is None else name)
-    plan = plan_of(model, called, step)
+    if port is not None and not ports:
+        raise InputError("Argument `port` chooses the element of an FMU with ports; give `ports` too.")
+    plan = plan_port(model, called, step, port) if ports else plan_of(model, called, step)
     shown = list_variables(plan)
     token = _make_token([write_description(fmi, plan, shown, ""), *write_sources(plan, fmi, "").values()])
     texts = write_sources(plan, fmi, token)
@@ -93,6 +101,9 @@ def to_fmu(
         content[_locate_library(fmi, target, called)] = build_library(texts, target)
     content |= {f"sources/{file}": text for file, text in texts.items()}
     content |= _write_beside(fmi, plan)
+    if ports and fmi == "3.0":
+        folder = "terminalsAndIcons"
+        content |= {f"{folder}/terminalsAndIcons.xml": write_terminals(shown), f"{folder}/icon.png": draw_icon()}
     write_file(path, _zip_files(content))
     discrete = plan.period > 0.0
     return Fmu(path, fmi, called, token, plan.step, discrete, shown, tuple(targets))

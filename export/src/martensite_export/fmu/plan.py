@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import ParameterError
@@ -13,6 +13,7 @@ from martensite.control.loop.run import reference_waveforms
 from martensite.scenario.scenario import Scenario
 from martensite.simulate.api import longest_step
 from martensite_export.c_core import CCore, build_c_core
+from martensite_export.ports.element import ElementPort, build_element_port
 
 FREE, CONSTANT, HIDDEN = "FREE", "CONSTANT", "HIDDEN"
 
@@ -51,6 +52,22 @@ class FmuPlan:
     def period(self) -> float:
         """That of a system in discrete time [s]; else 0."""
         return self.system.sample_time()
+
+
+def plan_port(model: Scenario | AbstractSystem, identifier: str, step: float | None, port: str | None) -> FmuPlan:
+    """The plan of an element alone; its numbers are called by their paths in it.
+
+    Raises:
+        InputError: there is no such port, or none was chosen among several.
+        ParameterError: the step is out of range.
+    """
+    scenario = None if isinstance(model, AbstractSystem) else model
+    system = model if isinstance(model, AbstractSystem) else model.system
+    alone = build_element_port(system, port=port, velocity="given")
+    if step is None:
+        step = _choose_step(system, scenario, None)
+    plan = plan_of(alone, identifier, step)
+    return plan if scenario is None else replace(plan, title=scenario.title or identifier, scenario=scenario)
 
 
 def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | None) -> FmuPlan:
@@ -102,6 +119,8 @@ def _first_inputs(core: CCore, system: AbstractSystem) -> tuple[float, ...]:
     known: dict[str, float] = {}
     if isinstance(system, Bench):
         known = {name: one.value(0.0) for name, one in reference_waveforms(system).items()}
+    if isinstance(system, ElementPort):
+        known["ambient"] = system.environment.temperature
     for port, one in system.actuators().items():
         if one.source.sets_temperature:
             known.setdefault(system.drive_at(port), one.environment.temperature)
@@ -117,7 +136,8 @@ def _list_numbers(core: CCore, system: AbstractSystem, scenario: Scenario | None
     found: list[ModelNumber] = []
     for leaf in system.leaves():
         kind = FREE
-        if leaf.path not in places or not math.isfinite(leaf.value):
+        unused = isinstance(system, ElementPort) and leaf.path == "environment.temperature"  # `ambient` is an input
+        if unused or leaf.path not in places or not math.isfinite(leaf.value):
             kind = HIDDEN
         elif sampled and _is_structural(system, leaf):
             kind = CONSTANT

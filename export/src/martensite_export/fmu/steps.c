@@ -10,6 +10,9 @@ static int march(instance *i, double length)
     const double dt = length / pieces;
     double u[FMU_INPUTS + 1];
     int worst = CORE_STATUS(OK);
+#ifdef FMU_VELOCITY
+    i->m.slopes[FMU_MOVED] = i->m.inputs[FMU_VELOCITY];
+#endif
     for (double k = 0.0; k < pieces; k += 1.0) {
         for (int d = 0; d < FMU_INPUTS; d++)
             u[d] = i->m.inputs[d] + i->m.slopes[d] * ((k + sampled_at[d]) * dt);

@@ -57,6 +57,7 @@ def _write_model(plan: FmuPlan, token: str) -> str:
         "CORE(f)": f"{core}_##f",
         "CORE_STATUS(s)": f"{core}_##s",
     }
+    numbers |= _locate_moved(plan)
     defined = "".join(f"#define {key} {value}\n" for key, value in numbers.items())
     rules = ",\n    ".join(_write_rule(number) for number in plan.numbers)
     at_end = [place_signal(drive.at_end) for drive in plan.system.drives()]
@@ -66,6 +67,14 @@ def _write_model(plan: FmuPlan, token: str) -> str:
         "/* Where in an inner step an input is read. */\n"
         f"static const double sampled_at[] = {{{_format_numbers(at_end)}}};\n"
     )
+
+
+def _locate_moved(plan: FmuPlan) -> dict[str, object]:
+    """Inputs of which one is the velocity of the other, if there are such."""
+    places = {one.name: one.index for one in plan.core.inputs}
+    if "velocity" not in places:
+        return {}
+    return {"FMU_MOVED": places["elongation"], "FMU_VELOCITY": places["velocity"]}
 
 
 _RULE = """\

@@ -1,6 +1,7 @@
 """An actuator: an element, its surroundings, and what drives it."""
 
-from typing import Any, ClassVar, Generic, NamedTuple, TypeVar
+from collections.abc import Mapping
+from typing import Any, ClassVar, Generic, NamedTuple, Self, TypeVar
 
 from martensite.actuators.assembly.outputs import OBSERVABLES, Observation
 from martensite.actuators.elements.base import ELEMENTS, AbstractElement, CellProfile, Heating
@@ -72,6 +73,11 @@ class Actuator(Parametrised):
         signal, owed = drive if isinstance(drive, Feed) else (drive, 0.0)
         heating = Heating(self.environment, self.source, signal, owed)
         return Load(self.element, state, heating)
+
+    def cooled(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> Self:
+        """The actuator under the signals of what cools it."""
+        cooling = self.environment.cooling
+        return self.rebuilt({"environment.cooling": cooling.driven(xp, signals)}) if cooling.signals() else self
 
     def observe_element(self, xp: Namespace, state: Any, force: Scalar, drive: Scalar) -> dict[str, Scalar]:
         """Every output, by name, under a force [N] and a drive signal."""

@@ -10,8 +10,10 @@ from typing import Any, NamedTuple
 
 from martensite.actuators.assembly.actuator import Actuator, Feed
 from martensite.actuators.assembly.ledger import Entries
+from martensite.actuators.assembly.outputs import OUTPUTS
 from martensite.actuators.elements.base import AbstractElement, Effort, Heating, MaterialPoint, StoredHeat
 from martensite.actuators.mechanisms.base import MECHANISMS, AbstractMechanism, Column, Load, Output
+from martensite.base.errors import ParameterError
 from martensite.base.interfaces import make_missing_error
 from martensite.base.parameters import Parametrised, part
 from martensite.kernels.namespace import Namespace, Scalar
@@ -53,6 +55,10 @@ class AbstractSystem(Parametrised, init=False):
     @abstractmethod
     def drives(self) -> list[DriveSignal]:
         """The signals that drive it."""
+
+    def signals(self) -> dict[str, str]:
+        """Drives beside those of the actuators, with their units: of the mechanism, and of what cools."""
+        return self.mechanism.signals()
 
     @abstractmethod
     def label(self, port: str, name: str) -> str:
@@ -110,6 +116,10 @@ class AbstractSystem(Parametrised, init=False):
         """Power [W] into the elements whose heat is known, in the mean."""
         return 0.0
 
+    def losses(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> Scalar | None:
+        """Power [W] out of those elements, in the mean; None where the state alone decides, as `entries` say."""
+        return None
+
     def entries(self, xp: Namespace, state: Any, *drives: Scalar) -> Entries:
         """What is known of its energy in a state under drive signals; by default nothing."""
         return Entries()
@@ -137,6 +147,10 @@ class AbstractSystemAround(AbstractSystem, init=False):
         """Those of the plant."""
         return self.plant.actuators()
 
+    def signals(self) -> dict[str, str]:
+        """Those of the plant."""
+        return self.plant.signals()
+
     def label(self, port: str, name: str) -> str:
         """As on the plant."""
         return self.plant.label(port, name)
@@ -160,17 +174,24 @@ class AbstractAssembly(AbstractSystem):
     mechanism: AbstractMechanism = part("what the elements pull on", MECHANISMS)
 
     def drives(self) -> list[DriveSignal]:
-        """One signal per actuator, then those of the mechanism."""
+        """One signal per actuator, then those of the mechanism, then those of what cools."""
         own = [
             DriveSignal(self.drive_at(port), one.source.unit, one.source.sets_temperature)
             for port, one in self.actuators().items()
         ]
-        return own + [DriveSignal(name, unit, True) for name, unit in self.mechanism.signals().items()]
+        ends = self.mechanism.signals()
+        return own + [DriveSignal(name, unit, name in ends) for name, unit in self.signals().items()]
+
+    def signals(self) -> dict[str, str]:
+        """Those of the mechanism, then those of what cools the elements."""
+        return self.mechanism.signals() | self._cooling_signals()
+
+    def _cooling_signals(self) -> dict[str, str]:
+        return {n: unit for one in self._actuators() for n, unit in one.environment.cooling.signals().items()}
 
     def of_mechanism(self) -> dict[str, Output]:
         """What can be observed on the mechanism, with the signals that drive it."""
-        signals = self.mechanism.signals()
-        driven = {name: Output(unit, f"signal {name}", "u") for name, unit in signals.items()}
+        driven = {name: Output(unit, f"signal {name}", "u") for name, unit in self.signals().items()}
         return self.mechanism.outputs() | driven
 
     @abstractmethod
@@ -199,7 +220,7 @@ class AbstractAssembly(AbstractSystem):
 
     def step(self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar) -> tuple[State, StepReport]:
         """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
-        loads, signals = self._loads(state, drives), self._signals(drives)
+        loads, signals = self._loads(xp, state, drives), self._signals(drives)
         own, states, report = self.mechanism.advance(xp, state.mechanism, loads, signals, dt)
         return State(tuple(states), own), report
 
@@ -211,7 +232,7 @@ class AbstractAssembly(AbstractSystem):
         self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar
     ) -> tuple[State, State, State]:
         """States after a step of `dt` [s], in its middle, and after it to a lower order."""
-        ((element, own, heating),) = self._loads(state, drives)
+        ((element, own, heating),) = self._loads(xp, state, drives)
         pull = self.mechanism.load_line(state.mechanism)
         after, middle, coarse = (
             State((one,), state.mechanism) for one in element.advance_rosenbrock(xp, own, heating, pull, dt)
@@ -222,20 +243,31 @@ class AbstractAssembly(AbstractSystem):
         """Heat [J] that the element at every drive holds, but for a constant; None if unknown."""
         rows = zip(self._actuators(), state.elements, strict=True)
         own = [one.element.heat_content(xp, element) for one, element in rows]
-        return own + [None] * len(self.mechanism.signals())
+        return own + [None] * len(self.signals())
 
     def flows(self, xp: Namespace, state: State, *drives: Scalar | Feed) -> Scalar:
         """Power [W] into the elements whose heat is known, in the mean."""
         given: Scalar = 0.0
-        for element, own, heating in self._loads(state, drives):
+        for element, own, heating in self._loads(xp, state, drives):
             if _is_balanced(xp, element, own, heating):
                 seen = element.condition(xp, own, element.force(own), heating.environment)
                 given = given + heating.heat(xp, seen.resistance).mean
         return given
 
+    def losses(self, xp: Namespace, state: State, *drives: Scalar | Feed) -> Scalar | None:
+        """Power [W] out of those elements under what cools them, in the mean; None if nothing does by a signal."""
+        return self._sum_losses(xp, self._loads(xp, state, drives)) if self._cooling_signals() else None
+
+    def _sum_losses(self, xp: Namespace, loads: Sequence[Load]) -> Scalar:
+        lost: Scalar = 0.0
+        for element, own, heating in loads:
+            if _is_balanced(xp, element, own, heating):
+                lost = lost + element.condition(xp, own, element.force(own), heating.environment).heat_loss
+        return lost
+
     def entries(self, xp: Namespace, state: State, *drives: Scalar) -> Entries:
         """What is known of its energy in a state under drive signals."""
-        found, loads = Entries(), self._loads(state, drives)
+        found, loads = Entries(), self._loads(xp, state, drives)
         self._enter_heat(xp, found, loads)
         signals = self._signals(drives)
         mechanics = self.mechanism.mechanics(xp, state.mechanism, loads, signals)
@@ -261,10 +293,9 @@ class AbstractAssembly(AbstractSystem):
         if not found.heat:
             return
         found.held["sensible"] = sum_column([stored.sensible for _, stored in known])
-        for (element, state, heating), stored in known:
-            found.efforts += [("latent", effort) for effort in stored.latent]
-            force, around = element.force(state), heating.environment
-            found.lost = found.lost + element.condition(xp, state, force, around).heat_loss
+        found.efforts += [("latent", effort) for _, stored in known for effort in stored.latent]
+        if not self._cooling_signals():
+            found.lost = self._sum_losses(xp, loads)
 
     def _enter_work(self, xp: Namespace, found: Entries, loads: Sequence[Load], ways: Column) -> None:
         """Work of elements, and the elastic energy in them if all say it."""
@@ -287,23 +318,49 @@ class AbstractAssembly(AbstractSystem):
 
     def observe(self, xp: Namespace, state: State, *drives: Scalar) -> list[Scalar]:
         """Everything that can be measured in a state under drive signals."""
-        loads, signals = self._loads(state, drives), self._signals(drives)
+        loads, signals = self._loads(xp, state, drives), self._signals(drives)
         forces, own = self.mechanism.observe(xp, state.mechanism, loads, signals)
-        rows = zip(self._actuators(), state.elements, forces, drives, strict=False)
+        rows = zip(self._driven_actuators(xp, state, drives), state.elements, forces, drives, strict=False)
         seen = [one.observe_element(xp, element, force, drive) for one, element, force, drive in rows]
-        mechanism = dict(zip(self.of_mechanism(), [*own, *signals], strict=True))
+        mechanism = dict(
+            zip(self.of_mechanism(), [*own, *drives[len(seen) :], *self._observe_rig(xp, state, drives)], strict=True)
+        )
         return list(self.arrange_outputs(seen, mechanism).values())
 
     def _actuators(self) -> list[Actuator]:
         return list(self.actuators().values())
 
-    def _loads(self, state: State, drives: Sequence[Scalar | Feed]) -> list[Load]:
-        rows = zip(self._actuators(), state.elements, drives, strict=False)
+    def _loads(self, xp: Namespace, state: State, drives: Sequence[Scalar | Feed]) -> list[Load]:
+        rows = zip(self._driven_actuators(xp, state, drives), state.elements, drives, strict=False)
         return [one.load(element, drive) for one, element, drive in rows]
+
+    def _observe_rig(self, xp: Namespace, state: State, drives: Sequence[Scalar]) -> Column:
+        """What is observed on all actuators together."""
+        return []
+
+    def _driven_actuators(self, xp: Namespace, state: State, drives: Sequence[Scalar | Feed]) -> list[Actuator]:
+        """The actuators, cooled as the signals of that have it."""
+        actuators, names = self._actuators(), self._cooling_signals()
+        given = [one.moments if isinstance(one, Feed) else one for one in drives]
+        signals = dict(zip(names, given[len(drives) - len(names) :], strict=True))
+        return [one.cooled(xp, signals) for one in actuators] if names else actuators
 
     def _signals(self, drives: Sequence[Scalar | Feed]) -> Column:
         """The drive signals of the mechanism itself, which are never fed."""
-        return [one for one in drives[len(self._actuators()) :] if not isinstance(one, Feed)]
+        first = len(self._actuators())
+        own = drives[first : first + len(self.mechanism.signals())]
+        return [one for one in own if not isinstance(one, Feed)]
+
+    def _check_signals(self) -> None:
+        """Raise `ParameterError` if a signal of what cools is called as something else is."""
+        units = self.mechanism.signals()
+        taken = {*units, *self.mechanism.outputs(), *self.mechanism.ports(), *OUTPUTS}
+        for one in self._actuators():
+            for name, unit in one.environment.cooling.signals().items():
+                if name in taken or units.setdefault(name, unit) != unit or not name.isidentifier():
+                    raise ParameterError(
+                        f"`signal` of what cools must be a word that names nothing else of its system, but is `{name}`."
+                    )
 
 
 def _is_balanced(xp: Namespace, element: AbstractElement, state: Any, heating: Heating) -> bool:

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeVar
 
-from martensite.actuators.assembly.actuator import Actuator, Group
+from martensite.actuators.assembly.actuator import Actuator, Feed, Group
 from martensite.actuators.assembly.base import AbstractAssembly, AbstractSystem, State
 from martensite.actuators.assembly.outputs import OBSERVABLES
 from martensite.actuators.mechanisms.base import Column, Output
@@ -12,9 +12,16 @@ from martensite.base.errors import ParameterError, suggest_name
 from martensite.base.parameters import part
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, flatten_numbers
+from martensite.physics.electrical.shared_supply import Consumer, SharedSupply
 from martensite.physics.laws.coupling import StepReport
 
 T = TypeVar("T")
+SUPPLIED = {
+    "supply_voltage": Output("V", "voltage of the supply", "U"),
+    "supply_current": Output("A", "current of the supply", "I"),
+    "supply_demand": Output("A", "current that the sources ask of the supply", "I_d"),
+}
+"""What is observed on a supply, as `SharedSupply.observe` answers."""
 
 
 class System(Actuator, AbstractAssembly):
@@ -28,6 +35,7 @@ class System(Actuator, AbstractAssembly):
                 f"Mechanism `{self.mechanism.registered_name}` takes {len(ports)} elements "
                 f"({', '.join(ports) or 'none'}), but a `System` has one; use `Machine`."
             )
+        self._check_signals()
 
     def actuators(self) -> dict[str, Actuator]:
         """Itself."""
@@ -70,9 +78,14 @@ def _insert_mechanism(own: Mapping[str, T], mechanism: Mapping[str, T]) -> dict[
 
 
 class Machine(AbstractAssembly):
-    """A mechanism and the actuators at its ports; outputs are called `port.temperature`."""
+    """A mechanism and the actuators at its ports; outputs are called `port.temperature`.
+
+    With a supply that they share, its voltage is found at the start of every step; the step is made twice, with the
+    mean of the resistances before and after the first time, which keeps it of second order.
+    """
 
     group: Group = part("actuators by port", default=Group())
+    supply: SharedSupply | None = part("supply that the sources share; each has its own if left out", default=None)
 
     def check(self) -> None:
         """Raise `ParameterError` unless there is one actuator for every port."""
@@ -87,6 +100,7 @@ class Machine(AbstractAssembly):
                 f"`{name}` needs an actuator at each of its ports {', '.join(ports)}; "
                 f"none given for {', '.join(missing)}."
             )
+        self._check_signals()
 
     def actuators(self) -> dict[str, Actuator]:
         """In the order of the ports."""
@@ -100,6 +114,48 @@ class Machine(AbstractAssembly):
     def drive_at(self, port: str) -> str:
         """The name of the port."""
         return port
+
+    def exchanges(self) -> bool:
+        """Never with a supply that is shared."""
+        return self.supply is None and super().exchanges()
+
+    def step(self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar) -> tuple[State, StepReport]:
+        """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
+        if self.supply is None:
+            return super().step(xp, state, *drives, dt=dt)
+        ahead, _ = super().step(xp, state, *drives, dt=dt)
+        ends = zip(self._resistances(xp, state), self._resistances(xp, ahead), strict=True)
+        middle = [0.5 * (first + last) for first, last in ends]
+        rows = zip(self._driven_actuators(xp, state, drives, middle), state.elements, drives, strict=False)
+        loads = [one.load(element, drive) for one, element, drive in rows]
+        own, states, report = self.mechanism.advance(xp, state.mechanism, loads, self._signals(drives), dt)
+        return State(tuple(states), own), report
+
+    def of_mechanism(self) -> dict[str, Output]:
+        """Those of the mechanism, its signals, and those of a supply that is shared."""
+        return super().of_mechanism() | (SUPPLIED if self.supply is not None else {})
+
+    def _observe_rig(self, xp: Namespace, state: State, drives: Sequence[Scalar]) -> Column:
+        if self.supply is None:
+            return []
+        actuators = super()._driven_actuators(xp, state, drives)
+        return list(self.supply.observe(xp, _list_consumers(actuators, drives, self._resistances(xp, state))))
+
+    def _driven_actuators(
+        self, xp: Namespace, state: State, drives: Sequence[Scalar | Feed], ohms: Sequence[Scalar] = ()
+    ) -> list[Actuator]:
+        """With what the supply leaves them at these resistances [ohm], or at those of the state."""
+        actuators = super()._driven_actuators(xp, state, drives)
+        if self.supply is None:
+            return actuators
+        consumers = _list_consumers(actuators, drives, ohms or self._resistances(xp, state))
+        voltage = self.supply.find_voltage(xp, consumers)
+        rows = zip(actuators, consumers, strict=True)
+        return [one.rebuilt({"source": consumer.supplied(xp, voltage)}) for one, consumer in rows]
+
+    def _resistances(self, xp: Namespace, state: State) -> list[Scalar]:
+        rows = [(one.element, one.environment, own) for one, own in zip(self._actuators(), state.elements, strict=True)]
+        return [one.condition(xp, own, one.force(own), around).resistance for one, around, own in rows]
 
     def outputs(self) -> dict[str, Output]:
         """Those of the mechanism, then those of every actuator."""
@@ -123,6 +179,13 @@ class Machine(AbstractAssembly):
         rows = zip(self.actuators(), seen, strict=True)
         own = {self.label(port, name): value for port, one in rows for name, value in one.items()}
         return mechanism | own
+
+
+def _list_consumers(
+    actuators: Sequence[Actuator], drives: Sequence[Scalar | Feed], ohms: Sequence[Scalar]
+) -> list[Consumer]:
+    given = [one.moments.mean if isinstance(one, Feed) else one for one in drives]
+    return [Consumer(one.source, u, r) for one, u, r in zip(actuators, given, ohms, strict=False)]
 
 
 Piece = tuple[Sequence[Scalar], Scalar]

@@ -34,6 +34,7 @@ from martensite.actuators.elements.base import (
     equilibrium_force,
     points_of,
 )
+from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian, value_and_slope
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.exchange import AbstractExchange
@@ -168,7 +169,13 @@ class AbstractLumped(AbstractElement, init=False):
     def init(self, xp: Namespace, force: Scalar, temperature: Scalar) -> Lumped:
         """The state at the start, under `force` [N] and at `temperature` [K]."""
         stress = self.stress(xp, force)
-        fractions = self.initial_fractions(xp, stress)
+        return self._begin(xp, self.initial_fractions(xp, stress), stress, force, temperature)
+
+    def init_in(self, fractions: Fractions, force: float, temperature: float) -> Lumped:
+        """The same in a given phase state, on floats."""
+        return self._begin(floats, fractions, self.stress(floats, force), force, temperature)
+
+    def _begin(self, xp: Namespace, fractions: Fractions, stress: Scalar, force: Scalar, temperature: Scalar) -> Lumped:
         worn = () if self.wear is None else self.wear.begin(xp, fractions, stress)
         memory = self.apply_wear(xp, worn).law.init(xp, fractions, stress, temperature)
         return Lumped(memory, force, 0.0, worn)

@@ -103,10 +103,12 @@ class AbstractRoundWire(AbstractElement, init=False):
         return heat * self.section() * self.wire_length()
 
     def heat_loss(self, xp: Namespace, temperature: Scalar, environment: Environment) -> Scalar:
-        """Conductance · (T - T_a) [W]; the conductance is h(T) S unless the ends lose as well."""
+        """Conductance · (T - T_a), and what is pumped [W]; the first is h(T) S unless the ends lose as well."""
         ambient, shape = environment.temperature, self.cylinder()
         film = environment.cooling.film(xp, temperature, ambient, shape)
-        return self.ends.conductance(xp, film, shape) * (temperature - ambient)
+        lost = self.ends.conductance(xp, film, shape) * (temperature - ambient)
+        pumped = environment.cooling.pumped(xp, temperature, ambient, shape)
+        return lost if pumped is None else lost + pumped
 
     def ohms(
         self, xp: Namespace, fraction: Scalar, strain: Scalar, temperature: Scalar, rphase: Scalar = 0.0

@@ -38,6 +38,9 @@ def drawn_beam(mechanism: BeamMotor, reading: DrawingState) -> list[DrawingShape
         DrawingShape("motor", "joint", ((reach, near, tip), (reach, -near, tip)), 0.6 * arm),
         DrawingShape("rotor", "rotor", (*axis, (reach + arm, -out, tip)), 0.3 * arm, turn=angle),
     ]
+    if "rotor_angle_2" in reading.outputs:
+        behind = ((reach, near, tip), (reach, out, tip), (reach + arm, out, tip))
+        found.append(DrawingShape("second rotor", "rotor", behind, 0.3 * arm, turn=reading.outputs["rotor_angle_2"]))
     if mechanism.ports():
         (port,) = mechanism.ports()
         path = ((0.0, 0.0, -across), (reach, 0.0, tip))

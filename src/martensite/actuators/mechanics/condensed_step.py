@@ -16,6 +16,9 @@ part of the residual of the step. K_i only sets the speed of convergence, not th
 
 H holds stiffness, damping and inertia of the mechanism, with the turning of its levers under
 tension; all slopes are exact.
+
+Where a mechanism has unilateral constraints (`complementarity`), those that push in a trial hold the line on which the
+elements answer, and which of them push is found anew with every correction.
 """
 
 from __future__ import annotations
@@ -24,12 +27,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from martensite.actuators.mechanics.complementarity import (
+    FARTHEST,
+    Constraints,
+    hold_touching,
+    linearise_gaps,
+    measure_mismatch,
+    meet_constraints,
+)
 from martensite.actuators.mechanics.elimination import multiply_inner, solve_linear
 from martensite.actuators.mechanics.equal_elements import LoadLineEquation, answer_loads
-from martensite.actuators.mechanics.motion import MotionHistory, Numbers, Scheme, predict_position
+from martensite.actuators.mechanics.motion import MotionHistory, Numbers, Scheme, move_implicitly, predict_position
 from martensite.actuators.mechanisms.base import Column, Load
 from martensite.kernels.dual import compute_jacobian
-from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.kernels.namespace import Namespace, Scalar
 from martensite.kernels.nested import NestedShape, find_largest, flatten_numbers
 from martensite.physics.laws.coupling import StepReport
 
@@ -68,6 +79,8 @@ class CondensedSystem(NamedTuple):
     """Demand less what the tangents supply."""
     forces: Column
     """Of the tangents [N]."""
+    constraints: Constraints | None
+    """What may touch, if anything may."""
 
 
 class _Turn(NamedTuple):
@@ -81,6 +94,8 @@ class _Turn(NamedTuple):
     report: StepReport
     relocate: Scalar
     """Largest correction of a coordinate, in its size."""
+    reactions: Numbers
+    """Of unilateral constraints [N] or [N m]."""
 
 
 @dataclass(frozen=True)
@@ -93,9 +108,9 @@ class CondensedStep:
     signals: Column
     dt: Scalar
 
-    def solve_position(self, xp: Namespace) -> tuple[MotionHistory, list[Scalar], list[Any], StepReport]:
-        """Course, stiffness and state of every element at the end, and the residual."""
-        scheme = self.mechanism.scheme(xp, self.memory.course, self.dt)
+    def solve_position(self, xp: Namespace) -> tuple[MotionHistory, list[Scalar], Numbers, list[Any], StepReport]:
+        """Course, stiffness of every element and reactions, states of the elements at the end, and the residual."""
+        scheme = self._choose_scheme(xp)
         shape = NestedShape(
             _Turn(
                 predict_position(self.memory.course, self.dt),
@@ -104,6 +119,7 @@ class CondensedStep:
                 tuple(load.state for load in self.loads),
                 StepReport(0.0, 0.0),
                 0.0,
+                self.memory.reactions,
             )
         )
 
@@ -116,20 +132,37 @@ class CondensedStep:
         _, *flat = xp.iterate(PASSES, turn, 1.0, *flatten_numbers(shape.example))
         end: _Turn = shape.rebuild(flat)
         residual = xp.maximum(end.report.residual, end.relocate)
+        if end.reactions:
+            gaps = self.mechanism.gaps(xp, end.position)
+            residual = xp.maximum(residual, measure_mismatch(xp, gaps, end.reactions))
         stiffness = [tangent.stiffness for tangent in end.tangents]
         report = end.report._replace(residual=residual)
-        return scheme(end.position), stiffness, list(end.states), report
+        return scheme(end.position), stiffness, end.reactions, list(end.states), report
+
+    def _choose_scheme(self, xp: Namespace) -> Scheme:
+        """That of the mechanism; with inertia, implicit Euler where something touches or is about to."""
+        mechanism, course = self.mechanism, self.memory.course
+        usual = mechanism.scheme(xp, course, self.dt)
+        if not (mechanism.moves and self.memory.reactions):
+            return usual
+        ahead = find_largest(xp, [-gap for gap in mechanism.gaps(xp, predict_position(course, self.dt))])
+        touching = xp.either(ahead >= 0.0, find_largest(xp, self.memory.reactions) > 0.0)
+        return move_implicitly(xp, course, self.dt, xp.where(touching, 1.0, 0.0), usual)
 
     def _turn(self, xp: Namespace, scheme: Scheme, before: _Turn) -> _Turn:
         """Linearise, let every element answer, and correct the position."""
-        linear = self._linear(xp, scheme, before.position, before.tangents)
-        found, states, report = self._answers(xp, _build_lines(linear, before.tangents), before.states)
-        tangents = _renew_points(xp, before.tangents, found, before.turned > 0.0, linear.elongations)
-        change = _compute_correction(xp, linear, tangents)
-        position = tuple(q + d for q, d in zip(before.position, change, strict=True))
+        linear = self._linear(xp, scheme, before)
+        found, states, report = self._answers(xp, _build_lines(xp, linear, before.tangents), before.states)
+        tangents = _renew_points(xp, before, found, linear.elongations)
+        change, reactions, unsettled = _compute_correction(xp, linear, tangents)
         sizes = (c.size for c in self.mechanism.coordinates())
         moved = [xp.abs(d) * (1.0 / size) for d, size in zip(change, sizes, strict=True)]
-        return _Turn(position, tuple(tangents), 1.0, tuple(states), report, find_largest(xp, moved))
+        relocate = find_largest(xp, moved)
+        if reactions:
+            share = FARTHEST / xp.maximum(relocate, FARTHEST)
+            change, relocate = [share * d for d in change], xp.maximum(relocate, unsettled)
+        position = tuple(q + d for q, d in zip(before.position, change, strict=True))
+        return _Turn(position, tuple(tangents), 1.0, tuple(states), report, relocate, reactions)
 
     def _first(self, xp: Namespace) -> list[Tangent]:
         """Every element as it stands, as stiff as it was over the last step."""
@@ -147,9 +180,10 @@ class CondensedStep:
             found.append(Tangent(force, elongation, stiffness))
         return found
 
-    def _linear(self, xp: Namespace, scheme: Scheme, position: Numbers, tangents: Sequence[Tangent]) -> CondensedSystem:
+    def _linear(self, xp: Namespace, scheme: Scheme, before: _Turn) -> CondensedSystem:
         """Balance and slopes at a trial position, for elements that are their tangents."""
         mechanism, home = self.mechanism, self.memory.home
+        position, tangents, pushed = before.position, before.tangents, before.reactions
         paths, lever = compute_jacobian(xp, mechanism.contraction, position)
         elongations = [xp.store(start - path) for start, path in zip(home, paths, strict=True)]
         forces = [
@@ -165,7 +199,13 @@ class CondensedStep:
 
         missing, matrix = compute_jacobian(xp, balance, position)
         shares = mechanism.transmission(xp, scheme(position).motion())
-        return CondensedSystem(elongations, lever, shares, matrix, missing, forces)
+        found = CondensedSystem(elongations, lever, shares, matrix, missing, forces, None)
+        if not pushed:
+            return found
+        touched = linearise_gaps(xp, mechanism.gaps, position, pushed)
+        given = [multiply_inner(pushed, column) for column in zip(*touched.slopes, strict=True)]
+        missing = [n - g for n, g in zip(missing, given, strict=True)]
+        return found._replace(missing=missing, constraints=touched)
 
     def _answers(
         self, xp: Namespace, lines: Sequence[LoadLineEquation], before: Sequence[Any]
@@ -194,11 +234,15 @@ def _build_stiffness(linear: CondensedSystem, tangents: Sequence[Tangent]) -> li
     return rows
 
 
-def _build_lines(linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[LoadLineEquation]:
+def _build_lines(xp: Namespace, linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[LoadLineEquation]:
     """What every element sees of the mechanism and the others."""
     if not tangents:
         return []
-    *softs, shift = solve_linear(_build_stiffness(linear, tangents), [*linear.lever, linear.missing])
+    stiffness, touched = _build_stiffness(linear, tangents), linear.constraints
+    if touched is None:
+        *softs, shift = solve_linear(stiffness, [*linear.lever, linear.missing])
+    else:
+        *softs, shift = hold_touching(xp, touched, stiffness, linear.lever, linear.missing)
     found: list[LoadLineEquation] = []
     for i, tangent in enumerate(tangents):
         lever, beta = linear.lever[i], linear.shares[i] * multiply_inner(linear.lever[i], softs[i])
@@ -207,15 +251,16 @@ def _build_lines(linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[L
     return found
 
 
-def _renew_points(
-    xp: Namespace, before: Sequence[Tangent], found: Sequence[Tangent], turned: Flag, elongations: Column
-) -> list[Tangent]:
+def _renew_points(xp: Namespace, before: _Turn, found: Sequence[Tangent], elongations: Column) -> list[Tangent]:
     """The points found, with the slope from the last one to this; first as stiff as before."""
-    new: list[Tangent] = []
-    for last, now, path in zip(before, found, elongations, strict=True):
+    new, turned = list[Tangent](), before.turned > 0.0
+    for last, now, path in zip(before.tangents, found, elongations, strict=True):
         most, taut = now.stiffness, last.force > 0.0
         kept = xp.where(taut, xp.minimum(last.stiffness, most), most)
         apart = now.elongation - last.elongation
+        if before.reactions:  # what is held still has shown no slope, and may be freed with any
+            held = find_largest(xp, before.reactions) > 0.0
+            kept = xp.where(xp.both(held, xp.abs(apart) < STILL), most, kept)
         known = xp.both(xp.both(turned, taut), xp.abs(apart) > STILL)
         secant = (now.force - last.force) / xp.where(known, apart, 1.0)
         slope = xp.where(known, xp.clip(secant, FLOOR * most, most), kept)
@@ -232,12 +277,18 @@ def _compute_slack_stiffness(xp: Namespace, most: Scalar, path: Scalar, own: Sca
     return xp.where(path > own - STILL, most, FLOOR * most)
 
 
-def _compute_correction(xp: Namespace, linear: CondensedSystem, tangents: Sequence[Tangent]) -> list[Scalar]:
-    """Newton's step of the position, with every element as it answered."""
+def _compute_correction(
+    xp: Namespace, linear: CondensedSystem, tangents: Sequence[Tangent]
+) -> tuple[list[Scalar], Numbers, Scalar]:
+    """Newton's step of the position, with every element as it answered; reactions, and how unsettled they are."""
     side = [-missing for missing in linear.missing]
     for i, tangent in enumerate(tangents):
         apart = linear.elongations[i] - tangent.elongation
         answer = xp.maximum(tangent.force + tangent.stiffness * apart, 0.0)
         weight = linear.shares[i] * (answer - linear.forces[i])
         side = [s + weight * j for s, j in zip(side, linear.lever[i], strict=True)]
-    return solve_linear(_build_stiffness(linear, tangents), [side])[0]
+    stiffness = _build_stiffness(linear, tangents)
+    if linear.constraints is None:
+        return solve_linear(stiffness, [side])[0], (), 0.0
+    change, reactions, unsettled = meet_constraints(xp, linear.constraints, stiffness, side)
+    return change, tuple(reactions), unsettled

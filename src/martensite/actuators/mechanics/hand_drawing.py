@@ -18,6 +18,8 @@ from martensite.actuators.mechanisms.drawing import (
     DrawingState,
     Point,
     draw_bar,
+    draw_cylinder,
+    draw_force,
     lead_wire,
     measure_length,
     trace_arc,
@@ -61,6 +63,7 @@ def drawn_hand(hand: Hand, reading: DrawingState) -> list[DrawingShape]:
     """Palm, holder of the thumb, forearm, and all fingers."""
     reach = hand.proximal_length + hand.distal_length
     apart, wide = 3.0 * max(hand.offset, hand.knuckle), 0.7 * reach
+    wide = 0.5 * hand.span if hand.contact == "cylinder" else wide
     places = (FingerPlace(wide, 0.0, -1.0), FingerPlace(-wide, apart, 1.0), FingerPlace(-wide, -apart, 1.0))
     thick, edge = 0.25 * hand.offset, 1.5 * hand.knuckle
     above = _compute_lift(hand, 4)
@@ -71,6 +74,9 @@ def drawn_hand(hand: Hand, reading: DrawingState) -> list[DrawingShape]:
         DrawingShape("holder of the thumb", "plate", _draw_upright(wide, edge, above), thick),
         draw_bar("forearm", thick, *arm, kind="ground"),
     ]
+    if hand.contact == "cylinder":
+        axis = (hand.cylinder_aside, 0.0, -hand.cylinder_depth)
+        found.append(draw_cylinder(axis, apart + edge, hand.cylinder_radius))
     words = zip(hand.ports()[::4], hand.sizes(), places, strict=True)
     for first, size, place in words:
         found += _draw_finger(hand, first.split("_")[0], size, place, reading)
@@ -101,6 +107,7 @@ def _draw_finger(
     )
     first, second = (reading.outputs[f"{name}_{joint}"] for joint in ("proximal", "distal"))
     thick, half = 0.4 * sizes.offset, 0.7 * sizes.offset
+    thick = 0.5 * size * hand.thickness if hand.contact == "cylinder" else thick
     hinge, tip = _locate_proximal(sizes, first, sizes.proximal, 0.0), (sizes.distal, 0.0)
     start = place.at((0.0, 0.0))
     yield draw_bar(f"{name} proximal", thick, start, place.at(hinge))
@@ -108,6 +115,13 @@ def _draw_finger(
     for joint, at in (("proximal", (0.0, 0.0)), ("distal", hinge)):
         ends = (place.at(at, -half), place.at(at, half))
         yield DrawingShape(f"{name} {joint} knuckle", "joint", ends, sizes.knuckle)
+    if hand.contact == "cylinder":
+        axis = place.at((hand.cylinder_depth, place.inwards * (hand.cylinder_aside - place.x)))
+        along = [reading.outputs[f"{name}_{joint}_contact_place"] for joint in ("proximal", "distal")]
+        ways = _locate_proximal(sizes, first, along[0], thick), _locate_distal(sizes, first, second, along[1], thick)
+        for joint, way in zip(("proximal", "distal"), ways, strict=True):
+            force = reading.outputs[f"{name}_{joint}_contact_force"]
+            yield draw_force(f"{name} {joint} force", place.at(way), axis, force)
     yield from _draw_brackets(name, sizes, place, first, second)
     passing = hand.tendons == "passing"
     ways, straight = (_trace_tendons(sizes, *angles, passing) for angles in ((first, second), (0.0, 0.0)))

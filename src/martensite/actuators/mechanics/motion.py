@@ -15,6 +15,10 @@ true one A,
 with α_m = (2ρ - 1)/(ρ + 1), α_f = ρ/(ρ + 1), γ = ½ + α_f - α_m, β = ¼ (γ + ½)². Second order and
 unconditionally stable; a share 1 - ρ of the fastest oscillation is lost in every step, slow
 ones keep their energy.
+
+`dynamic`, where a unilateral constraint pushes or would be overrun: implicit Euler steps, v₁ = (q₁ - q₀)/Δt and
+A₁ = (v₁ - v₀)/Δt. What closes a gap stands still in the next step: an impact without rebound, and no force that turns
+from step to step as in a scheme of second order (L. Paoli and M. Schatzman, SIAM J. Numer. Anal. 40 (2002) 702).
 """
 
 from collections.abc import Callable
@@ -93,5 +97,20 @@ def move_dynamically(xp: Namespace, course: MotionHistory, dt: Scalar, rho: Scal
             acceleration.append(true)
             smoothed.append(a)
         return MotionHistory(position, tuple(velocity), tuple(acceleration), tuple(smoothed))
+
+    return after
+
+
+def move_implicitly(xp: Namespace, course: MotionHistory, dt: Scalar, share: Scalar, usual: Scheme) -> Scheme:
+    """Motion with inertia by implicit Euler steps where `share` is 1, and by the usual scheme where it is 0."""
+    per = 1.0 / xp.maximum(dt, SHORTEST)
+
+    def after(position: Numbers) -> MotionHistory:
+        other = usual(position)
+        velocity = [per * (q - q0) for q, q0 in zip(position, course.position, strict=True)]
+        acceleration = [per * (v - v0) for v, v0 in zip(velocity, course.velocity, strict=True)]
+        rows = zip((velocity, acceleration, acceleration), other[1:], strict=True)
+        mixed = (tuple(share * a + (1.0 - share) * b for a, b in zip(*row, strict=True)) for row in rows)
+        return MotionHistory(position, *mixed)
 
     return after

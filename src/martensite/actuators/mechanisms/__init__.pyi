@@ -7,6 +7,8 @@ from martensite.actuators.mechanics.platform_kinematics import platform_angles a
 from martensite.actuators.mechanics.platform_kinematics import platform_lengths as platform_lengths
 from martensite.actuators.mechanisms.beam_motor import BeamMotor as BeamMotor
 from martensite.actuators.mechanisms.beam_motor import modal_numbers as modal_numbers
+from martensite.actuators.mechanisms.beam_siblings import BeamHarvester as BeamHarvester
+from martensite.actuators.mechanisms.beam_siblings import BeamMotors as BeamMotors
 from martensite.actuators.mechanisms.finger import Finger as Finger
 from martensite.actuators.mechanisms.hand import Hand as Hand
 from martensite.actuators.mechanisms.joints import bowstring_arm as bowstring_arm
@@ -16,6 +18,7 @@ from martensite.actuators.mechanisms.load_line import BiasSpring as BiasSpring
 from martensite.actuators.mechanisms.load_line import DeadWeight as DeadWeight
 from martensite.actuators.mechanisms.parallel_platform import ParallelPlatform as ParallelPlatform
 from martensite.actuators.mechanisms.pulley import AntagonisticPulley as AntagonisticPulley
+from martensite.actuators.mechanisms.rails import Rails as Rails
 from martensite.actuators.mechanisms.testing_machine import TensileTestingMachine as TensileTestingMachine
 from martensite_studies.platform.workspace import Workspace as Workspace
 from martensite_studies.platform.workspace import reachable_angles as reachable_angles

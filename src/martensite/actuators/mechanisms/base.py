@@ -12,7 +12,7 @@ Every mechanism is assembled with its elements in their initial state.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple
 
 from martensite.actuators.elements.base import AbstractElement, Effort, Heating, Pull
@@ -20,6 +20,7 @@ from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, 
 from martensite.base.interfaces import make_missing_error, require_where
 from martensite.base.parameters import Parametrised
 from martensite.base.registry import Registry
+from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.laws.coupling import StepReport
 
@@ -115,6 +116,16 @@ class AbstractMechanism(Parametrised):
     @abstractmethod
     def init(self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column) -> Any:
         """The memory at the start, from the elongations [m] that the start forces give."""
+
+    def initial_numbers(self) -> dict[str, str]:
+        """Coordinates and speeds that a run may start with, with their units; none where they follow from elements."""
+        return {}
+
+    def put(
+        self, memory: Any, given: Mapping[str, float], loads: Sequence[Load], signals: Column
+    ) -> tuple[Any, list[float]]:
+        """The memory of one that was assembled, with given `initial_numbers`, on floats; and forces [N] of elements."""
+        return memory, self.observe(floats, memory, loads, signals)[0]
 
     @abstractmethod
     def advance(

@@ -173,19 +173,30 @@ class BeamMotor(AbstractMultibody):
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """Force on every mode [N], torque on the rotor [N m], voltage of the winding [V]."""
         n, (voltage,) = self.count, signals
-        angle, speed, spin = (column[n] for column in motion)
-        current, change = motion.velocity[n + 1], motion.acceleration[n + 1]
+        thrown = self.throw(xp, motion)
+        rows = zip(self._beam(xp), *(column[:n] for column in motion), strict=True)
+        bent = [m * a + c * v + k * q - thrown for (m, c, k), q, v, a in rows]
+        return [*bent, *self.turn(xp, motion, voltage)]
+
+    def throw(self, xp: Namespace, motion: Motion) -> Scalar:
+        """Force [N] of the unbalance on the tip."""
+        angle, speed, spin = (column[self.count] for column in motion)
         moment = self.unbalance * self.eccentricity
         cosine, sine = xp.cos(angle), xp.sin(angle)
         turned = -spin * cosine if self.coupling == "lagrange" else spin * cosine
-        thrown = moment * (speed * speed * sine + turned)
-        rows = zip(self._beam(xp), *(column[:n] for column in motion), strict=True)
-        bent = [m * a + c * v + k * q - thrown for (m, c, k), q, v, a in rows]
+        return moment * (speed * speed * sine + turned)
+
+    def turn(self, xp: Namespace, motion: Motion, voltage: Scalar) -> Column:
+        """Torque on the rotor [N m] and voltage of the winding [V] that a motion needs beside a voltage [V]."""
+        n = self.count
+        angle, speed, spin = (column[n] for column in motion)
+        current, change = motion.velocity[n + 1], motion.acceleration[n + 1]
         rubbed = self.dry_friction * xp.tanh(speed * (1.0 / self.friction_rate))
+        moment, cosine = self.unbalance * self.eccentricity, xp.cos(angle)
         turning = self._turning() * spin + moment * sum_column(motion.acceleration[:n]) * cosine
         torque = turning + self.rotor_friction * speed + rubbed - self.torque_constant * current
         volts = self.inductance * change + self.resistance * current + self.back_emf * speed
-        return [*bent, torque, volts - voltage]
+        return [torque, volts - voltage]
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
         """Of the beam that is bent, of all that moves, and of the coil."""
@@ -232,6 +243,11 @@ class BeamMotor(AbstractMultibody):
             **{mode.name: Output(mode.unit, mode.long_name, mode.symbol) for mode in modes},
             "charge": Output("A*s", "charge through the motor", "Q"),
         }
+
+    def rate_names(self) -> tuple[str, ...]:
+        """Velocity of the tip, or those of its modes; speed of the rotor, current."""
+        bends = [f"mode_{k}_rate" for k in range(1, self.count + 1)] if self.count > 1 else ["velocity"]
+        return *bends, "rotor_speed", "motor_current"
 
     def convergence_scales(self) -> dict[str, float]:
         """Displacement of the tip and speed of the rotor."""

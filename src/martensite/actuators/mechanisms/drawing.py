@@ -40,6 +40,8 @@ THREAD = 0.1
 """Length of the thread that a load without an element hangs on [m]."""
 DENSITY = 7850.0
 """Of the steel that a weight is drawn of [kg/m³]."""
+NEWTON = 5e-3
+"""Length that a contact force is drawn with [m/N]."""
 
 
 class DrawingShape(NamedTuple):
@@ -120,6 +122,17 @@ def draw_bar(name: str, size: float, *points: Point, kind: str = "link") -> Draw
 def draw_pin(name: str, at: Point, half: float, size: float) -> DrawingShape:
     """A pin along y, so many metres to either side."""
     return DrawingShape(name, "joint", ((at[0], at[1] - half, at[2]), (at[0], at[1] + half, at[2])), size)
+
+
+def draw_cylinder(axis: Point, half: float, radius: float) -> DrawingShape:
+    """A cylinder along y, so many metres to either side of a point of its axis."""
+    ends = (axis[0], axis[1] - half, axis[2]), (axis[0], axis[1] + half, axis[2])
+    return DrawingShape("cylinder", "pulley", ends, radius)
+
+
+def draw_force(name: str, touching: Point, axis: Point, force: float) -> DrawingShape:
+    """A force [N] on what touches a cylinder, as a thread from there towards its axis, `NEWTON` for each newton."""
+    return DrawingShape(name, "tether", (locate_along(touching, axis, NEWTON * force), touching), 0.0)
 
 
 def draw_weight(name: str, at: Point, mass: float, least: float, most: float) -> DrawingShape:

@@ -15,7 +15,13 @@ at the distance a from the hinge and has the extension δ₀ at θ = 0: always a
                dl/dθ = a (H cos θ + a sin θ)/l
 
 The fixed one pulls over centre where tan θ = -H/a, beyond 90°. The brackets meet at θ = 2 φ with
-tan φ = g/r; there, and at the end stops, a stiff spring acts.
+tan φ = g/r; there, and at the end stops, a stiff spring acts. With `contact` they are rigid instead, and hold by a
+moment that pushes away only: 0 ≤ λ ⊥ γ ≥ 0 with the least gap γ of θ - θ_lowest, θ_highest - θ and 2 sin(φ - θ/2)
+(`martensite.actuators.mechanics.complementarity`); so does a fixed `cylinder` on the far phalanx (`grasp`).
+
+Weight, off by default, adds m g₀ c sin(θ - β) on the left: of the mass m at the share c/l of the phalanx, under
+gravity in the direction β from the straight phalanx towards the inside. The inertia J is about the hinge and has that
+mass in it.
 
 Friction: the wire is wrapped by θ/2 over each of the two brackets of the hinge. As it contracts it
 is drawn out of the span between them on either side, so that span, which alone has the moment arm
@@ -36,6 +42,7 @@ completion is a parameter here. Sign convention: θ grows as the wire pulls.
 import math
 
 from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms import grasp
 from martensite.actuators.mechanisms.base import MECHANISMS, Column, MechanicalEnergy
 from martensite.actuators.mechanisms.drawing import (
     ARC,
@@ -43,19 +50,23 @@ from martensite.actuators.mechanisms.drawing import (
     DrawingState,
     Point,
     draw_bar,
+    draw_cylinder,
+    draw_force,
     draw_pin,
     lead_wire,
     measure_length,
     trace_arc,
 )
 from martensite.actuators.mechanisms.joints import bowstring_arm, find_stop_energy, shorten_bowstring, stop_torque
-from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
+from martensite.actuators.mechanisms.multibody import Coordinate
+from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
+from martensite.kernels import floats
 from martensite.kernels.namespace import Namespace, Scalar
 
 
 @MECHANISMS.register("finger")
-class Finger(AbstractMultibody):
+class Finger(grasp.AbstractGrasp):
     """A joint bent by a wire over brackets, against a return spring."""
 
     typical_scenario = "finger"
@@ -81,6 +92,44 @@ class Finger(AbstractMultibody):
     stop: Scalar = param("N*m/rad", "stiffness of the end stops", low=0.0, high=1e6, default=10.0)
     damping: Scalar = param("N*m*s/rad", "damping of a hinge", low=0.0, high=1e6, default=0.0, typical="2e-4 N*m*s/rad")
     inertia: Scalar = param("kg*m^2", "inertia of a phalanx", above=0.0, high=1e6, default=1e-5, typical="2e-5 kg*m^2")
+    weight: str = option("whether the phalanx has a weight", "none", "given", default="none")
+    mass: Scalar = param("kg", "mass of the phalanx", low=0.0, high=1e3, default=0.01)
+    centre: Scalar = grasp.CENTRE
+    phalanx_length: Scalar = param("m", "length of the phalanx", above=0.0, high=10.0, default=0.04)
+    gravity: Scalar = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
+    tilt: Scalar = grasp.TILT
+    contact: str = grasp.CONTACT
+    thickness: Scalar = grasp.THICKNESS
+    cylinder_radius: Scalar = grasp.RADIUS
+    cylinder_along: Scalar = param("m", "its axis, along the phalanx at θ = 0", low=-10.0, high=10.0, default=0.02)
+    cylinder_inwards: Scalar = param("m", "its axis, to the inside", low=-10.0, high=10.0, default=0.03)
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the wire would push, the inertia is too small, or the cylinder is in the way."""
+        if min(self.start_forces(floats)) < 0.0:
+            raise ParameterError(
+                "The weight of `finger` bends it as assembled, so that the wire would have to push; raise `extension` "
+                f"until the spring holds {-self._weigh(floats, 0.0)[0]:.4g} N m, or turn `tilt`."
+            )
+        least = self.mass * (self.centre * self.phalanx_length) ** 2
+        if self.weight == "given" and self.moves and self.inertia < least:
+            raise ParameterError(
+                f"Parameter `inertia` of `finger`, about its hinge, must be at least that of its mass at its centre, "
+                f"{least:.4g} kg m^2, but is {self.inertia:.4g} kg m^2."
+            )
+        self.check_contact()
+        if self.contact == "cylinder":
+            fixed = self._touch_cylinder(floats, -self.cylinder_along, 0.0)
+            grasp.check_clearance("the fixed phalanx of `finger`", fixed)
+
+    def cautions(self) -> list[str]:
+        """A cylinder that the phalanx does not meet."""
+        far = math.hypot(self.cylinder_along, self.cylinder_inwards)
+        reach = self.cylinder_radius + 0.5 * self.thickness
+        if self.contact != "cylinder" or far - reach <= self.phalanx_length:
+            return []
+        short = 1e3 * (far - reach - self.phalanx_length)
+        return [f"The cylinder of the finger cannot be touched: `phalanx_length` is {short:.4g} mm too short."]
 
     def coordinates(self) -> tuple[Coordinate, ...]:
         """The angle."""
@@ -107,6 +156,8 @@ class Finger(AbstractMultibody):
 
     def stops(self, xp: Namespace, angle: Scalar) -> Scalar:
         """τ_stop [N m] of the end stops, and of brackets that have met."""
+        if self.contact != "springs":
+            return 0.0
         h = 0.5 * xp.clip(angle, 0.0, 3.1)
         c, s = xp.cos(h), xp.sin(h)
         past = (self.offset * s - self.bracket * c) / (self.offset * c + self.bracket * s)
@@ -119,9 +170,9 @@ class Finger(AbstractMultibody):
         return [xp.exp(-0.5 * self.friction * xp.abs(motion.position[0]) * way)]
 
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
-        """Torque [N m] of spring, stops, damping and inertia."""
+        """Torque [N m] of spring, stops that are springs, weight, damping and inertia."""
         (angle,), (rate,), (acceleration,) = motion
-        held = self.spring_torque(xp, angle) + self.stops(xp, angle)
+        held = self.spring_torque(xp, angle) + self.stops(xp, angle) + self._weigh(xp, angle)[0]
         return [held + self.damping * rate + self.inertia * acceleration]
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
@@ -133,10 +184,35 @@ class Finger(AbstractMultibody):
         drawn = self.extension + by
         spring = 0.5 * self.stiffness * drawn * drawn
         stop = self._stop_energy(xp, angle)
-        return MechanicalEnergy(springs=spring + stop, kinetic=0.5 * self.inertia * rate * rate)
+        _, lifted = self._weigh(xp, angle)
+        return MechanicalEnergy(springs=spring + stop, gravity=lifted, kinetic=0.5 * self.inertia * rate * rate)
+
+    def _weigh(self, xp: Namespace, angle: Scalar) -> tuple[Scalar, Scalar]:
+        """Torque [N m] against the weight, and its energy [J]."""
+        if self.weight == "none":
+            return 0.0, 0.0
+        moment, leaning = self.mass * self.gravity * self.centre * self.phalanx_length, angle - self.tilt
+        return moment * xp.sin(leaning), -moment * xp.cos(leaning)
+
+    def _touch_cylinder(self, xp: Namespace, along: Scalar, angle: Scalar) -> grasp.Touch:
+        axis, reach = (along, self.cylinder_inwards), self.cylinder_radius + 0.5 * self.thickness
+        return grasp.find_touches(xp, axis, reach, [self.phalanx_length], [angle])[0]
+
+    def touches(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
+        """How the far phalanx stands to the cylinder."""
+        return [self._touch_cylinder(xp, self.cylinder_along, position[0])]
+
+    def stop_gap(self, xp: Namespace, angle: Scalar) -> Scalar:
+        """Gap [rad] to the nearest end stop: brackets that meet are one."""
+        h = 0.5 * angle
+        span = xp.sqrt(self.offset * self.offset + self.bracket * self.bracket)
+        met = 2.0 * (self.bracket * xp.cos(h) - self.offset * xp.sin(h)) / span
+        return xp.minimum(super().stop_gap(xp, angle), met)
 
     def _stop_energy(self, xp: Namespace, angle: Scalar) -> Scalar:
         """Of end stops and brackets [J]: ∫ 2 tan(θ/2 - φ) dθ = -4 ln cos(θ/2 - φ)."""
+        if self.contact != "springs":
+            return 0.0
         bent = xp.clip(angle, 0.0, 3.1)
         c, s = xp.cos(0.5 * bent), xp.sin(0.5 * bent)
         arm = self.offset * c + self.bracket * s
@@ -150,7 +226,7 @@ class Finger(AbstractMultibody):
     def start_forces(self, xp: Namespace) -> Column:
         """Force at angle zero [N]."""
         arm = self.passes * bowstring_arm(xp, 0.0, self.offset, self.bracket)
-        return [self.spring_torque(xp, 0.0) / arm]
+        return [(self.spring_torque(xp, 0.0) + self._weigh(xp, 0.0)[0]) / arm]
 
     def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
         """Hinge in the origin, phalanges along -x and +x, the wire below them; θ turns the far phalanx about +y.
@@ -162,6 +238,10 @@ class Finger(AbstractMultibody):
         angle, (port,) = reading.outputs["angle"], self.ports()
         r, g = self.offset, self.bracket
         thick, tip, hinge = 0.45 * r, 4.0 * g, (0.0, 0.0, 0.0)
+        grasped = list[DrawingShape]()
+        if self.contact == "cylinder":
+            thick, tip = 0.5 * self.thickness, self.phalanx_length
+            grasped = self._draw_grasp(reading)
         # what every pass has on either side of the hinge
         rest = (reading.lengths[port] - measure_length(_trace_path(self, 0.0, 0.0, 0.0))) / _count_passes(self)
         beyond = min(2.0 * g, 0.4 * max(rest, 0.0))
@@ -175,7 +255,16 @@ class Finger(AbstractMultibody):
             draw_pin("hinge", hinge, 0.8 * r, 0.5 * r),
             *lead_wire(port, path, min(rest, 0.0) * _count_passes(self), (-1.0, 0.0, 0.0)),
             *_draw_spring(self, angle),
+            *grasped,
         ]
+
+    def _draw_grasp(self, reading: DrawingState) -> list[DrawingShape]:
+        """The cylinder, and the force on the phalanx."""
+        width = 2.0 * self.offset
+        touching = turn_point(reading.outputs["angle"], reading.outputs["contact_place"], -0.5 * self.thickness)
+        axis = (self.cylinder_along, 0.0, -self.cylinder_inwards)
+        force = draw_force("contact force", axis, touching, reading.outputs["contact_force"])
+        return [draw_cylinder(axis, width, self.cylinder_radius), force]
 
 
 def turn_point(angle: float, x: float, z: float, y: float = 0.0) -> Point:

@@ -16,7 +16,13 @@ The brackets meet at θ = 2 φ with tan φ = g/r: put the upper end stop before 
 With tendons `passing`, the distal flexor runs over the proximal joint too, as those of a hand
 do, and bends both: its path shortens by ΔL(θ₁) + ΔL(θ₂). Against the elements stand joint springs
 k θ + τ₀, damping, and end stops; with inertia, that of two uniform rods. Weight, off by default,
-is that of fingers that hang down. Fingers do not touch anything, and not each other.
+is that of fingers that hang down; with `weight = "given"` it has a direction and phalanges have centres of mass of
+their own, uniform about them.
+
+With `contact` the end stops are rigid (`stops`), and a fixed `cylinder` across all fingers is gripped
+(`martensite.actuators.mechanics.complementarity`, `grasp`): every phalanx touches or not, and every force pushes. The
+hinges of the thumb are at the distance `span` from those of the others, and the axis of the cylinder lies so far below
+them, and so far from the middle towards the thumb. Fingers do not touch each other.
 
 All flexors are assembled with the same preload; the extensors get what balances it,
 
@@ -32,6 +38,7 @@ from itertools import product
 
 from martensite.actuators.mechanics.hand_drawing import drawn_hand
 from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms import grasp
 from martensite.actuators.mechanisms.base import MECHANISMS, Column, MechanicalEnergy
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState
 from martensite.actuators.mechanisms.joints import (
@@ -45,7 +52,7 @@ from martensite.actuators.mechanisms.joints import (
     stop_torque,
     two_rods,
 )
-from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
+from martensite.actuators.mechanisms.multibody import Coordinate
 from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
@@ -58,7 +65,7 @@ SIDES = ("flexor", "extensor")
 
 
 @MECHANISMS.register("hand")
-class Hand(AbstractMultibody):
+class Hand(grasp.AbstractGrasp):
     """Three fingers of two joints, bent and stretched by twelve elements."""
 
     typical_scenario = "hand"
@@ -91,14 +98,26 @@ class Hand(AbstractMultibody):
     thumb: Scalar = param("1", "size of the thumb", above=0.0, high=10.0, default=1.0, typical=0.9)
     index: Scalar = param("1", "size of the index finger", above=0.0, high=10.0, default=1.0)
     middle: Scalar = param("1", "size of the middle finger", above=0.0, high=10.0, default=1.0, typical=1.1)
+    weight: str = option("uniform rods that hang, or as given", "hanging", "given", default="hanging")
+    proximal_centre: Scalar = grasp.CENTRE
+    distal_centre: Scalar = grasp.CENTRE
+    tilt: Scalar = grasp.TILT
+    contact: str = grasp.CONTACT
+    thickness: Scalar = grasp.THICKNESS
+    span: Scalar = param("m", "distance of the thumb's hinge from the others", low=0.0, high=10.0, default=0.08)
+    cylinder_radius: Scalar = grasp.RADIUS
+    cylinder_depth: Scalar = param("m", "its axis, below the palm", low=-10.0, high=10.0, default=0.04)
+    cylinder_aside: Scalar = param("m", "its axis, from the middle to the thumb", low=-10.0, high=10.0, default=0.0)
 
     def check(self) -> None:
-        """Raise `ParameterError` if the extensors would have to push at assembly."""
-        if min(self.start_forces(floats)) < 0.0:
-            least = self.torque / (self.offset * min(self.sizes()))
+        """Raise `ParameterError` if extensors would push at assembly, or the cylinder is in the way."""
+        self.check_contact()
+        lacking = -min(self.start_forces(floats))
+        if lacking > 0.0:
+            least = self.preload + lacking * self.knuckle / self.offset
             raise ParameterError(
                 f"Parameter `preload` of `hand` must be at least {least:.4g} N, so that the "
-                f"flexors hold the joint springs, but is {self.preload:.4g} N."
+                f"flexors hold the joint springs and the weight, but is {self.preload:.4g} N."
             )
 
     def cautions(self) -> list[str]:
@@ -145,7 +164,7 @@ class Hand(AbstractMultibody):
         for i, size in enumerate(self.sizes()):
             angles, rates, accelerations = (_select_pair(numbers, i) for numbers in motion)
             rods = self._rods(size)
-            hung = hanging_rods(xp, *rods, angles, self.gravity)
+            hung = hanging_rods(xp, *rods, self._lean(i, angles), self.gravity)
             moved = two_rods(xp, *rods, angles, rates, accelerations) if self.moves else (0.0, 0.0)
             for k in range(2):
                 found.append(self._hold_joint(xp, angles[k], rates[k]) + hung[k] + moved[k])
@@ -157,7 +176,7 @@ class Hand(AbstractMultibody):
         lifted, moved = list[Scalar](), list[Scalar]()
         for i, size in enumerate(self.sizes()):
             rods, angles = self._rods(size), _select_pair(motion.position, i)
-            lifted.append(find_weight_energy(xp, *rods, angles, self.gravity))
+            lifted.append(find_weight_energy(xp, *rods, self._lean(i, angles), self.gravity))
             moved.append(find_kinetic_energy(xp, *rods, angles, _select_pair(motion.velocity, i)))
         return MechanicalEnergy(springs, sum_column(lifted), sum_column(moved))
 
@@ -165,9 +184,11 @@ class Hand(AbstractMultibody):
         """The preload of the flexors, and what balances it [N]."""
         found: list[Scalar] = []
         both = 2.0 if self.tendons == "passing" else 1.0
-        for size in self.sizes():
-            for flexors in (both, 1.0):
-                moment = flexors * self.offset * self.preload - self.torque * (1.0 / size)
+        for i, size in enumerate(self.sizes()):
+            leaning = self._lean(i, (0.0, 0.0))
+            hung = hanging_rods(xp, *self._rods(size), leaning, self.gravity) if self.weight == "given" else leaning
+            for flexors, lifted in zip((both, 1.0), hung, strict=True):
+                moment = flexors * self.offset * self.preload - (self.torque + lifted) * (1.0 / size)
                 found += [self.preload, moment * (1.0 / self.knuckle)]
         return found
 
@@ -175,20 +196,44 @@ class Hand(AbstractMultibody):
         """Fingers that hang from a palm, the thumb opposite to the others, and all tendons."""
         return drawn_hand(self, reading)
 
+    def touches(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
+        """How every phalanx stands to the cylinder."""
+        found: list[grasp.Touch] = []
+        for i, size in enumerate(self.sizes()):
+            inwards = 0.5 * self.span + (-self.cylinder_aside if i == 0 else self.cylinder_aside)
+            axis, reach = (self.cylinder_depth, inwards), self.cylinder_radius + 0.5 * size * self.thickness
+            lengths = size * self.proximal_length, size * self.distal_length
+            found += grasp.find_touches(xp, axis, reach, lengths, _select_pair(position, i))
+        return found
+
+    def _lean(self, finger: int, angles: Pair) -> Pair:
+        """Angles of a finger against gravity."""
+        if self.weight == "hanging":
+            return angles
+        return angles[0] + (self.tilt if finger == 0 else -self.tilt), angles[1]
+
     def _rods(self, size: Scalar) -> tuple[Rod, Rod]:
         heavier = size * size * size
+        if self.weight == "given":
+            near, far = self.proximal_centre, self.distal_centre
+            return (
+                Rod(size * self.proximal_length, heavier * self.proximal_mass, near, 1.0 / 12.0 + near * near),
+                Rod(size * self.distal_length, heavier * self.distal_mass, far, 1.0 / 12.0 + far * far),
+            )
         return (
             Rod(size * self.proximal_length, heavier * self.proximal_mass),
             Rod(size * self.distal_length, heavier * self.distal_mass),
         )
 
     def _hold_joint(self, xp: Namespace, angle: Scalar, rate: Scalar) -> Scalar:
-        stop = stop_torque(xp, angle, self.lowest, self.highest, self.stop)
+        rigid = self.contact != "springs"
+        stop = 0.0 if rigid else stop_torque(xp, angle, self.lowest, self.highest, self.stop)
         return self.torque + self.stiffness * angle + stop + self.damping * rate
 
     def _spring_energy(self, xp: Namespace, angle: Scalar) -> Scalar:
         """Of spring and stops of a joint [J]."""
-        stop = find_stop_energy(xp, angle, self.lowest, self.highest, self.stop)
+        rigid = self.contact != "springs"
+        stop = 0.0 if rigid else find_stop_energy(xp, angle, self.lowest, self.highest, self.stop)
         return (self.torque + 0.5 * self.stiffness * angle) * angle + stop
 
 

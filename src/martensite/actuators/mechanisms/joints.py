@@ -11,6 +11,9 @@ relative angles θ₁ and θ₂, is, with d = m₂ l₂²/3, b = m₂ l₁ l₂/
     τ₁ = (a + 2 b cos θ₂) θ₁'' + (d + b cos θ₂) θ₂'' - b sin θ₂ (2 θ₁' + θ₂') θ₂'
     τ₂ = (d + b cos θ₂) θ₁'' + d θ₂'' + b sin θ₂ θ₁'²
 
+A link whose centre of mass is at the share κ of its length, uniform about it, has κ in place of 1/2 and 1/12 + κ² in
+place of 1/3.
+
 Sign convention: angles grow as the tendon pulls. Textbook results.
 """
 
@@ -47,17 +50,21 @@ def find_stop_energy(xp: Namespace, angle: Scalar, lowest: Scalar, highest: Scal
 
 
 class Rod(NamedTuple):
-    """A uniform link of a length [m] and a mass [kg]."""
+    """A link of a length [m] and a mass [kg]."""
 
     length: Scalar
     mass: Scalar
+    centre: Scalar = 0.5
+    """Share of the length at which its centre of mass is."""
+    spread: Scalar = 1.0 / 3.0
+    """Moment of inertia about its hinge, in m l²."""
 
 
 def two_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair, accelerations: Pair) -> Pair:
     """Torques [N m] that accelerate two links in a row."""
-    end = second.mass * second.length * second.length * (1.0 / 3.0)
-    across = 0.5 * second.mass * first.length * second.length
-    base = (first.mass * (1.0 / 3.0) + second.mass) * first.length * first.length + end
+    end = second.mass * second.length * second.length * second.spread
+    across = second.centre * second.mass * first.length * second.length
+    base = (first.mass * first.spread + second.mass) * first.length * first.length + end
     c, s = across * xp.cos(angles[1]), across * xp.sin(angles[1])
     (v1, v2), (a1, a2) = rates, accelerations
     near = (base + 2.0 * c) * a1 + (end + c) * a2 - s * (2.0 * v1 + v2) * v2
@@ -66,22 +73,22 @@ def two_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair, 
 
 def hanging_rods(xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: Scalar) -> Pair:
     """Torques [N m] that hold two links against their weight; they hang down at angles zero."""
-    far = 0.5 * second.mass * second.length * xp.sin(angles[0] + angles[1])
-    near = (0.5 * first.mass + second.mass) * first.length * xp.sin(angles[0])
+    far = second.centre * second.mass * second.length * xp.sin(angles[0] + angles[1])
+    near = (first.centre * first.mass + second.mass) * first.length * xp.sin(angles[0])
     return gravity * (near + far), gravity * far
 
 
 def find_kinetic_energy(xp: Namespace, first: Rod, second: Rod, angles: Pair, rates: Pair) -> Scalar:
     """Kinetic energy [J] of two links in a row."""
-    end = second.mass * second.length * second.length * (1.0 / 3.0)
-    across = 0.5 * second.mass * first.length * second.length * xp.cos(angles[1])
-    base = (first.mass * (1.0 / 3.0) + second.mass) * first.length * first.length
+    end = second.mass * second.length * second.length * second.spread
+    across = second.centre * second.mass * first.length * second.length * xp.cos(angles[1])
+    base = (first.mass * first.spread + second.mass) * first.length * first.length
     near, both = rates[0], rates[0] + rates[1]
     return 0.5 * (base * near * near + end * both * both) + across * near * both
 
 
 def find_weight_energy(xp: Namespace, first: Rod, second: Rod, angles: Pair, gravity: Scalar) -> Scalar:
     """Energy [J] of two links lifted against their weight; they hang down at angles zero."""
-    far = 0.5 * second.mass * second.length * (1.0 - xp.cos(angles[0] + angles[1]))
-    near = (0.5 * first.mass + second.mass) * first.length * (1.0 - xp.cos(angles[0]))
+    far = second.centre * second.mass * second.length * (1.0 - xp.cos(angles[0] + angles[1]))
+    near = (first.centre * first.mass + second.mass) * first.length * (1.0 - xp.cos(angles[0]))
     return gravity * (near + far)

@@ -19,7 +19,7 @@ its coordinate up. Angles in rad.
 """
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from martensite.actuators.elements.base import AbstractElement, Effort
@@ -36,6 +36,7 @@ from martensite.actuators.mechanisms.base import (
     Readout,
 )
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_hanging
+from martensite.base.errors import ParameterError
 from martensite.base.parameters import option, param
 from martensite.kernels import floats
 from martensite.kernels.dual import compute_jacobian
@@ -63,6 +64,27 @@ class Assembled(NamedTuple):
     course: MotionHistory
     stiffness: tuple[Scalar, ...]
     """Of each element over the last step, transformation included [N/m]."""
+    reactions: tuple[Scalar, ...] = ()
+    """Of its unilateral constraints [N] or [N m]."""
+
+
+def find_balance(
+    missing: Callable[[Namespace, Column], Column], place: Sequence[float], loose: Sequence[int]
+) -> list[float]:
+    """A place near another where nothing is missing along its `loose` coordinates, on floats: Newton's method.
+
+    Raises:
+        ParameterError: there is none.
+    """
+    found = list(place)
+    for _ in range(100):
+        left, slopes = compute_jacobian(floats, missing, found)
+        change = solve_linear([[slopes[i][j] for j in loose] for i in loose], [[left[i] for i in loose]])[0]
+        for k, by in zip(loose, change, strict=True):
+            found[k] = found[k] - by
+        if all(abs(by) <= 1e-13 * (1.0 + abs(found[k])) for k, by in zip(loose, change, strict=True)):
+            return found
+    raise ParameterError("There is no place near home where elements and mechanism are in balance in that state.")
 
 
 class AbstractMultibody(AbstractMechanism):
@@ -101,6 +123,10 @@ class AbstractMultibody(AbstractMechanism):
     def transmission(self, xp: Namespace, motion: Motion) -> Column:
         """Share of each tension that arrives: less than 1 where friction resists it."""
         return [1.0] * len(self.ports())
+
+    def gaps(self, xp: Namespace, position: Column) -> Column:
+        """Gaps [m] or [rad] that never fall below zero; at home they are open, or just closed."""
+        return []
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy | None:
         """What it holds in a motion; without inertia, its kinetic energy does not count.
@@ -146,11 +172,75 @@ class AbstractMultibody(AbstractMechanism):
         """At home and at rest; with inertia, under the acceleration that the signals give it."""
         rest = (0.0,) * len(self.coordinates())
         place = tuple(self.home(xp))
-        pull = self.supply(xp, place, self.start_forces(xp), rest)
-        start = self.release(xp, Motion(place, rest, rest), pull, signals)
-        course = MotionHistory(place, rest, start, start) if self.moves else MotionHistory(place, rest)
+        course = self._begin(xp, Motion(place, rest, rest), self.start_forces(xp), signals)
         unknown = (0.0,) * len(elements)
-        return Assembled(tuple(self.assembled_elongations(xp, elongations)), course, unknown)
+        untouched = (0.0,) * len(self.gaps(xp, place))
+        return Assembled(tuple(self.assembled_elongations(xp, elongations)), course, unknown, untouched)
+
+    def initial_numbers(self) -> dict[str, str]:
+        """The coordinates, and if inertia counts their rates."""
+        found = {c.name: c.unit for c in self.coordinates()}
+        return found | {n: f"{c.unit}/s" for c, n in zip(self.coordinates(), self.rate_names(), strict=self.moves)}
+
+    def rate_names(self) -> tuple[str, ...]:
+        """What the rates of the coordinates are called; none without inertia."""
+        return tuple(f"{c.name}_rate" for c in self.coordinates()) if self.moves else ()
+
+    def put(
+        self, memory: Assembled, given: Mapping[str, float], loads: Sequence[Load], signals: Column
+    ) -> tuple[Assembled, list[float]]:
+        """It at given coordinates and rates, and the tensions there; elements that are too long hang slack.
+
+        A coordinate without inertia and damping is where the forces are in balance.
+
+        Raises:
+            ParameterError: such a coordinate is given, there is no balance, or something would overlap there.
+        """
+        rest = (0.0,) * len(self.coordinates())
+        rows = list(zip(self.coordinates(), self.home(floats), strict=True))
+        place = [given.get(c.name, home) for c, home in rows]
+        velocity = tuple(given.get(name, 0.0) for name in self.rate_names()) or rest
+        springs = [one.element.tangent(floats, one.state, one.element.force(one.state)) for one in loads]
+
+        def pull(xp: Namespace, position: Column) -> Column:
+            reach = [home - by for home, by in zip(memory.home, self.contraction(xp, position), strict=True)]
+            return [xp.maximum((r - s.free) / s.compliance, 0.0) for r, s in zip(reach, springs, strict=True)]
+
+        def missing(xp: Namespace, position: Column) -> Column:
+            needs = self.demand(xp, Motion(tuple(position), rest, rest), signals)
+            return [n - s for n, s in zip(needs, self.supply(xp, position, pull(xp, position), rest), strict=True)]
+
+        loose = [] if self.moves else self._list_loose(given)
+        place = find_balance(missing, place, loose) if loose else place
+        overlap = -min(self.gaps(floats, place), default=0.0)
+        if overlap > 1e-12:
+            raise ParameterError(
+                f"`{self.registered_name}` would overlap what it touches by {overlap:.3g} m or rad in that state; "
+                "give coordinates that are farther from its stops and its object."
+            )
+        forces = list(pull(floats, place))
+        return memory._replace(
+            course=self._begin(floats, Motion(tuple(place), velocity, rest), forces, signals)
+        ), forces
+
+    def _list_loose(self, given: Mapping[str, float]) -> list[int]:
+        """Coordinates that nothing holds back; `ParameterError` if one of them is given."""
+        count = len(self.coordinates())
+        held = self.dissipative(floats, Motion(tuple(self.home(floats)), (1.0,) * count, (0.0,) * count))
+        loose = [k for k, force in enumerate(held) if not force]
+        for name in (self.coordinates()[k].name for k in loose):
+            if name in given:
+                raise ParameterError(
+                    f"`{name}` of `{self.registered_name}` follows from its elements at once, since it has neither "
+                    'inertia nor damping; set `motion = "dynamic"`, or a `damping`.'
+                )
+        return loose
+
+    def _begin(self, xp: Namespace, motion: Motion, forces: Column, signals: Column) -> MotionHistory:
+        """The course of a motion that begins under tensions [N]."""
+        pull = self.supply(xp, motion.position, forces, motion.velocity)
+        start = self.release(xp, motion, pull, signals)
+        return MotionHistory(*motion[:2], start, start) if self.moves else MotionHistory(*motion[:2])
 
     def release(self, xp: Namespace, motion: Motion, supply: Column, signals: Column) -> tuple[Scalar, ...]:
         """Accelerations [of the coordinates] under given generalised forces."""
@@ -186,8 +276,8 @@ class AbstractMultibody(AbstractMechanism):
     ) -> tuple[Assembled, list[Any], StepReport]:
         """Memory and states of the elements after a step of dt [s], and how well it was solved."""
         step = condensed_step.CondensedStep(self, memory, loads, signals, dt)
-        course, stiffness, states, report = step.solve_position(xp)
-        return Assembled(memory.home, course, tuple(stiffness)), states, report
+        course, stiffness, reactions, states, report = step.solve_position(xp)
+        return Assembled(memory.home, course, tuple(stiffness), reactions), states, report
 
     def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
         """The tensions at the end of the last step, and the coordinates."""

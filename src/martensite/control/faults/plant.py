@@ -73,6 +73,10 @@ class Multiplied(AbstractCooling):
         """h [W/(m² K)], multiplied."""
         return self.factor * self.cooling.film(xp, temperature, ambient, shape)
 
+    def pumped(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
+        """As without the fault [W]: no draught changes what is pumped."""
+        return self.cooling.pumped(xp, temperature, ambient, shape)
+
 
 @FAULTS.register("draught")
 class Draught(AbstractPlantFault):
@@ -108,6 +112,10 @@ class Interrupted(AbstractSource):
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Current [A] of the source, if the contact is closed."""
         return self.contact * self.source.current(xp, drive, resistance)
+
+    def drawn(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """The same, as its supply sees it [A]."""
+        return self.contact * self.source.drawn(xp, drive, resistance)
 
 
 @FAULTS.register("open-circuit")

@@ -7,12 +7,13 @@ result has the columns `reference` and `wanted` of either.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from martensite.base.errors import InputError
 from martensite.base.parameters import part
 from martensite.control.controllers.base import AbstractController
 from martensite.control.loop.bench import Bench
@@ -36,6 +37,7 @@ from martensite.signals.base import AbstractDrive, AbstractWaveform
 from martensite.signals.held import Held
 from martensite.simulate.api import simulate
 from martensite.simulate.controlled_run import simulate_controlled
+from martensite.simulate.restarts import HOME, Restart
 
 if TYPE_CHECKING:
     from martensite.simulate.result import Result
@@ -53,12 +55,14 @@ def simulate_bench(
     seed: int | None = 0,
     runtime: str | None = None,
     watch: Callable[[float], None] | None = None,
+    start: Restart = HOME,
+    restart_at: Sequence[float] = (),
 ) -> Result:
-    """Run a bench from rest.
+    """Run a bench, from rest if nothing else is said.
 
     Args:
         bench: plant, sensors, observers, controllers, supervisor and faults.
-        duration: length of the run [s], at least a period; a warning says if the run ends at another
+        duration: end of the run [s], counted from 0, at least a period; a warning says if the run ends at another
             time, for it is no whole number of periods.
         outside: drives by name of what they drive that run outside of the kernel, such as a
             predictive controller; they are called once per period.
@@ -66,6 +70,8 @@ def simulate_bench(
         seed: of noise and jitter; None for a run without.
         runtime: floats, c or jax; by default c if there is a compiler.
         watch: called after every period with the share of the run that is done, if something runs outside.
+        start: where a run goes on from that a result kept.
+        restart_at: samples [s] at which a state is kept; not if something runs outside.
 
     Raises:
         InputError: a name or a unit does not fit.
@@ -74,6 +80,8 @@ def simulate_bench(
     played: dict[str, Any] = {**(waveforms or {}), **reference_waveforms(bench)}
     played |= noise_waveforms(bench, duration, seed)
     if outside:
+        if start is not HOME or restart_at:
+            raise InputError("A run whose controllers run outside keeps no states: there is nothing to go on from.")
         seeing = {name: Seeing(drive=drive) for name, drive in outside.items()}
         periods = round(duration / bench.period)
         length = periods * bench.period
@@ -81,7 +89,9 @@ def simulate_bench(
         return warn_of_end(_with_loops(found, bench, outside), duration, bench.period)
     chosen = runtime or ("c" if find_compiler() is not None else "floats")
     samples = int(duration / bench.period + 1e-6) + 1
-    found = simulate(bench, played, duration, samples=max(samples, 2), runtime=chosen)
+    found = simulate(
+        bench, played, duration, samples=max(samples, 2), runtime=chosen, start=start, restart_at=restart_at
+    )
     return warn_of_end(found, duration, bench.period)
 
 

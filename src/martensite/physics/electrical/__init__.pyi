@@ -2,6 +2,7 @@ from martensite.physics.electrical.resistances import FurstSeeleckeResistance as
 from martensite.physics.electrical.resistances import MixtureResistance as MixtureResistance
 from martensite.physics.electrical.resistances import PerLengthResistance as PerLengthResistance
 from martensite.physics.electrical.resistances import ThreePhaseResistance as ThreePhaseResistance
+from martensite.physics.electrical.shared_supply import SharedSupply as SharedSupply
 from martensite.physics.electrical.sources import CurrentSource as CurrentSource
 from martensite.physics.electrical.sources import LinearAmplifier as LinearAmplifier
 from martensite.physics.electrical.sources import PowerSource as PowerSource

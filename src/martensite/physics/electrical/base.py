@@ -85,6 +85,10 @@ class AbstractSource(Parametrised):
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm]; the rms value if it is pulsed."""
 
+    def drawn(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """Current [A] that it takes from its supply, in the mean if it is pulsed."""
+        return xp.abs(self.current(xp, drive, resistance))
+
     def heat(self, xp: Namespace, drive: Moments, resistance: Scalar) -> Heat:
         """Power in an element of `resistance` [ohm] under a drive with these moments.
 
@@ -163,6 +167,11 @@ class AbstractSwitch(AbstractSource):
     def closed_current(self, xp: Namespace, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm] while the switch is closed."""
         return xp.minimum(self.supply / (resistance + self.series_resistance), self.current_limit)
+
+    def drawn(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """Mean current [A]: that of the closed switch, for a share of the time."""
+        share = self.share(xp, drive, getattr(self, "frequency", 0.0))
+        return share * self.closed_current(xp, resistance)
 
     def share(self, xp: Namespace, drive: Scalar, frequency: Scalar) -> Scalar:
         """Share of the time for which the switch is closed under a duty.

@@ -170,10 +170,16 @@ class PowerPwm(AbstractSwitch):
 
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Rms current [A] for a drive in watt."""
+        return xp.sqrt(self._duty(xp, drive, resistance)) * self.closed_current(xp, resistance)
+
+    def drawn(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+        """Mean current [A] for a drive in watt."""
+        return self._duty(xp, drive, resistance) * self.closed_current(xp, resistance)
+
+    def _duty(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         known = self._known(resistance)
         most = self.closed_current(xp, known)
-        duty = xp.clip(drive / (most * most * known), 0.0, 1.0)
-        return xp.sqrt(duty) * self.closed_current(xp, resistance)
+        return xp.clip(drive / (most * most * known), 0.0, 1.0)
 
     def reach(self, resistance: float) -> SignalRange:
         """Demands [W] that lead to a duty of at most 1."""

@@ -2,6 +2,8 @@ from martensite.physics.fluids.air import Air as Air
 from martensite.physics.fluids.air import AirTable as AirTable
 from martensite.physics.fluids.oil import Oil as Oil
 from martensite.physics.fluids.water import Water as Water
+from martensite.physics.thermal.active_cooling import Fan as Fan
+from martensite.physics.thermal.active_cooling import Peltier as Peltier
 from martensite.physics.thermal.base import Cylinder as Cylinder
 from martensite.physics.thermal.base import Environment as Environment
 from martensite.physics.thermal.convection import ChurchillBernstein as ChurchillBernstein

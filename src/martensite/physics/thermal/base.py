@@ -1,14 +1,20 @@
-"""What every heat-loss model answers: the film coefficient h(T) over the lateral surface."""
+"""What every heat-loss model answers: the film coefficient h(T) over the lateral surface.
+
+A model may have a signal of its own, such as the speed of the air of a fan (`active_cooling`): a system drives it
+beside its sources. One that pumps heat whatever the temperature of the surroundings says so apart (`pumped`).
+"""
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple, Self
 
 from martensite.base.parameters import Parametrised, param, part
 from martensite.base.registry import Registry
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.fluids.base import AbstractFluid
+from martensite.signals.moments import Moments
 
 COOLING: Registry[AbstractCooling] = Registry("cooling", "martensite.physics.thermal", typical="constant")
 
@@ -26,6 +32,26 @@ class AbstractCooling(Parametrised):
     @abstractmethod
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """Film coefficient h [W/(m² K)] of a cylinder at `temperature` in `ambient` [K]."""
+
+    def pumped(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
+        """Heat flow [W] out of a cylinder that its film does not carry; None if there is no such thing."""
+        return None
+
+    def signals(self) -> dict[str, str]:
+        """Names of the signals that drive it, with their units: those of the models in it."""
+        return {name: unit for _, model in self._models() for name, unit in model.signals().items()}
+
+    def driven(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> AbstractCooling:
+        """The model under its signals, as they are at an instant or over a step."""
+        return self.drive_models(xp, signals)
+
+    def drive_models(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> Self:
+        """Itself, with the models in it under their signals."""
+        found = {name: model.driven(xp, signals) for name, model in self._models() if model.signals()}
+        return self.rebuilt(found) if found else self
+
+    def _models(self) -> Iterator[tuple[str, AbstractCooling]]:
+        return ((name, child) for name, child in self.children() if isinstance(child, AbstractCooling))
 
 
 class Environment(Parametrised):

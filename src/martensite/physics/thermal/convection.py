@@ -162,7 +162,16 @@ class ChurchillBernstein(AbstractCooling):
 
     def nusselt(self, xp: Namespace, reynolds: Scalar, prandtl: Scalar) -> Scalar:
         """Mean Nusselt number on the diameter [-]."""
-        damping = raise_constant(xp, 1.0 + raise_constant(xp, 0.4 / prandtl, 2.0 / 3.0), 0.25)
-        laminar = 0.62 * xp.sqrt(reynolds) * raise_constant(xp, prandtl, 1.0 / 3.0) / damping
-        turbulent = raise_constant(xp, 1.0 + raise_constant(xp, reynolds * (1.0 / 282000.0), 5.0 / 8.0), 0.8)
-        return 0.3 + laminar * turbulent
+        return STILL_NUSSELT + correlate_stream(xp, reynolds, prandtl)
+
+
+STILL_NUSSELT = 0.3
+"""Nu of `churchill-bernstein` without a stream."""
+
+
+def correlate_stream(xp: Namespace, reynolds: Scalar, prandtl: Scalar) -> Scalar:
+    """What a stream adds to the mean Nusselt number of a wire across it [-]."""
+    damping = raise_constant(xp, 1.0 + raise_constant(xp, 0.4 / prandtl, 2.0 / 3.0), 0.25)
+    laminar = 0.62 * xp.sqrt(reynolds) * raise_constant(xp, prandtl, 1.0 / 3.0) / damping
+    turbulent = raise_constant(xp, 1.0 + raise_constant(xp, reynolds * (1.0 / 282000.0), 5.0 / 8.0), 0.8)
+    return laminar * turbulent

@@ -22,3 +22,5 @@ from martensite_sweep.cycle_energies import plot_energy as plot_energy
 from martensite_sweep.figures import plot_sweep as plot_sweep
 from martensite_sweep.response_figures import plot_frequency_response as plot_frequency_response
 from martensite_sweep.response_figures import plot_speeds as plot_speeds
+from martensite_sweep.steady.figures import plot_cycle as plot_cycle
+from martensite_sweep.steady.figures import plot_response as plot_response

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any
 
 from martensite_studies.finger import bench
 from martensite_studies.tables import Printed
 
-SLOW = 0.1
-"""Frequency of a slower loop, as a share of that of the paper."""
+SLOW, SLOWEST = 0.1, 0.03
+"""Frequencies of slower loops, as shares of that of the paper."""
 OTHER_ARM = 16e-3
+CLOSE = 1.1
+"""Ratio of widths up to which a loop counts as quasi-stationary."""
 LATENT = (8e3, 0.0)
 """Latent heats tried beside that of Table 1 [J/kg]."""
 
@@ -18,7 +21,11 @@ def compute_loop(printed: Printed) -> dict[str, Any]:
     """Width against a slow loop, temperature against power, latent heat."""
     here = bench.build_finger().value_of("mechanism.arm")
     return {
-        "widths": [_list_widths(printed, arm) for arm in (here, OTHER_ARM)],
+        "widths": (widths := [_list_widths(printed, arm) for arm in (here, OTHER_ARM)]),
+        "near": SimpleNamespace(**widths[0]),
+        "far": SimpleNamespace(**widths[1]),
+        "calm_frequency": calm_frequency(printed),
+        "calm_percent": 100.0 * (CLOSE - 1.0),
         "proportional": temperature_lag(printed, None),
         "other_lag": temperature_lag(printed, OTHER_ARM),
         "other_arm": 1e3 * OTHER_ARM,
@@ -39,6 +46,13 @@ def loop_widths(printed: Printed, arm: float | None) -> tuple[float, float, floa
         bench.loop_width(bench.run_loop(SLOW * printed.frequency, arm, printed)),
         bench.loop_width(bench.run_loop(printed.frequency, arm, printed, bench.STATIC)),
     )
+
+
+def calm_frequency(printed: Printed) -> float:
+    """Largest frequency of those tried whose loop is hardly wider than one without stored heat [Hz]; 0 if none is."""
+    static = bench.loop_width(bench.run_loop(printed.frequency, None, printed, bench.STATIC))
+    tried = (share * printed.frequency for share in (1.0, SLOW, SLOWEST))
+    return next((f for f in tried if bench.loop_width(bench.run_loop(f, None, printed)) <= CLOSE * static), 0.0)
 
 
 def latent_width(latent: float, printed: Printed) -> float:

@@ -21,12 +21,15 @@ HOT = (340.0, 355.0, 370.0)
 LOADS = (50e6, 150e6)
 """Stresses of the isobaric cycles [Pa]."""
 ALL_STRETCH = 0.05
+MEAN_KELVIN = 325.0
+"""Temperature at which latent heat and slope are compared [K]."""
 
 
 def compute_wire(printed: Printed) -> dict[str, Any]:
     """Heat first, then the law, then the mounting."""
     per_kelvin = bench.surface_conductance(printed)
     path, half = stretched_cold(printed.ambient), 501
+    rest = bench.run_bending(printed.powers[0], min(printed.offsets), printed)
     return {
         "steady": [
             {
@@ -45,8 +48,12 @@ def compute_wire(printed: Printed) -> dict[str, Any]:
         "residual_strain": path.strain[-1],
         "cold_plateau": passing_time(path.stress[:half], path.strain[:half], 0.02) / 1e6,
         "cold_threshold": threshold_stress(printed.ambient) / 1e6,
+        "cold_limit": max(0.0, threshold_stress(printed.ambient)) / 1e6,
         "isobars": [_list_isobar(stress) for stress in LOADS],
         "no_reference_strain": -printed.E_M * printed.eps_T / 1e6,
+        "rest_stress": bench.column_at(rest, "stress", 0.0) / 1e6,
+        "consistent_heat": MEAN_KELVIN * printed.eps_T * _law_number("dsigma_dT") / bench.get_wire().density,
+        "mean_kelvin": MEAN_KELVIN,
         "least_r": 1e3 * min(printed.offsets),
         "weight": weight_stress(printed) / 1e6,
     }

@@ -131,8 +131,14 @@ def compute_wrong(printed: Printed) -> dict[str, Any]:
         "close": close,
         "close_slope": close.fit["dsigma_dT"] / 1e6,
         "dry": dry,
+        "hysteresis": [
+            {
+                "printed_hysteresis": table_numbers(printed)["Delta_sigma"],
+                "dry_hysteresis": dry.fit["Delta_sigma"],
+                "dry_rms": dry.rms,
+            }
+        ],
         "no_latent_heat": dry.fit["Delta_sigma"] / 1e6,
-        "table_hysteresis": table_numbers(printed)["Delta_sigma"] / 1e6,
         "sure_hysteresis": SURE * parameter_errors(NEAR, printed).numbers["Delta_sigma"] / 1e6,
     }
 
@@ -153,7 +159,6 @@ def compute_effects(printed: Printed) -> dict[str, Any]:
     found, names = single_effects(printed), printed.searched.column("name")
     first = list(found)[: len(names)]
     return {
-        "searched_count": float(len(names)),
         "chosen": float(len(set(first) & set(names))),
         "effects": ", ".join(f"{name} {size:.2g}°" for name, size in found.items()),
     }

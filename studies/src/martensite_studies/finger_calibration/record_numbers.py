@@ -27,7 +27,6 @@ def compute_record(printed: Printed) -> dict[str, Any]:
     slopes = [one.numbers["dsigma_dT"] for one in (near, joint)]
     pair = ("Delta_sigma", "dsigma_dT")
     return {
-        "searched_count": float(count),
         "count": float(count - sum(one.exact for one in weak)),
         "lost": " ".join(one.sentence for one in weak),
         "again": [row for data in EVERY for row in list_again(data, printed)],

@@ -34,6 +34,8 @@ def compute_loop(*, full: bool) -> dict[str, Any]:
         ],
         "whole_steady": abs(pairs[-1][1].error),
         "sine": sine,
+        "heated_microns": 1e6 * sine.apart_heated,
+        "unheated_microns": 1e6 * sine.apart_unheated,
         "sine_heating": heating,
         "sine_cooling": cooling,
         "slower": [{"percent": first_step_share()}] if full else [],
@@ -54,7 +56,8 @@ def first_step_share() -> float:
 def compute_trap() -> dict[str, float]:
     """A model without a rest, and the bench under gains tuned on it."""
     still = loops.build_controlled(LOOSE).chain.simulate(np.zeros((1, 1)))[0, -1]
-    return {"rest": float(still), "way": loops.travel_under(loops.find_gains(LOOSE).gains)}
+    both = loops.compare_steps(LOOSE)
+    return {"rest": float(still), "way": float(np.ptp(both.bench.output)), "likeness": both.likeness}
 
 
 def _list_other(name: str) -> dict[str, Any]:

@@ -7,7 +7,6 @@ from functools import cache
 
 import numpy as np
 
-from martensite.control.controllers.pid import Gains
 from martensite.design.tuning.closed_loop import ControlledModel, Trajectory
 from martensite.design.tuning.measures import StepResponse, measure_steps
 from martensite.design.tuning.tuning import TunedGains, tune_model
@@ -63,6 +62,16 @@ class Sines:
         """Of the bench against the model [m]."""
         return _counted_rms(self.bench.output - self.model.output)
 
+    @property
+    def apart_heated(self) -> float:
+        """The same where the controller heats the bench, and can do something about it [m]."""
+        return _counted_rms(self.bench.output - self.model.output, self.bench.signal > 0.0)
+
+    @property
+    def apart_unheated(self) -> float:
+        """The same where its duty is 0 and the bench cools by itself [m]."""
+        return _counted_rms(self.bench.output - self.model.output, self.bench.signal <= 0.0)
+
 
 def _counted_rms(error: np.ndarray, where: np.ndarray | None = None) -> float:
     """Over the samples that count, or those of them where a flag holds."""
@@ -98,8 +107,3 @@ def compare_sines(name: str) -> Sines:
     """Both on a sine."""
     reference, found = loop.sine_reference(), find_gains(name).gains
     return Sines(build_controlled(name).run(found, reference), loop.run_controlled(found, reference))
-
-
-def travel_under(found: Gains) -> float:
-    """How far the bench gets under some gains [m]."""
-    return float(np.ptp(loop.run_controlled(found, loop.step_reference()).output))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from martensite.scenario.examples import EXAMPLES
 from martensite.studies.base import STUDIES
-from martensite_studies.migaone.bench import SCENARIO
 from martensite_studies.tables import TableStudy
 
 
@@ -11,4 +11,4 @@ from martensite_studies.tables import TableStudy
 class MigaOne(TableStudy):
     """The MigaOne-15 paper rebuilt: geometry, h(T), steady states, sine response, speed."""
 
-    scenario_files = (str(SCENARIO),)
+    scenario_files = (str(EXAMPLES / "migaone.toml"),)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,6 +13,8 @@ from martensite_studies.tables import Printed
 
 OTHER_AMBIENT = 41.0
 """Another ambient temperature, to see what rests on the printed one [°C]."""
+ROUNDING = 0.25
+"""What the temperatures of Table 2, most of them printed in steps of 0.5 K, may be off [K]."""
 
 
 def compute_film(printed: Printed) -> dict[str, Any]:
@@ -19,13 +22,18 @@ def compute_film(printed: Printed) -> dict[str, Any]:
     constant = steady_errors("constant", printed)
     films = films_at_ambient(OTHER_AMBIENT, printed)
     tilted = fit_film(printed.steps.column("temperature"), films, terms=(0, 1))
-    errors = zip(printed.steps, steady_errors("polynomial", printed), strict=True)
+    errors = steady_errors("polynomial", printed)
     return {
+        "rounding": ROUNDING,
+        "margin": rounding_margin(printed),
         "quadratic": _name_coefficients(fit_quadratic(printed)),
         "no_linear": _name_coefficients(no_linear(printed)),
         "line": _name_coefficients(fit_straight(printed)),
         "r2_printed": printed_r_squared(printed),
-        "steady": [vars(step) | {"found": step.temperature + error} for step, error in errors],
+        "steady": [
+            vars(step) | {"found": step.temperature + error} for step, error in zip(printed.steps, errors, strict=True)
+        ],
+        "steady_error": max(map(abs, errors)),
         "steady_constant_h": max(constant, key=abs),
         "constant_errors": ", ".join(f"{error:+.1f}" for error in constant),
         "ambient_sensitivity": tilted.coefficients[1],
@@ -53,6 +61,17 @@ def fit_quadratic(printed: Printed) -> FilmFit:
 def no_linear(printed: Printed) -> FilmFit:
     """Constant and square fitted, as the printed coefficients suggest was done."""
     return fit_film(*_table_points(printed), terms=(0, 2))
+
+
+def rounding_margin(printed: Printed) -> float:
+    """How far h₀ of `no_linear` moves at most if the printed temperatures are rounded [W/(m² K)]."""
+    temperatures, films = _table_points(printed)
+    fits = (
+        fit_film([t + sign * ROUNDING for t, sign in zip(temperatures, signs, strict=True)], films, terms=(0, 2))
+        for signs in product((-1.0, 1.0), repeat=len(films))
+    )
+    middle = no_linear(printed).coefficients[0]
+    return max(abs(fit.coefficients[0] - middle) for fit in fits)
 
 
 def fit_straight(printed: Printed) -> FilmFit:

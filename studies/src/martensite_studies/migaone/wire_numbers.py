@@ -27,9 +27,8 @@ def compute_wire(printed: Printed) -> dict[str, Any]:
         "volume_ratio": volume / printed.volume,
         "first": first,
         "last": last,
-        "heated": [
-            {"voltage": volts, "equivalent": bench.equivalent_resistance(volts, printed)} for volts in (first, last)
-        ],
+        "resistance_first": bench.equivalent_resistance(first, printed),
+        "resistance_last": bench.equivalent_resistance(last, printed),
         "resistance_series": series_resistance(last, printed),
         "series_first": series_resistance(first, printed),
     }

@@ -18,9 +18,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from martensite import simulate
 from martensite.actuators.mechanisms.beam_motor import BeamMotor
+from martensite.signals.sampling.sampled import Numbers
 from martensite_studies.sommerfeld.machines import natural_frequency
 from martensite_studies.tables import Printed
+
+AMPLITUDE = 0.054
+"""Peak amplitude of the ramp without the wire [m]: the whole millimetres near the printed 0.052 m, "approximately", of
+which the printed reduction leaves whole millimetres."""
 
 
 @dataclass(frozen=True)
@@ -47,21 +53,20 @@ def voltage_at(motor: BeamMotor, speed: float) -> float:
 
 
 def find_folds(motor: BeamMotor) -> tuple[Fold, Fold]:
-    """Upward and downward fold: the maximum of V near √(k/M), and the minimum above it."""
+    """Upward and downward fold: where V(ω), followed from below √(k/M), turns back and turns back again."""
     peak = natural_frequency(motor)
-    upper = _find_extreme(motor, 0.8 * peak, 1.02 * peak, 1.0)
-    lower = _find_extreme(motor, upper, 5.0 * peak, -1.0)
-    return Fold(upper, voltage_at(motor, upper)), Fold(lower, voltage_at(motor, lower))
 
+    def missing(unknowns: Numbers) -> float:
+        return voltage_at(motor, float(unknowns[0])) - float(unknowns[1])
 
-def _find_extreme(motor: BeamMotor, low: float, high: float, sign: float) -> float:
-    """Speed at which sign · V is largest: golden section, V being unimodal in between."""
-    share = 0.5 * (math.sqrt(5.0) - 1.0)
-    for _ in range(100):
-        a, b = high - share * (high - low), low + share * (high - low)
-        rises = sign * voltage_at(motor, a) < sign * voltage_at(motor, b)
-        low, high = (a, high) if rises else (low, b)
-    return 0.5 * (low + high)
+    def sizes(unknowns: Numbers) -> tuple[float, float]:
+        """Of a speed its distance from the resonance, or the width of that."""
+        return math.hypot(float(unknowns[0]) - peak, motor.damping / motor.mass), abs(float(unknowns[1]))
+
+    begin, most = 0.8 * peak, 2.0 * voltage_at(motor, peak)
+    curve = simulate.trace_curve(missing, [begin, voltage_at(motor, begin)], 0.0, most, sizes=sizes)
+    (upper, above), (lower, below) = curve.folds.tolist()[:2]
+    return Fold(upper, above), Fold(lower, below)
 
 
 @dataclass(frozen=True)
@@ -80,11 +85,9 @@ def calibrate_beam(printed: Printed) -> RampCalibration:
     """M from the measured frequency, c from the amplitude, R from the jump voltage."""
     omega = 2.0 * math.pi * printed.measured_frequency
     moment = printed.unbalance * printed.eccentricity
-    torque = 0.5 * moment * omega**2 * printed.amplitude
+    torque = 0.5 * moment * omega**2 * AMPLITUDE
     left = printed.jump - printed.constant * omega
-    return RampCalibration(
-        printed.stiffness / omega**2, moment * omega / printed.amplitude, printed.constant * left / torque
-    )
+    return RampCalibration(printed.stiffness / omega**2, moment * omega / AMPLITUDE, printed.constant * left / torque)
 
 
 def required_changes(printed: Printed) -> tuple[float, float]:

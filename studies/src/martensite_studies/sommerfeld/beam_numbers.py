@@ -10,6 +10,8 @@ from martensite_studies.tables import Printed
 
 FIRST = 6.0
 """Voltage at which the search on the grid begins [V]."""
+MASS_ROUNDING = 0.005
+"""Half of the last printed digit of the masses [kg]."""
 UP, DOWN = (0.5, 90.0), (0.02, (2.0, 0.8))
 """Sweeps with Table 3: rate [V/s], and end or both ends [V]."""
 
@@ -30,6 +32,7 @@ def compute_beam(printed: Printed) -> dict[str, Any]:
         "captured_rk4": rk4.last_captured(wrong, printed.simulated_jump - 0.1),
         "step_limit": 1e3 * rk4.step_limit(right),
         "step_bound": 1e3 * (rk4.INTERVAL * printed.inductance / printed.resistance),
+        "energy_percent": 100.0 * rk4.energy_drift(wrong),
         "energy_lagrange": rk4.energy_drift(right),
         "energy_printed": rk4.energy_drift(wrong),
         "upper": upper,
@@ -46,7 +49,14 @@ def compute_beam(printed: Printed) -> dict[str, Any]:
 
 def compute_frequencies(printed: Printed) -> dict[str, float]:
     """Stiffness [N/m] of the beam, and its natural frequencies [Hz] with both printed masses."""
-    hertz = 1.0 / (2.0 * math.pi)
-    pairs = ((printed.mass, printed.stiffness), (printed.second_mass, printed.computed_stiffness))
-    found = {f"frequency_{m:.2f}kg": hertz * math.sqrt(k / m) for m, k in pairs}
-    return {"stiffness": machines.build_beam(printed).stiffness, **found}
+    other, found = (
+        math.sqrt(k / m) / (2.0 * math.pi)
+        for m, k in ((printed.mass, printed.stiffness), (printed.second_mass, printed.computed_stiffness))
+    )
+    return {
+        "stiffness": machines.build_beam(printed).stiffness,
+        "frequency": found,
+        "other_frequency": other,
+        "frequency_margin": 0.5 * found * MASS_ROUNDING / printed.second_mass,
+        "needed_mass": printed.computed_stiffness / (2.0 * math.pi * printed.analytical_frequency) ** 2,
+    }

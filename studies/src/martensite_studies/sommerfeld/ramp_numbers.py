@@ -24,7 +24,7 @@ def compute_ramp(printed: Printed) -> dict[str, Any]:
         "up_rate": beam_numbers.UP[0],
         "ramp_table_3": runs.run_upward(machines.printed_motor(printed), *beam_numbers.UP).jump,
         "calibration": averages.calibrate_beam(printed),
-        "amplitude_mm": 1e3 * printed.amplitude,
+        "amplitude_mm": 1e3 * averages.AMPLITUDE,
         "rate": wire.RATE,
         "ramp_jump": without.jump,
         "ramp_amplitude": without.peak,
@@ -37,15 +37,9 @@ def compute_ramp(printed: Printed) -> dict[str, Any]:
 
 def compare_jumps(printed: Printed) -> dict[str, float]:
     """What follows from printed numbers alone."""
-    before, after = whole_millimetres(printed)
+    _, after = whole_millimetres(printed)
     sooner = printed.jump - printed.jump_with_wire
-    return {
-        "earlier": sooner,
-        "text_mm": 1e3 * printed.amplitude_in_text,
-        "amplitude_in_text": float(before),
-        "left_mm": after,
-        "current_drop_table_3": sooner / printed.resistance,
-    }
+    return {"earlier": sooner, "left_mm": after, "current_drop_table_3": sooner / printed.resistance}
 
 
 def whole_millimetres(printed: Printed) -> tuple[int, int]:

@@ -9,14 +9,14 @@ Film coefficient and steady balance (thesis, equations 3.1 to 3.4):
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
 
+from martensite import simulate as simulation
 from martensite.kernels import floats
 from martensite.physics.fluids.air import ROWS, AirTable
-from martensite.physics.thermal.base import Cylinder
+from martensite.physics.thermal.base import Cylinder, Environment
 from martensite.physics.thermal.convection import LeFevreEde
 from martensite.scenario.scenario import Scenario, load
 from martensite.signals.constant import Constant
@@ -56,22 +56,20 @@ def printed_film(row: Printed, printed: Printed, ambient: float = AMBIENT) -> fl
     return nusselt * row.conductivity / size
 
 
+def _surroundings(ambient: float) -> Environment:
+    """Air at an ambient temperature [°C], with the correlation."""
+    return Environment(temperature=ambient + ZERO, cooling=COOLING)
+
+
 def film_coefficient(temperature: float, ambient: float, printed: Printed) -> float:
     """h of the correlation with the textbook's air [W/(m² K)]; temperatures in °C."""
-    return COOLING.film(floats, temperature + ZERO, ambient + ZERO, _wire_shape(printed))
+    shape, around = _wire_shape(printed), _surroundings(ambient)
+    return simulation.find_film_coefficient(shape, temperature=temperature + ZERO, environment=around)
 
 
-def steady_temperature(
-    power: float, ambient: float, printed: Printed, h: Callable[[float], float] | None = None
-) -> float:
-    """Root of power = h(T) S (T - T_a) [°C]; h from the correlation unless given."""
-    low, high = ambient, ambient + 2000.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        coefficient = film_coefficient(middle, ambient, printed) if h is None else h(middle)
-        lost = coefficient * lateral_surface(printed) * (middle - ambient)
-        low, high = (middle, high) if lost < power else (low, middle)
-    return 0.5 * (low + high)
+def steady_temperature(power: float, ambient: float, printed: Printed) -> float:
+    """Root of power = h(T) S (T - T_a) [°C], with h from the correlation."""
+    return simulation.find_steady_temperature(_wire_shape(printed), power, environment=_surroundings(ambient)) - ZERO
 
 
 def implied_ambient(row: Printed) -> float:
@@ -81,6 +79,15 @@ def implied_ambient(row: Printed) -> float:
         if row.conductivity <= last:
             at = low + (high - low) * (row.conductivity - first) / (last - first)
             return 2.0 * at - row.temperature
+    return math.nan
+
+
+def textbook_prandtl(row: Printed) -> float:
+    """Prandtl number of a textbook's air that conducts as a row."""
+    table = [(entry[1], entry[3]) for entry in ROWS["textbook"]]
+    for (low, first), (high, last) in pairwise(table):
+        if row.conductivity <= high:
+            return first + (last - first) * (row.conductivity - low) / (high - low)
     return math.nan
 
 

@@ -1,0 +1,195 @@
+"""An element alone as a system: elongation, surroundings and drive in; force, temperature, resistance out.
+
+Its elongation [m] counts from the state in which it is mounted under a preload F₀. At the end of every step
+
+    F = (e₀ + e - free)/compliance     while taut, else F = 0,
+
+with the spring that the element is at its phase fractions and temperature: the testing machine of this library with a
+rigid frame. Heat, law and resistance are solved with it, as in every run. What the moving end does is the host's.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from martensite.actuators.assembly import AbstractSystem, Actuator, Feed, System
+from martensite.actuators.assembly.base import DriveSignal
+from martensite.actuators.assembly.ledger import Entries
+from martensite.actuators.elements.base import AbstractElement, Effort, Pull, Spring, equilibrium_force
+from martensite.actuators.mechanisms.base import (
+    AbstractMechanism,
+    Column,
+    Load,
+    MechanicalEnergy,
+    Mechanics,
+    Output,
+    Readout,
+)
+from martensite.base.errors import InputError, suggest_name
+from martensite.base.parameters import option, param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.laws.coupling import StepReport
+
+
+class MountedEnd(NamedTuple):
+    """What a moved end remembers."""
+
+    elongation: Scalar
+    """e₀ of the element as mounted [m]."""
+
+
+class MovedEnd(AbstractMechanism):
+    """The end of an element, which somebody else moves."""
+
+    preload: Scalar = param("N", "force as mounted", low=0.0, high=1e6, default=0.0)
+    velocity: str = option("whether its velocity is a signal too", "none", "given", default="none")
+
+    def signals(self) -> dict[str, str]:
+        """How far the end is from where it was mounted, and how quickly it moves, for who carries it on in time."""
+        return {"elongation": "m"} | ({"velocity": "m/s"} if self.velocity == "given" else {})
+
+    def outputs(self) -> dict[str, Output]:
+        """The stiffness of the element at frozen fractions and temperature."""
+        return {"stiffness": Output("N/m", "stiffness at frozen phase fractions and temperature", "k")}
+
+    def convergence_scales(self) -> dict[str, float]:
+        """None of its own: its force is judged with the stress of the element."""
+        return {}
+
+    def start_forces(self, xp: Namespace) -> Column:
+        """The preload [N]."""
+        return [self.preload]
+
+    def init(
+        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
+    ) -> MountedEnd:
+        """The elongation as mounted."""
+        return MountedEnd(elongations[0])
+
+    def advance(
+        self, xp: Namespace, memory: MountedEnd, loads: Sequence[Load], signals: Column, dt: Scalar
+    ) -> tuple[MountedEnd, list[Any], StepReport]:
+        """The element solves the step by itself, its end where it is moved to."""
+        ((element, state, heating),) = loads
+        after, report = element.advance(xp, state, heating, self._pull(memory, signals), dt)
+        return memory, [after], report
+
+    def observe(self, xp: Namespace, memory: MountedEnd, loads: Sequence[Load], signals: Column) -> Readout:
+        """The force in the state reached, with the end where it is now."""
+        ((element, state, _),) = loads
+
+        def tangent(xp: Namespace, force: Scalar) -> Spring:
+            return element.tangent(xp, state, force)
+
+        force = equilibrium_force(xp, tangent, self._pull(memory, signals), element.force(state), element.passes)
+        taut = xp.where(force > 0.0, 1.0, 0.0)
+        return [force], [taut / element.tangent(xp, state, force).compliance]
+
+    def mechanics(self, xp: Namespace, memory: MountedEnd, loads: Sequence[Load], signals: Column) -> Mechanics:
+        """The end works against who moves it; where the element is slack, without a force."""
+        ((element, state, _),) = loads
+        force = element.force(state)
+        taut = memory.elongation - element.elongation(xp, state, force)
+        ways = (xp.where(force > 0.0, taut, -signals[0]),)
+        return Mechanics(MechanicalEnergy(), ways, outside=(Effort(-force, signals[0]),))
+
+    def _pull(self, memory: MountedEnd, signals: Column) -> Pull:
+        """The end as the element sees it."""
+
+        def meet(xp: Namespace, spring: Spring) -> Scalar:
+            force = (memory.elongation + signals[0] - spring.free) / spring.compliance
+            return xp.where(force < 0.0, 0.0, force)
+
+        return meet
+
+
+class ElementPort(System):
+    """An element with an end that is moved, in surroundings whose temperature is given."""
+
+    def drives(self) -> list[DriveSignal]:
+        """Its drive, what its end does, and the ambient temperature."""
+        return [*super().drives(), DriveSignal("ambient", "K", False)]
+
+    def outputs(self) -> dict[str, Output]:
+        """Those of a system, and the ambient temperature."""
+        return super().outputs() | {"ambient": Output("K", "ambient temperature", "T_a")}
+
+    def description(self) -> str:
+        """Such as `wire (brinson) with a moved end, driven by power`."""
+        names = f"{self.element.registered_name} ({self.element.law.registered_name})"
+        return f"{names} with a moved end, driven by {self.source.registered_name}"
+
+    def list_cautions(self) -> list[str]:
+        """What a host should know; nothing: it cannot be pushed."""
+        return []
+
+    def init(self, xp: Namespace, *drives: Scalar) -> Any:
+        """As mounted, at rest in its surroundings."""
+        return super(ElementPort, self._placed(drives)).init(xp, *drives[:-1])
+
+    def step(self, xp: Namespace, state: Any, *drives: Scalar | Feed, dt: Scalar) -> tuple[Any, StepReport]:
+        """Advance by dt [s]."""
+        return super(ElementPort, self._placed(drives)).step(xp, state, *drives[:-1], dt=dt)
+
+    def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
+        """Everything that can be measured, and the ambient temperature."""
+        return [*super(ElementPort, self._placed(drives)).observe(xp, state, *drives[:-1]), drives[-1]]
+
+    def flows(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> Scalar:
+        """Power [W] into the element."""
+        return super(ElementPort, self._placed(drives)).flows(xp, state, *drives[:-1])
+
+    def heat_contents(self, xp: Namespace, state: Any) -> list[Scalar | None]:
+        """That of the element, at its drive."""
+        return [*super().heat_contents(xp, state), None]
+
+    def entries(self, xp: Namespace, state: Any, *drives: Scalar) -> Entries:
+        """What is known of its energy."""
+        return super(ElementPort, self._placed(drives)).entries(xp, state, *drives[:-1])
+
+    def _placed(self, drives: Sequence[Any]) -> ElementPort:
+        """Itself where it is as warm as the last of the drives says."""
+        return self.rebuilt({"environment.temperature": drives[-1]})
+
+
+def build_element_port(
+    system: AbstractSystem, *, port: str | None = None, preload: float | None = None, velocity: str = "none"
+) -> ElementPort:
+    """An element of a system, with its source and surroundings, whose end a host moves.
+
+    Args:
+        system: whose elements there are to choose from.
+        port: where the element stands; may be left out where there is but one.
+        preload: force [N] under which it is mounted; by default that under which the system begins.
+        velocity: `given` if that of its end is an input too.
+
+    Raises:
+        InputError: there is no such port, or none was chosen among several.
+    """
+    from martensite.kernels import floats
+
+    actuator, place = choose_actuator(system, port)
+    if preload is None:
+        preload = float(system.mechanism.start_forces(floats)[place])
+    end = MovedEnd(preload=preload, velocity=velocity)
+    return ElementPort(
+        element=actuator.element, environment=actuator.environment, source=actuator.source, mechanism=end
+    )
+
+
+def choose_actuator(system: AbstractSystem, port: str | None) -> tuple[Actuator, int]:
+    """The actuator at a port of a system, and the place of the port.
+
+    Raises:
+        InputError: there is no such port, or none was chosen among several.
+    """
+    found = system.actuators()
+    if not found:
+        raise InputError("This system has no element.")
+    if port is None and len(found) > 1:
+        raise InputError(f"This system has {len(found)} elements; choose the port of one: {', '.join(found)}.")
+    name = next(iter(found)) if port is None else port
+    if name not in found:
+        raise InputError(f"There is no element at port `{name}`. {suggest_name(name, list(found))}")
+    return found[name], list(found).index(name)

@@ -1,0 +1,169 @@
+r"""Unilateral constraints of a mechanism: what touches pushes and does not pull, and what pushes touches.
+
+With gaps g(q) ≥ 0 and their slopes G = dg/dq, a constraint acts on the coordinates with Gᵀλ, and
+
+    g_j ≥ 0,        λ_j ≥ 0,        g_j λ_j = 0.
+
+At a trial position whose reactions were λ°, the free motion δ° of a mechanism of stiffness A and the compliance
+W = G A⁻¹Gᵀ make this a linear complementarity problem in few unknowns,
+
+    w = c + W λ ≥ 0  ⊥  λ ≥ 0,        c = g + G δ° - W λ°
+
+It says which constraints touch; principal pivoting solves it exactly in a bounded number of turns: the first sign that
+is wrong is turned, until none is (K. G. Murty, Linear Complementarity, Linear and Nonlinear Programming, 1988). What
+touches is then held by Newton's method, G δ = -g, with the turning of its slopes under λ°. That may leave A without
+stiffness where the motion along the constraints has it, so A + ρ GᵀG is eliminated, and -ρ Gᵀg added to the side: the
+same equations, whatever ρ.
+
+Nothing gives way: there is no stiffness of a contact. A share of 1e-10 of W on its diagonal, about λ° and so without
+any part in what is found, keeps W regular where more constraints act than there are coordinates.
+
+A stop gives λ in N m for a gap in rad, a contact in N for one in m.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from martensite.actuators.mechanics.elimination import Rows, multiply_inner, solve_linear
+from martensite.kernels.dual import compute_jacobian
+from martensite.kernels.namespace import Flag, Namespace, Scalar
+from martensite.kernels.nested import find_largest
+
+REACH = 0.1
+"""Gap [m] or [rad] that counts as a residual of one: a solved step leaves 1e-9 m at most."""
+TURNS = 40
+"""Turns after which a set of constraints counts as not found."""
+NEARBY = 1e-10
+"""Share of the compliance by which reactions are kept near those before."""
+NONE = 1e-15
+"""Gap [m] or [rad] that is none."""
+HELD = 1e3
+"""ρ, times the stiffness in the direction of a constraint."""
+FARTHEST = 0.3
+"""Correction of a coordinate, in its size, that a pass makes at most."""
+
+Column = Sequence[Scalar]
+
+
+class Constraints(NamedTuple):
+    """Unilateral constraints at a trial position."""
+
+    gaps: Column
+    slopes: Rows
+    """G."""
+    turning: Sequence[Rows]
+    """dG_j/dq of each."""
+    reactions: Column
+    """λ°: [N] or [N m]."""
+
+
+def linearise_gaps(xp: Namespace, gaps: Callable[..., Column], at: Column, reactions: Column) -> Constraints:
+    """Gaps with their slopes, and what these change by."""
+
+    def slopes(xp: Namespace, position: Column) -> list[Scalar]:
+        return [x for row in compute_jacobian(xp, gaps, position)[1] for x in row]
+
+    values, rows = compute_jacobian(xp, gaps, at)
+    _, turned = compute_jacobian(xp, slopes, at)
+    return Constraints(values, rows, [turned[j : j + len(at)] for j in range(0, len(turned), len(at))], reactions)
+
+
+def hold_touching(xp: Namespace, given: Constraints, stiffness: Rows, sides: Rows, missing: Column) -> Rows:
+    """Motions under the sides in which what touches now (λ° > 0) stays, and under what is missing.
+
+    The last closes the gaps of what touches; its sign is turned, as that of what is missing.
+    """
+    flags = [reaction > 0.0 for reaction in given.reactions]
+    still = [[0.0] * len(flags) for _ in sides]
+    return _move_held(xp, given, stiffness, flags, [*sides, missing], [*still, given.gaps])[0]
+
+
+def meet_constraints(
+    xp: Namespace, given: Constraints, stiffness: Rows, side: Column
+) -> tuple[list[Scalar], list[Scalar], Scalar]:
+    """The motion that constraints allow under a side, their reactions, and how unsettled these are, as a gap."""
+    gaps, slopes, _, old = given
+    motion, *yields = solve_linear(stiffness, [side, *slopes])
+    compliance = [[multiply_inner(slope, soft) for soft in yields] for slope in slopes]
+    rows = zip(gaps, slopes, compliance, strict=True)
+    free = [g + multiply_inner(slope, motion) - multiply_inner(row, old) for g, slope, row in rows]
+    flags = _find_touching(xp, compliance, free, old)
+    released = [xp.where(flag, 0.0, x) for flag, x in zip(flags, old, strict=True)]
+    side = [x - multiply_inner(released, column) for x, column in zip(side, zip(*slopes, strict=True), strict=True)]
+    (found,), (change,) = _move_held(xp, given, stiffness, flags, [side], [[-g for g in gaps]])
+    missed, reactions = list[Scalar](), list[Scalar]()
+    for j, (flag, x, d) in enumerate(zip(flags, old, change, strict=True)):
+        raw, soft = xp.where(flag, x + d, 0.0), compliance[j][j]
+        opened = gaps[j] + multiply_inner(slopes[j], found)
+        missed += [xp.abs(xp.minimum(opened, soft * raw)), soft * xp.abs(raw - x)]
+        reactions.append(xp.maximum(raw, 0.0))
+    return found, reactions, find_largest(xp, missed)
+
+
+def measure_mismatch(xp: Namespace, gaps: Column, reactions: Column) -> Scalar:
+    """Largest gap where something pushes, or overlap, as a residual."""
+    rows = zip(gaps, reactions, strict=True)
+    missed = [xp.where(push > 0.0, xp.abs(gap), xp.maximum(-gap, 0.0)) for gap, push in rows]
+    return find_largest(xp, missed) * (1.0 / REACH)
+
+
+def _move_held(
+    xp: Namespace, given: Constraints, stiffness: Rows, flags: Sequence[Flag], sides: Rows, targets: Rows
+) -> tuple[list[list[Scalar]], list[list[Scalar]]]:
+    """Motions under sides that change the gaps of what touches by the targets, and what that adds to reactions."""
+    slopes, columns = given.slopes, list(zip(*given.slopes, strict=True))
+    matrix, weights = [list(row) for row in stiffness], list[Scalar]()
+    for j, soft in enumerate(solve_linear(stiffness, slopes)):
+        weights.append(xp.where(flags[j], HELD / (xp.abs(multiply_inner(slopes[j], soft)) + 1e-30), 0.0))
+        pushed = xp.where(flags[j], given.reactions[j], 0.0)
+        for i, row in enumerate(given.turning[j]):
+            more = [weights[j] * slopes[j][i] * b - pushed * t for b, t in zip(slopes[j], row, strict=True)]
+            matrix[i] = [x + y for x, y in zip(matrix[i], more, strict=True)]
+    pulls = [[w * t for w, t in zip(weights, target, strict=True)] for target in targets]
+    full = [
+        [x + multiply_inner(pull, column) for x, column in zip(side, columns, strict=True)]
+        for side, pull in zip(sides, pulls, strict=True)
+    ]
+    solved = solve_linear(matrix, [*full, *slopes])
+    free, yields = solved[: len(sides)], solved[len(sides) :]
+    compliance = [[multiply_inner(slope, soft) for soft in yields] for slope in slopes]
+    asked = [
+        [t - multiply_inner(slope, x) for t, slope in zip(target, slopes, strict=True)]
+        for target, x in zip(targets, free, strict=True)
+    ]
+    changes = _solve_masked(xp, compliance, flags, asked)
+    ways = list(zip(*yields, strict=True))
+    motions = [
+        [x + multiply_inner(way, change) for x, way in zip(one, ways, strict=True)]
+        for one, change in zip(free, changes, strict=True)
+    ]
+    return motions, changes
+
+
+def _solve_masked(xp: Namespace, compliance: Rows, flags: Sequence[Flag], sides: Rows) -> list[list[Scalar]]:
+    """Reactions of what touches that give these gaps; 0 of the rest."""
+    shares = [xp.where(flag, 1.0, 0.0) for flag in flags]
+    masked = [[a * b * x for b, x in zip(shares, row, strict=True)] for a, row in zip(shares, compliance, strict=True)]
+    for j, flag in enumerate(flags):
+        masked[j][j] = xp.where(flag, (1.0 + NEARBY) * compliance[j][j], 1.0)
+    return solve_linear(masked, [[a * x for a, x in zip(shares, side, strict=True)] for side in sides])
+
+
+def _find_touching(xp: Namespace, compliance: Rows, free: Column, old: Column) -> list[Flag]:
+    """Which constraints touch: principal pivoting by the least index, from those that did."""
+    free, compliance = [xp.detach(c) for c in free], [[xp.detach(x) for x in row] for row in compliance]
+
+    def turn(_: Scalar, *shares: Scalar) -> list[Scalar]:
+        flags = [share > 0.5 for share in shares]
+        (pushed,) = _solve_masked(xp, compliance, flags, [[-c for c in free]])
+        left: Scalar = 1.0
+        turned = list[Scalar]()
+        for j, (flag, c, row) in enumerate(zip(flags, free, compliance, strict=True)):
+            sign = xp.where(flag, row[j] * pushed[j], c + multiply_inner(row, pushed))
+            wrong = xp.where(sign < -NONE, left, 0.0)
+            left = left - wrong
+            turned.append(shares[j] + wrong * (1.0 - 2.0 * shares[j]))
+        return [1.0 - left, *turned]
+
+    end = xp.iterate(TURNS, turn, 1.0, *(xp.where(one > 0.0, 1.0, 0.0) for one in old))
+    return [share > 0.5 for share in end[1:]]

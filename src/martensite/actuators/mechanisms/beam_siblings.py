@@ -1,0 +1,184 @@
+r"""Siblings of `beam-motor`: two motors on one beam, and a beam that a piezoelectric patch takes power from.
+
+**Two motors** feel each other through the beam. The equations are those of `beam-motor` with a second rotor (numbers
+ending in `_2`) at the same tip, where both throw,
+
+    M x'' + c x' + k x = Σ_j m_j r_j (φ_j'² sin φ_j - φ_j'' cos φ_j) + F_w,
+
+and M holds both unbalances. Motors of different speed may then keep step, although nothing but the beam
+joins them: self-synchronisation. A second motor on a negative voltage turns the other way.
+
+**The patch** adds, on the first mode of the beam q and with its voltage v,
+
+    … + k q - θ v = …,        C_p v' + v/R_l + θ q' = 0.
+
+v is the rate of the last coordinate, the flux λ = ∫ v dt. What the beam gives, -θ v q', is the power v²/R_l in the
+resistor but for the charge of the patch, ½ C_p v², which is entered with the springs. Harmonic in q, V = -iωθR_l Q/(1 +
+iωR_lC_p): without load, R_l → ∞, the patch stiffens the beam by θ²/C_p. It stretches with the curvature near
+the clamp; to the higher modes it is not coupled here.
+
+Source: Kossoski (2018), section 6.3, leaves more than one non-ideal source and energy harvesting for later; Blekhman
+(1988) for what two motors do; Erturk and Inman (2011), chapter 3, for the lumped patch.
+"""
+
+from collections.abc import Sequence
+from typing import Self
+
+from martensite.actuators.mechanics.motion import Motion
+from martensite.actuators.mechanisms.base import MECHANISMS, Column, Load, MechanicalEnergy, Output, Readout
+from martensite.actuators.mechanisms.beam_motor import BeamMotor
+from martensite.actuators.mechanisms.multibody import Assembled, Coordinate
+from martensite.base.errors import ParameterError
+from martensite.base.parameters import param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import sum_column
+
+ROTOR = ("unbalance", "eccentricity", "rotor_inertia", "rotor_friction", "torque_constant", "back_emf")
+WINDING = ("resistance", "inductance")
+
+
+@MECHANISMS.register("beam-motors")
+class BeamMotors(BeamMotor):
+    """Two unbalanced motors on a beam, and a wire at its tip if it is wanted; dry friction is the same in both."""
+
+    typical_scenario = "two_motors"
+
+    cites = ("kossoski2018", "blekhman1988")
+
+    unbalance_2: Scalar = param("kg", "mass of the second unbalance", low=0.0, high=1e3, typical="20 g")
+    eccentricity_2: Scalar = param("m", "its distance from the axis", low=0.0, high=1.0, typical="20 mm")
+    rotor_inertia_2: Scalar = param("kg*m^2", "inertia of the second rotor", above=0.0, typical="8e-5 kg*m^2")
+    rotor_friction_2: Scalar = param("N*m*s/rad", "its viscous friction", low=0.0, high=1e3, default=0.0)
+    torque_constant_2: Scalar = param("N*m/A", "its torque per current", low=0.0, high=1e3, typical="0.02 N*m/A")
+    back_emf_2: Scalar = param("V*s/rad", "its voltage per speed", low=0.0, high=1e3, typical="0.02 V*s/rad")
+    resistance_2: Scalar = param("ohm", "resistance of the second winding", above=0.0, high=1e6, typical="4 ohm")
+    inductance_2: Scalar = param("H", "inductance of the second winding", above=0.0, high=1e3, typical="20 mH")
+
+    def check(self) -> None:
+        """Raise `ParameterError` if the moving mass does not hold both unbalances, or as `beam-motor` does."""
+        super().check()
+        if self.unbalance + self.unbalance_2 > self.mass:
+            raise ParameterError(
+                f"Parameter `mass` of `beam-motors` holds both unbalances, but is {self.mass:.6g} kg, less than their "
+                f"{self.unbalance + self.unbalance_2:.6g} kg."
+            )
+
+    def second(self) -> Self:
+        """The beam as the second motor has it."""
+        return self.rebuilt({name: getattr(self, f"{name}_2") for name in (*ROTOR, *WINDING)})
+
+    def signals(self) -> dict[str, str]:
+        """Voltages of both motors."""
+        return {"motor": "V", "motor_2": "V"}
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Those of the first motor, then angle and charge of the second."""
+        return (
+            *super().coordinates(),
+            Coordinate("rotor_angle_2", "rad", "angle of the second rotor", "φ_2", 1.0),
+            Coordinate("charge_2", "A*s", "charge through the second motor", "Q_2", 0.01),
+        )
+
+    def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """As with one motor, and what the second takes."""
+        found, second, other = super().demand(xp, motion, signals[:1]), self.second(), self._leave_first(motion)
+        thrown = second.throw(xp, other)
+        bent = [row - thrown for row in found[: self.count]]
+        return [*bent, *found[self.count :], *second.turn(xp, other, signals[1])]
+
+    def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
+        """With those of the second rotor and coil."""
+        found, second, n = super().energy(xp, motion), self.second(), self.count
+        angle, speed, current = motion.position[n + 2], motion.velocity[n + 2], motion.velocity[n + 3]
+        shared = second.unbalance * second.eccentricity * sum_column(motion.velocity[:n]) * speed * xp.cos(angle)
+        return found._replace(
+            kinetic=found.kinetic + 0.5 * second._turning() * speed * speed + shared,
+            magnetic=found.magnetic + 0.5 * second.inductance * current * current,
+        )
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """With friction and winding of the second motor."""
+        other = BeamMotor.dissipative(self.second(), xp, self._leave_first(motion))
+        return [*super().dissipative(xp, motion), *other[self.count :]]
+
+    def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """The voltages of both motors [V]."""
+        return [*super().external_forces(xp, motion, signals[:1]), 0.0, signals[1]]
+
+    def outputs(self) -> dict[str, Output]:
+        """Those of one motor, then of the second."""
+        return super().outputs() | {
+            "rotor_angle_2": Output("rad", "angle of the second rotor", "φ_2"),
+            "rotor_speed_2": Output("rad/s", "speed of the second rotor", "ω_2"),
+            "motor_current_2": Output("A", "current of the second motor", "i_2"),
+        }
+
+    def convergence_scales(self) -> dict[str, float]:
+        """With the speed of the second rotor."""
+        return super().convergence_scales() | {"rotor_speed_2": 0.1}
+
+    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
+        """As with one motor, and the second."""
+        forces, found = super().observe(xp, memory, loads, signals)
+        n, (position, velocity, *_) = self.count, memory.course
+        return forces, [*found, position[n + 2], velocity[n + 2], velocity[n + 3]]
+
+    def _leave_first(self, motion: Motion) -> Motion:
+        """The motion without the first rotor."""
+        n = self.count
+        return Motion(*((*column[:n], *column[n + 2 :]) for column in motion))
+
+
+@MECHANISMS.register("beam-harvester")
+class BeamHarvester(BeamMotor):
+    """An unbalanced motor on a beam with a piezoelectric patch and a resistor, and a wire if it is wanted."""
+
+    typical_scenario = "beam_harvester"
+
+    cites = ("kossoski2018", "erturk2011")
+
+    piezo_coupling: Scalar = param("N/V", "coupling θ of first mode and patch", low=0.0, high=1e3, typical="2 mN/V")
+    piezo_capacitance: Scalar = param("F", "capacitance C_p of the patch", above=0.0, high=1.0, typical="100 nF")
+    load_resistance: Scalar = param("ohm", "resistance R_l that it feeds", above=0.0, high=1e12, typical="100 kohm")
+
+    def coordinates(self) -> tuple[Coordinate, ...]:
+        """Those of the beam with its motor, and the flux of the patch."""
+        return (*super().coordinates(), Coordinate("flux", "V*s", "flux of the piezoelectric patch", "λ", 0.01))
+
+    def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """As without a patch, and the current [A] of that."""
+        first, *rest = super().demand(xp, motion, signals)
+        voltage, change = motion.velocity[-1], motion.acceleration[-1]
+        moved = self.piezo_coupling * motion.velocity[0]
+        current = self.piezo_capacitance * change + voltage * (1.0 / self.load_resistance) + moved
+        return [first - self.piezo_coupling * voltage, *rest, current]
+
+    def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
+        """With that of the charged patch, which is entered with the springs."""
+        found, voltage = super().energy(xp, motion), motion.velocity[-1]
+        return found._replace(springs=found.springs + 0.5 * self.piezo_capacitance * voltage * voltage)
+
+    def dissipative(self, xp: Namespace, motion: Motion) -> Column:
+        """With the current through the resistor [A]."""
+        return [*super().dissipative(xp, motion), motion.velocity[-1] * (1.0 / self.load_resistance)]
+
+    def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
+        """The voltage of the motor [V]."""
+        return [*super().external_forces(xp, motion, signals), 0.0]
+
+    def outputs(self) -> dict[str, Output]:
+        """With voltage and power of the resistor."""
+        return super().outputs() | {
+            "piezo_voltage": Output("V", "voltage of the piezoelectric patch", "v"),
+            "harvested_power": Output("W", "power in the resistor", "P_h"),
+        }
+
+    def convergence_scales(self) -> dict[str, float]:
+        """With the voltage of the patch."""
+        return super().convergence_scales() | {"piezo_voltage": 0.01}
+
+    def observe(self, xp: Namespace, memory: Assembled, loads: Sequence[Load], signals: Column) -> Readout:
+        """As without a patch, with its voltage and power."""
+        forces, found = super().observe(xp, memory, loads, signals)
+        voltage = memory.course.velocity[-1]
+        return forces, [*found, voltage, voltage * voltage * (1.0 / self.load_resistance)]

@@ -1,0 +1,99 @@
+"""Independent rails on one bench: on each a wire lifts a weight of its own.
+
+The rails share nothing but the bench: surroundings, a supply, and the controller's time. Each weight hangs on its wire
+by its force m g, so that every wire is never slack; inertia and friction of the carriages are left out. Positions
+are zero as assembled and grow with contraction.
+
+Source: the test bench of Copaci, Moreno and Blanco (2019), section 2.2: three rails, wires of up to 0.27 m, up to 1 kg.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+from martensite.actuators.elements.base import AbstractElement
+from martensite.actuators.mechanics.equal_elements import LoadLineEquation, answer_loads
+from martensite.actuators.mechanisms.base import (
+    MECHANISMS,
+    AbstractMechanism,
+    Column,
+    Load,
+    MechanicalEnergy,
+    Mechanics,
+    Output,
+    Readout,
+)
+from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_hanging
+from martensite.base.parameters import option, param
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.kernels.nested import sum_column
+from martensite.physics.laws.coupling import StepReport
+
+PORTS = ("first", "second", "third")
+
+
+@MECHANISMS.register("rails")
+class Rails(AbstractMechanism):
+    """Two or three rails beside each other, each with a wire and a weight."""
+
+    typical_scenario = "three_rails"
+
+    cites = ("copaci2019",)
+
+    rails: str = option("how many are in use", "3", "2", default="3")
+    first_mass: Scalar = param("kg", "mass on the first rail", low=0.0, high=1e6, typical="500 g")
+    second_mass: Scalar = param("kg", "mass on the second rail", low=0.0, high=1e6, typical="500 g")
+    third_mass: Scalar = param("kg", "mass on the third rail", low=0.0, high=1e6, default=0.5, typical="500 g")
+    gravity: Scalar = param("m/s^2", "acceleration of gravity", low=0.0, high=100.0, default=9.80665)
+
+    def ports(self) -> tuple[str, ...]:
+        """A wire on each rail."""
+        return PORTS[: int(self.rails)]
+
+    def outputs(self) -> dict[str, Output]:
+        """The position on every rail."""
+        return {f"{port}_position": Output("m", f"position on the {port} rail", "x") for port in self.ports()}
+
+    def convergence_scales(self) -> dict[str, float]:
+        """The positions."""
+        return dict.fromkeys(self.outputs(), 1e-6)
+
+    def start_forces(self, xp: Namespace) -> Column:
+        """The weights [N]."""
+        return [getattr(self, f"{port}_mass") * self.gravity for port in self.ports()]
+
+    def init(
+        self, xp: Namespace, elements: Sequence[AbstractElement], elongations: Column, signals: Column
+    ) -> tuple[Scalar, ...]:
+        """The elongations of the wires as assembled [m]."""
+        return tuple(elongations)
+
+    def advance(
+        self, xp: Namespace, memory: tuple[Scalar, ...], loads: Sequence[Load], signals: Column, dt: Scalar
+    ) -> tuple[tuple[Scalar, ...], list[Any], StepReport]:
+        """Every wire solves the step by itself, under its weight."""
+        lines = [LoadLineEquation(0.0, 1.0, 0.0, 0.0, weight) for weight in self.start_forces(xp)]
+        found = answer_loads(xp, loads, lines, dt)
+        worst = found[0].report
+        for one in found[1:]:
+            worst = StepReport(*map(xp.maximum, worst, one.report))
+        return memory, [one.state for one in found], worst
+
+    def observe(self, xp: Namespace, memory: tuple[Scalar, ...], loads: Sequence[Load], signals: Column) -> Readout:
+        """The weights, and the positions."""
+        return [*self.start_forces(xp)], self._positions(xp, memory, loads)
+
+    def mechanics(
+        self, xp: Namespace, memory: tuple[Scalar, ...], loads: Sequence[Load], signals: Column
+    ) -> Mechanics | None:
+        """The work of lifting."""
+        lifts = self._positions(xp, memory, loads)
+        held = sum_column([weight * lift for weight, lift in zip(self.start_forces(xp), lifts, strict=True)])
+        return Mechanics(MechanicalEnergy(gravity=held), tuple(lifts))
+
+    def draw_shapes(self, reading: DrawingState) -> list[DrawingShape]:
+        """The wires, as they get shorter."""
+        return draw_hanging(self.ports(), [reading.outputs[name] for name in self.outputs()], [], reading)
+
+    def _positions(self, xp: Namespace, memory: tuple[Scalar, ...], loads: Sequence[Load]) -> list[Scalar]:
+        rows = zip(loads, self.start_forces(xp), memory, strict=True)
+        return [home - one.element.elongation(xp, one.state, weight) for one, weight, home in rows]

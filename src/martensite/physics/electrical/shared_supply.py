@@ -1,0 +1,74 @@
+"""One supply for several sources: what one of them draws, the others may lack.
+
+    U = U_0 - R_i Σ I_k(U),      Σ I_k(U) ≤ I_max
+
+U is the voltage that all sources meet: none has more than that and what it is given itself (`supplied_by`). Where the
+sources would draw more than I_max, the supply holds the current at that and lowers its voltage, as a laboratory supply
+does. U is the root of the increasing function
+
+    max{U - U_0 + R_i I(U),   U - U I_max/I(U)},      I = Σ I_k,
+
+each k by the current that it draws in the mean over its pulses, for a supply with a buffer; where pulses of two
+switches fall together, their sum may be more for that time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from martensite.base.parameters import Parametrised, param
+from martensite.kernels.bracketed_newton import solve_bracketed
+from martensite.kernels.namespace import Namespace, Scalar
+from martensite.physics.electrical.base import AbstractSource
+
+LEAST = 1e-30
+"""Current [A] that is none."""
+
+
+class Consumer(NamedTuple):
+    """What hangs on a supply."""
+
+    source: AbstractSource
+    drive: Scalar
+    """Its signal."""
+    resistance: Scalar
+    """Of its element [ohm]."""
+
+    def supplied(self, xp: Namespace, voltage: Scalar) -> AbstractSource:
+        """The source where its supply has a voltage [V]."""
+        names = self.source.supplied_by
+        return self.source.rebuilt({name: xp.minimum(self.source.value_of(name), voltage) for name in names})
+
+
+class SharedSupply(Parametrised):
+    """A supply of a voltage, with an internal resistance and a limit of its current."""
+
+    voltage: Scalar = param("V", "voltage U_0 without load", above=0.0, high=1e4, typical="12 V")
+    internal_resistance: Scalar = param(
+        "ohm", "internal resistance R_i, and that of common leads", low=0.0, high=1e6, default=0.0, typical="0.1 ohm"
+    )
+    current_limit: Scalar = param("A", "largest current I_max of all together", above=0.0, high=1e6, default=1e6)
+
+    def draw(self, xp: Namespace, consumers: Sequence[Consumer], voltage: Scalar) -> Scalar:
+        """Current [A] of all consumers at a voltage [V]."""
+        total: Scalar = 0.0
+        for one in consumers:
+            total = total + one.supplied(xp, voltage).drawn(xp, one.drive, one.resistance)
+        return total
+
+    def find_voltage(self, xp: Namespace, consumers: Sequence[Consumer], limited: bool = True) -> Scalar:
+        """U [V]; without the limit of the current if that is not asked for."""
+
+        def excess(xp: Namespace, voltage: Scalar) -> Scalar:
+            current = self.draw(xp, consumers, voltage)
+            drooped = voltage - self.voltage + self.internal_resistance * current
+            held = voltage - voltage * (self.current_limit / xp.maximum(current, LEAST))
+            return xp.maximum(drooped, held) if limited else drooped
+
+        return solve_bracketed(xp, excess, self.voltage, (0.0, 1.01 * self.voltage), smooth=False)
+
+    def observe(self, xp: Namespace, consumers: Sequence[Consumer]) -> tuple[Scalar, Scalar, Scalar]:
+        """Voltage [V] and current [A], and the current that would flow without the limit [A]."""
+        voltage, free = self.find_voltage(xp, consumers), self.find_voltage(xp, consumers, limited=False)
+        return voltage, self.draw(xp, consumers, voltage), self.draw(xp, consumers, free)

@@ -1,0 +1,218 @@
+"""Where a run starts: coordinates, speeds, temperatures and phase states that are given.
+
+A system is assembled at home and at rest, as ever, which says how long its elements are there. Then its mechanism is
+put where the given coordinates are, every element into the given temperature and phase state, and forces follow: of a
+mechanism with coordinates from how long its elements are there, of a load line from what the element meets. What is
+not given stays as assembled; a phase state that the law would leave at once is refused.
+
+Or it is said to be found, by marching (`martensite_sweep.settling`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, cast
+
+from martensite.actuators.assembly import AbstractSystem, Actuator, State
+from martensite.actuators.assembly.base import AbstractAssembly
+from martensite.actuators.elements.lumped import AbstractLumped
+from martensite.base import units
+from martensite.base.errors import InputError, suggest_name
+from martensite.base.lazy import import_extra
+from martensite.kernels import floats
+from martensite.kernels.nested import flatten_numbers
+from martensite.physics.laws.base import Fractions
+from martensite.simulate.compiled import bind_march, compile_march
+from martensite.simulate.drive_waveforms import Waveforms, arrange_waveforms
+from martensite.simulate.envelope import describe_exit, envelope_of
+from martensite.simulate.restarts import HOME, PassState, Restart
+
+WHERE, AT, PERIOD = "[initial]", "at", "period"
+EQUILIBRIUM, CYCLE = "equilibrium", "settled cycle"
+"""What may be found."""
+OF_ELEMENT = {"temperature": "K", "martensite_fraction": "1", "oriented_fraction": "1"}
+"""What may be given of an element, with its unit."""
+FITS = 50
+"""Turns in which forces and elements are fitted."""
+NUDGE, LOST = 0.01, 0.02
+"""Change of temperature [K], and by how much of a fraction a phase state that lasts may answer to it."""
+
+
+def list_initial(system: AbstractSystem) -> dict[str, str]:
+    """What may be given of where a system starts, with its units.
+
+    Raises:
+        InputError: it has other parts than a mechanism and elements.
+    """
+    if not isinstance(system, AbstractAssembly):
+        raise InputError(
+            f"{WHERE} says where a mechanism with elements starts; it has no effect on a bench or a model."
+        )
+    found = dict(system.mechanism.initial_numbers())
+    for port in system.actuators():
+        found |= {system.label(port, name): unit for name, unit in OF_ELEMENT.items()}
+    return found
+
+
+def read_initial(system: AbstractSystem, table: Mapping[str, Any], with_units: bool = False) -> dict[str, Any]:
+    """A table [initial] in SI by full name; `with_units` says whether plain numbers are refused, as in a file.
+
+    Raises:
+        InputError: a name is not known, a unit does not fit, or numbers are given of what is to be found.
+    """
+    known, given = list_initial(system), dict[str, Any]()
+    for name, value in table.items():
+        rows = cast("Mapping[str, Any]", value).items() if isinstance(value, Mapping) else ()
+        given |= {f"{name}.{key}": one for key, one in rows} or {name: value}
+    if AT in given:
+        require_search(given)
+        known = {AT: "", PERIOD: "s"}
+    for name in given:
+        if name not in known:
+            raise InputError(f"{WHERE} has no `{name}`. {_suggest(system, name, [*known, AT])}")
+    return {name: one if name == AT else _convert(name, one, known[name], with_units) for name, one in given.items()}
+
+
+def require_search(given: Mapping[str, Any]) -> None:
+    """Raise `InputError` unless a table says what is to be found, and gives nothing beside it."""
+    if given[AT] not in (EQUILIBRIUM, CYCLE):
+        raise InputError(f"{WHERE} `at` is not known. {suggest_name(str(given[AT]), (EQUILIBRIUM, CYCLE))}")
+    allowed = (AT, PERIOD) if given[AT] == CYCLE else (AT,)
+    other = next((name for name in given if name not in allowed), None)
+    if other is not None:
+        raise InputError(f"{WHERE} has `{other}` beside `at`; give numbers, or what is to be found, not both.")
+
+
+def _suggest(system: AbstractSystem, name: str, known: Sequence[str]) -> str:
+    """The nearest name; of a machine, ports stand for what is known of their elements."""
+    port, _, own = name.rpartition(".")
+    ports = [one for one in system.actuators() if system.label(one, AT) != AT]
+    return suggest_name(own, OF_ELEMENT) if port in ports else suggest_name(name, {n.partition(".")[0] for n in known})
+
+
+def _convert(name: str, value: Any, unit: str, with_units: bool) -> float:
+    """A number in SI."""
+    try:
+        if isinstance(value, str):
+            return units.parse_quantity(value, unit)
+        plain = not with_units or unit == "1"
+        if plain and isinstance(value, int | float) and math.isfinite(value):
+            return float(value)
+    except InputError as error:
+        raise InputError(f"{WHERE} `{name}`: {error}") from None
+    raise InputError(f'{WHERE} `{name}` must be a text with a unit, such as "1 {unit}", but is {value!r}.')
+
+
+def find_start(
+    system: AbstractSystem, waveform: Waveforms, initial: Mapping[str, Any], tolerance: float = 1e-4
+) -> Restart:
+    """Where a run starts, from what is given of it, or said to be found.
+
+    Raises:
+        InputError: what is given does not fit the system, or it cannot be in that state.
+        SolveError: a search marched to where no run goes.
+    """
+    given = read_initial(system, initial)
+    if AT in given:
+        found = import_extra("martensite_sweep.settling", "sweep", "`martensite-sweep`")
+        return found.find_settled(system, waveform, given, tolerance)
+    if not given or not isinstance(system, AbstractAssembly):
+        return HOME
+    first = [one.value(0.0) for one in arrange_waveforms(system, waveform)]
+    state = tuple(map(float, flatten_numbers(place_system(system, given, first))))
+    _check_envelope(system, state, first)
+    return Restart(0.0, (PassState(state),))
+
+
+def place_system(system: AbstractAssembly, given: Mapping[str, float], drives: Sequence[float]) -> State:
+    """The state with given numbers in SI by full name, under drive signals.
+
+    Raises:
+        InputError: an element cannot be in that state.
+    """
+    home, mechanism, actuators = system.init(floats, *drives), system.mechanism, system.actuators()
+    rows = list(zip(actuators.items(), drives, strict=False))
+    names = {port: {name: system.label(port, name) for name in OF_ELEMENT} for port in actuators}
+    owns = [{name: given[full] for name, full in names[port].items() if full in given} for port in actuators]
+    elements, memory, forces = list(home.elements), home.mechanism, [float("nan")] * len(rows)
+    for _ in range(FITS):
+        loads = [one.load(state, drive) for ((_, one), drive), state in zip(rows, elements, strict=True)]
+        before = forces
+        try:
+            memory, forces = mechanism.put(home.mechanism, given, loads, drives[len(actuators) :])
+        except (InputError, ArithmeticError) as error:
+            raise InputError(f"{WHERE} {error}") from None
+        elements = [
+            _put_element(port, one, own, drive, state, force)
+            for ((port, one), drive), own, state, force in zip(rows, owns, home.elements, forces, strict=True)
+        ]
+        if all(abs(a - b) <= 1e-12 * abs(a) for a, b in zip(forces, before, strict=True)):
+            break
+    else:
+        raise InputError(f"{WHERE} There are no forces at which the elements and the mechanism fit in that state.")
+    for ((port, one), _), state in zip(rows, elements, strict=True):
+        _check_phases(system, port, one, state)
+    return State(tuple(elements), memory)
+
+
+def _put_element(port: str, one: Actuator, own: Mapping[str, float], drive: float, home: Any, force: float) -> Any:
+    """An element in its given temperature and phase state, under a drive signal and a force [N]."""
+    element, imposed = one.element, one.source.sets_temperature
+    if imposed and "temperature" in own:
+        raise InputError(f"{WHERE} The temperature of `{port}` is prescribed by its drive; leave it out.")
+    warm = own.get("temperature", drive if imposed else one.environment.temperature)
+    phases = "martensite_fraction" in own or "oriented_fraction" in own
+    if isinstance(element, AbstractLumped) and element.uniform:
+        known = element.law.fractions(home.memory)
+        return element.init_in(_find_fractions(port, element, own, known) if phases else known, force, warm)
+    if phases:
+        raise InputError(
+            f"{WHERE} Element `{element.registered_name}` is not the same all over: its phase state cannot be given; "
+            "take a lumped one, such as `wire`, or leave it out."
+        )
+    return element.init(floats, force, warm)
+
+
+def _find_fractions(port: str, element: AbstractLumped, own: Mapping[str, float], known: Fractions) -> Fractions:
+    """The given phase state; martensite of which nothing else is said is oriented as it was."""
+    law, martensite = element.law, own.get("martensite_fraction", known.martensite)
+    share = known.oriented / known.martensite if known.martensite else 1.0
+    oriented = own.get("oriented_fraction", martensite * share)
+    if not law.twins and oriented != martensite:
+        raise InputError(
+            f"{WHERE} Law `{law.registered_name}` knows oriented martensite only; leave `oriented_fraction` out."
+        )
+    low = 0.0 if law.tension_only else -martensite
+    for name, value, least, most in (("martensite", martensite, 0.0, 1.0), ("oriented", oriented, low, martensite)):
+        if not least <= value <= most:
+            told = f"must be {least:.6g} to {most:.6g}, but is {value:.6g}"
+            raise InputError(f"{WHERE} `{name}_fraction` of `{port}` {told}.")
+    return Fractions(martensite, oriented)
+
+
+def _check_phases(system: AbstractSystem, port: str, actuator: Actuator, state: Any) -> None:
+    """Raise `InputError` for a phase state that the law leaves as soon as anything moves."""
+    element = actuator.element
+    if not isinstance(element, AbstractLumped) or not element.uniform or element.law.rate_dependent:
+        return
+    law, memory = element.apply_wear(floats, state.worn).law, state.memory
+    now = law.fractions(memory)
+    for by in (NUDGE, -NUDGE):
+        after = law.kinetics(floats, memory, memory.stress, memory.temperature + by, 1.0)[1]
+        if max(abs(a - b) for a, b in zip(after[:2], now[:2], strict=True)) > LOST:
+            raise InputError(
+                f"{WHERE} At {memory.temperature - 273.15:.5g} degC and {1e-6 * memory.stress:.4g} MPa law "
+                f"`{law.registered_name}` does not keep a martensite fraction of {now.martensite:.4g} "
+                f"({now.oriented:.4g} oriented) in `{port}`: it goes to {after.martensite:.4g} ({after.oriented:.4g}). "
+                f"Give `{system.label(port, 'martensite_fraction')}`, or another temperature or place."
+            )
+
+
+def _check_envelope(system: AbstractSystem, state: tuple[float, ...], drives: Sequence[float]) -> None:
+    """Raise `InputError` for a state in which no element can be."""
+    seen = bind_march(system)[0]["judge"](*state, *drives)
+    gone = envelope_of(system).find_exit(seen[len(compile_march(system).convergence_scales) :])
+    if gone is not None:
+        what = describe_exit(system, 0.0, *gone).partition(": ")[2].replace(" came to ", " is ")
+        raise InputError(f"{WHERE} No run starts there: {what}")

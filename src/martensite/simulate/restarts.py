@@ -1,0 +1,227 @@
+"""Restarts: what a run keeps so that another one goes on from there, and runs that are made from restart to restart.
+
+A run with restarts is made in legs, one after the other, in each of its passes: a leg begins with the state and the
+ranges in which the one before ended, and with nothing else. So a run that begins with what was kept at a restart
+repeats, pass by pass, the legs that follow in the run that kept it, in all bits. Decision 049 says what that is worth.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise, zip_longest
+from typing import NamedTuple
+
+from martensite.actuators.assembly import AbstractSystem
+from martensite.base.errors import InputError
+from martensite.kernels import floats
+from martensite.kernels.nested import name_numbers
+from martensite.simulate.marching import Marched, MarchPlan, Row
+
+SAME = 1e-12
+"""Share of a duration by which two times are the same."""
+
+
+class PassState(NamedTuple):
+    """Where one of the passes of a run is."""
+
+    state: Row
+    """All that the system remembers."""
+    low: Row = ()
+    """Lowest of what is judged, until then; empty for a run that begins."""
+    high: Row = ()
+    gap: Row = ()
+    """What is judged differs by at most from the pass before, until then; empty for the first."""
+    ripple: float = 0.0
+    residual: float = 0.0
+
+
+@dataclass(frozen=True)
+class Restart:
+    """A time at which a run may be gone on with."""
+
+    time: float = 0.0
+    """[s]"""
+    passes: tuple[PassState, ...] = ()
+    """Of a run on given steps one, of a run to a tolerance at least two, each to a finer tolerance."""
+
+    @property
+    def state(self) -> Row:
+        """All that the system remembers, of the last pass; empty for a system at home and at rest."""
+        return self.passes[-1].state if self.passes else ()
+
+    def afresh(self) -> Restart:
+        """The same state at the time 0, and nothing else that a run went through."""
+        return Restart(0.0, tuple(PassState(one.state) for one in self.passes[-1:]))
+
+
+HOME = Restart()
+"""Where a run begins of which nothing else is said."""
+
+
+def list_samples(duration: float, samples: int, begin: float) -> list[float]:
+    """The samples [s] of a whole run of a `duration` [s] from where a run begins on, and its beginning.
+
+    Raises:
+        InputError: it begins when it should have ended.
+    """
+    whole = [duration * k / (samples - 1) for k in range(samples)]
+    if begin == 0.0:
+        return whole
+    if not begin < duration * (1.0 - SAME):
+        raise InputError(
+            f"The run goes on from {begin:.6g} s, but ends at {duration:.6g} s, counted from 0; give a longer duration."
+        )
+    return [begin, *whole[bisect_left(whole, begin + SAME * duration) :]]
+
+
+def place_stops(asked: Sequence[float], times: Sequence[float]) -> list[float]:
+    """Restarts that were asked for [s], each on the sample that it is no different from; without those that are past.
+
+    Raises:
+        InputError: one lies outside of the run.
+    """
+    found: list[float] = []
+    hair = SAME * times[-1]
+    for time in sorted(asked):
+        if not 0.0 < time < times[-1] - hair:
+            raise InputError(
+                f"A restart at {time:.6g} s is not within the run, which ends at {times[-1]:.6g} s; "
+                "its end is kept in any case."
+            )
+        if time <= times[0] + hair:
+            continue
+        near = times[bisect_left(times, time - hair)]
+        found.append(near if near - time <= hair else time)
+    return sorted(set(found))
+
+
+def find_restart(known: Sequence[Restart], at: float | None = None) -> Restart:
+    """What was kept at a time [s]; by default the last.
+
+    Raises:
+        InputError: nothing was kept then; the sentence names the nearest time.
+    """
+    if not known:
+        raise InputError("No state was kept of that run: it failed, was a batch, or its controllers run outside.")
+    if at is None:
+        return known[-1]
+    nearest = min(known, key=lambda one: abs(one.time - at))
+    if abs(nearest.time - at) > 1e-9 * max(abs(at), nearest.time):
+        raise InputError(
+            f"No state was kept at {at:.6g} s; the nearest is that at {nearest.time:.6g} s. "
+            "A run keeps that at its end, and at what `restart` in its [run] says."
+        )
+    return nearest
+
+
+def name_state(system: AbstractSystem) -> list[str]:
+    """Names of all numbers of a state of a system, in order."""
+    return name_numbers(system.init(floats, *(0.0 if one.unit != "K" else 300.0 for one in system.drives())))
+
+
+def require_names(system: AbstractSystem, names: Sequence[str]) -> None:
+    """Raise `InputError` if a state with numbers of these names is not one of a system."""
+    own = name_state(system)
+    if list(names) != own:
+        other = next((a for a, b in zip_longest(names, own) if a != b), None)
+        raise InputError(
+            "That run was of another system: its state and that of this one differ"
+            f"{f' from `{other}` on' if other else ''}. Go on with the same elements, laws and mechanism."
+        )
+
+
+@dataclass
+class Relay:
+    """Makes the passes of a run leg by leg, and keeps where each pass is at every restart."""
+
+    march: Callable[[MarchPlan], Marched]
+    begin: Restart
+    stops: Sequence[float]
+    """[s], ascending."""
+    made: list[tuple[Marched, list[Marched]]] = field(default_factory=list[tuple[Marched, list[Marched]]])
+    """Every pass, and its legs."""
+
+    def __call__(self, plan: MarchPlan) -> Marched:
+        """One more pass."""
+        before = self._begin(len(self.made))
+        at = before or PassState(())
+        legs, rows = list[Marched](), list[Row]()
+        for times, sampled in cut_times(plan.times, self.stops):
+            placed = {"start": at.state, "extremes": (at.low, at.high)}
+            legs.append(self.march(replace(plan, times=times, **placed)))
+            leg = legs[-1]
+            rows += leg.rows[len(legs) > 1 : None if sampled or len(leg.rows) < len(times) else -1]
+            if len(leg.rows) < len(times) or leg.status.failed:
+                break
+            at = at._replace(state=leg.state, low=leg.extremes[0], high=leg.extremes[1])
+        whole = join_legs(legs, rows, before)
+        for one in (*(earlier for earlier, _ in self.made), *(leg for leg in legs if leg is not whole)):
+            one.rows = []  # those of one pass are enough to hold
+        self.made.append((whole, legs))
+        return whole
+
+    def _begin(self, number: int) -> PassState | None:
+        """Where a pass begins, that of the finest pass before if there were not as many; None at home."""
+        known = self.begin.passes
+        return known[min(number, len(known) - 1)] if known else None
+
+    def list_restarts(self, compared: Sequence[float]) -> list[Restart]:
+        """What was kept, if passes were compared at so many times [s]; nothing of a run that stopped early."""
+        if self.made[-1][0].status.failed:
+            return []
+        times = [*self.stops, compared[-1]]
+        return [Restart(time, tuple(self._keep(leg, time, compared))) for leg, time in enumerate(times)]
+
+    def _keep(self, leg: int, time: float, compared: Sequence[float]) -> list[PassState]:
+        """Where every pass was at the end of a leg [s], but those that stopped early."""
+        found = list[PassState]()
+        for number, (whole, legs) in enumerate(self.made):
+            if whole.status.failed:
+                continue
+            before = self._begin(number) or PassState(())
+            parts, (low, high) = legs[: leg + 1], legs[leg].extremes
+            until = [gap for gap, when in zip(whole.gaps, compared[-len(whole.gaps) :], strict=False) if when <= time]
+            gap = tuple(map(max, zip(*filter(None, [before.gap, *until]), strict=True)))
+            worst = [max([getattr(before, n), *(getattr(p, n) for p in parts)]) for n in ("ripple", "residual")]
+            found.append(PassState(legs[leg].state, low, high, gap, *worst))
+        return found
+
+
+def cut_times(times: Sequence[float], stops: Sequence[float]) -> list[tuple[list[float], bool]]:
+    """The samples of every leg [s], both ends included, and whether its end is a sample of the run."""
+    found = list[tuple[list[float], bool]]()
+    for begin, end in pairwise([times[0], *stops, times[-1]]):
+        inside = list(times[bisect_left(times, begin) : bisect_left(times, end)])
+        inside = inside if inside and inside[0] == begin else [begin, *inside]
+        found.append(([*inside, end], times[bisect_left(times, end)] == end))
+    return found
+
+
+def join_legs(legs: Sequence[Marched], rows: list[Row], before: PassState | None) -> Marched:
+    """A pass from its legs, after what was before it; its energies are those of its legs."""
+    last = legs[-1]
+    if len(legs) == 1 and before is None:
+        return last
+    worst = max(legs, key=lambda one: one.status)
+    low, high = last.extremes
+    ranges = tuple(b - a for a, b in zip(low, high, strict=True))
+    end = last if last.status.failed or not worst.status else worst
+    return replace(
+        last,
+        rows=rows,
+        ranges=ranges,
+        status=worst.status,
+        time=end.time,
+        steps=sum(one.steps for one in legs),
+        rejected=sum(one.rejected for one in legs),
+        longest=max(one.longest for one in legs),
+        ripple=max([*(one.ripple for one in legs), before.ripple if before else 0.0]),
+        residual=max([*(one.residual for one in legs), before.residual if before else 0.0]),
+        put_in=sum(one.put_in for one in legs),
+        lost=sum(one.lost for one in legs),
+        accounts=tuple(map(sum, zip(*(one.accounts for one in legs), strict=True))),
+        ends=[end for one in legs for end in one.ends],
+        gap=before.gap if before else (),
+    )

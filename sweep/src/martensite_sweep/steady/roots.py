@@ -1,0 +1,14 @@
+"""A root between two bounds, by Brent's method of SciPy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+
+def find_root(function: Callable[[float], float], low: float, high: float) -> float:
+    """Where a function that has another sign at each bound is 0, to rounding."""
+    from scipy import optimize
+
+    brent: Any = optimize.brentq  # its stubs ask for types of NumPy
+    return float(brent(function, low, high, xtol=1e-14, rtol=1e-14))

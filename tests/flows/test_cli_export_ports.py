@@ -1,0 +1,103 @@
+"""An element or its material for a host: `export umat`, `export opensees`, `export c --part`, `export fmu --ports`.
+
+Source of truth: the options as documented, and a C compiler that lets no warning pass.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from c_cores import STRICT
+from command import Command
+from fences import ROOT
+from port_hosts import FLAGS
+
+from martensite.kernels.compiler import find_compiler
+from martensite.scenario.scenario import load
+from martensite_export.ports.element import build_element_port
+from martensite_export.ports.kernel import compile_port
+
+EXAMPLES = ROOT / "examples"
+PULL = str(EXAMPLES / "tensile-test.toml")
+pytestmark = pytest.mark.usefixtures("c_compiler")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def compile_strictly(flags: tuple[str, ...], file: str) -> None:
+    done = subprocess.run([str(find_compiler()), *flags, "-fsyntax-only", file], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_materials_for_hosts() -> None:
+    said = Command("export", "umat").fine(PULL, "--name", "niti")
+    assert "13 state variables" in said and "Caution: `lagoudas` knows tension only" in said
+    deck = Path("niti_umat.inp").read_text()
+    assert "*MATERIAL, NAME=NITI\n*DEPVAR\n13,\n" in deck
+    assert "element.law.E_A [Pa]" in Path("niti_umat.c").read_text()
+    compile_strictly(FLAGS[:4], "niti_umat.c")
+    said = Command("export", "opensees").fine(PULL, "--name", "niti", "--slack", "--preload", "50 MPa")
+    assert "goes slack" in said and "Caution" not in said
+    assert "uniaxialMaterial niti 1 1 0.0 298.15" in Path("niti.tcl").read_text()
+    compile_strictly(FLAGS[:4], "niti_opensees.c")
+    assert "is there already" in Command("export", "opensees").refused(PULL, "--name", "niti")
+    report = Command("export", "opensees").report(PULL, "--name", "niti", "--force", "--preload", "50 MPa")
+    assert report["name"] == "niti" and report["states"] == 8
+
+
+def test_cores_of_a_part() -> None:
+    for part, precision in (("material", "float64"), ("material", "float32"), ("element", "float32")):
+        Command("export", "c").fine(PULL, "--part", part, "--precision", precision, "--name", part, "--force")
+        compile_strictly(tuple(STRICT), f"{part}.c")
+    assert not list(Path().glob("*_example.c"))
+    assert "int element_try(" in Path("element.h").read_text()
+
+
+def test_functions_of_a_modelica_package() -> None:
+    """The C of the package, called as a tool would; the package itself has been run by none."""
+    scenario = EXAMPLES / "constant_power.toml"
+    assert "not run in a Modelica tool" in Command("export", "modelica").fine(str(scenario), "--name", "wire")
+    package = Path("wire/package.mo").read_text()
+    assert "constant Integer states = 8" in package and "parameter Modelica.Units.SI.Time period = 0.01 " in package
+    twice = '#include "wire.c"\n#include "wire.c"\nvoid ModelicaFormatError(const char *text, ...) { (void)text; }\n'
+    command = [str(find_compiler()), *FLAGS, "-Iwire/Resources/Include", "-xc", "-", "-o", "./libwire.so", "-lm"]
+    subprocess.run(command, input=twice, text=True, check=True)
+    library = ctypes.CDLL("./libwire.so")
+    kernel = compile_port(build_element_port(load(scenario).system))
+    now, x, after, y = kernel.functions["init"](0.0, 0.0, 290.0), np.zeros(8), np.zeros(8), np.zeros(6)
+    at = [ctypes.c_void_p(one.ctypes.data) for one in (x, after, y)]
+    u = np.array([0.0, 0.0, 290.0])
+    library.wire_core_modelica_start(ctypes.c_void_p(u.ctypes.data), at[0], at[2])
+    np.testing.assert_array_equal(x, now)
+    for k in range(30):
+        u[:] = 1.0, -1e-4 * k, 295.0
+        library.wire_core_modelica_advance(at[0], ctypes.c_void_p(u.ctypes.data), ctypes.c_double(0.05), at[1], at[2])
+        found, _ = kernel.try_step(now, u.tolist(), 0.05)
+        now, x[:] = found[:8], after
+        np.testing.assert_array_equal(after, now)
+        np.testing.assert_array_equal(y[:4], found[10:14])
+        assert y[5] == found[15]
+    assert y[3] < 0.5 and y[1] > 330.0
+    assert "is there already" in Command("export", "modelica").refused(str(scenario), "--name", "wire")
+    assert "above 0 s" in Command("export", "modelica").refused(str(scenario), "--period", "0 s")
+
+
+def test_what_is_refused() -> None:
+    umat, hand = Command("export", "umat"), str(EXAMPLES / "hand.toml")
+    assert "choose the port of one: thumb_proximal_flexor" in umat.refused(hand)
+    assert "thumb_proximal_flexor" in umat.refused(hand, "--port", "thumb_proximal_flexr")
+    assert "one phase state" in umat.refused(str(EXAMPLES / "clamped_wire.toml"))
+    assert "cannot begin compressed" in umat.refused(PULL, "--slack", "--preload", "-5 MPa")
+    assert "identifier of C" in umat.refused(PULL, "--name", "ni-ti")
+    assert "`--port` goes with" in Command("export", "c").refused(PULL, "--port", "element")
+    assert "with `--ports`" in Command("export", "fmu").refused(PULL, "--port", "element")
+    said = Command("export", "fmu").fine(PULL, "--ports", "--port", "element", "--sources-only", "--fmi", "3.0")
+    assert "drive [K], elongation [m], velocity [m/s], ambient [K]" in said
