@@ -168,10 +168,13 @@ def test_a_prescribed_temperature_is_no_state(tmp_path: Path) -> None:
     assert [one.name for one in warm.states] == ["variant_plus", "variant_minus"]
     size = compile_system(posed).size
     functions = trace_rates(posed).bind_floats(*(leaf.value for leaf in posed.leaves()))
-    cold = functions["init"](300.0)[:size]
+    rest = functions["init"](300.0)[:size]
+    cold = [0.6, 0.0, *rest[2:]]  # populations; stress and force follow
     found = [functions["differentiate"](*cold, drive) for drive in (300.0, 345.0)]
     assert [functions["observe"](*one[:size], 345.0)[1] for one in found] == [300.0, 345.0]
     assert [len(one) for one in found] == [size + 2, size + 2]
+    seen = dict(zip(posed.outputs(), functions["observe"](*found[1][:size], 345.0), strict=True))
+    assert found[1][2] == pytest.approx(seen["stress"], rel=1e-12) != rest[2]
     assert found[1][size] < found[0][size] - 0.1
 
 
