@@ -7,6 +7,7 @@ step on plain floats, at the lines that the C recorded; MuJoCo's own energies; a
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -126,6 +127,32 @@ def test_what_else_acts_is_in_the_line() -> None:
     mujoco.mj_step(ours.model, data, nstep=500)
     assert data.qpos[0] < -1e-4
     assert ours.observe(data)["wire"]["temperature"] > 300.0
+
+
+@pytest.mark.parametrize("damped", [True, False])
+def test_the_line_is_that_of_the_dense_mass_matrix(damped: bool) -> None:
+    """A humanoid that stands in the air: what a path yields, and where it ends, by linear algebra."""
+    gymnasium: Any = pytest.importorskip("gymnasium")
+    spec = mujoco.MjSpec.from_file(str(Path(gymnasium.__file__).parent / "envs/mujoco/assets/humanoid.xml"))
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_EULER
+    if not damped:
+        spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
+    ours = MujocoActuators(spec, [actuator("left_hipknee", start_force=1.0)])
+    model, data = ours.model, mujoco.MjData(ours.model)
+    dt, rng = model.opt.timestep, np.random.default_rng(0)
+    data.qvel[:], data.ctrl[:-1] = rng.normal(size=model.nv), 0.2 * rng.normal(size=model.nu - 1)
+    mujoco.mj_forward(model, data)
+    assert data.ncon == 0
+    mass, moment = np.zeros((model.nv, model.nv)), np.zeros((model.nu, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    mujoco.mju_sparse2dense(moment, data.actuator_moment, data.moment_rownnz, data.moment_rowadr, data.moment_colind)
+    own = moment[-1]
+    mass += damped * dt * np.diag(model.dof_damping)
+    forces = data.qfrc_passive - data.qfrc_bias + moment[:-1].T @ data.actuator_force[:-1]  # no limits one step ago
+    (step,) = ours.list_steps(data)
+    assert step.give == pytest.approx(dt * dt * own @ np.linalg.solve(mass, own), rel=1e-12)
+    end = data.actuator_length[-1] + dt * own @ (data.qvel + dt * np.linalg.solve(mass, forces))
+    assert step.reach == pytest.approx(end - ours.strands[0].reference, rel=1e-10)
 
 
 def test_a_step_that_fails_is_told() -> None:

@@ -44,28 +44,35 @@ static double *find_room(size_t count) {
     return room;
 }
 
+static int damps_at_end(const mjModel *m) {
+    return m->opt.integrator != mjINT_EULER || !(m->opt.disableflags & mjDSBL_EULERDAMP);
+}
+
 typedef struct {
     const mjModel *m;
-    double *L, *inverse; /* of M' = L^T D L */
-    double dt;
+    const double *L, *inverse; /* of M' = L^T D L, and of D */
 } Mass;
 
-/* M' = L^T D L in the rows of M; after R. Featherstone (2008), section 6.5 */
-static void factor_mass(Mass *a, const mjData *d, int damped) {
-    const mjModel *m = a->m;
+/* M' = L^T D L in the rows of M; after R. Featherstone (2008), section 6.5. Without damping MuJoCo has it already. */
+static Mass factor_mass(const mjModel *m, const mjData *d, double *L, double *inverse) {
+    Mass found = {m, d->qLD, d->qLDiagInv};
     int k, e, j;
-    memcpy(a->L, d->M, sizeof(double) * (size_t)m->nC);
+    for (k = 0; k < m->nv && m->dof_damping[k] == 0.0; k++);
+    if (k == m->nv || !damps_at_end(m)) return found;
+    memcpy(L, d->M, sizeof(double) * (size_t)m->nC);
     for (k = m->nv - 1; k >= 0; k--) {
-        double *restrict row = a->L + m->M_rowadr[k];
+        double *restrict row = L + m->M_rowadr[k];
         const int *columns = m->M_colind + m->M_rowadr[k], diagonal = m->M_rownnz[k] - 1;
-        if (damped) row[diagonal] += a->dt * m->dof_damping[k];
-        a->inverse[k] = 1.0 / row[diagonal];
+        row[diagonal] += m->opt.timestep * m->dof_damping[k];
+        inverse[k] = 1.0 / row[diagonal];
         for (e = diagonal - 1; e >= 0; e--) {
-            double *restrict other = a->L + m->M_rowadr[columns[e]], share = row[e] * a->inverse[k];
-            for (j = 0; j <= e; j++) other[j] -= share * row[j];
+            double *restrict other = L + m->M_rowadr[columns[e]], share = row[e] * inverse[k];
+            for (j = 0; j <= e; j++) other[j] = fma(-share, row[j], other[j]);
         }
-        for (e = 0; e < diagonal; e++) row[e] *= a->inverse[k];
+        for (e = 0; e < diagonal; e++) row[e] *= inverse[k];
     }
+    found.L = L, found.inverse = inverse;
+    return found;
 }
 
 static void solve_mass(const Mass *a, double *x) {
@@ -99,10 +106,6 @@ static void add_row(const mjData *d, int row, double share, double *x) {
         x[d->moment_colind[d->moment_rowadr[row] + e]] += share * d->actuator_moment[d->moment_rowadr[row] + e];
 }
 
-static int damps_at_end(const mjModel *m) {
-    return m->opt.integrator != mjINT_EULER || !(m->opt.disableflags & mjDSBL_EULERDAMP);
-}
-
 /* Where the paths end without the elements, reach[i] above their reference, and what they yield, S[i][j] [m/N]. */
 static int lay_lines(const Group *group, const mjModel *m, const mjData *d, int first, const int *rows, double *reach,
                      double S[STRANDS][STRANDS]) {
@@ -111,8 +114,8 @@ static int lay_lines(const Group *group, const mjModel *m, const mjData *d, int 
     Mass mass;
     room = find_room((size_t)(m->nC + (2 + STRANDS) * nv));
     if (!room) return 0;
-    mass.m = m, mass.dt = dt, mass.L = room, mass.inverse = room + m->nC, f = mass.inverse + nv;
-    factor_mass(&mass, d, damps_at_end(m));
+    mass = factor_mass(m, d, room, room + m->nC);
+    f = room + m->nC + nv;
     for (k = 0; k < nv; k++) f[k] = d->qfrc_passive[k] - d->qfrc_bias[k] + d->qfrc_applied[k] + d->qfrc_constraint[k];
     for (k = 0; k < first; k++)
         for (j = m->actuator_outadr[k]; j < m->actuator_outadr[k] + m->actuator_outnum[k]; j++) {
