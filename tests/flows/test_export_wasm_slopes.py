@@ -29,6 +29,7 @@ from martensite.simulate.drive_waveforms import grid_of
 from martensite_export.c_core import build_c_core
 from martensite_export.c_example import Step
 from martensite_export.wasm import build_wasm
+from martensite_export.wasm.module import FOLDER, list_sources
 from martensite_export.wasm.slopes import CoreSlopes, choose_slopes
 
 MOST = 40_000
@@ -153,6 +154,17 @@ def test_a_lane_that_fails_keeps_state_and_slopes(c_compiler: str, tmp_path: Pat
     assert np.isfinite(found[..., [0, 2]]).all() and (found[..., 0] == found[..., 2]).all()
     np.testing.assert_array_equal(lanes.models[1, value : value + core.states], kept[0])
     np.testing.assert_array_equal(lanes.tangents[1, 0, slope : slope + core.states], kept[1])
+
+
+def test_without_the_option_nothing_is_added() -> None:
+    """The core is printed alike before and after slopes of it were; its lanes stand alone."""
+    system = problem_a()
+    core = build_c_core(system, name="wire")
+    before = core.source, list_sources(core)
+    assert choose_slopes(system, core, ["element.diameter"]).source
+    again = build_c_core(system, name="wire")
+    assert (again.source, list_sources(again)) == before
+    assert before[1]["lanes.c"].endswith((FOLDER / "lanes.c").read_text(encoding="utf-8"))
 
 
 # ---------------------------------------------------------------- refusals
