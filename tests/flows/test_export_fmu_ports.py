@@ -16,10 +16,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from martensite.actuators.mechanisms.multibody import AbstractMultibody, Coordinate
 from martensite.base.errors import InputError
-from martensite.base.parameters import param
-from martensite.kernels.namespace import Scalar
 from martensite.scenario.scenario import Scenario, read_scenario
 from martensite.signals.constant import Constant
 from martensite.simulate.api import simulate
@@ -29,6 +26,7 @@ from martensite_export.fmu.terminals import TERMINALS, draw_icon
 fmpy = pytest.importorskip("fmpy")
 from fmpy.validation import validate_fmu  # noqa: E402
 from fmu_instance import ERROR, OK, Instance  # noqa: E402
+from slider import Slider  # noqa: E402
 from thin_wire import THIN_WIRE  # noqa: E402
 
 pytestmark = pytest.mark.usefixtures("c_compiler")
@@ -44,28 +42,6 @@ step = "1 ms"
 """
 POWER, AMBIENT, DURATION = 6.0, 295.15, 0.5
 VERSIONS = ("2.0", "3.0")
-
-
-class Slider(AbstractMultibody):
-    """m x'' + c x' + k x + F₀ = F: a mass on a spring and a damper, drawn by an element."""
-
-    mass: Scalar = param("kg", "mass", above=0.0)
-    damping: Scalar = param("N*s/m", "damping", low=0.0)
-    stiffness: Scalar = param("N/m", "spring rate", low=0.0)
-    preload: Scalar = param("N", "force at home", low=0.0)
-
-    def coordinates(self) -> tuple[Coordinate, ...]:
-        return (Coordinate("position", "m", "position of the mass", "x", 1e-6),)
-
-    def contraction(self, xp: Any, position: Any) -> Any:
-        return position
-
-    def start_forces(self, xp: Any) -> Any:
-        return [self.preload]
-
-    def demand(self, xp: Any, motion: Any, signals: Any) -> Any:
-        (x,), (v,), (a,) = motion
-        return [self.preload + self.stiffness * x + self.damping * v + self.mass * a]
 
 
 SLIDER = Slider(mass=0.4, damping=25.0, stiffness=300.0, preload=1.2, motion="dynamic")

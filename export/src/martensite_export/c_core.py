@@ -62,6 +62,8 @@ class CCore:
     """Outputs whose slopes a function `respond` gives, with a step that is tried; none without it."""
     probes: tuple[float, ...] = ()
     """Changes of inputs for differences, where steps may be taken in parts: see `ports.kernel`."""
+    continuous: tuple[int, ...] = ()
+    """Places in the state of numbers whose rates a function `differentiate` gives; none without it."""
 
     @cached_property
     def header(self) -> str:
@@ -149,11 +151,13 @@ def core_of(
     pruned: bool = False,
     answers: tuple[str, ...] = (),
     probes: tuple[float, ...] = (),
+    continuous: tuple[int, ...] = (),
 ) -> CCore:
     """The core of a program with functions `init`, `step` and `observe`.
 
     `reports` says whether steps end with residual and crossing, `pruned` whether parameters that
-    change nothing are left out, `answers` of which outputs a function `respond` gives slopes.
+    change nothing are left out, `answers` of which outputs a function `respond` gives slopes, `continuous`
+    of which numbers of the state a function `differentiate` gives rates.
     """
     timed, leaves = _sample_path(whole), list(whole.leaves())
     places = {leaf.path: i for i, leaf in enumerate(leaves)}
@@ -176,6 +180,7 @@ def core_of(
         sample_time=whole.sample_time() if sample else 0.0,
         answers=answers,
         probes=probes,
+        continuous=continuous,
     )
 
 

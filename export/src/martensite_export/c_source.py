@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from martensite.simulate.march import COARSE
 from martensite_export.c_kernels import CKernel, kernels_text, precision_of
 from martensite_export.c_names import CoreVariable
+from martensite_export.c_rates import DIFFERENTIATE, print_rates
 from martensite_export.c_text import count_elements
 from martensite_export.c_tried import PARTS, print_tried
 
@@ -24,12 +25,13 @@ def source_text(core: CCore) -> str:
     """NAME.c."""
     traced, count = core.program.functions, len(core.inputs)
     kernels = [CKernel.of(traced["init"], 0, count)]
-    stepped = ("step", "observe", "respond") if core.answers else ("step", "observe")
+    stepped = ("step", "observe", *["respond"] * bool(core.answers), *[DIFFERENTIATE] * bool(core.continuous))
     kernels += [CKernel.of(traced[name], core.states, count) for name in stepped]
     prefix = f"{core.name}_"
     begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, precision_of(core.precision)) + "\n"
+    more = print_tried(core) + print_rates(core)
     return fill_text(
-        core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + print_step(core) + _SEEN + print_tried(core)
+        core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + print_step(core) + _SEEN + more
     )
 
 
@@ -53,6 +55,7 @@ def fill_text(core: CCore, text: str) -> str:
         TWO=precision.literal(2.0),
         PARTS=PARTS,
         PROBES=", ".join(map(precision.literal, core.probes)),
+        CONTINUOUS=", ".join(map(str, core.continuous)),
     )
 
 

@@ -191,6 +191,13 @@ def fmu(
         ),
     ] = False,
     port: Port = None,
+    model_exchange: Annotated[
+        bool,
+        Option(
+            "--model-exchange",
+            help="Refuse unless it is for model exchange too, as it is by itself where laws have rates.",
+        ),
+    ] = False,
     sources_only: Annotated[bool, Option("--sources-only", help="Compile nothing.")] = False,
     force: Force = False,
     json: Json = False,
@@ -199,7 +206,8 @@ def fmu(
 
     Drives are inputs, everything that can be observed is an output, all numbers of the scenario
     are parameters; a closed loop has its reference as an input. With `--ports` it is the element
-    alone, for a host that has the mechanism.
+    alone, for a host that has the mechanism. One element on a static load line, or alone, whose law
+    has rates (`mas`, `mas-polycrystal`) is for model exchange too.
     """
     from martensite.show.terminal import print_summary
     from martensite_export.fmu import to_fmu
@@ -213,7 +221,17 @@ def fmu(
     Outputs(out, None).check(force, data=(".fmu",))
     chosen = read_quantity("step", step, "s")
     compiled = [] if sources_only else platforms or None
-    made = to_fmu(loaded, out, fmi=fmi, step=chosen, name=name, platforms=compiled, ports=ports, port=port)
+    made = to_fmu(
+        loaded,
+        out,
+        fmi=fmi,
+        step=chosen,
+        name=name,
+        platforms=compiled,
+        ports=ports,
+        port=port,
+        model_exchange=model_exchange,
+    )
     print_summary(_summarise_fmu(made), json)
 
 
@@ -226,8 +244,10 @@ def _collect_signals(made: Fmu) -> dict[str, Any]:
         "period" if made.discrete else "step": made.step,
         "platforms": list(made.platforms),
     }
-    kinds = {"inputs": "input", "outputs": "output", "parameters": "parameter", "fixed": "local"}
+    kinds = {"inputs": "input", "outputs": "output", "parameters": "parameter"}
     named = {key: made.named(causality) for key, causality in kinds.items()}
+    named["fixed"] = [one for one in made.named("local") if one.variability == "constant"]
+    named["states"] = made.states
     return report | {key: {one.name: one.reference for one in signals} for key, signals in named.items()}
 
 
@@ -240,6 +260,7 @@ def _summarise_fmu(made: Fmu) -> Summary:
     lines = (
         f"{', '.join(counted)}; {pace} {write_quantity(made.step, 's')}",
         f"inputs: {inputs}",
+        *[f"for model exchange too, with {len(made.states)} continuous states"] * bool(made.states),
         f"wrote {made.path} (FMI {made.fmi}; {known})",
     )
     return Summary("", [Sentence(line) for line in lines], _collect_signals(made))

@@ -1,4 +1,4 @@
-"""A scenario as an FMU for co-simulation: one module per part of the archive."""
+"""A scenario as an FMU: one module per part of the archive."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""`to_fmu`: a scenario or a system as an FMU for co-simulation, FMI 2.0 or 3.0.
+"""`to_fmu`: a scenario or a system as an FMU, FMI 2.0 or 3.0.
+
+It is for co-simulation, and for model exchange too where the law of its only element gives rates.
 
 The FMU holds the model in C with its sources, libraries for the machines that there are compilers for, the
 description of everything that can be set, and the scenario that it was made of. The same scenario gives the same
@@ -25,6 +27,7 @@ from martensite_export.fmu.plan import FmuPlan, plan_of, plan_port
 from martensite_export.fmu.terminals import draw_icon, write_terminals
 from martensite_export.fmu.variables import FmuVariable, list_variables
 from martensite_export.fmu.wrapper import write_sources
+from martensite_export.rates import require_rates
 
 VERSIONS = ("2.0", "3.0")
 _EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -48,6 +51,11 @@ class Fmu:
     platforms: tuple[str, ...]
     """Machines for which it has a library; elsewhere its sources must be compiled."""
 
+    @property
+    def states(self) -> list[FmuVariable]:
+        """Continuous states, of an FMU that is for model exchange too."""
+        return [one for one in self.variables if one.nominal is not None]
+
     def named(self, causality: str) -> list[FmuVariable]:
         """Variables that are an input, output, parameter or local."""
         return [one for one in self.variables if one.causality == causality]
@@ -63,6 +71,7 @@ def to_fmu(
     platforms: Sequence[str] | None = None,
     ports: bool = False,
     port: str | None = None,
+    model_exchange: bool = False,
 ) -> Fmu:
     """Write a scenario, or a system, as an FMU; whatever is at the path is replaced.
 
@@ -77,11 +86,13 @@ def to_fmu(
         ports: the element alone: its elongation, drive and surroundings are inputs, its force and
             temperature outputs. What it pulls on is another model.
         port: where that element stands, if there are several.
+        model_exchange: whether it must be for model exchange too; it is wherever it can be.
         platforms: for which to compile, such as `x86_64-linux`; by default all that the compiler
             of this machine and cross compilers of gcc are for; none for sources alone.
 
     Raises:
-        InputError: an argument is out of range, or there is no such version or compiler.
+        InputError: an argument is out of range, or there is no such version or compiler; there is
+            no model exchange of it.
         SolveError: the run that chooses the step failed.
         MartensiteError: the compiler failed.
     """
@@ -93,6 +104,8 @@ def to_fmu(
     if port is not None and not ports:
         raise InputError("Argument `port` chooses the element of an FMU with ports; give `ports` too.")
     plan = plan_port(model, called, step, port) if ports else plan_of(model, called, step)
+    if model_exchange:
+        require_rates(plan.system)
     shown = list_variables(plan)
     token = _make_token([write_description(fmi, plan, shown, ""), *write_sources(plan, fmi, "").values()])
     texts = write_sources(plan, fmi, token)

@@ -1,4 +1,4 @@
-/* The functions of FMI 2.0 for co-simulation, on what states.c has. The types are those of the
+/* The functions of FMI 2.0, on what states.c has. The types are those of the
    standard's C interface, declared here as far as they are needed. */
 
 #include "states.c"
@@ -48,9 +48,14 @@ FMI_OTHER(void *, fmi2Instantiate)(const char *name, int type, const char *guid,
     instance *i = create(name, guid, functions == NULL ? NULL : functions->environment,
                          functions == NULL ? NULL : (void (*)(void))functions->logger);
     if (i == NULL || type == 1) return i;
+#ifdef FMU_CONTINUOUS
+    i->exchange = 1;
+    return i;
+#else
     say(i, ERROR, "This FMU is for co-simulation, not for model exchange.");
     destroy(i);
     return NULL;
+#endif
 }
 
 FMI_OTHER(void, fmi2FreeInstance)(void *c) { destroy(c); }

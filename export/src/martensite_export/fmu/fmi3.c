@@ -1,4 +1,5 @@
-/* The functions of FMI 3.0, on what states.c has: those of co-simulation and, as the standard
+/* The functions of FMI 3.0, on what states.c has: those of co-simulation, of model
+   exchange where the model gives rates, and, as the standard
    wants it, all others, which refuse. The types are those of the standard's C interface. */
 
 #include <stdbool.h>
@@ -59,14 +60,20 @@ FMI_OTHER(void *, fmi3InstantiateModelExchange)(
     const char *name, const char *token, const char *resources, bool visible, bool logging,
     void *environment, logger3 logger)
 {
+#ifdef FMU_CONTINUOUS
+    instance *i = create(name, token, environment, (void (*)(void))logger);
+    if (i != NULL) i->exchange = 1;
+    return i;
+#else
     return refused_instance(environment, logger, "This FMU is for co-simulation only.");
+#endif
 }
 
 FMI_OTHER(void *, fmi3InstantiateScheduledExecution)(
     const char *name, const char *token, const char *resources, bool visible, bool logging,
     void *environment, logger3 logger, clocked update, lock preemption, lock no_preemption)
 {
-    return refused_instance(environment, logger, "This FMU is for co-simulation only.");
+    return refused_instance(environment, logger, "This FMU is not for scheduled execution.");
 }
 
 FMI_OTHER(void, fmi3FreeInstance)(void *c) { destroy(c); }
@@ -207,12 +214,13 @@ static int not_here(const instance *i, const char *name)
 #define REFUSED(name, arguments) \
     FMI(name) arguments { return not_here(c, #name); }
 
-REFUSED(fmi3EnterEventMode, (void *c))
 REFUSED(fmi3EnterStepMode, (void *c))
 REFUSED(fmi3EnterConfigurationMode, (void *c))
 REFUSED(fmi3ExitConfigurationMode, (void *c))
-REFUSED(fmi3EnterContinuousTimeMode, (void *c))
 REFUSED(fmi3EvaluateDiscreteStates, (void *c))
+#ifndef FMU_CONTINUOUS
+REFUSED(fmi3EnterEventMode, (void *c))
+REFUSED(fmi3EnterContinuousTimeMode, (void *c))
 REFUSED(fmi3UpdateDiscreteStates,
         (void *c, bool *update, bool *terminated, bool *nominals, bool *values, bool *defined,
          double *next))
@@ -226,6 +234,7 @@ REFUSED(fmi3GetNominalsOfContinuousStates, (void *c, double x[], size_t count))
 REFUSED(fmi3GetEventIndicators, (void *c, double z[], size_t count))
 REFUSED(fmi3GetNumberOfEventIndicators, (void *c, size_t *count))
 REFUSED(fmi3GetNumberOfContinuousStates, (void *c, size_t *count))
+#endif
 REFUSED(fmi3GetNumberOfVariableDependencies, (void *c, uint32_t vr, size_t *count))
 REFUSED(fmi3GetVariableDependencies,
         (void *c, uint32_t dependent, size_t elements[], uint32_t independents[],

@@ -1,4 +1,4 @@
-/* One instance of a co-simulation FMU around a core of traced kernels: what FMI 2 and 3 share.
+/* One instance of an FMU around a core of traced kernels: what FMI 2 and 3 share.
 
    A function returns one of the statuses below, in the numbers of the standard, and says why
    through the logger. What is refused leaves the instance as it was. */
@@ -22,10 +22,13 @@
 
 enum { FMU_LONGEST = 512 }; /* of a message */
 enum { OK, WARNING, DISCARD, ERROR, FATAL };
-enum { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED };
+enum { INSTANTIATED, INITIALIZING, STEPPING, TERMINATED, EVENT, CONTINUOUS_TIME };
+enum { RUNNING = 1u << STEPPING | 1u << EVENT | 1u << CONTINUOUS_TIME };
+enum { STATE_KIND = 4, RATE_KIND = 5 };
 
-static const char *const phases[] = {
-    "after instantiation", "in initialization", "while stepping", "after termination"};
+static const char *const phases[] = {"after instantiation", "in initialization",
+                                     "while stepping",      "after termination",
+                                     "at an event",         "between events"};
 
 /* All that a saved state holds; no pointers. */
 typedef struct {
@@ -42,6 +45,12 @@ typedef struct {
     double outputs[FMU_OUTPUTS + 1], before[CORE_STATES + 1];
     double refused_step; /* length of a step that failed from here under these inputs; or -1 */
     int stale, quiet;
+    int exchange; /* 1 where the importer integrates; see exchange.c */
+#ifdef FMU_CONTINUOUS
+    int unsettled;
+    CORE_MODEL settled;
+    double rates[FMU_CONTINUOUS];
+#endif
     char *name;
     void *environment;
     void (*logger)(void);
@@ -72,6 +81,15 @@ static int in_phase(const instance *i, const char *what, unsigned phases_allowed
 
 /* ---------------------------------------------------------------- life */
 
+/* Nothing is known any more that follows from state and inputs. */
+static void spoil(instance *i)
+{
+    i->stale = 1;
+#ifdef FMU_CONTINUOUS
+    i->unsettled = 1;
+#endif
+}
+
 static void reset(instance *i)
 {
     memset(&i->m, 0, sizeof i->m);
@@ -80,7 +98,7 @@ static void reset(instance *i)
     CORE(defaults)(&i->m.model);
     memcpy(i->m.inputs, first_inputs, sizeof first_inputs);
     i->m.inner = FMU_STEP;
-    i->stale = 1;
+    spoil(i);
     i->refused_step = -1.0;
 }
 
@@ -159,7 +177,7 @@ static int enter(instance *i, double start)
     if (!isfinite(start)) return say(i, ERROR, "The start time must be finite, but is %g.", start);
     i->m.start = i->m.time = start;
     i->m.phase = INITIALIZING;
-    i->stale = 1;
+    spoil(i);
     return OK;
 }
 
@@ -167,14 +185,14 @@ static int leave(instance *i)
 {
     if (in_phase(i, "To end the initialization", 1u << INITIALIZING)) return ERROR;
     if (begin(i)) return ERROR;
-    i->m.phase = STEPPING;
+    i->m.phase = i->exchange ? EVENT : STEPPING;
     i->refused_step = -1.0;
     return OK;
 }
 
 static int terminate(instance *i)
 {
-    if (in_phase(i, "To terminate", 1u << STEPPING)) return ERROR;
+    if (in_phase(i, "To terminate", RUNNING)) return ERROR;
     i->m.phase = TERMINATED;
     return OK;
 }

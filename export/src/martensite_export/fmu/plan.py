@@ -14,6 +14,7 @@ from martensite.scenario.scenario import Scenario
 from martensite.simulate.api import longest_step
 from martensite_export.c_core import CCore, build_c_core
 from martensite_export.ports.element import ElementPort, build_element_port
+from martensite_export.rates import ContinuousState, build_rates_core, gives_rates, list_continuous
 
 FREE, CONSTANT, HIDDEN = "FREE", "CONSTANT", "HIDDEN"
 
@@ -47,6 +48,8 @@ class FmuPlan:
     first: tuple[float, ...]
     """Inputs that nobody sets."""
     scenario: Scenario | None
+    continuous: tuple[ContinuousState, ...] = ()
+    """Continuous states, of a model that is for model exchange too."""
 
     @property
     def period(self) -> float:
@@ -79,7 +82,8 @@ def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | Non
     scenario = None if isinstance(model, AbstractSystem) else model
     system = _fix_steps(model if isinstance(model, AbstractSystem) else model.whole)
     chosen = _choose_step(system, scenario, step)
-    core = build_c_core(system, name=f"{identifier}_core")
+    rated, name = gives_rates(system), f"{identifier}_core"
+    core = build_rates_core(system, name=name) if rated else build_c_core(system, name=name)
     return FmuPlan(
         identifier=identifier,
         title=identifier if scenario is None else scenario.title,
@@ -89,6 +93,7 @@ def plan_of(model: Scenario | AbstractSystem, identifier: str, step: float | Non
         numbers=_list_numbers(core, system, scenario),
         first=_first_inputs(core, system),
         scenario=scenario,
+        continuous=list_continuous(system) if rated else (),
     )
 
 

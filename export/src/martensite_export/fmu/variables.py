@@ -1,7 +1,8 @@
 """What an FMU shows: inputs, outputs and parameters, with value references that stay.
 
 A value reference is its kind times 100000 and the place among its kind: inputs from 0, outputs
-from 100000, parameters from 200000, time 300000 and the inner step 300001. The place of a
+from 100000, parameters from 200000, time 300000 and the inner step 300001; continuous states from
+400000 and their rates from 500000, where it is for model exchange too. The place of a
 parameter is that among all numbers of the system, also of those that are not shown.
 
 Units of a model description are exponents of SI base units, with what a person would rather read;
@@ -20,6 +21,7 @@ from martensite_export.fmu.plan import CONSTANT, HIDDEN, FmuPlan, ModelNumber
 
 KIND = 100_000
 TIME, INNER = 3 * KIND, 3 * KIND + 1
+STATES, RATES = 4 * KIND, 5 * KIND
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class FmuVariable:
     name: str
     reference: int
     causality: str
-    """Input, output, parameter, or local for a constant."""
+    """Input, output, parameter, or local for a constant, a continuous state and its rate."""
     variability: str
     words: str
     declared: str
@@ -38,6 +40,10 @@ class FmuVariable:
     """None for what is calculated."""
     low: float = -math.inf
     high: float = math.inf
+    nominal: float | None = None
+    """A usual size, of a continuous state."""
+    rate_of: int | None = None
+    """Reference of the continuous state of which it is the rate in time."""
 
     @property
     def unit(self) -> str | None:
@@ -51,7 +57,7 @@ class FmuVariable:
 
 
 def list_variables(plan: FmuPlan) -> tuple[FmuVariable, ...]:
-    """Inputs, outputs, parameters and the inner step."""
+    """Inputs, outputs, parameters, the inner step, continuous states and their rates."""
     pace = "discrete" if plan.period else "continuous"
     found = [
         FmuVariable(one.name, one.index, "input", pace, one.words, one.unit, start)
@@ -69,7 +75,20 @@ def list_variables(plan: FmuPlan) -> tuple[FmuVariable, ...]:
         name = _free_name("inner_step", "parameter", taken)
         words = "longest step of the model within a step of the co-simulation (above 0)"
         found.append(FmuVariable(name, INNER, "parameter", "fixed", words, "s", plan.step, 0.0))
-    return tuple(found)
+    return (*found, *_list_states(plan, taken))
+
+
+def _list_states(plan: FmuPlan, taken: set[str]) -> list[FmuVariable]:
+    states: list[FmuVariable] = []
+    rates: list[FmuVariable] = []
+    for k, one in enumerate(plan.continuous):
+        name = _free_name(one.name, "state", taken)
+        row = ("local", "continuous", one.words, one.unit)
+        states.append(FmuVariable(name, STATES + k, *row, nominal=one.nominal))
+        unit = "1/s" if one.unit == "1" else f"{one.unit}/s"
+        row = ("local", "continuous", f"rate of {name} in time", unit)
+        rates.append(FmuVariable(f"der({name})", RATES + k, *row, rate_of=STATES + k))
+    return [*states, *rates]
 
 
 def _describe_parameter(name: str, reference: int, number: ModelNumber) -> FmuVariable:

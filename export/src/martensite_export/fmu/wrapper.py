@@ -22,19 +22,21 @@ _LARGEST = 1.7e308
 
 def write_sources(plan: FmuPlan, version: str, token: str) -> dict[str, str]:
     """All C of an FMU, by file; `token` is its GUID, or instantiation token."""
-    found = {"all.c": _write_all(plan, version), "model.h": _write_model(plan, token), **plan.core.files}
+    interface = _list_interface(plan, version)
+    found = {"all.c": _write_all(plan, interface), "model.h": _write_model(plan, token), **plan.core.files}
     folder = files("martensite_export.fmu")
-    for name in (*SHARED, _read_interface(version)):
+    for name in (*SHARED, *interface):
         found[name] = (folder / name).read_text(encoding="utf-8")
     return found
 
 
-def _read_interface(version: str) -> str:
-    return "fmi2.c" if version == "2.0" else "fmi3.c"
+def _list_interface(plan: FmuPlan, version: str) -> list[str]:
+    more = ["exchange.c", f"exchange{version[0]}.c"] if plan.continuous else []
+    return [f"fmi{version[0]}.c", *more]
 
 
-def _write_all(plan: FmuPlan, version: str) -> str:
-    included = (f"{plan.core.name}.c", "model.h", _read_interface(version))
+def _write_all(plan: FmuPlan, interface: Iterable[str]) -> str:
+    included = (f"{plan.core.name}.c", "model.h", *interface)
     return "".join(f'#include "{name}"\n' for name in included)
 
 
@@ -58,6 +60,8 @@ def _write_model(plan: FmuPlan, token: str) -> str:
         "CORE_STATUS(s)": f"{core}_##s",
     }
     numbers |= _locate_moved(plan)
+    nominals = [one.nominal for one in plan.continuous]
+    numbers |= {"FMU_CONTINUOUS": f"{core}_CONTINUOUS"} if nominals else {}
     defined = "".join(f"#define {key} {value}\n" for key, value in numbers.items())
     rules = ",\n    ".join(_write_rule(number) for number in plan.numbers)
     at_end = [place_signal(drive.at_end) for drive in plan.system.drives()]
@@ -66,6 +70,7 @@ def _write_model(plan: FmuPlan, token: str) -> str:
         f"static const double first_inputs[] = {{{_format_numbers(plan.first)}}};\n"
         "/* Where in an inner step an input is read. */\n"
         f"static const double sampled_at[] = {{{_format_numbers(at_end)}}};\n"
+        + (f"static const double nominals[] = {{{_format_numbers(nominals)}}};\n" if nominals else "")
     )
 
 

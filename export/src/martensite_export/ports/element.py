@@ -86,6 +86,10 @@ class MovedEnd(AbstractMechanism):
         taut = xp.where(force > 0.0, 1.0, 0.0)
         return [force], [taut / element.tangent(xp, state, force).compliance]
 
+    def load_line(self, memory: MountedEnd) -> Pull:
+        """The end where it was mounted."""
+        return self._pull(memory, (0.0,))
+
     def mechanics(self, xp: Namespace, memory: MountedEnd, loads: Sequence[Load], signals: Column) -> Mechanics:
         """The end works against who moves it; where the element is slack, without a force."""
         ((element, state, _),) = loads
@@ -135,6 +139,13 @@ class ElementPort(System):
     def observe(self, xp: Namespace, state: Any, *drives: Scalar) -> list[Scalar]:
         """Everything that can be measured, and the ambient temperature."""
         return [*super(ElementPort, self._placed(drives)).observe(xp, state, *drives[:-1]), drives[-1]]
+
+    def differentiate(self, xp: Namespace, state: Any, *drives: Scalar) -> tuple[Any, Sequence[Scalar]]:
+        """As mounted where the end is now: the state that follows from its continuous numbers, and their rates."""
+        moved = MountedEnd(state.mechanism.elongation + drives[1])
+        placed = super(ElementPort, self._placed(drives))
+        after, rates = placed.differentiate(xp, state._replace(mechanism=moved), *drives[:-1])
+        return after._replace(mechanism=state.mechanism), rates
 
     def flows(self, xp: Namespace, state: Any, *drives: Scalar | Feed) -> Scalar:
         """Power [W] into the element."""

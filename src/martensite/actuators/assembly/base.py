@@ -239,6 +239,12 @@ class AbstractAssembly(AbstractSystem):
         )
         return after, middle, coarse
 
+    def differentiate(self, xp: Namespace, state: State, *drives: Scalar) -> tuple[State, Column]:
+        """The state that follows from its continuous numbers under drive signals, and their rates in time."""
+        ((element, own, heating),) = self._loads(xp, state, drives)
+        own, rates = element.differentiate(xp, own, heating, self.mechanism.load_line(state.mechanism))
+        return State((own,), state.mechanism), rates
+
     def heat_contents(self, xp: Namespace, state: State) -> list[Scalar | None]:
         """Heat [J] that the element at every drive holds, but for a constant; None if unknown."""
         rows = zip(self._actuators(), state.elements, strict=True)

@@ -188,6 +188,10 @@ class AbstractElement(Parametrised):
         """States after a step of dt [s], in its middle, and after it to a lower order."""
         raise make_missing_error(type(self), ["advance_rosenbrock"])
 
+    def differentiate(self, xp: Namespace, state: Any, heating: Heating, pull: Pull) -> tuple[Any, Sequence[Scalar]]:
+        """The state that follows from its continuous numbers, and their rates [1/s], temperature last [K/s]."""
+        raise make_missing_error(type(self), ["differentiate"])
+
     def warm_start(self, state: Any, found: Any) -> Any:
         """The state, with what `found`, where a step from it ended before, tells its solve."""
         return state

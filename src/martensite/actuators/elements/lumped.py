@@ -40,7 +40,7 @@ from martensite.kernels.namespace import Namespace, Scalar
 from martensite.physics.kinetics.exchange import AbstractExchange
 from martensite.physics.laws.base import Fractions
 from martensite.physics.laws.coupling import StepReport, advance_memory
-from martensite.physics.laws.rosenbrock import Coupling, advance_rosenbrock
+from martensite.physics.laws.rosenbrock import Coupling, advance_rosenbrock, find_rates
 from martensite.physics.laws.wear import Wear
 from martensite.physics.thermal.base import Environment
 
@@ -243,6 +243,23 @@ class AbstractLumped(AbstractElement, init=False):
         What is owed is not asked for. The law must be an exchange of layers.
         """
         law = cast(AbstractExchange, self.law)
+        coupling, lumped = self._couple(xp, state, heating, pull, dt)
+        after, middle, coarse = advance_rosenbrock(xp, law, state.memory, coupling, dt)
+        return lumped(after), lumped(middle), lumped(coarse)
+
+    def differentiate(self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull) -> tuple[Lumped, Column]:
+        """As `advance_rosenbrock` has it: the state that follows from populations and temperature, and their rates."""
+        law, imposed = cast(AbstractExchange, self.law), heating.temperature
+        coupling, lumped = self._couple(xp, state, heating, pull, 1.0)
+        temperature = state.memory.temperature if imposed is None else imposed
+        memory, rates = find_rates(xp, law, state.memory, temperature, coupling)
+        return lumped(memory), rates if imposed is None else rates[:-1]
+
+    def _couple(
+        self, xp: Namespace, state: Lumped, heating: Heating, pull: Pull, dt: Scalar
+    ) -> tuple[Coupling, Callable[[Any], Lumped]]:
+        """What a law of rates is coupled with in a step of dt [s], and the element with a memory of it."""
+        law = cast(AbstractExchange, self.law)
         start, imposed = state.memory.temperature, heating.temperature
 
         def loaded(xp: Namespace, at: Column) -> Scalar:
@@ -270,9 +287,7 @@ class AbstractLumped(AbstractElement, init=False):
             force = loaded(xp, [*law.fractions(memory), memory.temperature])
             return Lumped(memory, force, state.rate)
 
-        coupling = Coupling(stress, power, latent, self.heat_capacity_total())
-        after, middle, coarse = advance_rosenbrock(xp, law, state.memory, coupling, dt)
-        return lumped(after), lumped(middle), lumped(coarse)
+        return Coupling(stress, power, latent, self.heat_capacity_total()), lumped
 
     def rates(self, state: Lumped) -> list[Scalar]:
         """That of the martensite fraction."""
