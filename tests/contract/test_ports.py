@@ -6,6 +6,7 @@ machine and the run, which are other ways through the same laws.
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -23,12 +24,14 @@ from martensite.physics.electrical.sources import PowerSource
 from martensite.physics.laws.base import LAWS, Fractions
 from martensite.physics.thermal.base import Environment
 from martensite.physics.thermal.films import ConstantCooling
+from martensite.scenario.scenario import load
 from martensite.simulate.compiled import bind_system
 from martensite.simulate.point import PathLeg, material_point
 from martensite_export.ports.batch import PortBatch, UniaxialModel
 from martensite_export.ports.element import build_element_port
 from martensite_export.ports.kernel import compile_port
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 WARM = 335.0
 """[K]; superelastic."""
 LAW_NAMES = ("brinson", "mas", "lagoudas", "elahinia", "liang-rogers", "r-phase", "tanaka")
@@ -176,6 +179,14 @@ def test_an_element_answers_to_its_surroundings_and_end(name: str) -> None:
         np.testing.assert_allclose(slopes / scales, np.transpose(columns) / scales, atol=1e-6)
         now = found[:size]
     assert found[begin] > 5.0 and found[begin + 1] > 330.0 and found[begin + 3] < 0.9
+
+
+def test_slopes_inside_loops_are_numbers_of_c(c_compiler: str, tmp_path: Path) -> None:
+    """Cells of a wire are a loop; C has numbers for the slopes in it, and no vectors."""
+    core = compile_port(build_element_port(load(EXAMPLES / "clamped_wire.toml").system)).write_core()
+    core.write(tmp_path)
+    done = subprocess.run([c_compiler, "-fsyntax-only", f"{core.name}.c"], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[:300]
 
 
 def test_arrays_are_updated_in_place_or_not_at_all() -> None:

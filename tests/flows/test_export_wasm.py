@@ -230,9 +230,8 @@ def test_examples_are_those_in_c(zig: None, tmp_path: Path, name: str) -> None:
 
 
 def test_the_script_of_the_page_prints_what_it_says(zig: None, tmp_path: Path) -> None:
-    made = build_wasm(load(ROOT / "examples/pwm_bias_spring.toml").whole, name="spring")
-    write_module(made, tmp_path)
-    page = fences(PAGE)
-    (script,) = [one.text for one in page if one.language == "js"]
-    printed = next(page[k + 1].text for k, one in enumerate(page) if one.language == "js")
-    assert call_node(tmp_path, script) == printed
+    page, system = fences(PAGE), load(ROOT / "examples/pwm_bias_spring.toml").whole
+    scripts = [k for k, one in enumerate(page) if one.language == "js"]
+    for k, slopes in zip(scripts, ((), ("diameter", "stiffness")), strict=True):
+        write_module(build_wasm(system, name="spring", slopes=slopes), tmp_path)
+        assert call_node(tmp_path, page[k].text) == page[k + 1].text

@@ -30,12 +30,13 @@ def source_text(core: CCore) -> str:
     prefix = f"{core.name}_"
     begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, precision_of(core.precision)) + "\n"
     more = print_tried(core) + print_rates(core)
-    return _fill_text(
-        core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + _print_step(core) + _SEEN + more
+    return fill_text(
+        core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + print_step(core) + _SEEN + more
     )
 
 
-def _fill_text(core: CCore, text: str) -> str:
+def fill_text(core: CCore, text: str) -> str:
+    """A template of the source with what it is filled with, such as `$REAL`."""
     precision = precision_of(core.precision)
     return Template(text).substitute(
         NAME=core.name,
@@ -77,13 +78,16 @@ def _print_bound(core: CCore, variable: CoreVariable, value: float) -> str:
     return precision_of(core.precision).literal(value)
 
 
-def _print_step(core: CCore) -> str:
+def print_step(core: CCore, begin: str = "", kernel: str = "", kept: str = "") -> str:
+    """A step as a template: how it begins, the call of its kernel, what else is checked and kept with the state."""
     return "".join(
         [
-            _STEP_BEGIN,
+            begin or _STEP_BEGIN,
+            _STEP_CHECKED,
             _SAMPLE if core.sample else "",
-            "    ${NAME}_kernel_step(m->c, m->x, u, dt, y);\n",
+            kernel or "    ${NAME}_kernel_step(m->c, m->x, u, dt, y);\n",
             _CHECKED if core.reports else _FINITE_STATE,
+            kept,
             _TAKEN,
             _REPORTED if core.reports else "    return ${NAME}_OK;\n",
             "}\n\n",
@@ -152,6 +156,9 @@ int ${NAME}_start(${NAME}_model *m, const ${NAME}_real *u) {
 
 _STEP_BEGIN = """\
 int ${NAME}_step(${NAME}_model *m, const ${NAME}_real *u, ${NAME}_real dt) {
+"""
+
+_STEP_CHECKED = """\
     $REAL y[$N_RESULTS];
     int i;
     if (!${NAME}_finite(u, ${NAME}_INPUTS)) return ${NAME}_BAD_INPUT;

@@ -273,6 +273,9 @@ def wasm(
     out: Annotated[Path | None, Option(metavar="FOLDER", help="Where to write [default: ./SCENARIO_wasm].")] = None,
     name: Annotated[Text, Option(help="Name of the files [default: SCENARIO].")] = None,
     part: Annotated[str, Option(help="whole; plant: without the loops around it.")] = "whole",
+    slopes: Annotated[
+        Text, Option(metavar="NAMES", help="Parameters and signals by which outputs have derivatives, comma-separated.")
+    ] = None,
     force: Force = False,
     json: Json = False,
 ) -> None:
@@ -293,7 +296,7 @@ def wasm(
     names = (f"{name}.wasm", f"{name}.js", f"{name}.d.ts", "README.md")
     files = _check_files(out, names, force)
     find_wasm_compiler()
-    made = _make_module(source.load(), name, part)
+    made = _make_module(source.load(), name, part, [one.strip() for one in (slopes or "").split(",") if one.strip()])
     make_folder(out)
     with replace_together():
         for path in files:
@@ -301,14 +304,14 @@ def wasm(
     print_summary(_summarise_module(made), json, files)
 
 
-def _make_module(loaded: Scenario, name: str, part: str) -> WasmModule:
+def _make_module(loaded: Scenario, name: str, part: str, slopes: Sequence[str]) -> WasmModule:
     from martensite_export.c_example import played_by_system
     from martensite_export.wasm import build_wasm
 
     _check_loops(loaded, part, "WebAssembly")
     system = loaded.system if part == "plant" else loaded.whole
     first, _ = played_by_system(system, loaded.waveform, loaded.duration, STEPS)
-    return build_wasm(system, name=name, title=loaded.title or name, first=first)
+    return build_wasm(system, name=name, title=loaded.title or name, first=first, slopes=slopes)
 
 
 def _summarise_module(made: WasmModule) -> Summary:
@@ -323,12 +326,14 @@ def _summarise_module(made: WasmModule) -> Summary:
         "sample_time": core.sample_time,
         "signals": {one.name: one.unit for one in core.inputs},
         "outputs": {one.name: one.unit for one in core.outputs},
+        "slopes": list(made.slopes.names) if made.slopes else [],
     }
     signals = ", ".join(f"{one.name} [{one.unit}]" for one in core.inputs)
+    slopes = f"slopes by {', '.join(made.slopes.names)}" if made.slopes else "no slopes (`--slopes`)"
     lines = (
         f"{core.description}: {len(core.parameters)} parameters, {core.states} states, {len(core.outputs)} outputs",
         f"signals: {signals}",
-        f"module: {len(made.binary):,} bytes, {made.packed:,} by gzip; slopes by parameters are not in it",
+        f"module: {len(made.binary):,} bytes, {made.packed:,} by gzip; {slopes}",
     )
     return Summary("", [Sentence(line) for line in lines], data)
 

@@ -41,7 +41,7 @@ def study(
     force: Annotated[bool, typer.Option("--force", help="Replace existing figures.")] = False,
     json: Json = False,
 ) -> None:
-    """List the studies, or show one: its digest, its claims with their verdicts."""
+    """List the studies, or show one: digest, claims and verdicts."""
     from martensite.show.terminal import print_json, print_summary
     from martensite.studies.base import load_study, study_names
 

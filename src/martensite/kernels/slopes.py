@@ -66,15 +66,21 @@ def differentiate_results(
 
     They are plain numbers of the same graph, which every runtime prints as it prints values.
     """
-    graph, results = program.graph, program.functions[name].outputs
+    rows = (differentiate_along(program, name, places, {wanted: 1.0}) for wanted in inputs)
+    return [list(row) for row in zip(*rows, strict=True)]
+
+
+def differentiate_along(
+    program: Program, name: str, places: Sequence[int], moving: Mapping[str, Expr | float]
+) -> list[Expr]:
+    """The same in one direction, in which some inputs or parameters (`p3`) move: each by a node or a number."""
+    graph = program.graph
     duals = _Slopes(program.xp, graph.constant(0.0))
-    columns: list[list[Expr]] = []
-    for wanted in inputs:
-        seed = graph.input(wanted, VARYING)
-        walk = TangentWalk(graph, duals, {seed.index: duals.pair(seed, graph.constant(1.0))})
-        slopes = [walk.pair(results[i].index)[1] for i in places]
-        columns.append([duals.zero if slope is None else slope for slope in slopes])
-    return [list(row) for row in zip(*columns, strict=True)]
+    nodes = [graph.input(one, VARYING) for one in moving]
+    known = {n.index: duals.pair(n, program.as_node(s)) for n, s in zip(nodes, moving.values(), strict=True)}
+    walk = TangentWalk(graph, duals, known)
+    slopes = [walk.pair(program.functions[name].outputs[i].index)[1] for i in places]
+    return [duals.zero if slope is None else slope for slope in slopes]
 
 
 def _seed_inputs(graph: Graph, duals: _Slopes, moving: Mapping[str, int]) -> dict[int, Any]:
@@ -224,7 +230,7 @@ class TangentWalk:
             flat, kept[:] = self._inside(loop.bit, loop.row, row, moving, loop.outputs)
             return flat
 
-        found = self._graph.loop(body, values, slopes)
+        found = self._graph.loop(body, *self._part(values, slopes))
         rest = iter(found[len(loop.outputs) :])
         rows = range(len(values[0]))
         return [
@@ -250,13 +256,18 @@ class TangentWalk:
         found: list[bool] = []
         while True:
             slopes = [self._duals.zero if s is None else s for (_, s), m in zip(begin, moving, strict=True) if m]
-            results = graph.repeat(loop.turns, body, values, slopes, loop.stops)
+            results = graph.repeat(loop.turns, body, *self._part(values, slopes), loop.stops)
             spread = [a or b for a, b in zip(moving, found, strict=True)]
             if spread == moving:
                 break
             moving[:] = spread
         rest = iter(results[len(values) :])
         return [[self._duals.pair(value, next(rest) if m else None)] for value, m in zip(results, moving, strict=False)]
+
+    def _part(self, values: list[Any], slopes: list[Any]) -> tuple[list[Any], list[Any]]:
+        """What a loop takes: derivatives stand apart unless they are plain numbers."""
+        zero: Any = self._duals.zero
+        return (values, slopes) if self._graph.depends[zero.index] & SLOPE else ([*values, *slopes], [])
 
     def _inside(
         self, bit: int, inputs: Sequence[int], row: Sequence[Expr], moving: Sequence[bool], outputs: Iterable[int]

@@ -12,6 +12,7 @@ import numpy as np
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import CompileError, InputError, ParameterError, SolveError, require_known
 from martensite.base.files import tell_once
+from martensite.base.lazy import import_extra
 from martensite.base.status import Status
 from martensite.kernels.compiler import find_compiler
 from martensite.kernels.jax_setup import has_jax
@@ -23,6 +24,7 @@ from martensite.simulate.ensembles import Ensemble
 from martensite.simulate.grid import TimeGrid
 from martensite.simulate.march import classify_step
 from martensite.simulate.native_slopes import march_slopes
+from martensite.simulate.refusals import find_refused
 from martensite.simulate.result import Result, Variants
 from martensite.simulate.variants import NAMES, RUNTIMES, VariantSetup
 
@@ -33,14 +35,16 @@ class OutputSensitivity:
 
     times: Any
     column: Any
-    """The output, (samples,), in SI units."""
+    """The output, (samples,), in SI units; (runs, samples) of a batch, in which a run that failed has no numbers."""
     slopes: dict[str, Any]
-    """d(output)/d(parameter) by full parameter path, (samples,)."""
+    """d(output)/d(parameter) by full parameter path, of the same shape."""
+    status: tuple[Status, ...] = (Status.OK,)
+    """How every run ended."""
 
-    def of_range(self) -> dict[str, float]:
-        """Derivative of the output's range (for the position: of the stroke)."""
-        high, low = int(np.argmax(self.column)), int(np.argmin(self.column))
-        return {path: float(slope[high] - slope[low]) for path, slope in self.slopes.items()}
+    def of_range(self) -> dict[str, Any]:
+        """Derivative of the output's range (for the position: of the stroke); of a batch, (runs,)."""
+        ends = [np.expand_dims(find(self.column, -1), -1) for find in (np.argmax, np.argmin)]
+        return {p: np.subtract(*(np.take_along_axis(s, k, -1) for k in ends)).sum(-1) for p, s in self.slopes.items()}
 
 
 def simulate_batch(
@@ -169,6 +173,7 @@ def compute_sensitivity(
     output: str = "position",
     samples: int = 1001,
     runtime: str = "auto",
+    over: Mapping[str, Sequence[float]] | None = None,
 ) -> OutputSensitivity:
     """Exact derivatives of an output over time with respect to parameters.
 
@@ -182,29 +187,43 @@ def compute_sensitivity(
         step: longest of equal steps [s].
         output: name of the column whose derivatives are wanted.
         samples: number of equidistant samples, both ends included.
-        runtime: `c`, `jax`, or `auto`: C if there is a compiler, else JAX.
+        runtime: `c`, `jax`, `cuda` (a GPU of NVIDIA, one run a thread), or `auto`: C if there is a compiler, else JAX.
+        over: parameter path (or unique ending) -> one value per run of a batch, in SI.
 
     Raises:
-        InputError: unknown parameter, output or runtime.
+        InputError: unknown parameter, output or runtime, or there is no GPU for `cuda`.
         MartensiteError: there is neither a compiler nor JAX.
-        SolveError: the run at the nominal parameters failed.
+        SolveError: the run failed; those of a batch have a status instead.
     """
-    if runtime not in ("auto", "c", "jax"):
-        raise InputError(f"Derivatives are computed by `c` or `jax`, not by `{runtime}`.")
+    if runtime not in ("auto", "c", "jax", "cuda"):
+        raise InputError(f"Derivatives are computed by `c`, `jax` or `cuda`, not by `{runtime}`.")
     if not step > 0.0:
         raise ParameterError(f"Argument `step` must be above 0 s, but is {step}.")
     compiled = compile_march(system)
     (place,) = _find_indices(compiled, [output])
     rows = [compiled.paths.index(path) for path in (system.resolve(name) for name in wrt)]
     grid = grid_of(system, waveform, duration, samples, step)
-    in_c = runtime == "c" or (runtime == "auto" and find_compiler() is not None)
-    differentiate = _differentiate_in_c if in_c else _differentiate_on_jax
-    column, slopes, residual = differentiate(compiled, compiled.values(system), rows, grid, place)
-    status = classify_step(residual, 0.0)
-    if status.failed or not np.isfinite(slopes).all():
-        raise SolveError(f"The run to be differentiated failed. {status.sentence}")
-    named = {compiled.paths[row]: slopes[:, i] for i, row in enumerate(rows)}
-    return OutputSensitivity(np.linspace(0.0, duration, samples), column, named)
+    varied = _convert_varied(system, over) if over else {}
+    runs = len(next(iter(varied.values()), [0.0]))
+    nominal = zip(compiled.paths, compiled.values(system), strict=True)
+    table = np.array([np.broadcast_to(varied.get(path, number), runs) for path, number in nominal])
+    if runtime == "cuda":
+        cuda = import_extra("martensite_sweep.cuda.slopes", "cuda", "`martensite-sweep`")
+        column, slopes, residual = cuda.march_slopes(compiled, table, rows, grid, place)
+    else:
+        in_c = runtime == "c" or (runtime == "auto" and find_compiler() is not None)
+        differentiate = _differentiate_in_c if in_c else _differentiate_on_jax
+        found = (differentiate(compiled, values, rows, grid, place) for values in table.T.tolist())
+        column, slopes, residual = map(np.array, zip(*found, strict=True))
+    residual = np.where(np.isfinite(slopes).all((1, 2)), residual, np.nan)
+    refused = find_refused(system, varied, runs)
+    status = [Status.REFUSED if r else classify_step(s, 0.0) for r, s in zip(refused, residual.tolist(), strict=True)]
+    if not over and status[0].failed:
+        raise SolveError(f"The run to be differentiated failed. {status[0].sentence}")
+    lost, shown = [one.failed for one in status], slice(None) if over else 0
+    column[lost] = slopes[lost] = np.nan
+    named = {compiled.paths[row]: slopes[shown, :, i] for i, row in enumerate(rows)}
+    return OutputSensitivity(np.linspace(0.0, duration, samples), column[shown], named, tuple(status))
 
 
 def _differentiate_in_c(

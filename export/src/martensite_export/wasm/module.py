@@ -16,6 +16,7 @@ from martensite.base.errors import CompileError, InputError
 from martensite.kernels.polynomials import ERFCX, ERFCX_CENTRE
 from martensite_export.c_core import CCore, build_c_core
 from martensite_export.fmu.binaries import find_zig
+from martensite_export.wasm.slopes import CoreSlopes, choose_slopes
 from martensite_export.wasm.wrapper import guide_text, script_text, types_text
 
 FLAGS = (
@@ -27,6 +28,8 @@ FLAGS = (
     "-fno-math-errno",
     "-fno-sanitize=undefined",
 )
+VECTORS = ("-msimd128",)
+"""With slopes: instructions on two numbers, which browsers have since 2023."""
 LINKED = ("-Wl,--no-entry", "-Wl,-z,stack-size=262144", "-Wl,--export=__heap_base", "-Wl,--strip-all")
 """The stack lies below all data: one that overflows ends the call, and spoils no number."""
 FOLDER = Path(__file__).parent
@@ -41,6 +44,8 @@ class WasmModule:
     first: tuple[float, ...]
     """Signals at the start."""
     binary: bytes
+    slopes: CoreSlopes | None = None
+    """What it has derivatives by; None without."""
 
     @cached_property
     def packed(self) -> int:
@@ -53,14 +58,19 @@ class WasmModule:
         name = self.core.name
         return {
             f"{name}.wasm": self.binary,
-            f"{name}.js": script_text(self.core, self.first),
-            f"{name}.d.ts": types_text(self.core),
-            "README.md": guide_text(self.core, self.title, self.first, len(self.binary), self.packed),
+            f"{name}.js": script_text(self.core, self.first, self.slopes),
+            f"{name}.d.ts": types_text(self.core, self.slopes),
+            "README.md": guide_text(self.core, self.title, self.first, len(self.binary), self.packed, self.slopes),
         }
 
 
 def build_wasm(
-    system: AbstractSystem, *, name: str | None = None, title: str = "", first: Sequence[float] = ()
+    system: AbstractSystem,
+    *,
+    name: str | None = None,
+    title: str = "",
+    first: Sequence[float] = (),
+    slopes: Sequence[str] = (),
 ) -> WasmModule:
     """A system or a bench as a WebAssembly module.
 
@@ -69,15 +79,17 @@ def build_wasm(
         name: of the files, an identifier of C; by default made of the kinds of its parts.
         title: what its guide is called.
         first: signals at the start, in the order of its drives; by default 0.
+        slopes: parameters (paths or unique endings) and signals by which outputs have derivatives.
 
     Raises:
-        ParameterError: the name is no identifier.
+        ParameterError: the name is no identifier; or there is no derivative by one of `slopes`.
         InputError: there is no compiler for it.
         CompileError: the compiler failed.
     """
     core = build_c_core(system, name=name)
     given = tuple(first) or (0.0,) * len(core.inputs)
-    return WasmModule(core, title or core.description, given, _compile_core(core))
+    chosen = choose_slopes(system, core, slopes) if slopes else None
+    return WasmModule(core, title or core.description, given, _compile_core(core, chosen), chosen)
 
 
 def find_wasm_compiler() -> list[str]:
@@ -88,12 +100,13 @@ def find_wasm_compiler() -> list[str]:
     return [*zig, "cc"]
 
 
-def _compile_core(core: CCore) -> bytes:
+def _compile_core(core: CCore, slopes: CoreSlopes | None) -> bytes:
     """The module. The environment variable `MARTENSITE_CFLAGS` has the last word on the flags."""
     more = os.environ.get("MARTENSITE_CFLAGS", "").split()
-    command = [*find_wasm_compiler(), *FLAGS, *more, "-I.", "lanes.c", "-o", "made.wasm", *LINKED]
+    vectors = VECTORS if slopes and slopes.width > 1 else ()
+    command = [*find_wasm_compiler(), *FLAGS, *vectors, *more, "-I.", "lanes.c", "-o", "made.wasm", *LINKED]
     with tempfile.TemporaryDirectory() as folder:
-        for name, text in {**core.files, **list_sources(core)}.items():
+        for name, text in {**core.files, **list_sources(core, slopes)}.items():
             (Path(folder) / name).write_text(text, encoding="utf-8", newline="\n")
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode:
@@ -101,9 +114,15 @@ def _compile_core(core: CCore) -> bytes:
         return (Path(folder) / "made.wasm").read_bytes()
 
 
-def list_sources(core: CCore) -> dict[str, str]:
-    """What is compiled with a core: its lanes, and what stands for libm."""
+def list_sources(core: CCore, slopes: CoreSlopes | None = None) -> dict[str, str]:
+    """What is compiled with a core: its lanes, with slopes if it has any, and what stands for libm."""
     series = f"#define ERFCX_CENTRE {ERFCX_CENTRE}\n#define ERFCX_SERIES {', '.join(map(repr, ERFCX))}\n"
     begin = f'#include "{core.name}.c"\n#define CORE(name) {core.name}_##name\n'
-    texts = {one: (FOLDER / one).read_text(encoding="utf-8") for one in ("math.h", "lanes.c")}
-    return {"math.h": series + texts["math.h"], "lanes.c": begin + texts["lanes.c"]}
+    lanes = begin + _read_text("lanes.c")
+    if slopes:
+        lanes += f"\n{slopes.source}\n{_read_text('slopes.c')}{slopes.step_source}"
+    return {"math.h": series + _read_text("math.h"), "lanes.c": lanes}
+
+
+def _read_text(name: str) -> str:
+    return (FOLDER / name).read_text(encoding="utf-8")
