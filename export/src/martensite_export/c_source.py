@@ -30,9 +30,7 @@ def source_text(core: CCore) -> str:
     prefix = f"{core.name}_"
     begin = _BEGIN + kernels_text(core.program, core.kept, kernels, prefix, precision_of(core.precision)) + "\n"
     more = print_tried(core) + print_rates(core)
-    return fill_text(
-        core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + print_step(core) + _SEEN + more
-    )
+    return fill_text(core, begin + _FINITE + _print_tables(core) + _PREPARE + _START + print_step(core) + _SEEN + more)
 
 
 def fill_text(core: CCore, text: str) -> str:
