@@ -103,7 +103,7 @@ class Mine(AbstractStudy):
     title = "As the extension, so the force: Hooke"
 
     def claims(self):
-        return [Claim.checked("hooke", "force", "hooke1678", 2.0, 2.0, "N", 0.1, "linear")]
+        return [Claim("hooke", "force", "hooke1678", 2.0, 2.0, "N", 0.1, "reproduced", "linear", "last digit")]
 
     def figure(self, path):
         raise NotImplementedError

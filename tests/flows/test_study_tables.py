@@ -296,6 +296,14 @@ def test_a_number_that_is_another_is_noticed(monkeypatch: pytest.MonkeyPatch) ->
     assert shipped_numbers.find_changes(study) == ["`resistivity-hot` was shipped as 9.70446e-07 and is 1e-06."]
 
 
+def test_a_figure_of_another_program_is_not_shown(monkeypatch: pytest.MonkeyPatch) -> None:
+    study = load_study("hammerstein-wiener")
+    assert isinstance(study, TableStudy)
+    assert shipped_numbers.find_figure(study) == study.folder() / "figure.svg"
+    monkeypatch.setattr(shipped_numbers, "fingerprint_study", lambda folder: "another")
+    assert shipped_numbers.find_figure(study) is None
+
+
 def test_objects_are_shipped_with_what_can_be_written() -> None:
     class Fit:
         def __init__(self) -> None:
