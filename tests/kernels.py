@@ -244,7 +244,7 @@ def mechanism_steps(mechanism: AbstractMechanism, xp: Any, x: Any, y: Any, dt: A
 def source_current(source: Any, xp: Any, drive: Any, ohms: Any) -> Any:
     """The current, and of a switch the share of the time for which it is closed."""
     shares = [source.share(xp, drive, 100.0)] if isinstance(source, AbstractSwitch) else []
-    return source.current(xp, drive, ohms), source.drawn(xp, drive, ohms), *shares
+    return source.current(xp, drive, ohms), source.supply_current(xp, drive, ohms), *shares
 
 
 def source_heat(source: Any, xp: Any, low: Any, high: Any, share: Any, ohms: Any) -> Any:
@@ -339,8 +339,8 @@ POINTS = {f"{name}{i}": r for i in range(3) for name, r in (("s", STRESS), ("t",
 def driven_cooling(cooling, xp, u, v, T, ambient):
     """Losses at rest, at a level of the signal, and over a step in which it changes."""
     shape, brought = Cylinder(2e-4, 0.2), Moments(u, u * u + 0.3 * v * v, u - v, u + v)
-    models = [cooling, *(cooling.driven(xp, dict.fromkeys(cooling.signals(), given)) for given in (u, brought))]
-    rows = [(one.film(xp, T, ambient, shape), one.pumped(xp, T, ambient, shape)) for one in models]
+    models = [cooling, *(cooling.with_signals(xp, dict.fromkeys(cooling.signals(), given)) for given in (u, brought))]
+    rows = [(one.film(xp, T, ambient, shape), one.pump_heat(xp, T, ambient, shape)) for one in models]
     return tuple(number for row in rows for number in row if number is not None)
 
 

@@ -28,7 +28,7 @@ PELTIER = Peltier(
 
 
 def film(model: Any, given: float | Moments) -> float:
-    return float(model.driven(floats, {"fan": given}).film(floats, WARM, AROUND, WIRE))
+    return float(model.with_signals(floats, {"fan": given}).film(floats, WARM, AROUND, WIRE))
 
 
 def test_a_fan_that_stands_is_still_air_and_a_storm_is_the_correlation_of_a_stream() -> None:
@@ -62,7 +62,7 @@ def test_a_peltier_module_is_two_heat_balances(current: float) -> None:
         [-p.conductance, p.sink + p.conductance - p.seebeck * current],
     ]
     cold, hot = np.linalg.solve(matrix, [p.contact * WARM + joule, p.sink * AROUND + joule])
-    found = p.driven(floats, {"peltier": current}).pumped(floats, WARM, AROUND, WIRE)
+    found = p.with_signals(floats, {"peltier": current}).pump_heat(floats, WARM, AROUND, WIRE)
     assert found is not None
     assert found == pytest.approx(WIRE.length / p.pitch * p.contact * (WARM - cold), rel=1e-10)
     if current == 0.0:

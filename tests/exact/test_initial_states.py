@@ -133,6 +133,28 @@ def test_what_cannot_be_at_the_start_is_refused_in_a_sentence(example: str, init
     assert said in str(caught.value)
 
 
+FAN = {
+    "environment.cooling": {"kind": "fan"},
+    "signals.fan": {"kind": "constant", "level": "1 m/s"},
+    "run.duration": "20 ms",
+}
+
+
+@pytest.mark.parametrize(
+    "example, changes, initial",
+    [
+        ("two_motors", FAN, {"displacement": 1e-3, "rotor_speed_2": 5.0, "motor_current_2": 0.1, "temperature": 310.0}),
+        ("beam_harvester", {"run.duration": "20 ms"}, {"displacement": 1e-3, "piezo_voltage": 0.5}),
+    ],
+)
+def test_siblings_of_the_beam_start_where_they_are_put_whatever_cools_their_wire(
+    example: str, changes: dict[str, Any], initial: dict[str, float]
+) -> None:
+    found = run(load(EXAMPLES / f"{example}.toml", changes), samples=3, initial=initial)
+    for name, value in initial.items():
+        assert found[name][0] == pytest.approx(value, rel=1e-12)
+
+
 def test_equilibrium_under_the_first_drive_is_where_a_long_rest_ends() -> None:
     scenario = load(EXAMPLES / "migaone.toml", {"drive.waveform": {"kind": "constant", "level": "2.2 V"}})
     held = run(scenario, duration=600.0, samples=3)

@@ -58,14 +58,14 @@ def test_any_sources_on_a_supply_against_a_root_by_bisection(internal: float, li
     supply = SharedSupply(voltage=9.0, internal_resistance=internal, current_limit=limit)
 
     def excess(volts: float) -> float:
-        amperes = supply.draw(floats, MIXED, volts)
+        amperes = supply.sum_currents(floats, MIXED, volts)
         return max(volts - 9.0 + internal * amperes, amperes - limit)
 
     wanted = 9.0 if excess(9.0) <= 0.0 else brentq(excess, 0.01, 9.0, xtol=1e-13)
     found, amperes, _ = supply.observe(floats, MIXED)
     assert found == pytest.approx(wanted, rel=1e-9)
     assert amperes <= limit * (1.0 + 1e-9)
-    parts = [one.supplied(floats, found).drawn(floats, one.drive, one.resistance) for one in MIXED]
+    parts = [one.limit_voltage(floats, found).supply_current(floats, one.drive, one.resistance) for one in MIXED]
     assert sum(parts) == pytest.approx(amperes, rel=1e-12)
 
 

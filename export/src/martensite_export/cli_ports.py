@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,23 +20,48 @@ if TYPE_CHECKING:
     from martensite_export.ports.kernel import PortKernel
 
 Port = Annotated[Text, Option("--port", help="Where the element stands, if the scenario has several.")]
-Folder = Annotated[Path, Option(metavar="FOLDER", help="Where to write.")]
-Name = Annotated[Text, Option(help="Name of the material and the files [default: SCENARIO].")]
-Preload = Annotated[Text, Option(help="Stress at zero strain, at the start [default: 0 MPa].")]
-Slack = Annotated[bool, Option("--slack", help="It goes slack as a wire, instead of carrying compression as a bar.")]
+
+
+@dataclass(frozen=True)
+class MaterialOptions:
+    """Which material is written, and where."""
+
+    out: Annotated[Path, Option(metavar="FOLDER", help="Where to write.")] = Path()
+    name: Annotated[Text, Option(help="Name of the material and the files [default: SCENARIO].")] = None
+    port: Port = None
+    preload: Annotated[Text, Option(help="Stress at zero strain, at the start [default: 0 MPa].")] = None
+    slack: Annotated[
+        bool, Option("--slack", help="It goes slack as a wire, instead of carrying compression as a bar.")
+    ] = False
+    force: Force = False
+    json: Json = False
+
+    def compile(self, source: ScenarioSource) -> tuple[PortKernel, str]:
+        """The material of a scenario, and its name.
+
+        Raises:
+            InputError: it would begin compressed though it goes slack.
+        """
+        from martensite_export.c_names import checked_identifier, make_identifier
+        from martensite_export.ports.kernel import compile_port
+        from martensite_export.ports.material import build_material_port
+
+        called = checked_identifier(self.name or make_identifier(source.file.stem))
+        stress = read_quantity("preload", self.preload, "Pa") or 0.0
+        if self.slack and stress < 0.0:
+            raise InputError("What goes slack under compression cannot begin compressed: leave out `--slack`.")
+        side = "slack" if self.slack else "carries"
+        system = source.load().system
+        return compile_port(build_material_port(system, port=self.port, preload=stress, compressed=side)), called
+
+    def write(self, kernel: PortKernel, called: str, texts: Mapping[str, str], lines: list[str]) -> None:
+        """Write its texts, and say so."""
+        files = _write_texts(self.out, called, texts, self.force)
+        _say_written(kernel, called, lines, files, self.json)
 
 
 @spread_options
-def umat(
-    source: ScenarioSource,
-    out: Folder = Path(),
-    name: Name = None,
-    port: Port = None,
-    preload: Preload = None,
-    slack: Slack = False,
-    force: Force = False,
-    json: Json = False,
-) -> None:
+def umat(source: ScenarioSource, options: MaterialOptions) -> None:
     """Write the material of a scenario as a user material (UMAT) of Abaqus and CalculiX, in C.
 
     Strain and temperature come from the host; stress, latent heat and the consistent tangent go to it. For trusses;
@@ -43,50 +69,23 @@ def umat(
     """
     from martensite_export.ports.umat import count_state_variables, write_umat
 
-    kernel, called = _compile_material(source, name, port, preload, slack)
-    texts = write_umat(kernel, called)
-    files = _write_texts(out, called, texts, force)
+    kernel, called = options.compile(source)
     states = count_state_variables(kernel)
     lines = [f"{states} state variables; constants: unit of stress, zero of temperature, lateral modulus, start"]
-    _say_written(kernel, called, lines, files, json)
+    options.write(kernel, called, write_umat(kernel, called), lines)
 
 
 @spread_options
-def opensees(
-    source: ScenarioSource,
-    out: Folder = Path(),
-    name: Name = None,
-    port: Port = None,
-    preload: Preload = None,
-    slack: Slack = False,
-    force: Force = False,
-    json: Json = False,
-) -> None:
+def opensees(source: ScenarioSource, options: MaterialOptions) -> None:
     """Write the material of a scenario as a uniaxialMaterial package of OpenSees, in C, with a script that uses it.
 
     The temperature is a table over the time of the model.
     """
     from martensite_export.ports.opensees import write_opensees
 
-    kernel, called = _compile_material(source, name, port, preload, slack)
-    files = _write_texts(out, called, write_opensees(kernel, called), force)
-    _say_written(kernel, called, [f"uniaxialMaterial {called} tag 1 0.0 TEMPERATURE"], files, json)
-
-
-def _compile_material(
-    source: ScenarioSource, name: str | None, port: str | None, preload: str | None, slack: bool
-) -> tuple[PortKernel, str]:
-    from martensite_export.c_names import checked_identifier, make_identifier
-    from martensite_export.ports.kernel import compile_port
-    from martensite_export.ports.material import build_material_port
-
-    called = checked_identifier(name or make_identifier(source.file.stem))
-    stress = read_quantity("preload", preload, "Pa") or 0.0
-    if slack and stress < 0.0:
-        raise InputError("What goes slack under compression cannot begin compressed: leave out `--slack`.")
-    side = "slack" if slack else "carries"
-    system = source.load().system
-    return compile_port(build_material_port(system, port=port, preload=stress, compressed=side)), called
+    kernel, called = options.compile(source)
+    lines = [f"uniaxialMaterial {called} tag 1 0.0 TEMPERATURE"]
+    options.write(kernel, called, write_opensees(kernel, called), lines)
 
 
 @spread_options

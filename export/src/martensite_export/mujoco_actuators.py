@@ -27,7 +27,7 @@ from martensite.kernels.compiled_program import get_address
 from martensite.kernels.compiler import load_library
 from martensite.simulate.compiled import Compiled, compile_system
 from martensite_export.c_kernels import CKernel, kernels_text, precision_of
-from martensite_export.mujoco_bridge import TendonActuator, begin_data
+from martensite_export.mujoco_bridge import TendonActuator, begin_data, read_mjcf
 from martensite_export.mujoco_plant import load_mujoco
 from martensite_export.strand import TracedStrand
 
@@ -160,16 +160,8 @@ def read_spec(model: Any) -> Any:
     Raises:
         InputError: MuJoCo cannot read it.
     """
-    mujoco = load_mujoco()
-    if isinstance(model, mujoco.MjSpec):
-        return model
-    text = isinstance(model, str) and model.lstrip().startswith("<")
-    if not text and not Path(model).is_file():
-        raise InputError(f"There is no MJCF file `{model}`.")
-    try:
-        return mujoco.MjSpec.from_string(model) if text else mujoco.MjSpec.from_file(str(model))
-    except ValueError as error:
-        raise InputError(f"MuJoCo cannot read the model: {error}") from error
+    kind = load_mujoco().MjSpec
+    return read_mjcf(model, kind, kind.from_string, kind.from_file)
 
 
 def trace_strands(model: Any, data: Any, actuators: Sequence[TendonActuator]) -> list[TracedStrand]:

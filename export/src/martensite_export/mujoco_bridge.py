@@ -28,7 +28,7 @@ Sign convention: tension and shortening positive. SI throughout.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -231,16 +231,23 @@ def read_model(model: Any) -> Any:
     Raises:
         InputError: MuJoCo cannot read it.
     """
-    mujoco = load_mujoco()
-    if isinstance(model, mujoco.MjModel):
+    kind = load_mujoco().MjModel
+    return read_mjcf(model, kind, kind.from_xml_string, kind.from_xml_path)
+
+
+def read_mjcf(model: Any, kind: type, from_text: Callable[[str], Any], from_file: Callable[[str], Any]) -> Any:
+    """What MuJoCo makes of the path of an MJCF file, or of MJCF text; one of the `kind` already is itself.
+
+    Raises:
+        InputError: MuJoCo cannot read it.
+    """
+    if isinstance(model, kind):
         return model
     text = isinstance(model, str) and model.lstrip().startswith("<")
     if not text and not Path(model).is_file():
         raise InputError(f"There is no MJCF file `{model}`.")
     try:
-        if text:
-            return mujoco.MjModel.from_xml_string(model)
-        return mujoco.MjModel.from_xml_path(str(model))
+        return from_text(model) if text else from_file(str(model))
     except ValueError as error:
         raise InputError(f"MuJoCo cannot read the model: {error}") from error
 

@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from martensite.actuators.assembly import Actuator, System
-from martensite.actuators.elements.base import AbstractElement, Pull, Spring, equilibrium_force
+from martensite.actuators.elements.base import AbstractElement, Pull, Spring
 from martensite.actuators.mechanisms.base import AbstractMechanism, Column, Load, Output
 from martensite.base.errors import ParameterError, SolveError
 from martensite.base.parameters import param
@@ -99,12 +99,8 @@ class TendonLine(AbstractMechanism):
         self, xp: Namespace, memory: ElementEnd, loads: Sequence[Load], signals: Column
     ) -> tuple[list[Scalar], Column]:
         """The force at which element and line meet, and the elongation of the path there."""
-        ((element, state, _),) = loads
-
-        def tangent(xp: Namespace, force: Scalar) -> Spring:
-            return element.tangent(xp, state, force)
-
-        force = equilibrium_force(xp, tangent, _build_pull(signals), element.force(state), element.passes)
+        (load,) = loads
+        force = load.meet_pull(xp, _build_pull(signals))
         reach, give = signals
         return [force], [reach - give * force]
 

@@ -135,12 +135,13 @@ def place_system(system: AbstractAssembly, given: Mapping[str, float], drives: S
     rows = list(zip(actuators.items(), drives, strict=False))
     names = {port: {name: system.label(port, name) for name in OF_ELEMENT} for port in actuators}
     owns = [{name: given[full] for name, full in names[port].items() if full in given} for port in actuators]
+    own_signals = system.mechanism_signals(drives)
     elements, memory, forces = list(home.elements), home.mechanism, [float("nan")] * len(rows)
     for _ in range(FITS):
         loads = [one.load(state, drive) for ((_, one), drive), state in zip(rows, elements, strict=True)]
         before = forces
         try:
-            memory, forces = mechanism.put(home.mechanism, given, loads, drives[len(actuators) :])
+            memory, forces = mechanism.set_initial(home.mechanism, given, loads, own_signals)
         except (InputError, ArithmeticError) as error:
             raise InputError(f"{WHERE} {error}") from None
         elements = [

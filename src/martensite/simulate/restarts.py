@@ -51,7 +51,7 @@ class Restart:
         """All that the system remembers, of the last pass; empty for a system at home and at rest."""
         return self.passes[-1].state if self.passes else ()
 
-    def afresh(self) -> Restart:
+    def at_time_zero(self) -> Restart:
         """The same state at the time 0, and nothing else that a run went through."""
         return Restart(0.0, tuple(PassState(one.state) for one in self.passes[-1:]))
 

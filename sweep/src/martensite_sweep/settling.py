@@ -19,6 +19,7 @@ from martensite.simulate.drive_waveforms import Waveforms, by_name
 from martensite.simulate.initial import AT, EQUILIBRIUM, PERIOD, WHERE
 from martensite.simulate.restarts import HOME, Restart
 from martensite.simulate.result import Result
+from martensite_sweep.steady.cycles import find_period
 
 MOST_CYCLES, MOST_RESTS = 300, 9
 """Periods that are marched, and stretches of time, each twice as long as the one before."""
@@ -77,7 +78,7 @@ class _Search:
     def find_cycle(self, period: float | None) -> Restart:
         """Where a period [s] begins that ends as it began."""
         waves = by_name(self.system, self.waveform)
-        period = find_period(waves) if period is None else period
+        period = self._find_period(waves) if period is None else period
         for name, one in waves.items():
             require_periodic(name, one, period)
 
@@ -94,6 +95,13 @@ class _Search:
             f"{open_by:.2g} of a range from where it began, more than the tolerance of {self.tolerance:.2g}."
         )
 
+    def _find_period(self, waves: Mapping[str, AbstractWaveform]) -> float:
+        """That of all drives [s], with a hint where there is none."""
+        try:
+            return find_period(waves)
+        except InputError as error:
+            raise InputError(f'{WHERE} {error} Or give their `period`, such as `period = "2 s"`.') from None
+
     def _march(
         self, waves: Mapping[str, AbstractWaveform], length: float, start: Restart, judge: Callable[[Result], float]
     ) -> tuple[Restart, float]:
@@ -101,7 +109,7 @@ class _Search:
         result = simulate(
             self.system, waves, length, tolerance=0.5 * self.tolerance, samples=LOOKED, start=start
         ).require()
-        return result.restarts[-1].afresh(), judge(result)
+        return result.restarts[-1].at_time_zero(), judge(result)
 
     def _worst(self, result: Result, measure: Callable[[list[float]], float], least_only: bool = False) -> float:
         """Largest of what is measured of a judged column, as a share of its range, or of the least that counts."""
@@ -110,21 +118,6 @@ class _Search:
             column = result.columns[name]
             found.append(measure(column) / (least if least_only else max(least, max(column) - min(column))))
         return max(found)
-
-
-def find_period(waves: Mapping[str, AbstractWaveform]) -> float:
-    """The period [s] of drives that have a `frequency`, all of them the same.
-
-    Raises:
-        InputError: they have none, or several.
-    """
-    moving = {name: one for name, one in waves.items() if not isinstance(one, Constant)}
-    known = {getattr(one, "frequency", 0.0) for one in moving.values()}
-    if len(known) != 1 or not min(known) > 0.0:
-        raise InputError(
-            f'{WHERE} The drives have no single `frequency`; give their `period`, such as `period = "2 s"`.'
-        )
-    return 1.0 / min(known)
 
 
 def require_periodic(name: str, waveform: AbstractWaveform, period: float) -> None:

@@ -70,7 +70,7 @@ def check_interface(mechanism: AbstractMechanism) -> None:
     require_condition(pulls, f"The start forces are {forces} N; an element pulls, or is slack.")
     outputs = mechanism.outputs()
     require_condition(outputs, "It has no output: its first one is the stroke.")
-    named = {name: output.unit for name, output in outputs.items()} | mechanism.signals()
+    named = {name: output.unit for name, output in outputs.items()} | mechanism.signals() | mechanism.initial_numbers()
     for name, unit in named.items():
         require_condition(_is_unit(unit), f"`{name}` is in `{unit}`, which is no unit of SI.")
     judged = mechanism.convergence_scales()

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from martensite.actuators.assembly import AbstractSystem, Actuator, Feed, System
 from martensite.actuators.assembly.base import DriveSignal
 from martensite.actuators.assembly.ledger import Entries
-from martensite.actuators.elements.base import AbstractElement, Effort, Pull, Spring, equilibrium_force
+from martensite.actuators.elements.base import AbstractElement, Effort, Pull, Spring
 from martensite.actuators.mechanisms.base import (
     AbstractMechanism,
     Column,
@@ -77,14 +77,10 @@ class MovedEnd(AbstractMechanism):
 
     def observe(self, xp: Namespace, memory: MountedEnd, loads: Sequence[Load], signals: Column) -> Readout:
         """The force in the state reached, with the end where it is now."""
-        ((element, state, _),) = loads
-
-        def tangent(xp: Namespace, force: Scalar) -> Spring:
-            return element.tangent(xp, state, force)
-
-        force = equilibrium_force(xp, tangent, self._pull(memory, signals), element.force(state), element.passes)
+        (load,) = loads
+        force = load.meet_pull(xp, self._pull(memory, signals))
         taut = xp.where(force > 0.0, 1.0, 0.0)
-        return [force], [taut / element.tangent(xp, state, force).compliance]
+        return [force], [taut / load.element.tangent(xp, load.state, force).compliance]
 
     def load_line(self, memory: MountedEnd) -> Pull:
         """The end where it was mounted."""

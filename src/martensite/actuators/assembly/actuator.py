@@ -74,10 +74,10 @@ class Actuator(Parametrised):
         heating = Heating(self.environment, self.source, signal, owed)
         return Load(self.element, state, heating)
 
-    def cooled(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> Self:
+    def with_cooling_signals(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> Self:
         """The actuator under the signals of what cools it."""
         cooling = self.environment.cooling
-        return self.rebuilt({"environment.cooling": cooling.driven(xp, signals)}) if cooling.signals() else self
+        return self.rebuilt({"environment.cooling": cooling.with_signals(xp, signals)}) if cooling.signals() else self
 
     def observe_element(self, xp: Namespace, state: Any, force: Scalar, drive: Scalar) -> dict[str, Scalar]:
         """Every output, by name, under a force [N] and a drive signal."""

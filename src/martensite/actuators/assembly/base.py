@@ -207,7 +207,7 @@ class AbstractAssembly(AbstractSystem):
 
     def init(self, xp: Namespace, *drives: Scalar) -> State:
         """The assembled system at rest, at ambient temperature."""
-        actuators, signals = self._actuators(), self._signals(drives)
+        actuators, signals = self._actuators(), self.mechanism_signals(drives)
         forces = self.mechanism.first_forces(xp, signals)
         rows = list(zip(actuators, forces, drives, strict=False))
         states = [one.start(xp, force, drive) for one, force, drive in rows]
@@ -220,7 +220,7 @@ class AbstractAssembly(AbstractSystem):
 
     def step(self, xp: Namespace, state: State, *drives: Scalar | Feed, dt: Scalar) -> tuple[State, StepReport]:
         """Advance by `dt` [s] under constant drive signals, or what they bring in that time."""
-        loads, signals = self._loads(xp, state, drives), self._signals(drives)
+        loads, signals = self._loads(xp, state, drives), self.mechanism_signals(drives)
         own, states, report = self.mechanism.advance(xp, state.mechanism, loads, signals, dt)
         return State(tuple(states), own), report
 
@@ -275,7 +275,7 @@ class AbstractAssembly(AbstractSystem):
         """What is known of its energy in a state under drive signals."""
         found, loads = Entries(), self._loads(xp, state, drives)
         self._enter_heat(xp, found, loads)
-        signals = self._signals(drives)
+        signals = self.mechanism_signals(drives)
         mechanics = self.mechanism.mechanics(xp, state.mechanism, loads, signals)
         if mechanics is None:
             name = self.mechanism.registered_name
@@ -324,7 +324,7 @@ class AbstractAssembly(AbstractSystem):
 
     def observe(self, xp: Namespace, state: State, *drives: Scalar) -> list[Scalar]:
         """Everything that can be measured in a state under drive signals."""
-        loads, signals = self._loads(xp, state, drives), self._signals(drives)
+        loads, signals = self._loads(xp, state, drives), self.mechanism_signals(drives)
         forces, own = self.mechanism.observe(xp, state.mechanism, loads, signals)
         rows = zip(self._driven_actuators(xp, state, drives), state.elements, forces, drives, strict=False)
         seen = [one.observe_element(xp, element, force, drive) for one, element, force, drive in rows]
@@ -349,9 +349,9 @@ class AbstractAssembly(AbstractSystem):
         actuators, names = self._actuators(), self._cooling_signals()
         given = [one.moments if isinstance(one, Feed) else one for one in drives]
         signals = dict(zip(names, given[len(drives) - len(names) :], strict=True))
-        return [one.cooled(xp, signals) for one in actuators] if names else actuators
+        return [one.with_cooling_signals(xp, signals) for one in actuators] if names else actuators
 
-    def _signals(self, drives: Sequence[Scalar | Feed]) -> Column:
+    def mechanism_signals(self, drives: Sequence[Scalar | Feed]) -> Column:
         """The drive signals of the mechanism itself, which are never fed."""
         first = len(self._actuators())
         own = drives[first : first + len(self.mechanism.signals())]

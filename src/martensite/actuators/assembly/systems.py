@@ -128,7 +128,7 @@ class Machine(AbstractAssembly):
         middle = [0.5 * (first + last) for first, last in ends]
         rows = zip(self._driven_actuators(xp, state, drives, middle), state.elements, drives, strict=False)
         loads = [one.load(element, drive) for one, element, drive in rows]
-        own, states, report = self.mechanism.advance(xp, state.mechanism, loads, self._signals(drives), dt)
+        own, states, report = self.mechanism.advance(xp, state.mechanism, loads, self.mechanism_signals(drives), dt)
         return State(tuple(states), own), report
 
     def of_mechanism(self) -> dict[str, Output]:
@@ -151,7 +151,7 @@ class Machine(AbstractAssembly):
         consumers = _list_consumers(actuators, drives, ohms or self._resistances(xp, state))
         voltage = self.supply.find_voltage(xp, consumers)
         rows = zip(actuators, consumers, strict=True)
-        return [one.rebuilt({"source": consumer.supplied(xp, voltage)}) for one, consumer in rows]
+        return [one.rebuilt({"source": consumer.limit_voltage(xp, voltage)}) for one, consumer in rows]
 
     def _resistances(self, xp: Namespace, state: State) -> list[Scalar]:
         rows = [(one.element, one.environment, own) for one, own in zip(self._actuators(), state.elements, strict=True)]

@@ -107,7 +107,7 @@ class AbstractRoundWire(AbstractElement, init=False):
         ambient, shape = environment.temperature, self.cylinder()
         film = environment.cooling.film(xp, temperature, ambient, shape)
         lost = self.ends.conductance(xp, film, shape) * (temperature - ambient)
-        pumped = environment.cooling.pumped(xp, temperature, ambient, shape)
+        pumped = environment.cooling.pump_heat(xp, temperature, ambient, shape)
         return lost if pumped is None else lost + pumped
 
     def ohms(

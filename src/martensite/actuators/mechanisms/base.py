@@ -15,7 +15,7 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar, NamedTuple
 
-from martensite.actuators.elements.base import AbstractElement, Effort, Heating, Pull
+from martensite.actuators.elements.base import AbstractElement, Effort, Heating, Pull, Spring, equilibrium_force
 from martensite.actuators.mechanisms.drawing import DrawingShape, DrawingState, draw_hanging, draw_lifted
 from martensite.base.interfaces import make_missing_error, require_where
 from martensite.base.parameters import Parametrised
@@ -48,6 +48,15 @@ class Load(NamedTuple):
     element: AbstractElement
     state: Any
     heating: Heating
+
+    def meet_pull(self, xp: Namespace, pull: Pull) -> Scalar:
+        """Force [N] at which the element, at frozen phase fractions and temperature, fits what it meets."""
+        element, state, _ = self
+
+        def tangent(xp: Namespace, force: Scalar) -> Spring:
+            return element.tangent(xp, state, force)
+
+        return equilibrium_force(xp, tangent, pull, element.force(state), element.passes)
 
 
 class MechanicalEnergy(NamedTuple):
@@ -121,7 +130,7 @@ class AbstractMechanism(Parametrised):
         """Coordinates and speeds that a run may start with, with their units; none where they follow from elements."""
         return {}
 
-    def put(
+    def set_initial(
         self, memory: Any, given: Mapping[str, float], loads: Sequence[Load], signals: Column
     ) -> tuple[Any, list[float]]:
         """The memory of one that was assembled, with given `initial_numbers`, on floats; and forces [N] of elements."""

@@ -173,12 +173,12 @@ class BeamMotor(AbstractMultibody):
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """Force on every mode [N], torque on the rotor [N m], voltage of the winding [V]."""
         n, (voltage,) = self.count, signals
-        thrown = self.throw(xp, motion)
+        thrown = self.unbalance_force(xp, motion)
         rows = zip(self._beam(xp), *(column[:n] for column in motion), strict=True)
         bent = [m * a + c * v + k * q - thrown for (m, c, k), q, v, a in rows]
-        return [*bent, *self.turn(xp, motion, voltage)]
+        return [*bent, *self.demand_rotor(xp, motion, voltage)]
 
-    def throw(self, xp: Namespace, motion: Motion) -> Scalar:
+    def unbalance_force(self, xp: Namespace, motion: Motion) -> Scalar:
         """Force [N] of the unbalance on the tip."""
         angle, speed, spin = (column[self.count] for column in motion)
         moment = self.unbalance * self.eccentricity
@@ -186,7 +186,7 @@ class BeamMotor(AbstractMultibody):
         turned = -spin * cosine if self.coupling == "lagrange" else spin * cosine
         return moment * (speed * speed * sine + turned)
 
-    def turn(self, xp: Namespace, motion: Motion, voltage: Scalar) -> Column:
+    def demand_rotor(self, xp: Namespace, motion: Motion, voltage: Scalar) -> Column:
         """Torque on the rotor [N m] and voltage of the winding [V] that a motion needs beside a voltage [V]."""
         n = self.count
         angle, speed, spin = (column[n] for column in motion)

@@ -63,7 +63,7 @@ class BeamMotors(BeamMotor):
                 f"{self.unbalance + self.unbalance_2:.6g} kg."
             )
 
-    def second(self) -> Self:
+    def as_second_motor(self) -> Self:
         """The beam as the second motor has it."""
         return self.rebuilt({name: getattr(self, f"{name}_2") for name in (*ROTOR, *WINDING)})
 
@@ -79,16 +79,24 @@ class BeamMotors(BeamMotor):
             Coordinate("charge_2", "A*s", "charge through the second motor", "Q_2", 0.01),
         )
 
+    def rate_names(self) -> tuple[str, ...]:
+        """Those of the first motor, then speed and current of the second."""
+        return *super().rate_names(), "rotor_speed_2", "motor_current_2"
+
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """As with one motor, and what the second takes."""
-        found, second, other = super().demand(xp, motion, signals[:1]), self.second(), self._leave_first(motion)
-        thrown = second.throw(xp, other)
+        found, second, other = (
+            super().demand(xp, motion, signals[:1]),
+            self.as_second_motor(),
+            self._leave_first(motion),
+        )
+        thrown = second.unbalance_force(xp, other)
         bent = [row - thrown for row in found[: self.count]]
-        return [*bent, *found[self.count :], *second.turn(xp, other, signals[1])]
+        return [*bent, *found[self.count :], *second.demand_rotor(xp, other, signals[1])]
 
     def energy(self, xp: Namespace, motion: Motion) -> MechanicalEnergy:
         """With those of the second rotor and coil."""
-        found, second, n = super().energy(xp, motion), self.second(), self.count
+        found, second, n = super().energy(xp, motion), self.as_second_motor(), self.count
         angle, speed, current = motion.position[n + 2], motion.velocity[n + 2], motion.velocity[n + 3]
         shared = second.unbalance * second.eccentricity * sum_column(motion.velocity[:n]) * speed * xp.cos(angle)
         return found._replace(
@@ -98,7 +106,7 @@ class BeamMotors(BeamMotor):
 
     def dissipative(self, xp: Namespace, motion: Motion) -> Column:
         """With friction and winding of the second motor."""
-        other = BeamMotor.dissipative(self.second(), xp, self._leave_first(motion))
+        other = BeamMotor.dissipative(self.as_second_motor(), xp, self._leave_first(motion))
         return [*super().dissipative(xp, motion), *other[self.count :]]
 
     def external_forces(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
@@ -144,6 +152,10 @@ class BeamHarvester(BeamMotor):
     def coordinates(self) -> tuple[Coordinate, ...]:
         """Those of the beam with its motor, and the flux of the patch."""
         return (*super().coordinates(), Coordinate("flux", "V*s", "flux of the piezoelectric patch", "λ", 0.01))
+
+    def rate_names(self) -> tuple[str, ...]:
+        """Those of the beam with its motor, and the voltage of the patch."""
+        return *super().rate_names(), "piezo_voltage"
 
     def demand(self, xp: Namespace, motion: Motion, signals: Column) -> Column:
         """As without a patch, and the current [A] of that."""

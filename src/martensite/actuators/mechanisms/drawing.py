@@ -1,6 +1,6 @@
 r"""How a mechanism is drawn: named shapes of a kind, with points in space, at one time.
 
-A mechanism answers `drawn(reading)` in plain floats, once for every picture. All pictures of a run
+A mechanism answers `draw_shapes(reading)` in plain floats, once for every picture. All pictures of a run
 have the same shapes with the same numbers of points; only places and turns change. Joints and the
 ways of wires are those of its kinematics; what its kinematics leave open (how thick a bar is, how
 far a wire runs on behind its last bracket) is drawn in proportion.

@@ -198,7 +198,7 @@ class Finger(grasp.AbstractGrasp):
         axis, reach = (along, self.cylinder_inwards), self.cylinder_radius + 0.5 * self.thickness
         return grasp.find_touches(xp, axis, reach, [self.phalanx_length], [angle])[0]
 
-    def touches(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
+    def locate_contacts(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
         """How the far phalanx stands to the cylinder."""
         return [self._touch_cylinder(xp, self.cylinder_along, position[0])]
 

@@ -71,7 +71,7 @@ class AbstractGrasp(AbstractMultibody, init=False):
     highest: Scalar
 
     @abstractmethod
-    def touches(self, xp: Namespace, position: Column) -> list[Touch]:
+    def locate_contacts(self, xp: Namespace, position: Column) -> list[Touch]:
         """How every phalanx that moves stands to the cylinder."""
 
     def stop_gap(self, xp: Namespace, angle: Scalar) -> Scalar:
@@ -84,7 +84,7 @@ class AbstractGrasp(AbstractMultibody, init=False):
         if self.contact != "springs" and self.lowest == self.highest:
             raise ParameterError(f"Rigid end stops of `{name}` need a range: `highest` must be above `lowest`.")
         if self.contact == "cylinder":
-            home = self.touches(floats, self.home(floats))
+            home = self.locate_contacts(floats, self.home(floats))
             for coordinate, touch in zip(self.coordinates(), home, strict=True):
                 check_clearance(f"the phalanx of `{name}` that `{coordinate.name}` turns", touch)
 
@@ -93,7 +93,7 @@ class AbstractGrasp(AbstractMultibody, init=False):
         if self.contact == "springs":
             return []
         found = [self.stop_gap(xp, angle) for angle in position]
-        return found if self.contact == "stops" else found + [touch.gap for touch in self.touches(xp, position)]
+        return found if self.contact == "stops" else found + [touch.gap for touch in self.locate_contacts(xp, position)]
 
     def outputs(self) -> dict[str, Output]:
         """The angles, and what contacts do: the moment at every joint, the force on every phalanx and their sum."""
@@ -122,7 +122,7 @@ class AbstractGrasp(AbstractMultibody, init=False):
         found = [*seen, *(m * side for m, side in zip(held, sides, strict=True))]
         if self.contact == "stops":
             return forces, found
-        gaps, places = zip(*self.touches(xp, angles), strict=True)
+        gaps, places = zip(*self.locate_contacts(xp, angles), strict=True)
         total = [sum_column(pushed)] if len(pushed) > 1 else []
         return forces, [*found, *pushed, *gaps, *places, *total]
 

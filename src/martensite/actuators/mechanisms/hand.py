@@ -196,7 +196,7 @@ class Hand(grasp.AbstractGrasp):
         """Fingers that hang from a palm, the thumb opposite to the others, and all tendons."""
         return drawn_hand(self, reading)
 
-    def touches(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
+    def locate_contacts(self, xp: Namespace, position: Column) -> list[grasp.Touch]:
         """How every phalanx stands to the cylinder."""
         found: list[grasp.Touch] = []
         for i, size in enumerate(self.sizes()):

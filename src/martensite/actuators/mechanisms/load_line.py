@@ -9,7 +9,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from martensite.actuators.elements.base import AbstractElement, Pull, Spring, equilibrium_force
+from martensite.actuators.elements.base import AbstractElement, Pull, Spring
 from martensite.actuators.mechanisms.base import (
     MECHANISMS,
     AbstractMechanism,
@@ -86,13 +86,9 @@ class AbstractLoadLine(AbstractMechanism):
 
     def observe(self, xp: Namespace, memory: LoadLineReference, loads: Sequence[Load], signals: Column) -> Readout:
         """The force at which both fit, and the position there."""
-        ((element, state, _),) = loads
-
-        def tangent(xp: Namespace, force: Scalar) -> Spring:
-            return element.tangent(xp, state, force)
-
-        force = equilibrium_force(xp, tangent, self.load_line(memory), element.force(state), element.passes)
-        elongation = element.elongation(xp, state, force)
+        (load,) = loads
+        force = load.meet_pull(xp, self.load_line(memory))
+        elongation = load.element.elongation(xp, load.state, force)
         return [force], [self.position(xp, memory, force, elongation)]
 
     def mechanics(

@@ -186,7 +186,7 @@ class AbstractMultibody(AbstractMechanism):
         """What the rates of the coordinates are called; none without inertia."""
         return tuple(f"{c.name}_rate" for c in self.coordinates()) if self.moves else ()
 
-    def put(
+    def set_initial(
         self, memory: Assembled, given: Mapping[str, float], loads: Sequence[Load], signals: Column
     ) -> tuple[Assembled, list[float]]:
         """It at given coordinates and rates, and the tensions there; elements that are too long hang slack.

@@ -23,7 +23,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from martensite.actuators.elements.base import AbstractElement, Effort, Pull, Spring, equilibrium_force
+from martensite.actuators.elements.base import AbstractElement, Effort, Pull, Spring
 from martensite.actuators.mechanisms.base import (
     MECHANISMS,
     AbstractMechanism,
@@ -133,15 +133,10 @@ class TensileTestingMachine(AbstractMechanism):
 
     def observe(self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column) -> Readout:
         """The force that is prescribed or found, the position, and the travel."""
-        ((element, state, _),) = loads
-
-        def tangent(xp: Namespace, force: Scalar) -> Spring:
-            return element.tangent(xp, state, force)
-
-        pull = self._pull(memory, signals)
-        force = equilibrium_force(xp, tangent, pull, element.force(state), element.passes)
+        (load,) = loads
+        force = load.meet_pull(xp, self._pull(memory, signals))
         give = (force - memory.force) * (1.0 / self.stiffness)
-        travel = self._travel(xp, memory, element, state, force, signals)
+        travel = self._travel(xp, memory, load.element, load.state, force, signals)
         return [force], [give - travel, travel]
 
     def mechanics(self, xp: Namespace, memory: MountedElement, loads: Sequence[Load], signals: Column) -> Mechanics:

@@ -73,9 +73,9 @@ class Multiplied(AbstractCooling):
         """h [W/(m² K)], multiplied."""
         return self.factor * self.cooling.film(xp, temperature, ambient, shape)
 
-    def pumped(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
+    def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
         """As without the fault [W]: no draught changes what is pumped."""
-        return self.cooling.pumped(xp, temperature, ambient, shape)
+        return self.cooling.pump_heat(xp, temperature, ambient, shape)
 
 
 @FAULTS.register("draught")
@@ -113,9 +113,9 @@ class Interrupted(AbstractSource):
         """Current [A] of the source, if the contact is closed."""
         return self.contact * self.source.current(xp, drive, resistance)
 
-    def drawn(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+    def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """The same, as its supply sees it [A]."""
-        return self.contact * self.source.drawn(xp, drive, resistance)
+        return self.contact * self.source.supply_current(xp, drive, resistance)
 
 
 @FAULTS.register("open-circuit")

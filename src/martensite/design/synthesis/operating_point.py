@@ -161,8 +161,8 @@ class _RestingLanes:
         lanes = Lanes(self.system, len(row))
         lanes.reset(self._base[:, None])
         if self._before is not None:
-            _settle_lanes(lanes, self.signals(np.full(len(row), self._before)))
-        _settle_lanes(lanes, self.signals(row))
+            settle_lanes(lanes, self.signals(np.full(len(row), self._before)))
+        settle_lanes(lanes, self.signals(row))
         return lanes
 
     def point(self, lanes: Lanes, row: Numbers, lane: int) -> SteadyPoint:
@@ -182,8 +182,12 @@ class _RestingLanes:
         )
 
 
-def _settle_lanes(lanes: Lanes, signals: Numbers) -> None:
-    """Hold signals until nothing that is judged changes."""
+def settle_lanes(lanes: Lanes, signals: Numbers) -> None:
+    """Hold signals, (drives, lanes), until nothing that is judged changes.
+
+    Raises:
+        SolveError: that takes too long.
+    """
     system, names = lanes.system, lanes.names
     judged = system.convergence_scales()
     places = [names.index(name) for name in judged]
@@ -197,4 +201,7 @@ def _settle_lanes(lanes: Lanes, signals: Numbers) -> None:
         if np.max(np.abs(now - last) / sizes, initial=0.0) <= SETTLED:
             return
         last, stretch = now, stretch * 2
-    raise SolveError(f"The plant does not come to rest within {stretch * dt:.3g} s under constant signals.")
+    raise SolveError(
+        f"The system does not come to rest within {stretch * dt:.3g} s under held drives: it vibrates or turns, or is "
+        "very slow."
+    )

@@ -85,7 +85,7 @@ class AbstractSource(Parametrised):
     def current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Current [A] through an element of `resistance` [ohm]; the rms value if it is pulsed."""
 
-    def drawn(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+    def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Current [A] that it takes from its supply, in the mean if it is pulsed."""
         return xp.abs(self.current(xp, drive, resistance))
 
@@ -168,7 +168,7 @@ class AbstractSwitch(AbstractSource):
         """Current [A] through an element of `resistance` [ohm] while the switch is closed."""
         return xp.minimum(self.supply / (resistance + self.series_resistance), self.current_limit)
 
-    def drawn(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+    def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Mean current [A]: that of the closed switch, for a share of the time."""
         share = self.share(xp, drive, getattr(self, "frequency", 0.0))
         return share * self.closed_current(xp, resistance)

@@ -35,7 +35,7 @@ class Consumer(NamedTuple):
     resistance: Scalar
     """Of its element [ohm]."""
 
-    def supplied(self, xp: Namespace, voltage: Scalar) -> AbstractSource:
+    def limit_voltage(self, xp: Namespace, voltage: Scalar) -> AbstractSource:
         """The source where its supply has a voltage [V]."""
         names = self.source.supplied_by
         return self.source.rebuilt({name: xp.minimum(self.source.value_of(name), voltage) for name in names})
@@ -50,18 +50,18 @@ class SharedSupply(Parametrised):
     )
     current_limit: Scalar = param("A", "largest current I_max of all together", above=0.0, high=1e6, default=1e6)
 
-    def draw(self, xp: Namespace, consumers: Sequence[Consumer], voltage: Scalar) -> Scalar:
+    def sum_currents(self, xp: Namespace, consumers: Sequence[Consumer], voltage: Scalar) -> Scalar:
         """Current [A] of all consumers at a voltage [V]."""
         total: Scalar = 0.0
         for one in consumers:
-            total = total + one.supplied(xp, voltage).drawn(xp, one.drive, one.resistance)
+            total = total + one.limit_voltage(xp, voltage).supply_current(xp, one.drive, one.resistance)
         return total
 
     def find_voltage(self, xp: Namespace, consumers: Sequence[Consumer], limited: bool = True) -> Scalar:
         """U [V]; without the limit of the current if that is not asked for."""
 
         def excess(xp: Namespace, voltage: Scalar) -> Scalar:
-            current = self.draw(xp, consumers, voltage)
+            current = self.sum_currents(xp, consumers, voltage)
             drooped = voltage - self.voltage + self.internal_resistance * current
             held = voltage - voltage * (self.current_limit / xp.maximum(current, LEAST))
             return xp.maximum(drooped, held) if limited else drooped
@@ -71,4 +71,4 @@ class SharedSupply(Parametrised):
     def observe(self, xp: Namespace, consumers: Sequence[Consumer]) -> tuple[Scalar, Scalar, Scalar]:
         """Voltage [V] and current [A], and the current that would flow without the limit [A]."""
         voltage, free = self.find_voltage(xp, consumers), self.find_voltage(xp, consumers, limited=False)
-        return voltage, self.draw(xp, consumers, voltage), self.draw(xp, consumers, free)
+        return voltage, self.sum_currents(xp, consumers, voltage), self.sum_currents(xp, consumers, free)

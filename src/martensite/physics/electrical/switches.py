@@ -172,7 +172,7 @@ class PowerPwm(AbstractSwitch):
         """Rms current [A] for a drive in watt."""
         return xp.sqrt(self._duty(xp, drive, resistance)) * self.closed_current(xp, resistance)
 
-    def drawn(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
+    def supply_current(self, xp: Namespace, drive: Scalar, resistance: Scalar) -> Scalar:
         """Mean current [A] for a drive in watt."""
         return self._duty(xp, drive, resistance) * self.closed_current(xp, resistance)
 

@@ -39,7 +39,7 @@ class AbstractActiveCooling(AbstractCooling):
     def film_at(self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """Film coefficient [W/(m² K)] at a level of the signal."""
 
-    def pumped_at(
+    def pump_heat_at(
         self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder
     ) -> Scalar | None:
         """Heat flow [W] beside that of the film at a level of the signal; None if there is none."""
@@ -49,15 +49,15 @@ class AbstractActiveCooling(AbstractCooling):
         """h [W/(m² K)] as it stands still."""
         return self.film_at(xp, 0.0, temperature, ambient, shape)
 
-    def pumped(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
+    def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
         """Heat flow [W] beside that of the film, as it stands still."""
-        return self.pumped_at(xp, 0.0, temperature, ambient, shape)
+        return self.pump_heat_at(xp, 0.0, temperature, ambient, shape)
 
     def signals(self) -> dict[str, str]:
         """Its own, and those of the models in it."""
         return {self.signal: self.unit} | super().signals()
 
-    def driven(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> AbstractCooling:
+    def with_signals(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> AbstractCooling:
         """At the level of its signal, or averaged over a step."""
         whole, given = self.drive_models(xp, signals), signals[self.signal]
         held = CoolingAtLevel(model=whole, level=0.0)
@@ -83,9 +83,9 @@ class CoolingAtLevel(AbstractCooling):
         """h [W/(m² K)] at this level."""
         return self.model.film_at(xp, self.level, temperature, ambient, shape)
 
-    def pumped(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
+    def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
         """Heat flow [W] at this level."""
-        return self.model.pumped_at(xp, self.level, temperature, ambient, shape)
+        return self.model.pump_heat_at(xp, self.level, temperature, ambient, shape)
 
 
 class AveragedCooling(AbstractCooling):
@@ -101,9 +101,9 @@ class AveragedCooling(AbstractCooling):
         """Mean h [W/(m² K)]."""
         return self._average(*(one.film(xp, temperature, ambient, shape) for one in self._three()))
 
-    def pumped(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
+    def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
         """Mean heat flow [W]."""
-        low, mean, high = (one.pumped(xp, temperature, ambient, shape) for one in self._three())
+        low, mean, high = (one.pump_heat(xp, temperature, ambient, shape) for one in self._three())
         return None if low is None or mean is None or high is None else self._average(low, mean, high)
 
     def _three(self) -> tuple[AbstractCooling, AbstractCooling, AbstractCooling]:
@@ -148,11 +148,11 @@ class Fan(AbstractActiveCooling):
         fourth = _raise_to_fourth(free) + (_raise_to_fourth(forced) - _raise_to_fourth(conducted))
         return xp.sqrt(xp.sqrt(fourth))
 
-    def pumped_at(
+    def pump_heat_at(
         self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder
     ) -> Scalar | None:
         """What the model without a stream pumps [W]."""
-        return self.still.pumped(xp, temperature, ambient, shape)
+        return self.still.pump_heat(xp, temperature, ambient, shape)
 
 
 def _raise_to_fourth(base: Scalar) -> Scalar:
@@ -217,10 +217,10 @@ class Peltier(AbstractActiveCooling):
         given = self.contact * temperature + heated, self.sink * ambient + heated
         return (hot * given[0] + self.conductance * given[1]) / self._determinant(pumped)
 
-    def pumped_at(
+    def pump_heat_at(
         self, xp: Namespace, level: Scalar, temperature: Scalar, ambient: Scalar, shape: Cylinder
     ) -> Scalar | None:
         """Heat [W] out of the wire at a current [A], and what `still` pumps."""
         through = self.contact * (temperature - self.cold_side(xp, level, temperature, ambient))
-        own, other = through * (shape.length / self.pitch), self.still.pumped(xp, temperature, ambient, shape)
+        own, other = through * (shape.length / self.pitch), self.still.pump_heat(xp, temperature, ambient, shape)
         return own if other is None else own + other

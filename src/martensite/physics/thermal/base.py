@@ -1,7 +1,7 @@
 """What every heat-loss model answers: the film coefficient h(T) over the lateral surface.
 
 A model may have a signal of its own, such as the speed of the air of a fan (`active_cooling`): a system drives it
-beside its sources. One that pumps heat whatever the temperature of the surroundings says so apart (`pumped`).
+beside its sources. One that pumps heat whatever the temperature of the surroundings says so apart (`pump_heat`).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class AbstractCooling(Parametrised):
     def film(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar:
         """Film coefficient h [W/(m² K)] of a cylinder at `temperature` in `ambient` [K]."""
 
-    def pumped(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
+    def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
         """Heat flow [W] out of a cylinder that its film does not carry; None if there is no such thing."""
         return None
 
@@ -41,13 +41,13 @@ class AbstractCooling(Parametrised):
         """Names of the signals that drive it, with their units: those of the models in it."""
         return {name: unit for _, model in self._models() for name, unit in model.signals().items()}
 
-    def driven(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> AbstractCooling:
+    def with_signals(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> AbstractCooling:
         """The model under its signals, as they are at an instant or over a step."""
         return self.drive_models(xp, signals)
 
     def drive_models(self, xp: Namespace, signals: Mapping[str, Scalar | Moments]) -> Self:
         """Itself, with the models in it under their signals."""
-        found = {name: model.driven(xp, signals) for name, model in self._models() if model.signals()}
+        found = {name: model.with_signals(xp, signals) for name, model in self._models() if model.signals()}
         return self.rebuilt(found) if found else self
 
     def _models(self) -> Iterator[tuple[str, AbstractCooling]]:

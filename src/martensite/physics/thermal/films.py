@@ -76,7 +76,7 @@ class CombinedCooling(AbstractCooling):
         given = temperature, ambient, shape
         return self.convection.film(xp, *given) + self.radiation.film(xp, *given)
 
-    def pumped(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
+    def pump_heat(self, xp: Namespace, temperature: Scalar, ambient: Scalar, shape: Cylinder) -> Scalar | None:
         """What either pumps [W]."""
-        first, other = (one.pumped(xp, temperature, ambient, shape) for one in (self.convection, self.radiation))
+        first, other = (one.pump_heat(xp, temperature, ambient, shape) for one in (self.convection, self.radiation))
         return other if first is None else first if other is None else first + other

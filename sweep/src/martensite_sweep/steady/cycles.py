@@ -91,7 +91,7 @@ def find_cycle(
         SolveError: the state does not come to repeat itself.
     """
     one = Subject.read(subject, waveform)
-    period = find_period(one.system, one.waveforms)
+    period = find_period(one.waveforms)
     grid = build_period(one.system, one.waveforms, period, step)
     motion = PeriodicMotion(one.system, rest_signals(one.system), [], grid=grid)
     begin = motion.stretch.rest(list(grid.signals[0] * 0.0 + rest_signals(one.system))) if state is None else state
@@ -177,7 +177,7 @@ class Shooting:
         return any(abs(after[name] - before[name]) > QUIET for name in self.fractions)
 
 
-def find_period(system: AbstractSystem, waveforms: Mapping[str, AbstractWaveform]) -> float:
+def find_period(waveforms: Mapping[str, AbstractWaveform]) -> float:
     """The period that all drives have in common [s].
 
     Raises:

@@ -22,6 +22,7 @@ import numpy as np
 
 from martensite.actuators.assembly import AbstractSystem
 from martensite.base.errors import InputError, SolveError, require_known
+from martensite.design.synthesis.operating_point import settle_lanes
 from martensite.scenario.scenario import Scenario
 from martensite.signals.sampling.sampled import Numbers
 from martensite.simulate.api import longest_step
@@ -31,9 +32,6 @@ from martensite_sweep.steady.stretch import Stretch
 from martensite_sweep.steady.subjects import Subject
 
 STARTS = ("cold", "hot")
-SETTLED = 1e-9
-"""Change of a judged output in one more stretch, over the least range that counts."""
-STRETCH, DOUBLINGS = 128, 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,10 +89,10 @@ def find_steady_state(
     one = Subject.read(subject)
     signals = one.hold(drive)
     if isinstance(start, SteadyState):
-        return _judge_rest(one.system, settle(one.system, [signals], start.state), signals, "state")
+        return _judge_rest(one.system, settle_system(one.system, [signals], start.state), signals, "state")
     require_known("start", start, STARTS)
     before = [one.hold(_choose_high(one, high))] if start == "hot" else []
-    return _judge_rest(one.system, settle(one.system, [*before, signals]), signals, start)
+    return _judge_rest(one.system, settle_system(one.system, [*before, signals]), signals, start)
 
 
 def _choose_high(one: Subject, high: Mapping[str, float] | float | None) -> Mapping[str, float] | float:
@@ -106,7 +104,7 @@ def _choose_high(one: Subject, high: Mapping[str, float] | float | None) -> Mapp
     return one.highest(one.scenario.duration)
 
 
-def settle(system: AbstractSystem, course: list[Numbers], state: Numbers | None = None) -> Numbers:
+def settle_system(system: AbstractSystem, course: list[Numbers], state: Numbers | None = None) -> Numbers:
     """The state after resting under some signals, one after the other; from rest without signals if none is given.
 
     Raises:
@@ -117,7 +115,7 @@ def settle(system: AbstractSystem, course: list[Numbers], state: Numbers | None 
     if state is not None:
         lanes.state = np.array(state)[:, None]
     for signals in course:
-        _settle_lanes(lanes, signals[:, None])
+        settle_lanes(lanes, signals[:, None])
     failed = lanes.status[0]
     if failed.failed:
         raise SolveError(f"The system failed on its way to rest. {failed.sentence}")
@@ -128,25 +126,6 @@ def rest_signals(system: AbstractSystem) -> Numbers:
     """No signals; the ambient temperature for a drive that prescribes one."""
     ambient = {system.drive_at(port): one.environment.temperature for port, one in system.actuators().items()}
     return index_drives(system, {one.name: ambient[one.name] for one in system.drives() if one.unit == "K"})
-
-
-def _settle_lanes(lanes: Lanes, signals: Numbers) -> None:
-    """Hold signals until nothing that is judged changes."""
-    system, names = lanes.system, lanes.names
-    judged = system.convergence_scales()
-    places, sizes = [names.index(name) for name in judged], np.array(list(judged.values()))[:, None]
-    dt = system.sample_time() or longest_step(system)
-    last, stretch = lanes.observe(signals)[places], STRETCH
-    for _ in range(DOUBLINGS):
-        lanes.advance(np.broadcast_to(signals, (stretch, *signals.shape)), dt, shown=False)
-        now = lanes.observe(signals)[places]
-        if np.max(np.abs(now - last) / sizes, initial=0.0) <= SETTLED:
-            return
-        last, stretch = now, stretch * 2
-    raise SolveError(
-        f"The system does not come to rest within {stretch * dt:.3g} s under held drives: it vibrates or turns, or is "
-        "very slow."
-    )
 
 
 def _judge_rest(system: AbstractSystem, state: Numbers, signals: Numbers, start: str) -> SteadyState:
