@@ -291,7 +291,8 @@ def fault_effects(fault: Any, xp: Any, time: Any, u: Any, reading: Any, held: An
         plant.source.current(xp, u, 2.0),
         loss,
         fault.signal(xp, "drive", u, active),
-        grown.reading(xp, name, reading, held, active),
+        grown.disturb(xp, name, grown.reading(xp, name, reading, held, active), 1.5, active),
+        fault.travel(xp, name, 0.1, active),
         xp.where(fresh, 1.0, 0.0),
     )
 
