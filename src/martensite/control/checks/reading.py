@@ -6,10 +6,13 @@ from martensite.control.checks.base import CHECKS, AbstractCheck, Column, Looked
 from martensite.control.loop.names import AGE
 from martensite.kernels.namespace import Namespace, Scalar
 from martensite.signals.base import DRIVE
+from martensite.signals.levels import MARGIN
 
 
 class AbstractReadingCheck(AbstractCheck):
     """Interface of a check of one reading."""
+
+    names_reading = ("reading",)
 
     reading: str = text("name of the reading", typical="temperature")
 
@@ -98,7 +101,7 @@ class Mismatch(AbstractCheck):
 
     reading: str = text("name of a reading", typical="temperature")
     other: str = text("name of the other reading, or of an estimate", typical="=reading")
-    limit: Scalar = param(DIFFERENCE, "largest difference", above=0.0, typical=0.1)
+    limit: Scalar = param(DIFFERENCE, "largest difference", above=0.0, typical=MARGIN)
     longest: Scalar = param("s", "time for which they may differ more", low=0.0, default=0.0, typical="0.3 s")
 
     def reads(self) -> tuple[str, ...]:
@@ -150,7 +153,6 @@ class SensorStuck(AbstractWhileOn):
     """
 
     alarm, size = 5, 3
-    names_reading = ("reading",)
 
     longest: Scalar = param("s", "time under a signal until it is stuck", above=0.0, typical="0.3 s")
     band: Scalar = param(DIFFERENCE, "change that is none", low=0.0, default=0.0, typical=0.1)
