@@ -17,10 +17,11 @@ from builders import problem_a
 
 from martensite.actuators.elements.limits import ElementLimits
 from martensite.base.errors import InputError, ParameterError
+from martensite.base.parameters import REQUIRED
 from martensite.control.checks.base import CHECKS, Checks
 from martensite.control.checks.thermal_bound import ThermalBound
 from martensite.control.loop.bench import Bench
-from martensite.control.loop.parts import MountedSensor, Sensors
+from martensite.control.loop.parts import FaultTable, MountedSensor, Sensors
 from martensite.control.loop.realtime import RealtimeStep
 from martensite.control.loop.run import simulate_bench
 from martensite.control.sensors.thermometer import ThermocoupleSensor
@@ -33,6 +34,7 @@ from martensite.physics.electrical.switches import Mosfet
 from martensite.scenario.guard_report import collect_guard
 from martensite.scenario.scenario import Scenario, load, read_scenario
 from martensite.signals.held import Held
+from martensite_control.benchmark.faults import build_faults
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 LOOP = EXAMPLES / "closed_loop.toml"
@@ -52,8 +54,9 @@ def test_a_check_without_its_limit_is_refused(name: str) -> None:
     needed = NEEDED.get(name, "limit")
     numbers: dict[str, Any] = {"power": 1.0, "capacity": 1.0, "conductance": 1.0, "ambient": 300.0}
     given = numbers if name == "thermal-bound" else {"reading": "a"} | ({"other": "b"} if name == "mismatch" else {})
-    with pytest.raises(ParameterError, match=f"`{name}` needs `{needed}`"):
-        CHECKS[name](**given)
+    if CHECKS[name].declarations[needed].default is REQUIRED:
+        with pytest.raises(ParameterError, match=f"`{name}` needs `{needed}`"):
+            CHECKS[name](**given)
     with pytest.raises(ParameterError, match=f"`{needed}` of `{name}` must be finite"):
         CHECKS[name](**given, **{needed: math.inf})
 
@@ -124,6 +127,38 @@ def test_what_cannot_be_guarded_is_said() -> None:
         ("first",),
         5.0,
     )
+
+
+@cache
+def broken() -> tuple[Scenario, dict[str, Any]]:
+    """The example under 8 V, whose full signal leads to 395 °C, and the faults of the benchmark."""
+    scenario = load(LOOP, {"driver.supply": "8 V"})
+    assert scenario.bench is not None
+    return scenario, build_faults(scenario.bench, scenario.duration, span=4e-3)
+
+
+def run_fault(guarded: bool, **changes: float) -> Any:
+    """A run with the faults that are given, by the name of a fault and what is changed."""
+    scenario, faults = broken()
+    bench: Any = scenario.bench
+    never = {name.replace("-", "_"): one.with_parts(start=1e6, end=math.inf) for name, one in faults.items()}
+    whole = bench.with_parts(faults=FaultTable(**never), supervisor=bench.supervisor if guarded else None)
+    values = {f"faults.{name.replace('__', '.')}": value for name, value in changes.items()}
+    return simulate_bench(whole.with_values(values), 16.0)
+
+
+def test_a_sensor_that_is_lost_does_not_burn_a_guarded_loop() -> None:
+    for name in ("drop_out", "stuck"):
+        lost = {f"{name}__start": 8.0}
+        guarded, free = run_fault(True, **lost), run_fault(False, **lost)
+        assert max(guarded["temperature"]) < LIMIT < max(free["temperature"]) - 20.0
+        assert set(guarded["alarm"]) == {0.0, -8.0}
+
+
+def test_no_guard_acts_on_a_driver_that_does_not_obey() -> None:
+    found = run_fault(True, stuck_on__start=8.0, stuck_on__level=1.0)
+    assert max(found["temperature"]) > LIMIT + 50.0
+    assert any("above the `temperature_limit`" in one for one in found.warnings)
 
 
 # ---------------------------------------------------------------- a signal that is lowered

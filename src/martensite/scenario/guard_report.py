@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -73,8 +74,8 @@ def _write_temperature(kelvin: float) -> str:
 
 
 def _collect_check(scenario: Scenario, bench: Bench, name: str, check: AbstractCheck) -> dict[str, Any]:
-    key = next(key for key in LIMITS if key in check.declarations)
-    limit, unit = check.value_of(key), check.declarations[key].unit
+    key = next((key for key in LIMITS if key in check.declarations), "")
+    limit, unit = (check.value_of(key), check.declarations[key].unit) if key else (math.inf, "1")
     reading = getattr(check, "reading", getattr(check, "drive", ""))
     if unit in OF_READINGS:
         unit = list_readings(bench)[reading].unit

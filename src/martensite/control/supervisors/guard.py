@@ -27,7 +27,7 @@ OWN = 2
 """Numbers that the guard remembers of each check: whether it has cut, and for how long still."""
 
 
-class CheckRow(NamedTuple):
+class JudgedCheck(NamedTuple):
     """What a check makes of a sample."""
 
     check: AbstractCheck
@@ -90,14 +90,14 @@ class Guard(AbstractSupervisor):
 
     def judge(self, xp: Namespace, memory: Column, wanted: Named, readings: Named, dt: Scalar) -> SupervisorVerdict:
         """What all checks leave of the signals."""
-        allowed, rows = dict(wanted), list[CheckRow]()
+        allowed, rows = dict(wanted), list[JudgedCheck]()
         for one, own in self._pair_memories(memory):
             found = one.look(xp, own[OWN:], wanted, readings, dt)
             most = one.find_most(xp, found.memory, dt) if self.answer == "limit" else {}
             lowers = found.trips if most else None
             cut = None if most else self._decide_cut(xp, own, found.trips, found.clears)
             left = xp.where(found.trips, self.hold, xp.maximum(own[1] - dt, 0.0))
-            rows.append(CheckRow(one, cut, lowers, left, found.memory))
+            rows.append(JudgedCheck(one, cut, lowers, left, found.memory))
             for name, size in most.items():
                 allowed[name] = _lower_signal(xp, allowed[name], size, self.safe)
             if cut is not None:
@@ -131,7 +131,7 @@ def _lower_signal(xp: Namespace, signal: Scalar, size: Scalar, safe: Scalar) -> 
     return xp.where(xp.abs(signal) <= size, signal, lowered)
 
 
-def _find_alarm(xp: Namespace, rows: Sequence[CheckRow]) -> Scalar:
+def _find_alarm(xp: Namespace, rows: Sequence[JudgedCheck]) -> Scalar:
     """The lowest number of all checks that cut; else of those that limit, with a minus; else 0."""
     alarm: Scalar = 0.0
     ordered = sorted(rows, key=lambda row: -row.check.alarm)
