@@ -61,6 +61,8 @@ class FreeParameter(NamedTuple):
     """Standard deviation at the start, of f or x."""
     walk: Scalar
     """Density of its random walk [1/s^0.5]."""
+    opposite: tuple[str, ...] = ()
+    """Those that move the other way, by an offset."""
 
     @property
     def path(self) -> str:
@@ -81,7 +83,8 @@ class FreeParameter(NamedTuple):
 
     def values(self, xp: Namespace, known: Named, x: Scalar) -> list[tuple[str, Scalar]]:
         """All its parameters by path, of those of the model."""
-        return [(path, self._at(xp, known[path], x)) for path in self.paths]
+        found = [(path, self._at(xp, known[path], x)) for path in self.paths]
+        return found + [(path, known[path] - x) for path in self.opposite]
 
     def value(self, xp: Namespace, known: Named, x: Scalar) -> Scalar:
         """The one that is shown."""

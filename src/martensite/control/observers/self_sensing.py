@@ -1,11 +1,15 @@
 """Self-sensing of a wire nobody measured: a Kalman filter that starts from a data sheet and calibrates itself.
 
-    x = (T, ξ, ln ρ_M/ρ_M⁰, ln ρ_A/ρ_A⁰, ln h/h⁰, T_a - T_a⁰, δ_A, δ_M)
+    x = (T, ξ, ln ρ_M/ρ_M⁰, ln ρ_A/ρ_A⁰, ln h/h⁰, T_a - T_a⁰, δ)
 
-Sigma points carry the model along as in `unscented-kalman`; δ_A and δ_M shift the temperatures of the transformation to
-austenite and back. What they are known to at first are the tolerances of the sheet, taken as uniform, whose standard
-deviation is 1/√3 of the tolerance. A diameter that is not that of the model shows in the resistance as a resistivity
-and in the cooling as a film coefficient: both are estimated as they act, at the diameter of the model.
+Sigma points carry the model along as in `unscented-kalman`; δ shifts the temperatures of the transformation to
+austenite, and those of the way back against them. What these are known to at first are the tolerances of the sheet,
+taken as uniform, whose standard deviation is 1/√3 of the tolerance. A shift that all temperatures of the wire and its
+surroundings have in common cannot be seen: nothing but their differences acts. It is no unknown, for a filter that
+carries it along talks itself into knowing it; its deviation is counted in the spreads of all temperatures.
+
+A diameter that is not that of the model shows in the resistance as a resistivity and in the cooling as a film
+coefficient: both are estimated as they act, at the diameter of the model.
 
 It begins with a `Calibration`, during which it gives the signal of its drive itself. While the wire is cold, ξ = 1 and
 T = T_a. At the end of the soak ξ = 0, T = T_h within `hot_deviation`, and with the mean resistances R_M and R_A and the
@@ -48,6 +52,9 @@ from martensite.kernels.namespace import Namespace, Scalar
 UNIFORM = 3.0**-0.5
 """Standard deviation of a uniform distribution over its half width."""
 RESISTIVITIES, FILMS = (("rho_M", "r_M"), ("rho_A", "r_A")), ("h", "h0", "h1", "h2")
+AROUND = ("environment.temperature",)
+HALF = 0.5**0.5
+"""Share of the tolerance of two independent temperatures that their mean, and half of their difference, have."""
 ABOVE = 28.0
 """How far the soak is above the end of the transformation without stress: 17 K for the stress [K]."""
 
@@ -82,7 +89,7 @@ class SelfSensing(UnscentedKalman):
     hot: Scalar = param("K", "T_h, the temperature of the soak; 0: 28 K above A_f", low=0.0, default=0.0)
     hot_deviation: Scalar = param(DIFFERENCE, "its standard deviation", above=0.0, default=10.0)
     loss_deviation: Scalar = param("1", "standard deviation of P - Q as a share of it", low=0.0, default=0.1)
-    learning: Scalar = param("1", "by how much parameters walk faster while it calibrates", low=1.0, default=4.0)
+    learning: Scalar = param("1", "by how much parameters walk faster while it calibrates", low=1.0, default=8.0)
     resistivity_walk: Scalar = param("1/s^0.5", "random walk of the resistivities", low=0.0, default=0.0)
     film_walk: Scalar = param("1/s^0.5", "random walk of the film coefficient", low=0.0, default=0.005)
     ambient_walk: Scalar = param("K/s^0.5", "random walk of the surroundings", low=0.0, default=0.02)
@@ -109,19 +116,27 @@ class SelfSensing(UnscentedKalman):
         sheet = self.sheet
         # sinh ln F for ln F: 0.75 for 0.69 at a factor of 2.
         film = 0.5 * (sheet.film - 1.0 / sheet.film)
-        rows = [(names, "logarithm", sheet.resistivity, self.resistivity_walk) for names in RESISTIVITIES]
-        rows += [
+        rows = [
+            *((names, "logarithm", sheet.resistivity, self.resistivity_walk) for names in RESISTIVITIES),
             (FILMS, "logarithm", film, self.film_walk),
-            (("environment.temperature",), "offset", sheet.ambient, self.ambient_walk),
-            (("law.A_s", "law.A_f"), "offset", sheet.transformation, self.transformation_walk),
-            (("law.M_s", "law.M_f"), "offset", sheet.transformation, self.transformation_walk),
         ]
         found = super().free_parameters()
         for names, scale, tolerance, walk in rows:
-            paths = tuple(path for path in self.__dict__["_known"] if path.endswith(tuple(f".{n}" for n in names)))
-            paths += tuple(name for name in names if name in self.__dict__["_known"])
+            paths = self._paths(names)
             found += [FreeParameter(paths, scale, UNIFORM * tolerance, walk)] if paths else []
+        # What both transformations are off by in common acts as surroundings that are off the other way.
+        common = HALF * sheet.transformation
+        around = sheet.ambient + 0.5 * common * common / sheet.ambient
+        found.append(FreeParameter(self._paths(AROUND), "offset", UNIFORM * around, self.ambient_walk))
+        heating, cooling = self._paths(("law.A_s", "law.A_f")), self._paths(("law.M_s", "law.M_f"))
+        if heating and cooling:
+            found.append(FreeParameter(heating, "offset", UNIFORM * common, self.transformation_walk, cooling))
         return found
+
+    def _paths(self, names: Sequence[str]) -> tuple[str, ...]:
+        """Parameters of the model that are called so, or end so."""
+        known = self.__dict__["_known"]
+        return tuple(path for path in known if path in names or path.endswith(tuple(f".{name}" for name in names)))
 
     def commands(self) -> tuple[str, str] | None:
         """It gives the signal while it calibrates."""
@@ -140,7 +155,7 @@ class SelfSensing(UnscentedKalman):
     def first_covariance(self, xp: Namespace, variances: Sequence[Scalar], signals: Column) -> Matrix:
         """At rest the wire is as warm as its surroundings."""
         matrix = covariance.build_diagonal(variances)
-        k = self._index(("environment.temperature",))
+        k = self._index(AROUND)
         matrix[0][0] = matrix[0][0] + variances[k]
         matrix[0][k] = matrix[k][0] = variances[k]
         return matrix
@@ -181,10 +196,18 @@ class SelfSensing(UnscentedKalman):
         self, xp: Namespace, found: Forecast, nis: Scalar, own: CalibrationState, trust: TrustState, dt: Scalar
     ) -> tuple[Column, Column]:
         estimates, memory = self.list_estimates(xp, found, nis)
+        estimates = self._count_common_shift(xp, estimates)
         lasts = xp.where(own.phase < READY - 0.5, 1.0, 0.0)
         spread = xp.sqrt(xp.maximum(found.covariance[1][1], 0.0))
         confidence = (1.0 - lasts) * own.done * self.trust.confidence(xp, trust, spread, dt)
         return [*estimates, lasts, own.phase, own.signal, confidence], [*own, *trust, *memory]
+
+    def _count_common_shift(self, xp: Namespace, estimates: Column) -> list[Scalar]:
+        """Estimates, with what all temperatures may be off by together in the spreads of every one."""
+        common, names = UNIFORM * HALF * self.sheet.transformation, list(super().estimates())
+        shifted = [hidden_states.list_names(self.model)[0], *self._paths((*AROUND, "law.A_s"))]
+        rows = {names.index(f"{name}_std") for name in shifted if f"{name}_std" in names}
+        return [xp.sqrt(x * x + common * common) if k in rows else x for k, x in enumerate(estimates)]
 
     def _restart(
         self,
@@ -200,7 +223,10 @@ class SelfSensing(UnscentedKalman):
             return found
         count = self.unknowns()
         cold = own.phase < COLD + 0.5
-        soaked = xp.both(xp.both(before.phase < SOAK + 0.5, own.phase > SETTLE - 0.5), own.done > 0.5)
+        # Put there all through the soak, so that the law has forgotten what a filter that knew nothing led it through.
+        ended = xp.both(before.phase < SOAK + 0.5, own.phase > SETTLE - 0.5)
+        soaks = xp.both(own.phase > SOAK - 0.5, own.phase < SOAK + 0.5)
+        soaked = xp.both(xp.either(soaks, ended), own.done > 0.5)
         variances = [x * x for x in self.first_deviations()]
         around = self.model.value_of("environment.temperature")
         rest = [around, 1.0, *[0.0] * (count - 2)], self.first_covariance(xp, variances, going.signals)
@@ -235,7 +261,7 @@ class SelfSensing(UnscentedKalman):
         heated = xp.maximum(seen(xp, hot, 0.0)[power] * warm / austenite, TINY)
         mean, variances = [0.0] * self.unknowns(), [x * x for x in self.first_deviations()]
         k_M, k_A, k_h = (self._index(names) for names in (*RESISTIVITIES, FILMS))
-        k_a = self._index(("environment.temperature",))
+        k_a = self._index(AROUND)
         mean[0] = hot
         mean[k_M], mean[k_A] = xp.log(martensite / at_rest), xp.log(austenite / warm)
         lost = xp.maximum(lost, TINY)
