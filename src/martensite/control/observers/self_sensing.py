@@ -18,9 +18,8 @@ power P, that the wire then loses to the surroundings as fast as it is heated,
     ln ρ_M = ln R_M - ln R(T_a, 1),   ln ρ_A = ln R_A - ln R(T_h, 0),   ln h = ln P - ln Q(T_h - T_a),
 
 each with the error of its mean and those of T_h and T_a in it. The filter goes on from there, through the cooling,
-with parameters that walk `learning` times as fast as later. After the calibration the resistivities walk by their
-`resistivity_walk` alone and are taken as measured: a filter that goes on fitting both to one reading gives way in the
-wrong one of them sooner or later.
+with parameters that walk `learning` times as fast as later. Resistivities do not walk at all by default and keep the
+small spreads of their means: a filter that goes on fitting both to one reading gives way in the wrong one of them.
 
 In a pure phase nothing transforms without a change of temperature: the random walk of ξ is √(4 ξ (1 - ξ)) of
 `fraction_noise`. Its `beta` is 2, which is right for normal errors; sigma points at a kink of the hysteresis need it.
@@ -57,8 +56,6 @@ HALF = 0.5**0.5
 """Share of the tolerance of two independent temperatures that their mean, and half of their difference, have."""
 ABOVE = 28.0
 """How far the soak is above the end of the transformation without stress: 17 K for the stress [K]."""
-
-
 TINY = 1e-12
 """Power below which nothing is heated [W]."""
 
