@@ -70,7 +70,7 @@ class UnknownWires:
     limit: float
     """Highest temperature allowed [K]."""
     expected: Numbers
-    """What the loop expects its own error to be, as a share of the span; 0 without an observer."""
+    """What the loop expects its own error to be, as a share of the span; without an observer, what it is."""
     trusted: Numbers
     """Its lowest confidence; 1 without one."""
 

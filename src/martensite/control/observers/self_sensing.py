@@ -98,6 +98,7 @@ class SelfSensing(UnscentedKalman):
     def check(self) -> None:
         """Raise `ParameterError` unless the model is one wire with a resistance and a film."""
         self.__dict__["_known"] = tuple(leaf.path for leaf in self.model.leaves() if leaf.value != 0.0)
+        self.__dict__["_sought"] = dict[tuple[str, ...], tuple[str, ...]]()
         super().check()
         if len(self.model.actuators()) != 1 or len(self.model.drives()) != 1:
             raise ParameterError("Observer `self-sensing` is for one element with one drive; take a Kalman filter.")
@@ -130,10 +131,13 @@ class SelfSensing(UnscentedKalman):
             found.append(FreeParameter(heating, "offset", UNIFORM * common, self.transformation_walk, cooling))
         return found
 
-    def _paths(self, names: Sequence[str]) -> tuple[str, ...]:
+    def _paths(self, names: tuple[str, ...]) -> tuple[str, ...]:
         """Parameters of the model that are called so, or end so."""
-        known = self.__dict__["_known"]
-        return tuple(path for path in known if path in names or path.endswith(tuple(f".{name}" for name in names)))
+        sought = self.__dict__["_sought"]
+        if names not in sought:
+            endings = tuple(f".{name}" for name in names)
+            sought[names] = tuple(p for p in self.__dict__["_known"] if p in names or p.endswith(endings))
+        return sought[names]
 
     def commands(self) -> tuple[str, str] | None:
         """It gives the signal while it calibrates."""
